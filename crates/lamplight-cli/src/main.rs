@@ -1,0 +1,3 @@
+//! The command `lamplight`.
+
+fn main() {}

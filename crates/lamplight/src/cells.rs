@@ -1,0 +1,347 @@
+//! The grid of matter that every method reads.
+//!
+//! A struct of arrays in row order (index `y * width + x`), one array a field, so that a stage
+//! touches only what it needs. Lamps are listed beside the matter: [`Cells::drawn`] draws them in
+//! as glowing discs for the methods that see only matter.
+
+use crate::{Error, Lamp, Result, Sky};
+use std::borrow::Cow;
+
+/// Linear red, green, blue.
+pub type Rgb = [f32; 3];
+
+/// What one cell holds.
+///
+/// Crossing `s` px of a cell multiplies what lies behind it by `T = ((1 − opacity)·tint)^s` and
+/// adds `(1 − T)·(emission + albedo·φ)`. A cell of opacity 1 is a solid wall whose four faces send
+/// out `emission + albedo·B`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Matter {
+    /// Radiance that the cell gives off, linear RGB, 0 or more, unbounded.
+    pub emission: Rgb,
+    /// Share of light absorbed in crossing one px, 0 to 1; 1 is a solid wall.
+    pub opacity: f32,
+    /// Colour filter for each px crossed, 0 to 1 a channel; 1 lets all through.
+    pub tint: Rgb,
+    /// Share of arriving light that is sent on, 0 to 1 a channel.
+    pub albedo: Rgb,
+}
+
+impl Matter {
+    /// Empty space.
+    pub const EMPTY: Self =
+        Self { emission: [0.0; 3], opacity: 0.0, tint: [1.0; 3], albedo: [0.0; 3] };
+
+    /// This matter laid over `below` so that it covers `share` (0 to 1) of the cell.
+    ///
+    /// Opacity is `share·opacity` over what is left of the layer below; emission and albedo mix
+    /// by how much of the cell's opacity each layer brings, so that the light given off, which is
+    /// emission × opacity, follows the share.
+    #[must_use]
+    pub fn over(self, below: Self, share: f32) -> Self {
+        if share <= 0.0 {
+            return below;
+        }
+        if share >= 1.0 {
+            return self;
+        }
+        let above = share * self.opacity;
+        let under = (1.0 - share) * below.opacity;
+        let opacity = above + under;
+        // Glass without opacity still mixes by area.
+        let (above, under) =
+            if opacity > 0.0 { (above / opacity, under / opacity) } else { (share, 1.0 - share) };
+        let mix = |a: Rgb, b: Rgb, wa: f32, wb: f32| -> Rgb {
+            std::array::from_fn(|c| a[c] * wa + b[c] * wb)
+        };
+        Self {
+            emission: mix(self.emission, below.emission, above, under),
+            opacity,
+            tint: mix(self.tint, below.tint, share, 1.0 - share),
+            albedo: mix(self.albedo, below.albedo, above, under),
+        }
+    }
+}
+
+impl Default for Matter {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+/// The grid: matter, lamps and the sky round it.
+#[derive(Debug, PartialEq)]
+pub struct Cells {
+    width: u32,
+    height: u32,
+    emission: Vec<Rgb>,
+    opacity: Vec<f32>,
+    tint: Vec<Rgb>,
+    albedo: Vec<Rgb>,
+    color: Option<Vec<Rgb>>,
+    lamps: Vec<Lamp>,
+    sky: Sky,
+}
+
+impl Cells {
+    /// Longest side of a grid, so that squared distances fit 31 bits.
+    pub const MAX_SIDE: u32 = 16_384;
+    /// Most cells of a grid: about 2 GiB of matter.
+    pub const MAX_CELLS: u64 = 1 << 25;
+
+    /// A grid of empty space under a black sky.
+    pub fn new(width: u32, height: u32) -> Result<Self> {
+        Self::check_size(u64::from(width), u64::from(height))?;
+        let n = width as usize * height as usize;
+        Ok(Self {
+            width,
+            height,
+            emission: vec![[0.0; 3]; n],
+            opacity: vec![0.0; n],
+            tint: vec![[1.0; 3]; n],
+            albedo: vec![[0.0; 3]; n],
+            color: None,
+            lamps: Vec::new(),
+            sky: Sky::BLACK,
+        })
+    }
+
+    /// Refuses sizes of zero and sizes beyond [`Self::MAX_SIDE`] and [`Self::MAX_CELLS`].
+    pub fn check_size(width: u64, height: u64) -> Result<()> {
+        let side = 1..=u64::from(Self::MAX_SIDE);
+        if side.contains(&width) && side.contains(&height) && width * height <= Self::MAX_CELLS {
+            Ok(())
+        } else {
+            Err(Error::Size { width, height })
+        }
+    }
+
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        self.opacity.len()
+    }
+
+    /// Never true: a grid has at least one cell.
+    pub fn is_empty(&self) -> bool {
+        self.opacity.is_empty()
+    }
+
+    /// Index of cell (x, y) in the arrays.
+    ///
+    /// # Panics
+    /// When (x, y) lies outside the grid.
+    #[inline]
+    pub fn index(&self, x: u32, y: u32) -> usize {
+        assert!(x < self.width && y < self.height, "cell ({x}, {y}) is outside the grid");
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// What cell (x, y) holds; `None` outside the grid.
+    pub fn get(&self, x: u32, y: u32) -> Option<Matter> {
+        (x < self.width && y < self.height).then(|| self.matter(self.index(x, y)))
+    }
+
+    /// What the cell at an index holds.
+    #[inline]
+    pub fn matter(&self, index: usize) -> Matter {
+        Matter {
+            emission: self.emission[index],
+            opacity: self.opacity[index],
+            tint: self.tint[index],
+            albedo: self.albedo[index],
+        }
+    }
+
+    /// Puts matter into cell (x, y); outside the grid nothing happens.
+    pub fn set(&mut self, x: u32, y: u32, matter: Matter) {
+        if x < self.width && y < self.height {
+            self.set_matter(self.index(x, y), matter);
+        }
+    }
+
+    /// Puts matter into the cell at an index.
+    #[inline]
+    pub fn set_matter(&mut self, index: usize, matter: Matter) {
+        self.emission[index] = matter.emission;
+        self.opacity[index] = matter.opacity;
+        self.tint[index] = matter.tint;
+        self.albedo[index] = matter.albedo;
+    }
+
+    /// Emission of every cell.
+    pub fn emission(&self) -> &[Rgb] {
+        &self.emission
+    }
+
+    /// Emission of every cell, to change.
+    pub fn emission_mut(&mut self) -> &mut [Rgb] {
+        &mut self.emission
+    }
+
+    /// Opacity of every cell.
+    pub fn opacity(&self) -> &[f32] {
+        &self.opacity
+    }
+
+    /// Opacity of every cell, to change.
+    pub fn opacity_mut(&mut self) -> &mut [f32] {
+        &mut self.opacity
+    }
+
+    /// Tint of every cell.
+    pub fn tint(&self) -> &[Rgb] {
+        &self.tint
+    }
+
+    /// Tint of every cell, to change.
+    pub fn tint_mut(&mut self) -> &mut [Rgb] {
+        &mut self.tint
+    }
+
+    /// Albedo of every cell.
+    pub fn albedo(&self) -> &[Rgb] {
+        &self.albedo
+    }
+
+    /// Albedo of every cell, to change.
+    pub fn albedo_mut(&mut self) -> &mut [Rgb] {
+        &mut self.albedo
+    }
+
+    /// What the final picture shows under the light, linear RGB; `None` is white everywhere.
+    pub fn color(&self) -> Option<&[Rgb]> {
+        self.color.as_deref()
+    }
+
+    /// The picture under the light, to change; made white at the first call.
+    pub fn color_mut(&mut self) -> &mut [Rgb] {
+        let n = self.opacity.len();
+        self.color.get_or_insert_with(|| vec![[1.0; 3]; n])
+    }
+
+    /// Lamps, which are no matter until [`Cells::drawn`].
+    pub fn lamps(&self) -> &[Lamp] {
+        &self.lamps
+    }
+
+    /// Lamps, to add, move or remove.
+    pub fn lamps_mut(&mut self) -> &mut Vec<Lamp> {
+        &mut self.lamps
+    }
+
+    /// What a ray sees that leaves the grid.
+    pub fn sky(&self) -> Sky {
+        self.sky
+    }
+
+    /// Sets the sky.
+    pub fn set_sky(&mut self, sky: Sky) {
+        self.sky = sky;
+    }
+
+    /// Whether a cell is a solid wall.
+    #[inline]
+    pub fn is_solid(&self, index: usize) -> bool {
+        self.opacity[index] >= 1.0
+    }
+
+    /// The same grid with its lamps drawn in as glowing discs; itself where it has no lamp.
+    pub fn drawn(&self) -> Cow<'_, Self> {
+        if self.lamps.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut drawn = self.clone();
+        drawn.draw_lamps();
+        Cow::Owned(drawn)
+    }
+
+    /// Draws the lamps into the matter and empties their list.
+    pub fn draw_lamps(&mut self) {
+        let mut lamps = std::mem::take(&mut self.lamps);
+        for lamp in &lamps {
+            lamp.draw(self);
+        }
+        lamps.clear();
+        // Keep the allocation: a solver draws every frame into the same grid.
+        self.lamps = lamps;
+    }
+
+    /// Refuses NaN, infinite and out-of-range values anywhere in the grid.
+    pub fn check(&self) -> Result<()> {
+        let unit = |v: f32| (0.0..=1.0).contains(&v);
+        let radiance = |v: f32| v >= 0.0 && v.is_finite();
+        self.check_field(
+            "emission",
+            "finite and 0 or more",
+            self.emission.as_flattened(),
+            3,
+            radiance,
+        )?;
+        self.check_field("opacity", "0 to 1", &self.opacity, 1, unit)?;
+        self.check_field("tint", "0 to 1", self.tint.as_flattened(), 3, unit)?;
+        self.check_field("albedo", "0 to 1", self.albedo.as_flattened(), 3, unit)?;
+        for (i, lamp) in self.lamps.iter().enumerate() {
+            lamp.check(&format_args!("lamp[{i}]"))?;
+        }
+        self.sky.check()
+    }
+
+    fn check_field(
+        &self,
+        field: &'static str,
+        expected: &'static str,
+        values: &[f32],
+        channels: usize,
+        good: impl Fn(f32) -> bool,
+    ) -> Result<()> {
+        // Chunks let the common case run as vector code, without an early exit a value.
+        for (chunk, part) in values.chunks(1024).enumerate() {
+            if part.iter().fold(true, |all, &v| all & good(v)) {
+                continue;
+            }
+            let at = part.iter().position(|&v| !good(v)).unwrap_or(0);
+            let cell = (chunk * 1024 + at) / channels;
+            let (x, y) = (cell % self.width as usize, cell / self.width as usize);
+            return Err(Error::Cell { x: x as u32, y: y as u32, field, value: part[at], expected });
+        }
+        Ok(())
+    }
+}
+
+impl Clone for Cells {
+    fn clone(&self) -> Self {
+        Self {
+            width: self.width,
+            height: self.height,
+            emission: self.emission.clone(),
+            opacity: self.opacity.clone(),
+            tint: self.tint.clone(),
+            albedo: self.albedo.clone(),
+            color: self.color.clone(),
+            lamps: self.lamps.clone(),
+            sky: self.sky,
+        }
+    }
+
+    /// Copies into the buffers at hand: a solver does this every frame without allocating.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { width, height, emission, opacity, tint, albedo, color, lamps, sky } = source;
+        (self.width, self.height, self.sky) = (*width, *height, *sky);
+        self.emission.clone_from(emission);
+        self.opacity.clone_from(opacity);
+        self.tint.clone_from(tint);
+        self.albedo.clone_from(albedo);
+        self.color.clone_from(color);
+        self.lamps.clone_from(lamps);
+    }
+}

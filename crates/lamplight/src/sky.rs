@@ -1,0 +1,74 @@
+//! The sky: what a ray sees that leaves the grid.
+
+use crate::{Error, Result, Rgb};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Radiance beyond the grid, by direction.
+///
+/// In a file either one colour, `sky = [0.1, 0.1, 0.2]`, or a gradient,
+/// `sky = { zenith = […], horizon = […], ground = […] }`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Sky {
+    /// The same linear RGB radiance from everywhere.
+    Uniform(Rgb),
+    /// A gradient over the elevation of the direction.
+    Gradient(Gradient),
+}
+
+/// A sky that changes with elevation: `zenith` straight up (−y), `horizon` to the sides,
+/// `ground` straight down; linear in the sine of the elevation between them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gradient {
+    /// Linear RGB radiance from straight up.
+    pub zenith: Rgb,
+    /// Linear RGB radiance from the sides.
+    pub horizon: Rgb,
+    /// Linear RGB radiance from straight down.
+    pub ground: Rgb,
+}
+
+impl Sky {
+    /// No light from outside.
+    pub const BLACK: Self = Self::Uniform([0.0; 3]);
+
+    /// Radiance seen along a ray whose unit direction has the y component `dy` (y points down).
+    #[inline]
+    pub fn radiance(&self, dy: f32) -> Rgb {
+        match self {
+            Self::Uniform(rgb) => *rgb,
+            Self::Gradient(g) => {
+                let (end, share) = if dy < 0.0 { (g.zenith, -dy) } else { (g.ground, dy) };
+                std::array::from_fn(|c| g.horizon[c] + (end[c] - g.horizon[c]) * share)
+            }
+        }
+    }
+
+    /// Whether no light comes from anywhere.
+    pub fn is_black(&self) -> bool {
+        self.ends().into_iter().flatten().all(|v| v == 0.0)
+    }
+
+    /// Refuses NaN, infinite and negative radiance.
+    pub fn check(&self) -> Result<()> {
+        match self.ends().into_iter().flatten().find(|v| !v.is_finite() || *v < 0.0) {
+            Some(v) => Err(Error::value("sky", v, "a finite radiance of 0 or more")),
+            None => Ok(()),
+        }
+    }
+
+    fn ends(&self) -> [Rgb; 3] {
+        match *self {
+            Self::Uniform(rgb) => [rgb; 3],
+            Self::Gradient(g) => [g.zenith, g.horizon, g.ground],
+        }
+    }
+}
+
+impl Default for Sky {
+    fn default() -> Self {
+        Self::BLACK
+    }
+}
