@@ -18,11 +18,14 @@ pub mod methods;
 pub mod scene;
 pub mod settings;
 pub mod sky;
+pub mod srgb;
 pub mod stages;
 
 pub use cells::{Cells, Matter, Rgb};
 pub use error::{Error, Result};
 pub use frame::Solver;
+/// The crate of the pictures that [`Light::compose`] returns.
+pub use image;
 pub use lamp::{Falloff, Lamp};
 pub use light::Light;
 pub use scene::Scene;

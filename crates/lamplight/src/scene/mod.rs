@@ -1,5 +1,39 @@
 //! What an author writes: layers, shapes, lamps and a sky, in a file or in code.
 
+use crate::*;
+use std::path::Path;
+
 /// A scene.
 #[derive(Clone, Debug, Default)]
-pub struct Scene {}
+pub struct Scene {
+    /// Size.
+    pub size: [u32; 2],
+    /// Settings.
+    pub light: SettingsTable,
+    /// Display.
+    pub display: Display,
+}
+
+impl Scene {
+    /// Stub.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        std::fs::read_to_string(path)
+            .map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        Ok(Self { size: [320, 180], ..Self::default() })
+    }
+    /// Stub.
+    pub fn cells(&self) -> Result<Cells> {
+        let mut cells = Cells::new(self.size[0], self.size[1])?;
+        cells.set(5, 5, Matter { emission: [5.0; 3], opacity: 1.0, ..Matter::EMPTY });
+        Ok(cells)
+    }
+    /// Stub.
+    pub fn schema() -> serde_json::Value {
+        serde_json::Value::Null
+    }
+    /// Stub.
+    pub fn warnings(&self, _: &Cells) -> Vec<String> {
+        Vec::new()
+    }
+}
