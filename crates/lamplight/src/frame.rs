@@ -153,23 +153,3 @@ impl Clock {
         }
     }
 }
-/// Stub.
-#[derive(Debug)]
-pub struct Stages<'a> {
-    /// Seeds.
-    pub seed: &'a [u32],
-    /// Nearest.
-    pub nearest: &'a [u32],
-    /// Distance.
-    pub distance: &'a [f32],
-}
-impl Solver {
-    /// Stub.
-    pub fn timings(&self) -> &[(&'static str, std::time::Duration)] {
-        &[]
-    }
-    /// Stub.
-    pub fn stages(&self) -> Stages<'_> {
-        Stages { seed: &[], nearest: &[], distance: &[] }
-    }
-}

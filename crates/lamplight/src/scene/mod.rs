@@ -25,6 +25,30 @@ impl Scene {
     /// Stub.
     pub fn cells(&self) -> Result<Cells> {
         let mut cells = Cells::new(self.size[0], self.size[1])?;
+        for i in 0..40 {
+            cells.set(100, 40 + i, Matter { opacity: 1.0, albedo: [0.8; 3], ..Matter::EMPTY });
+            cells.set(200 + i, 90, Matter { opacity: 1.0, albedo: [0.8; 3], ..Matter::EMPTY });
+            cells.set(
+                200 + i,
+                20 + i,
+                Matter { opacity: 0.3, tint: [1.0, 0.5, 0.5], ..Matter::EMPTY },
+            );
+        }
+        cells.lamps_mut().push(Lamp { position: [160.5, 90.0], size: 5.0, ..Lamp::default() });
+        for y in 0..8 {
+            for x in 0..8 {
+                cells.set(
+                    150 + x,
+                    60 + y,
+                    Matter { emission: [3.0, 2.0, 1.0], opacity: 1.0, ..Matter::EMPTY },
+                );
+                cells.set(
+                    50 + x,
+                    100 + y,
+                    Matter { emission: [0.5, 2.0, 4.0], opacity: 1.0, ..Matter::EMPTY },
+                );
+            }
+        }
         cells.set(5, 5, Matter { emission: [5.0; 3], opacity: 1.0, ..Matter::EMPTY });
         Ok(cells)
     }

@@ -69,8 +69,7 @@ const BRIGHTEST: f32 = 1e9;
 fn aces(rgb: Rgb) -> Rgb {
     /// Luma² ÷ (slope + luma) is the share of white.
     const SLOPE: f32 = 12.0;
-    let curve =
-        |x: f32| ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0);
+    let curve = |x: f32| ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0);
     let luma = rgb[0] * 0.299 + rgb[1] * 0.587 + rgb[2] * 0.114;
     let white = (luma * luma / (SLOPE + luma)).min(1.0);
     rgb.map(|v| curve(v) + (curve(luma) - curve(v)) * white)
@@ -254,7 +253,10 @@ mod tests {
             for v in [1e30, f32::MAX, f32::INFINITY, f32::NAN, -1.0, f32::MIN_POSITIVE] {
                 for rgb in [[v; 3], [v, 0.0, 0.0], [0.0, v, 1.0]] {
                     let out = map.map(rgb);
-                    assert!(out.iter().all(|v| (0.0..=1.0).contains(v)), "{map:?} {rgb:?}: {out:?}");
+                    assert!(
+                        out.iter().all(|v| (0.0..=1.0).contains(v)),
+                        "{map:?} {rgb:?}: {out:?}"
+                    );
                 }
             }
         }
@@ -305,9 +307,6 @@ mod tests {
     fn other_grids_are_refused() {
         let light = Light::from_pixels(&Cells::new(3, 1).unwrap(), vec![[1.0; 3]; 3]).unwrap();
         let error = light.compose(&Cells::new(1, 3).unwrap(), &Display::default()).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "`cells` is 1×3, but must be the grid of the light, 3×1"
-        );
+        assert_eq!(error.to_string(), "`cells` is 1×3, but must be the grid of the light, 3×1");
     }
 }

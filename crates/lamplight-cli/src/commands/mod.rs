@@ -1,0 +1,33 @@
+//! One file a command.
+
+mod render;
+
+use crate::failure::Outcome;
+use clap::{Parser, Subcommand};
+
+/// Light 2D scenes: walls that emit, absorb, tint and reflect go in, lit pixels come out.
+#[derive(Parser, Debug)]
+#[command(name = "lamplight", version, max_term_width = 100, arg_required_else_help = true)]
+#[command(after_help = "\
+Start here:
+  lamplight new cave.toml       write a commented scene
+  lamplight render cave.toml    light it: cave.png
+
+Exit codes: 0 done, 1 failed, 2 bad input or usage.")]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    Render(render::Args),
+}
+
+/// Does it.
+pub fn run(command: Command) -> Outcome {
+    match command {
+        Command::Render(args) => render::run(args),
+    }
+}
