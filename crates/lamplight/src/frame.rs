@@ -1,19 +1,64 @@
 //! One frame, from cells to light, top to bottom.
 
+use crate::methods::raymarch::{Input, Raymarch};
+use crate::settings::Method;
+use crate::stages::walls::Walls;
+use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::{Cells, Light, Result, Settings};
+use std::time::{Duration, Instant};
 
-/// Runs a method; keeps its buffers between frames.
+/// Runs a method; keeps its buffers between frames, so that solving again with the same size
+/// allocates nothing. Runs on the rayon pool it is called in.
 #[derive(Debug)]
 pub struct Solver {
     settings: Settings,
+    frame: u32,
+    cells: Cells,
+    fields: Fields,
+    raymarch: Raymarch,
+    stale: Vec<bool>,
+    walls: Walls,
     light: Light,
+    clock: Clock,
+}
+
+/// What the stages before the methods leave behind.
+#[derive(Debug, Default)]
+struct Fields {
+    seeds: Vec<u32>,
+    nearest: Vec<u32>,
+    scratch: Vec<u32>,
+    distance: Vec<f32>,
+}
+
+/// A look at the intermediates of the last frame; each has one entry a cell, in row order.
+#[derive(Clone, Copy, Debug)]
+pub struct Stages<'a> {
+    /// The grid with its lamps drawn in.
+    pub cells: &'a Cells,
+    /// Seed map: the own position of occupied cells, packed ([`crate::stages::seed`]).
+    pub seeds: &'a [u32],
+    /// Voronoi map: the nearest occupied cell, packed.
+    pub nearest: &'a [u32],
+    /// px to the nearest occupied cell.
+    pub distance: &'a [f32],
 }
 
 impl Solver {
     /// A solver with checked settings.
     pub fn new(settings: Settings) -> Result<Self> {
         settings.check()?;
-        Ok(Self { settings, light: Light::default() })
+        Ok(Self {
+            settings,
+            frame: 0,
+            cells: Cells::new(1, 1)?,
+            fields: Fields::default(),
+            raymarch: Raymarch::default(),
+            stale: Vec::new(),
+            walls: Walls::default(),
+            light: Light::default(),
+            clock: Clock::default(),
+        })
     }
 
     /// The settings it was made with.
@@ -21,16 +66,90 @@ impl Solver {
         &self.settings
     }
 
-    /// Solves one frame.
+    /// Solves one frame. Each call is the next frame: noise moves on, history and feedback grow.
     pub fn solve(&mut self, cells: &Cells) -> Result<&Light> {
+        self.clock.start();
         cells.check()?;
-        let rgb = vec![[0.0; 3]; cells.len()];
-        if let Some(light) = Light::from_pixels(cells, rgb) {
-            self.light = light;
+        self.cells.clone_from(cells);
+        self.cells.draw_lamps();
+        self.clock.lap("cells");
+
+        match self.settings.method {
+            Method::Raymarch => self.raymarch(),
         }
+
+        self.light.width = self.cells.width();
+        self.light.height = self.cells.height();
+        self.light.solid.clear();
+        self.light.solid.extend((0..self.cells.len()).map(|i| self.cells.is_solid(i)));
+        self.walls.sink(&self.cells, self.settings.wall_depth, &mut self.light.rgb);
+        self.clock.lap("walls");
+        self.frame = self.frame.wrapping_add(1);
         Ok(&self.light)
     }
 
-    /// Forgets the frames before: the next one starts afresh.
-    pub fn reset(&mut self) {}
+    fn raymarch(&mut self) {
+        let (cells, fields) = (&self.cells, &mut self.fields);
+        let (w, h) = (cells.width(), cells.height());
+        seed(cells, self.settings.raymarch.threshold, &mut fields.seeds);
+        self.clock.lap("seed");
+        fields.nearest.clone_from(&fields.seeds);
+        jump_flood::jump_flood(w, h, 0, &mut fields.nearest, &mut fields.scratch);
+        jump_flood::settle(w, h, &mut fields.nearest, &mut fields.scratch);
+        self.clock.lap("jump_flood");
+        distance(w, &fields.nearest, &mut fields.distance);
+        self.clock.lap("distance");
+        let input = Input {
+            cells,
+            distance: &fields.distance,
+            nearest: &fields.nearest,
+            changed: &[],
+            frame: self.frame,
+        };
+        self.raymarch.solve(input, &self.settings, &mut self.light.rgb, &mut self.stale);
+        self.clock.lap("raymarch");
+    }
+
+    /// The light of the last frame.
+    pub fn light(&self) -> &Light {
+        &self.light
+    }
+
+    /// The intermediates of the last frame.
+    pub fn stages(&self) -> Stages<'_> {
+        let Fields { seeds, nearest, distance, .. } = &self.fields;
+        Stages { cells: &self.cells, seeds, nearest, distance }
+    }
+
+    /// What each stage of the last frame took.
+    pub fn timings(&self) -> &[(&'static str, Duration)] {
+        &self.clock.laps
+    }
+
+    /// Forgets the frames before: the next one starts afresh, as after a cut or a jump of the view.
+    pub fn reset(&mut self) {
+        self.frame = 0;
+        self.raymarch = Raymarch::default();
+    }
+}
+
+/// Times the stages of a frame.
+#[derive(Debug, Default)]
+struct Clock {
+    last: Option<Instant>,
+    laps: Vec<(&'static str, Duration)>,
+}
+
+impl Clock {
+    fn start(&mut self) {
+        self.laps.clear();
+        self.last = Some(Instant::now());
+    }
+
+    fn lap(&mut self, stage: &'static str) {
+        let now = Instant::now();
+        if let Some(last) = self.last.replace(now) {
+            self.laps.push((stage, now - last));
+        }
+    }
 }

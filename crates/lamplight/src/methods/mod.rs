@@ -1,1 +1,3 @@
 //! The ways to the same light, each chosen by name.
+
+pub mod raymarch;

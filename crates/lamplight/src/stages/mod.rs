@@ -1,4 +1,11 @@
 //! The steps that methods share, each with one stem across CPU, GPU, shaders, tests and docs.
 
+pub mod bounce;
+pub mod denoise;
 pub mod display;
+pub mod distance;
+pub mod jump_flood;
+pub mod noise;
+pub mod seed;
+pub mod temporal;
 pub mod walls;

@@ -1,0 +1,119 @@
+//! The surfaces that send light on: faces of walls, and fog.
+//!
+//! A solid cell is a Lambertian surface on each of its faces that touch a cell that is not solid;
+//! a face that receives B sends out `albedo·B`. A cell of fog that receives φ sends out
+//! `albedo·φ` for the share of light that it stops. A method gathers what they receive, turns it
+//! into what they send out, and gathers again: once a bounce.
+
+use crate::{Cells, Rgb};
+
+/// Unit normals of a cell's faces: left, right, top, bottom.
+pub const NORMALS: [[i32; 2]; 4] = [[-1, 0], [1, 0], [0, -1], [0, 1]];
+
+/// No surface: what [`Surfaces::slot`] holds for most cells.
+const NONE: u32 = u32::MAX;
+
+/// Light that a surface receives, or sends out, by channel on each of the four faces.
+pub type Faces = [Rgb; 4];
+
+/// A solid cell with at least one face that touches a cell that is not solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall {
+    /// Index of the cell.
+    pub cell: u32,
+    /// Whether each face is exposed, in the order of [`NORMALS`].
+    pub exposed: [bool; 4],
+    /// Whether it sends light on.
+    pub reflects: bool,
+}
+
+/// The surfaces of a grid and the light on them.
+#[derive(Debug, Default)]
+pub struct Surfaces {
+    slots: Vec<u32>,
+    /// Solid cells that can be seen.
+    pub walls: Vec<Wall>,
+    /// Indices of cells of fog that send light on.
+    pub fog: Vec<u32>,
+    /// What each wall sends out beyond its emission.
+    pub wall_sent: Vec<Faces>,
+    /// What each cell of fog sends out beyond its emission.
+    pub fog_sent: Vec<Rgb>,
+}
+
+impl Surfaces {
+    /// Finds the surfaces of a grid; none sends anything on yet.
+    pub fn collect(&mut self, cells: &Cells) {
+        self.slots.clear();
+        self.slots.resize(cells.len(), NONE);
+        self.walls.clear();
+        self.fog.clear();
+        let (w, h) = (cells.width() as i32, cells.height() as i32);
+        for y in 0..h {
+            for x in 0..w {
+                let i = (y * w + x) as usize;
+                let reflects = cells.albedo()[i] != [0.0; 3];
+                if !cells.is_solid(i) {
+                    if reflects && (cells.opacity()[i] > 0.0 || cells.tint()[i] != [1.0; 3]) {
+                        self.slots[i] = self.fog.len() as u32;
+                        self.fog.push(i as u32);
+                    }
+                    continue;
+                }
+                let exposed = NORMALS.map(|[nx, ny]| {
+                    let (x, y) = (x + nx, y + ny);
+                    let inside = (0..w).contains(&x) && (0..h).contains(&y);
+                    inside && !cells.is_solid((y * w + x) as usize)
+                });
+                if exposed.contains(&true) {
+                    self.slots[i] = self.walls.len() as u32;
+                    self.walls.push(Wall { cell: i as u32, exposed, reflects });
+                }
+            }
+        }
+        self.wall_sent.clear();
+        self.wall_sent.resize(self.walls.len(), Faces::default());
+        self.fog_sent.clear();
+        self.fog_sent.resize(self.fog.len(), Rgb::default());
+    }
+
+    /// Takes what surfaces sent in the frame `before`, where the same cell was a surface then.
+    pub fn take_over(&mut self, before: &Self) {
+        if before.slots.len() != self.slots.len() {
+            return;
+        }
+        for (wall, sent) in self.walls.iter().zip(&mut self.wall_sent) {
+            let slot = before.slots[wall.cell as usize] as usize;
+            if before.walls.get(slot).is_some_and(|old| old.cell == wall.cell) {
+                *sent = before.wall_sent[slot];
+            }
+        }
+        for (&cell, sent) in self.fog.iter().zip(&mut self.fog_sent) {
+            let slot = before.slots[cell as usize] as usize;
+            if before.fog.get(slot) == Some(&cell) {
+                *sent = before.fog_sent[slot];
+            }
+        }
+    }
+
+    /// Index of a cell in `walls` (solid cells) or `fog` (others).
+    #[inline]
+    pub fn slot(&self, cell: usize) -> Option<usize> {
+        let slot = self.slots[cell];
+        (slot != NONE).then_some(slot as usize)
+    }
+
+    /// Whether anything sends light on.
+    pub fn reflect(&self) -> bool {
+        !self.fog.is_empty() || self.walls.iter().any(|wall| wall.reflects)
+    }
+}
+
+/// Mean light over the exposed faces of a wall: what is shown of it.
+pub fn mean_over_faces(wall: &Wall, faces: &Faces) -> Rgb {
+    let count = wall.exposed.iter().filter(|&&e| e).count() as f32;
+    std::array::from_fn(|c| {
+        let lit = faces.iter().zip(wall.exposed).filter(|(_, exposed)| *exposed);
+        lit.map(|(face, _)| face[c]).sum::<f32>() / count
+    })
+}
