@@ -6,7 +6,8 @@ use crate::failure::{Outcome, warn};
 use crate::progress::Progress;
 use lamplight::settings::BounceBy;
 use lamplight::{Bounces, Cells, Light, Scene, Settings, Solver};
-use serde_json::{Map, Value};
+use lamplight_truth::{Estimate, PathTracer};
+use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -66,7 +67,7 @@ pub fn solve(cells: &Cells, mut settings: Settings, frames: u32, quiet: bool) ->
         settings.temporal.frames = frames;
     }
     let answer = Answer::By(settings.method);
-    let settings_json = json(&settings)?;
+    let told = to_json(&settings)?;
     let mut solver = Solver::new(settings)?;
     let mut stages: Vec<(&'static str, Duration)> = Vec::new();
     let start = Instant::now();
@@ -83,15 +84,68 @@ pub fn solve(cells: &Cells, mut settings: Settings, frames: u32, quiet: bool) ->
     }
     let light = solver.light().clone();
     let total = start.elapsed();
-    Ok(Lit { light, answer, stages, total, frames, settings: settings_json })
+    Ok(Lit { light, answer, stages, total, frames, settings: told })
 }
 
 /// Runs the path tracer.
 pub fn reference(cells: &Cells, settings: &Settings, samples: u32, quiet: bool) -> Outcome<Lit> {
-    let _ = (cells, settings, samples, quiet);
-    todo!()
+    let (estimate, total) = trace(cells, settings, samples, quiet)?;
+    let error = relative_standard_error(&estimate);
+    let told = json!({
+        "bounces": settings.bounces, "wall_depth": settings.wall_depth,
+        "seed": settings.seed, "samples": samples, "relative_standard_error": error,
+    });
+    Ok(Lit {
+        light: estimate.light,
+        answer: Answer::Reference,
+        stages: vec![("reference", total)],
+        total,
+        frames: 1,
+        settings: told,
+    })
 }
 
-fn json(value: &impl serde::Serialize) -> Outcome<Value> {
+/// The path tracer's estimate of every cell, and the time it took.
+pub fn trace(
+    cells: &Cells,
+    settings: &Settings,
+    samples: u32,
+    quiet: bool,
+) -> Outcome<(Estimate, Duration)> {
+    let tracer = PathTracer {
+        samples,
+        bounces: settings.bounces,
+        wall_depth: settings.wall_depth,
+        seed: settings.seed,
+    };
+    let progress = Progress::new("tracing the reference", 1000, quiet);
+    let start = Instant::now();
+    let estimate = tracer.render(cells, &|share| progress.at((share * 1000.0) as u64))?;
+    Ok((estimate, start.elapsed()))
+}
+
+/// The reference's own error: the root mean square of its standard error over the open cells,
+/// relative to their mean light, as the relative RMSE of a method is.
+pub fn relative_standard_error(estimate: &Estimate) -> f64 {
+    let open = estimate.light.solid().iter().map(|solid| !solid);
+    let (mut squares, mut sum, mut count) = (0.0, 0.0, 0.0);
+    for ((error, light), _) in estimate
+        .standard_error
+        .iter()
+        .zip(estimate.light.pixels())
+        .zip(open)
+        .filter(|&(_, open)| open)
+    {
+        for c in 0..3 {
+            squares += f64::from(error[c]).powi(2);
+            sum += f64::from(light[c]);
+            count += 1.0;
+        }
+    }
+    if sum > 0.0 { (squares / count).sqrt() / (sum / count) } else { 0.0 }
+}
+
+/// A value as JSON.
+pub fn to_json(value: &impl serde::Serialize) -> Outcome<Value> {
     serde_json::to_value(value).map_err(Failure::failed)
 }
