@@ -127,15 +127,9 @@ pub fn trace(
 /// The reference's own error: the root mean square of its standard error over the open cells,
 /// relative to their mean light, as the relative RMSE of a method is.
 pub fn relative_standard_error(estimate: &Estimate) -> f64 {
-    let open = estimate.light.solid().iter().map(|solid| !solid);
     let (mut squares, mut sum, mut count) = (0.0, 0.0, 0.0);
-    for ((error, light), _) in estimate
-        .standard_error
-        .iter()
-        .zip(estimate.light.pixels())
-        .zip(open)
-        .filter(|&(_, open)| open)
-    {
+    let cells = estimate.standard_error.iter().zip(estimate.light.pixels());
+    for ((error, light), _) in cells.zip(estimate.light.solid()).filter(|&(_, solid)| !solid) {
         for c in 0..3 {
             squares += f64::from(error[c]).powi(2);
             sum += f64::from(light[c]);

@@ -10,6 +10,7 @@ mod lighting;
 mod output;
 mod progress;
 mod stage;
+mod table;
 
 use clap::Parser;
 use std::process::ExitCode;

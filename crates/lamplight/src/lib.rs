@@ -10,7 +10,9 @@
 //! out, once.
 
 pub mod cells;
+mod check;
 pub mod error;
+mod explain;
 pub mod frame;
 pub mod lamp;
 pub mod light;
@@ -28,7 +30,7 @@ pub use frame::Solver;
 pub use image;
 pub use lamp::{Falloff, Lamp};
 pub use light::Light;
-pub use scene::Scene;
+pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Settings, SettingsTable};
 pub use sky::Sky;
 pub use stages::display::{Display, ToneMap};

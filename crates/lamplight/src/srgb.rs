@@ -1,11 +1,49 @@
-//! sRGB (IEC 61966-2-1), in and out.
+//! The sRGB curve (IEC 61966-2-1:1999) between what files and screens hold and linear light.
+//!
+//! Decoded once on the way in, encoded once on the way out; all maths between is linear.
 
-/// Linear 0 to 1 → sRGB 0 to 1.
-pub fn encode(v: f32) -> f32 {
-    if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+use std::sync::LazyLock;
+
+/// Linear value of an sRGB-encoded one, both 0 to 1; values beyond 1 continue on the curve,
+/// negative ones on its straight part.
+pub fn decode(encoded: f32) -> f32 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Linear → sRGB byte.
-pub fn encode_byte(v: f32) -> u8 {
-    (encode(v.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
+/// sRGB-encoded value of a linear one: the inverse of [`decode`].
+pub fn encode(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Linear value of an 8-bit sRGB one, from a table.
+pub fn decode_u8(encoded: u8) -> f32 {
+    static TABLE: LazyLock<[f32; 256]> =
+        LazyLock::new(|| std::array::from_fn(|i| decode(i as f32 / 255.0)));
+    TABLE[usize::from(encoded)]
+}
+
+/// 8-bit sRGB value of a linear one; what lies outside 0 to 1 is cut off.
+pub fn encode_u8(linear: f32) -> u8 {
+    (encode(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_points_of_the_curve() {
+        assert_eq!(decode(0.0), 0.0);
+        assert_eq!(decode(1.0), 1.0);
+        // 0.5 decodes to 0.214041 (the standard's formula in double precision).
+        assert!((decode(0.5) - 0.214_041_14).abs() < 1e-6);
+        assert_eq!(decode_u8(128), decode(128.0 / 255.0));
+    }
+
+    #[test]
+    fn every_byte_survives_the_round_trip() {
+        for byte in 0..=255u8 {
+            assert_eq!(encode_u8(decode_u8(byte)), byte);
+        }
+    }
 }

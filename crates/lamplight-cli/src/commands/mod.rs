@@ -1,5 +1,9 @@
 //! One file a command.
 
+mod documents;
+mod info;
+mod new;
+mod probe;
 mod render;
 
 use crate::failure::Outcome;
@@ -23,11 +27,23 @@ pub struct Cli {
 #[derive(Subcommand, Debug)]
 pub enum Command {
     Render(render::Args),
+    Probe(probe::Args),
+    Info(info::Args),
+    New(new::Args),
+    Completions(documents::CompletionsArgs),
+    Man(documents::ManArgs),
+    Schema(documents::SchemaArgs),
 }
 
 /// Does it.
 pub fn run(command: Command) -> Outcome {
     match command {
         Command::Render(args) => render::run(args),
+        Command::Probe(args) => probe::run(args),
+        Command::Info(args) => info::run(args),
+        Command::New(args) => new::run(args),
+        Command::Completions(args) => documents::completions(args),
+        Command::Man(args) => documents::man(args),
+        Command::Schema(args) => documents::schema(args),
     }
 }

@@ -21,7 +21,10 @@ pub fn run(args: Args) -> Outcome {
     let shown = args.file.display();
     if args.file.extension().is_none_or(|ending| ending != "toml") {
         return Err(Failure::bad_input(format_args!("a new scene is a .toml file, not {shown}"))
-            .hint(format_args!("try `lamplight new {}`", args.file.with_extension("toml").display())));
+            .hint(format_args!(
+                "try `lamplight new {}`",
+                args.file.with_extension("toml").display()
+            )));
     }
     output::check_file(&args.file)?;
     if args.file.exists() && !args.force {

@@ -69,9 +69,9 @@ pub fn run(args: Args) -> Outcome {
             .collect::<Outcome<_>>()?;
         let settings = args.lighting.resolve(&scene.light)?;
         let lit = lighting::light(&cells, &args.lighting, settings)?;
-        let answers = at.into_iter().map(|(Point([x, y]), cell)| {
-            (x, y, lit.light.sample([x, y]), lit.light.solid()[cell])
-        });
+        let answers = at
+            .into_iter()
+            .map(|(Point([x, y]), cell)| (x, y, lit.light.sample([x, y]), lit.light.solid()[cell]));
         if args.json {
             let points: Vec<_> = answers
                 .map(|(x, y, light, solid)| {

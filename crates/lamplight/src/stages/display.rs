@@ -134,7 +134,7 @@ impl Display {
     /// One pixel: linear radiance → exposure, tone map, sRGB bytes.
     pub fn encode(&self, rgb: Rgb) -> [u8; 3] {
         let gain = self.gain();
-        self.tonemap.map(rgb.map(|v| v * gain)).map(srgb::encode_byte)
+        self.tonemap.map(rgb.map(|v| v * gain)).map(srgb::encode_u8)
     }
 
     /// A whole picture of linear radiance, in row order; pixels that are missing stay black.
