@@ -9,8 +9,10 @@ mod failure;
 mod lighting;
 mod output;
 mod progress;
+mod sheet;
 mod stage;
 mod table;
+mod text;
 
 use clap::Parser;
 use std::process::ExitCode;

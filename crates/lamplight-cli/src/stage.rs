@@ -14,6 +14,8 @@ pub enum Stage {
     Opacity,
     /// What share of light the cells send on.
     Albedo,
+    /// What colours light takes on in passing through the cells.
+    Tint,
     /// Each cell in the colour of the occupied cell nearest to it, as the jump flood found it.
     Voronoi,
     /// Distance to the nearest occupied cell, with contour lines.
@@ -27,10 +29,11 @@ pub enum Stage {
 
 impl Stage {
     /// Every stage, in the order of a frame.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Emission,
         Self::Opacity,
         Self::Albedo,
+        Self::Tint,
         Self::Voronoi,
         Self::Distance,
         Self::Light,
@@ -43,10 +46,25 @@ impl Stage {
             Self::Emission => "emission",
             Self::Opacity => "opacity",
             Self::Albedo => "albedo",
+            Self::Tint => "tint",
             Self::Voronoi => "voronoi",
             Self::Distance => "distance",
             Self::Light => "light",
             Self::Final => "final",
+        }
+    }
+
+    /// What the stage shows, in a few words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Emission => "the light that cells give off, lamps drawn in",
+            Self::Opacity => "what stops light: white is solid",
+            Self::Albedo => "the share of light that is sent on",
+            Self::Tint => "the colour filter of what light passes",
+            Self::Voronoi => "the nearest occupied cell, a colour each",
+            Self::Distance => "px to it, with contour lines",
+            Self::Light => "the light that arrives, alone",
+            Self::Final => "colour × light, tone mapped",
         }
     }
 
@@ -110,10 +128,9 @@ impl<'a> View<'a> {
         let picture = match stage {
             Stage::Emission => self.display.picture(w, h, self.cells.emission()),
             Stage::Albedo => plain.picture(w, h, self.cells.albedo()),
-            // As a layer holds it: a share, without sRGB.
-            Stage::Opacity => {
-                pixels(w, h, |i| Pixel([(self.cells.opacity()[i] * 255.0).round() as u8; 3]))
-            }
+            // As layers hold them: shares, without sRGB.
+            Stage::Opacity => pixels(w, h, |i| Pixel([share(self.cells.opacity()[i]); 3])),
+            Stage::Tint => pixels(w, h, |i| Pixel(self.cells.tint()[i].map(share))),
             Stage::Voronoi => self.voronoi()?,
             Stage::Distance => self.distance()?,
             Stage::Light => self.light()?.picture(&self.light_display),
@@ -129,6 +146,7 @@ impl<'a> View<'a> {
             Stage::Emission => self.cells.emission().to_vec(),
             Stage::Opacity => grey(self.cells.opacity()),
             Stage::Albedo => self.cells.albedo().to_vec(),
+            Stage::Tint => self.cells.tint().to_vec(),
             Stage::Voronoi => {
                 return Err(Failure::bad_input(
                     "the stage voronoi is a picture of cells, not of numbers",
@@ -187,6 +205,11 @@ impl<'a> View<'a> {
             Pixel([mix(color.r), mix(color.g), mix(color.b)])
         }))
     }
+}
+
+/// 0 to 1 as a byte, without sRGB.
+fn share(v: f32) -> u8 {
+    (v * 255.0).round() as u8
 }
 
 fn pixels(width: u32, height: u32, at: impl Fn(usize) -> Pixel<u8>) -> RgbImage {

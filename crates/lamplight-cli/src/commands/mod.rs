@@ -5,6 +5,7 @@ mod info;
 mod new;
 mod probe;
 mod render;
+mod stages;
 
 use crate::failure::Outcome;
 use clap::{Parser, Subcommand};
@@ -27,6 +28,7 @@ pub struct Cli {
 #[derive(Subcommand, Debug)]
 pub enum Command {
     Render(render::Args),
+    Stages(stages::Args),
     Probe(probe::Args),
     Info(info::Args),
     New(new::Args),
@@ -39,6 +41,7 @@ pub enum Command {
 pub fn run(command: Command) -> Outcome {
     match command {
         Command::Render(args) => render::run(args),
+        Command::Stages(args) => stages::run(args),
         Command::Probe(args) => probe::run(args),
         Command::Info(args) => info::run(args),
         Command::New(args) => new::run(args),
