@@ -15,6 +15,7 @@ pub mod error;
 mod explain;
 pub mod frame;
 pub mod lamp;
+mod lamp_gain;
 pub mod light;
 pub mod methods;
 pub mod scene;
