@@ -58,7 +58,7 @@ impl Backend {
 }
 
 /// A parser for values that go by name; `--help` and errors list the names.
-fn by_name<T: Copy + Send + Sync + 'static>(
+pub fn by_name<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {

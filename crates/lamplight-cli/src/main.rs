@@ -9,6 +9,7 @@ mod failure;
 mod lighting;
 mod output;
 mod progress;
+mod room;
 mod sheet;
 mod stage;
 mod table;

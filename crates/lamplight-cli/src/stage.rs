@@ -197,7 +197,9 @@ impl<'a> View<'a> {
             if !d.is_finite() {
                 return Pixel([24, 24, 28]);
             }
-            let color = colorous::MAGMA.eval_continuous(1.0 - 0.92 * f64::from(d / far));
+            // A step from what is occupied to what is near, so that shapes stand out.
+            let brightness = if d == 0.0 { 1.0 } else { 0.9 - 0.85 * f64::from(d / far) };
+            let color = colorous::MAGMA.eval_continuous(brightness);
             let (x, y) = (i % w, i / w);
             let edge = d > 0.0
                 && (x + 1 < w && band(i + 1) != band(i) || y + 1 < h && band(i + w) != band(i));

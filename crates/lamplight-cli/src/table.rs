@@ -6,12 +6,18 @@ use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 const STYLE: TableStyle =
     TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
 
-/// A table: a header, then rows; all but the first columns `left` are aligned to the right.
-pub fn table(header: &[&str], left: usize, rows: impl IntoIterator<Item = Vec<String>>) -> String {
+/// A table: a header, then rows. The columns `words` are aligned to the left, as words are; the
+/// others to the right, as numbers are.
+pub fn table(
+    header: &[&str],
+    words: &[usize],
+    rows: impl IntoIterator<Item = Vec<String>>,
+) -> String {
     let mut table = Table::new();
     table.load_style(STYLE).set_header(header.iter().copied());
     table.add_rows(rows);
-    for column in table.column_iter_mut().skip(left) {
+    let numbers = table.column_iter_mut().enumerate().filter(|(i, _)| !words.contains(i));
+    for (_, column) in numbers {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table.trim_fmt()

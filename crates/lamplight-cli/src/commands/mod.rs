@@ -1,5 +1,6 @@
 //! One file a command.
 
+mod bench;
 mod documents;
 mod info;
 mod new;
@@ -30,6 +31,7 @@ pub enum Command {
     Render(render::Args),
     Stages(stages::Args),
     Probe(probe::Args),
+    Bench(bench::Args),
     Info(info::Args),
     New(new::Args),
     Completions(documents::CompletionsArgs),
@@ -42,6 +44,7 @@ pub fn run(command: Command) -> Outcome {
     match command {
         Command::Render(args) => render::run(args),
         Command::Stages(args) => stages::run(args),
+        Command::Bench(args) => bench::run(args),
         Command::Probe(args) => probe::run(args),
         Command::Info(args) => info::run(args),
         Command::New(args) => new::run(args),

@@ -5,7 +5,7 @@ use crate::output;
 use std::path::PathBuf;
 
 /// What `lamplight new` writes.
-const STARTER: &str = include_str!("starter.toml");
+const STARTER: &str = include_str!("../starter.toml");
 
 /// Write a commented scene to start from
 #[derive(clap::Args, Debug)]

@@ -90,6 +90,6 @@ pub fn run(args: Args) -> Outcome {
             row.push(if solid { "wall" } else { "open" }.to_owned());
             row
         });
-        output::print(table(&["x", "y", "red", "green", "blue", "luminance", "cell"], 0, rows))
+        output::print(table(&["x", "y", "red", "green", "blue", "luminance", "cell"], &[6], rows))
     })
 }
