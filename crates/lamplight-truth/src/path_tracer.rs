@@ -1,7 +1,7 @@
 //! The reference: brute-force paths through the cells, as the definitions say and no faster.
 
 use crate::random::Random;
-use crate::traverse::{Event, Grid, Walk};
+use crate::traverse::{Event, Grid, Stretch, Walk};
 use lamplight::stages::walls::Walls;
 use lamplight::{Bounces, Cells, Error, Light, Result, Rgb, Sky};
 use rayon::prelude::*;
@@ -249,31 +249,36 @@ impl<'c> Tracer<'c> {
                     }
                     walk = self.from_wall(outside, point, normal, random.next());
                 }
-                Event::Medium { cell, extinction, length } => {
+                Event::Medium(stretch) => {
+                    let Stretch { cell, length, .. } = stretch;
                     if length == 0.0 {
                         continue;
                     }
-                    let absorbed = absorbed(self.grid.extinction[extinction], length);
+                    let extinction = self.grid.extinction[stretch.extinction];
+                    let absorbed = absorbed(extinction, length);
                     let mut go_on = [0.0; 3];
                     for c in 0..3 {
                         light[c] += weight[c] * absorbed[c] * f64::from(emission[cell][c]);
                         go_on[c] = weight[c] * (1.0 - absorbed[c]);
                     }
                     if sent < self.limit && albedo[cell] != [0.0; 3] {
-                        let scatter: [f64; 3] = std::array::from_fn(|c| {
+                        let mut scatter = std::array::from_fn(|c| {
                             weight[c] * absorbed[c] * f64::from(albedo[cell][c])
                         });
                         let (a, b) = (scatter.iter().sum::<f64>(), go_on.iter().sum::<f64>());
                         let p = if a > 0.0 { a / (a + b) } else { 0.0 };
                         if random.next() < p {
+                            let px = if stretch.side > 1 {
+                                scatter_at(extinction, absorbed, &mut scatter, random)
+                            } else {
+                                0.0
+                            };
                             weight = scatter.map(|w| w / p);
                             sent += 1;
                             if !survives(sent, &mut weight, random) {
                                 return light;
                             }
-                            let width = self.cells.width() as usize;
-                            let at = [(cell % width) as i32, (cell / width) as i32];
-                            walk = self.from_centre(at, random.next());
+                            walk = self.from_centre(walk.cell_after(&stretch, px), random.next());
                             continue;
                         }
                         go_on = go_on.map(|w| w / (1.0 - p));
@@ -307,6 +312,36 @@ fn absorbed(extinction: [f64; 3], length: f64) -> [f64; 3] {
     let of = |e: f64| -(-e * length).exp_m1();
     let [r, g, b] = extinction;
     if r == g && g == b { [of(r); 3] } else { [of(r), of(g), of(b)] }
+}
+
+/// How far into a stretch of cells light is scattered: picks a channel by what it scatters, and px
+/// as that channel does, `σe^(−σs)/(1 − T)`. What the channels scatter is weighted by how much more
+/// or less often each would have picked the same px (in the mean by 1).
+fn scatter_at(
+    extinction: [f64; 3],
+    absorbed: [f64; 3],
+    scatter: &mut [f64; 3],
+    random: &mut Random,
+) -> f64 {
+    let sum: f64 = scatter.iter().sum();
+    let mut pick = random.next() * sum;
+    // The last channel that scatters anything, in case rounding leaves a rest.
+    let mut channel = 0;
+    for c in (0..3).filter(|&c| scatter[c] > 0.0) {
+        channel = c;
+        pick -= scatter[c];
+        if pick < 0.0 {
+            break;
+        }
+    }
+    let px = -(-random.next() * absorbed[channel]).ln_1p() / extinction[channel];
+    let density: [f64; 3] = std::array::from_fn(|c| {
+        let e = extinction[c];
+        if scatter[c] > 0.0 { e * (-e * px).exp() / absorbed[c] } else { 0.0 }
+    });
+    let mixture: f64 = (0..3).map(|c| scatter[c] * density[c]).sum::<f64>() / sum;
+    (0..3).for_each(|c| scatter[c] *= density[c] / mixture);
+    px
 }
 
 /// Ends paths that carry little, at random, and makes up for it in those that live on.

@@ -1,10 +1,10 @@
 //! Walks a ray through the cells, exactly and in f64: what it meets, in order, with path lengths.
 //!
-//! Empty space is crossed in squares. For each of the four quadrants of direction every cell knows
-//! the side of the largest square of empty cells that has the cell as its near corner (the
-//! "maximal square" recurrence: one more than the least of its three neighbours ahead). A ray
-//! inside the cell leaves that square through one of its two far sides, and nothing in between
-//! can matter. Space outside the grid is empty.
+//! Space and fog of one kind are crossed in squares. For each of the four quadrants of direction
+//! every cell knows the side of the largest square of cells of the same matter that has the cell as
+//! its near corner (the "maximal square" recurrence: one more than the least of its three
+//! neighbours ahead). A ray inside the cell leaves that square through one of its two far sides,
+//! and nothing in between can matter. Space outside the grid is empty.
 //!
 //! **Corners.** A ray that passes exactly through the point where four cells meet is stopped when
 //! both cells beside it are solid, so walls that touch only by their corners are light-tight. With
@@ -13,8 +13,11 @@
 
 use lamplight::Cells;
 
-/// Longer than any grid: the side of a square with nothing in it.
+/// Longer than any grid: the side of a square of empty space with no end.
 const FAR: u16 = 2 * Cells::MAX_SIDE as u16 - 1;
+
+/// Set beside the side of squares that hold matter.
+const MATTER: u16 = 1 << 15;
 
 /// Mark of solid cells among the indices of media.
 const SOLID: u32 = u32::MAX;
@@ -27,20 +30,35 @@ pub enum Event {
     /// The ray reached a face of the solid cell with this index, at this point; `normal` looks
     /// out of the face, and `outside` is the cell in front of it.
     Wall { cell: usize, point: [f64; 2], normal: [f64; 2], outside: [i32; 2] },
-    /// The ray crossed `length` px of the cell with this index, which is not solid; `extinction`
-    /// is the index of its entry in [`Grid::extinction`].
-    Medium { cell: usize, extinction: usize, length: f64 },
+    /// The ray crossed cells that are not solid.
+    Medium(Stretch),
+}
+
+/// The path of a ray through a square of cells of one matter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Index of the first cell.
+    pub cell: usize,
+    /// Index of its entry in [`Grid::extinction`].
+    pub extinction: usize,
+    /// px crossed.
+    pub length: f64,
+    /// Cells to a side of the square.
+    pub side: i32,
+    near: [i32; 2],
+    entry: f64,
 }
 
 /// The cells as rays see them.
 pub struct Grid {
     width: i32,
     height: i32,
-    /// For quadrants (+x +y), (−x +y), (+x −y), (−x −y): the side of the empty square ahead.
-    empty: [Vec<u16>; 4],
+    /// For quadrants (+x +y), (−x +y), (+x −y), (−x −y): the side of the square ahead, with
+    /// [`MATTER`] where it is not empty.
+    squares: [Vec<u16>; 4],
     /// For cells with matter: index into `extinction`, or [`SOLID`].
     medium: Vec<u32>,
-    /// −ln((1 − α)·τ) a channel, 1/px, of each cell that is neither empty nor solid.
+    /// −ln((1 − α)·τ) a channel, 1/px, for cells that are neither empty nor solid.
     pub extinction: Vec<[f64; 3]>,
 }
 
@@ -48,22 +66,20 @@ impl Grid {
     /// Looks the cells through once.
     pub fn new(cells: &Cells) -> Self {
         let (width, height) = (cells.width() as usize, cells.height() as usize);
-        let mut extinction = Vec::new();
-        let mut clear = vec![true; width * height];
+        let mut extinction: Vec<[f64; 3]> = Vec::new();
         let mut medium = vec![0; width * height];
         for i in 0..cells.len() {
-            let kept = 1.0 - f64::from(cells.opacity()[i]);
-            let transmittance = cells.tint()[i].map(|t| kept * f64::from(t));
-            clear[i] = transmittance == [1.0; 3];
             if cells.is_solid(i) {
                 medium[i] = SOLID;
-            } else if !clear[i] {
+            } else if i > 0 && cells.matter(i) == cells.matter(i - 1) {
+                medium[i] = medium[i - 1];
+            } else if !is_clear(cells, i) {
                 medium[i] = extinction.len() as u32;
-                extinction.push(transmittance.map(|t| -t.ln()));
+                extinction.push(transmittance(cells, i).map(|t| -t.ln()));
             }
         }
-        let empty = std::array::from_fn(|q| squares(&clear, width, height, q & 1 != 0, q & 2 != 0));
-        Self { width: width as i32, height: height as i32, empty, medium, extinction }
+        let squares = std::array::from_fn(|q| squares(cells, q & 1 != 0, q & 2 != 0));
+        Self { width: width as i32, height: height as i32, squares, medium, extinction }
     }
 
     /// Whether a cell is a wall; outside the grid nothing is.
@@ -79,36 +95,52 @@ impl Grid {
     }
 }
 
-/// Side of the largest empty square with its near corner at each cell, looking left or right and
-/// up or down.
-fn squares(clear: &[bool], width: usize, height: usize, left: bool, up: bool) -> Vec<u16> {
-    let mut side = vec![0; width * height];
-    // The row ahead, and one cell outside at its end, all empty space.
-    let mut ahead = vec![FAR; width + 1];
+/// What one px of a cell lets through.
+fn transmittance(cells: &Cells, i: usize) -> [f64; 3] {
+    let kept = 1.0 - f64::from(cells.opacity()[i]);
+    cells.tint()[i].map(|t| kept * f64::from(t))
+}
+
+/// Whether a cell leaves light as it is.
+fn is_clear(cells: &Cells, i: usize) -> bool {
+    transmittance(cells, i) == [1.0; 3]
+}
+
+/// Side of the largest square of one matter with its near corner at each cell, looking left or
+/// right and up or down.
+fn squares(cells: &Cells, left: bool, up: bool) -> Vec<u16> {
+    let (width, height) = (cells.width() as usize, cells.height() as usize);
+    let mut squares = vec![0; width * height];
     for row in 0..height {
         let y = if up { row } else { height - 1 - row };
-        // Ahead of the row's first cell lies the outside; `diagonal` is what stood in `ahead`.
-        let (mut beside, mut diagonal) = (FAR, FAR);
         for column in 0..width {
             let x = if left { column } else { width - 1 - column };
-            let here = if clear[y * width + x] {
-                beside.min(diagonal).min(ahead[column]).saturating_add(1).min(FAR)
-            } else {
-                0
+            let i = y * width + x;
+            let clear = is_clear(cells, i);
+            // Side of the square at a cell ahead, if it holds the same matter.
+            let side = |dx: usize, dy: usize| {
+                if column < dx || row < dy {
+                    return if clear { FAR } else { 0 };
+                }
+                let x = if left { x - dx } else { x + dx };
+                let n = (if up { y - dy } else { y + dy }) * width + x;
+                let alike =
+                    if clear { is_clear(cells, n) } else { cells.matter(n) == cells.matter(i) };
+                if alike { squares[n] & !MATTER } else { 0 }
             };
-            diagonal = ahead[column];
-            ahead[column] = here;
-            beside = here;
-            side[y * width + x] = here;
+            // What stops light at once is met cell by cell.
+            let stops = transmittance(cells, i).contains(&0.0);
+            let ahead = if stops { 0 } else { side(1, 0).min(side(0, 1)).min(side(1, 1)) };
+            squares[i] = (ahead + 1).min(FAR) | if clear { 0 } else { MATTER };
         }
     }
-    side
+    squares
 }
 
 /// A ray on its way.
 pub struct Walk<'g> {
     grid: &'g Grid,
-    empty: &'g [u16],
+    squares: &'g [u16],
     cell: [i32; 2],
     origin: [f64; 2],
     direction: [f64; 2],
@@ -128,7 +160,7 @@ impl<'g> Walk<'g> {
         let [left, up] = direction.map(|d| d < 0.0);
         Self {
             grid,
-            empty: &grid.empty[usize::from(left) + 2 * usize::from(up)],
+            squares: &grid.squares[usize::from(left) + 2 * usize::from(up)],
             cell,
             origin,
             direction,
@@ -153,20 +185,42 @@ impl<'g> Walk<'g> {
             let Some(i) = self.grid.index(self.cell[0], self.cell[1]) else {
                 return Event::Sky;
             };
-            let side = self.empty[i];
-            if side > 0 {
-                self.leave_square(i32::from(side));
+            let square = self.squares[i];
+            if square < MATTER {
+                self.leave_square(i32::from(square));
                 continue;
             }
             let medium = self.grid.medium[i];
             if medium == SOLID {
                 return self.wall(i);
             }
-            let entry = self.t;
-            self.leave_square(1);
+            let (near, entry, side) = (self.cell, self.t, i32::from(square & !MATTER));
+            self.leave_square(side);
             // Rounding may set the exit before the entry where a ray cuts a corner.
             let length = (self.t - entry).max(0.0);
-            return Event::Medium { cell: i, extinction: medium as usize, length };
+            let extinction = medium as usize;
+            return Event::Medium(Stretch { cell: i, extinction, length, side, near, entry });
+        }
+    }
+
+    /// The cell that the ray is in after some px of a stretch.
+    pub fn cell_after(&self, stretch: &Stretch, px: f64) -> [i32; 2] {
+        [0, 1].map(|a| {
+            let near = stretch.near[a];
+            self.cell_at(a, stretch.entry + px, near, near + (stretch.side - 1) * self.step[a])
+        })
+    }
+
+    /// Column (axis 0) or row (axis 1) of the cell that the ray is about to be in, also exactly
+    /// between two cells; from `near` to `last`.
+    #[inline]
+    fn cell_at(&self, axis: usize, t: f64, near: i32, last: i32) -> i32 {
+        let p = self.origin[axis] + t * self.direction[axis];
+        let trunc = p as i32;
+        if self.step[axis] > 0 {
+            (trunc - i32::from(f64::from(trunc) > p)).clamp(near, last)
+        } else {
+            (trunc - i32::from(f64::from(trunc) >= p)).clamp(last, near)
         }
     }
 
@@ -182,15 +236,8 @@ impl<'g> Walk<'g> {
         self.cell[along] = far[along];
         self.entered = along;
         if side > 1 {
-            let p = self.origin[across] + self.t * self.direction[across];
-            // The cell that the ray is about to be in, also exactly between two cells.
-            let trunc = p as i32;
             let (near, last) = (self.cell[across], far[across] - self.step[across]);
-            self.cell[across] = if self.step[across] > 0 {
-                (trunc - i32::from(f64::from(trunc) > p)).clamp(near, last)
-            } else {
-                (trunc - i32::from(f64::from(trunc) >= p)).clamp(last, near)
-            };
+            self.cell[across] = self.cell_at(across, self.t, near, last);
         }
     }
 
@@ -231,15 +278,23 @@ mod tests {
 
     const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
     const FOG: Matter = Matter { opacity: 0.25, ..Matter::EMPTY };
+    const MIST: Matter = Matter { opacity: 0.125, ..Matter::EMPTY };
     /// Path lengths in grids of up to 60 px, in f64, by two orders of summing.
     const ROUNDING: f64 = 1e-9;
 
+    /// A length of path through one matter: its opacity, from, to.
+    type Piece = (f32, f64, f64);
+
+    /// Appends a piece, as part of the last one where it goes on from it.
+    fn push(met: &mut Vec<Piece>, (opacity, from, to): Piece) {
+        match met.last_mut() {
+            Some(last) if last.0 == opacity && from - last.2 < ROUNDING => last.2 = to,
+            _ => met.push((opacity, from, to)),
+        }
+    }
+
     /// What a ray meets, by cutting it at every grid line: no squares, no steps. Walls end it.
-    fn brute_force(
-        cells: &Cells,
-        origin: [f64; 2],
-        direction: [f64; 2],
-    ) -> (Vec<(usize, f64)>, bool) {
+    fn brute_force(cells: &Cells, origin: [f64; 2], direction: [f64; 2]) -> (Vec<Piece>, bool) {
         let sides = [cells.width(), cells.height()];
         let mut cuts = vec![0.0];
         for axis in 0..2 {
@@ -263,17 +318,25 @@ mod tests {
                 return (met, true);
             }
             if cells.opacity()[i] > 0.0 {
-                met.push((i, pair[1] - pair[0]));
+                push(&mut met, (cells.opacity()[i], pair[0], pair[1]));
             }
         }
         (met, false)
     }
 
-    fn walked(grid: &Grid, mut walk: Walk) -> (Vec<(usize, f64)>, Event) {
+    fn walked(cells: &Cells, grid: &Grid, mut walk: Walk) -> (Vec<Piece>, Event) {
         let mut met = Vec::new();
         loop {
             match walk.next() {
-                Event::Medium { cell, length, .. } => met.push((cell, length)),
+                Event::Medium(stretch) => {
+                    let (from, to) = (stretch.entry, stretch.entry + stretch.length);
+                    push(&mut met, (cells.opacity()[stretch.cell], from, to));
+                    for share in [0.0, 0.3, 1.0] {
+                        let [x, y] = walk.cell_after(&stretch, share * stretch.length);
+                        let i = cells.index(x as u32, y as u32);
+                        assert_eq!(cells.opacity()[i], cells.opacity()[stretch.cell]);
+                    }
+                }
                 end => {
                     if let Event::Wall { outside: [x, y], .. } = end {
                         assert!(!grid.is_solid(x, y), "a wall is hit from the open");
@@ -288,14 +351,18 @@ mod tests {
     fn meets_what_brute_force_meets() {
         let seed = 7;
         let mut random = Random::new(seed, 0, 0);
-        let mut hits = 0;
+        let (mut hits, mut fogs) = (0, 0);
         for scene in 0..300 {
             let side = |random: &mut Random| 1 + (random.next().powi(2) * 40.0) as u32;
             let mut cells = Cells::new(side(&mut random), side(&mut random)).unwrap();
+            // From thin matter in space to thin space in fog.
             let density = random.next().powi(3) * 0.6;
+            let ground = if random.next() < 0.3 { FOG } else { Matter::EMPTY };
             for i in 0..cells.len() {
+                cells.set_matter(i, ground);
                 if random.next() < density {
-                    cells.set_matter(i, if random.next() < 0.5 { WALL } else { FOG });
+                    let kinds = [WALL, FOG, MIST, Matter::EMPTY];
+                    cells.set_matter(i, kinds[(random.next() * 4.0) as usize]);
                 }
             }
             let grid = Grid::new(&cells);
@@ -309,17 +376,20 @@ mod tests {
                 let (sin, cos) = (random.next() * std::f64::consts::TAU).sin_cos();
                 let (expected, hit) = brute_force(&cells, origin, [cos, sin]);
                 let walk = Walk::new(&grid, [x as i32, y as i32], origin, [cos, sin]);
-                let (met, end) = walked(&grid, walk);
+                let (met, end) = walked(&cells, &grid, walk);
                 let case = format!("seed {seed}, scene {scene}, from {origin:?} to {cos}, {sin}");
                 assert_eq!(met.len(), expected.len(), "{case}");
                 for (a, b) in met.iter().zip(&expected) {
-                    assert!(a.0 == b.0 && (a.1 - b.1).abs() < ROUNDING, "{case}: {a:?} {b:?}");
+                    let near = |a: f64, b: f64| (a - b).abs() < ROUNDING;
+                    let same = a.0 == b.0 && near(a.1, b.1) && near(a.2, b.2);
+                    assert!(same, "{case}: {a:?} {b:?}");
                 }
                 assert_eq!(end != Event::Sky, hit, "{case}");
                 hits += usize::from(hit);
+                fogs += met.len();
             }
         }
-        assert!(hits > 1000, "few rays met a wall: {hits}");
+        assert!(hits > 1000 && fogs > 1000, "little was met: {hits}, {fogs}");
     }
 
     /// Rays through the corner (2, 2) from the centre of (0, 0), and back from (3, 3).
@@ -344,11 +414,9 @@ mod tests {
         }
         // One solid cell beside the corner and one behind it: hit from the side that is open.
         let ends = through_the_corner(&[[2, 1], [2, 2]]);
-        let expected =
-            Event::Wall { cell: 10, point: [2.0, 2.0], normal: [-1.0, 0.0], outside: [1, 2] };
         match ends[0] {
             Event::Wall { cell: 10, outside: [1, 2], .. } => {}
-            other => panic!("{other:?}, not {expected:?}"),
+            other => panic!("{other:?}"),
         }
     }
 
@@ -366,7 +434,7 @@ mod tests {
                     continue;
                 }
                 let d = [f64::from(dx) / length, f64::from(dy) / length];
-                let (_, end) = walked(&grid, Walk::new(&grid, [0, 0], [0.5, 0.5], d));
+                let (_, end) = walked(&cells, &grid, Walk::new(&grid, [0, 0], [0.5, 0.5], d));
                 assert!(matches!(end, Event::Wall { .. }), "{dx}, {dy}: {end:?}");
             }
         }
@@ -393,6 +461,6 @@ mod tests {
         let d = [1.0f64, 0.01];
         let length = d[0].hypot(d[1]);
         let (slanted, _) = brute_force(&cells, [0.5, 4.5], d.map(|v| v / length));
-        assert!((met[0].1 - slanted[0].1).abs() > ROUNDING);
+        assert!((met[0].2 - slanted[0].2).abs() > ROUNDING);
     }
 }
