@@ -5,10 +5,12 @@
 
 mod args;
 mod commands;
+mod contest;
 mod failure;
 mod lighting;
 mod output;
 mod progress;
+mod report;
 mod room;
 mod sheet;
 mod stage;

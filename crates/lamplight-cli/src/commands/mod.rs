@@ -1,6 +1,7 @@
 //! One file a command.
 
 mod bench;
+mod compare;
 mod documents;
 mod info;
 mod new;
@@ -29,6 +30,7 @@ pub struct Cli {
 #[derive(Subcommand, Debug)]
 pub enum Command {
     Render(render::Args),
+    Compare(compare::Args),
     Stages(stages::Args),
     Probe(probe::Args),
     Bench(bench::Args),
@@ -43,6 +45,7 @@ pub enum Command {
 pub fn run(command: Command) -> Outcome {
     match command {
         Command::Render(args) => render::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Stages(args) => stages::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Probe(args) => probe::run(args),
