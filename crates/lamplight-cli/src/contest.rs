@@ -117,7 +117,7 @@ fn raymarch_entries(settings: &Settings) -> Vec<Entry> {
         settings
     };
 
-    let mut all = vec![entry("raymarch, as set".into(), Series::AsSet, settings.clone())];
+    let mut all = Vec::new();
     for rays in RAYS {
         all.push(entry(format!("raymarch, {rays} rays"), Series::Rays, with_rays(rays)));
     }
@@ -137,6 +137,9 @@ fn raymarch_entries(settings: &Settings) -> Vec<Entry> {
     temporal.temporal.frames = FRAMES.into_iter().fold(settings.temporal.frames, u32::max);
     let name = format!("raymarch, {FEW_RAYS} rays, temporal");
     all.push(Entry { name, series: Series::Temporal, settings: temporal, after: FRAMES.into() });
+    if all.iter().all(|entry| entry.settings != *settings) {
+        all.insert(0, entry("raymarch, as set".into(), Series::AsSet, settings.clone()));
+    }
     all
 }
 

@@ -43,10 +43,10 @@ impl Reference {
         let least = rows.iter().map(|row| row.measures.relative_rmse).fold(f64::INFINITY, f64::min);
         if least * Self::TRUSTED_SHARE < *standard_error {
             words += &format!(
-                ".\nThat is more than a fifth of the least error above: errors under {:.1} % are \
-                 not to be trusted to 2 %; --samples {} would do",
+                ".\nThat is more than a fifth of the least error above, so that errors under \
+                 {:.1} % look larger than they are; more --samples bring it down, four times as \
+                 many to about half",
                 standard_error / Self::TRUSTED_SHARE * 100.0,
-                samples.saturating_mul(4),
             );
         }
         words + "."
