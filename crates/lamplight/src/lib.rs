@@ -28,6 +28,8 @@ pub mod stages;
 pub use cells::{Cells, Matter, Rgb};
 pub use error::{Error, Result};
 pub use frame::Solver;
+/// The crate of the pictures that [`Light::compose`] returns.
+pub use image;
 pub use lamp::{Falloff, Lamp};
 pub use light::Light;
 pub use scene::{Scene, Shape};
