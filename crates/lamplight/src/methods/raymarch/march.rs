@@ -9,10 +9,10 @@
 //! hold light back.
 
 use super::optics::{Kind, Optics, exp_negative};
+use crate::Rgb;
 use crate::settings::{Hit, Raymarch};
 use crate::stages::bounce::{Surfaces, mean_over_faces};
 use crate::stages::seed::{NONE, unpack};
-use crate::Rgb;
 
 /// Least clearance in px that makes a leap worth its cost.
 const LEAP: f32 = 1.0;
