@@ -23,9 +23,9 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// light sampling, no filter.
 ///
 /// - **Open cell**: the mean radiance arriving at its centre over all directions (fluence).
-/// - **Solid cell** with a face towards an open cell, or on the grid's border, towards the sky: the
-///   mean of `B = ½∫ L cosθ dθ` over those faces and their length. [`PathTracer::render`] then
-///   completes solid cells with [`Walls::sink`].
+/// - **Solid cell** with a face towards an open cell: the mean of `B = ½∫ L cosθ dθ` over those
+///   faces and their length. Faces on the grid's border touch no cell and do not count.
+///   [`PathTracer::render`] then completes solid cells with [`Walls::sink`].
 /// - A path that crosses `s` px of a cell with opacity α < 1 gains `(1 − T)·E`,
 ///   `T = ((1 − α)·τ)^s`; it then either goes on, or is scattered: sent from the cell's *centre* in
 ///   a random direction. The choice is random, with weights that keep every channel right.
@@ -154,9 +154,9 @@ impl<'c> Tracer<'c> {
                 let mut random = Random::new(self.seed, id, key);
                 let stratum = (f64::from(path) + random.next()) / f64::from(self.paths);
                 let start = if solid {
-                    self.from_face(&faces, stratum, (f64::from(path) * GOLDEN + shift).fract())
+                    self.leave_face(&faces, stratum, (f64::from(path) * GOLDEN + shift).fract())
                 } else {
-                    self.from_centre([x, y], stratum)
+                    self.leave_centre([x, y], stratum)
                 };
                 let light = self.radiance(start, &mut random);
                 (0..3).for_each(|c| total[c] += light[c]);
@@ -181,27 +181,27 @@ impl<'c> Tracer<'c> {
         (mean, error)
     }
 
-    /// Faces of a solid cell with no solid cell before them.
+    /// Faces of a solid cell that touch a cell that is not solid.
     fn exposed(&self, x: i32, y: i32) -> Vec<Face> {
         [[1, 0], [-1, 0], [0, 1], [0, -1]]
             .into_iter()
             .map(|normal| Face { cell: [x, y], normal })
             .filter(|face| {
                 let [x, y] = face.outside();
-                !self.grid.is_solid(x, y)
+                self.grid.is_open(x, y)
             })
             .collect()
     }
 
     /// A ray from the centre of a cell in the direction `turn` × 2π.
     #[inline]
-    fn from_centre(&self, cell: [i32; 2], turn: f64) -> Walk<'_> {
+    fn leave_centre(&self, cell: [i32; 2], turn: f64) -> Walk<'_> {
         let (sin, cos) = (turn * TAU).sin_cos();
         Walk::new(&self.grid, cell, cell.map(|c| f64::from(c) + 0.5), [cos, sin])
     }
 
     /// A ray that leaves one of the faces from the point that `along` (0 to 1) picks.
-    fn from_face(&self, faces: &[Face], along: f64, u: f64) -> Walk<'_> {
+    fn leave_face(&self, faces: &[Face], along: f64, u: f64) -> Walk<'_> {
         let along = along * faces.len() as f64;
         let face = &faces[(along as usize).min(faces.len() - 1)];
         let normal = face.normal.map(f64::from);
@@ -209,12 +209,12 @@ impl<'c> Tracer<'c> {
         let offset = along.fract() - 0.5;
         let point = [0, 1]
             .map(|a| centre[a] + 0.5 * normal[a] + offset * f64::from(face.normal[1 - a].abs()));
-        self.from_wall(face.outside(), point, normal, u)
+        self.leave_wall(face.outside(), point, normal, u)
     }
 
     /// A ray from a point of a wall, cosine-distributed: in 2D the sine of its angle is uniform.
     #[inline]
-    fn from_wall(&self, cell: [i32; 2], point: [f64; 2], normal: [f64; 2], u: f64) -> Walk<'_> {
+    fn leave_wall(&self, cell: [i32; 2], point: [f64; 2], normal: [f64; 2], u: f64) -> Walk<'_> {
         let sin = 2.0 * u - 1.0;
         // Never 0, which would run along the wall.
         let cos = (1.0 - sin * sin).sqrt().max(1e-12);
@@ -247,7 +247,7 @@ impl<'c> Tracer<'c> {
                     if !survives(sent, &mut weight, random) {
                         return light;
                     }
-                    walk = self.from_wall(outside, point, normal, random.next());
+                    walk = self.leave_wall(outside, point, normal, random.next());
                 }
                 Event::Medium(stretch) => {
                     let Stretch { cell, length, .. } = stretch;
@@ -278,7 +278,7 @@ impl<'c> Tracer<'c> {
                             if !survives(sent, &mut weight, random) {
                                 return light;
                             }
-                            walk = self.from_centre(walk.cell_after(&stretch, px), random.next());
+                            walk = self.leave_centre(walk.cell_after(&stretch, px), random.next());
                             continue;
                         }
                         go_on = go_on.map(|w| w / (1.0 - p));
