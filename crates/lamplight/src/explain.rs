@@ -37,7 +37,7 @@ pub(crate) fn explain(path: &str, message: &str) -> Error {
             let found = match kind {
                 "invalid length " => format!("a list of {found}"),
                 "unknown variant " => format!("\"{}\"", unquoted(found)),
-                _ => found.replace('`', ""),
+                _ => plain_value(found),
             };
             Error::value(key, shortened(&found), plain(expected))
         }
@@ -65,8 +65,6 @@ fn plain(expected: &str) -> String {
         "path string" | "a string" => "a text in quotes",
         "a sequence" => "a list",
         "a map" => "a table",
-        "an array of length 2" => "a list of 2 numbers",
-        "an array of length 3" => "a list of 3 numbers",
         other if other.starts_with("struct ") => "a table",
         other if other.starts_with("one of ") || other.starts_with('`') => {
             return other.replace('`', "");
@@ -74,6 +72,19 @@ fn plain(expected: &str) -> String {
         other => other,
     };
     words.to_owned()
+}
+
+/// A value without the name of its type.
+fn plain_value(found: &str) -> String {
+    match found {
+        "map" => "a table".into(),
+        "sequence" => "a list".into(),
+        _ => ["integer ", "floating point ", "string ", "boolean "]
+            .into_iter()
+            .find_map(|kind| found.strip_prefix(kind))
+            .unwrap_or(found)
+            .replace('`', ""),
+    }
 }
 
 fn unquoted(text: &str) -> &str {

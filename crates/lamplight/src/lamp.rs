@@ -1,7 +1,7 @@
 //! Lamps: point-like lights with a range, and how they are drawn as glowing discs.
 
 use crate::scene::coverage::{self, Window};
-use crate::{Cells, Matter, Result, Rgb, check, lamp_gain};
+use crate::{Cells, Matter, Result, Rgb, check, exact, lamp_gain};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -24,9 +24,10 @@ pub enum Falloff {
 #[serde(deny_unknown_fields)]
 pub struct Lamp {
     /// Centre, px.
+    #[serde(deserialize_with = "exact::one")]
     pub position: [f32; 2],
     /// Colour, linear RGB.
-    #[serde(default = "default_color")]
+    #[serde(default = "default_color", deserialize_with = "exact::one")]
     pub color: Rgb,
     /// Multiplies the colour, 0 to 1e6; 0 is off.
     #[serde(default = "default_intensity")]

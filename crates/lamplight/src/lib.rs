@@ -12,6 +12,7 @@
 pub mod cells;
 mod check;
 pub mod error;
+mod exact;
 mod explain;
 pub mod frame;
 pub mod lamp;

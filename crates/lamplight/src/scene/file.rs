@@ -6,6 +6,7 @@ use crate::{Error, Result};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Longest scene file, bytes.
@@ -34,7 +35,11 @@ impl Scene {
             let (line, column) = place(text, e.span().map_or(0, |span| span.start));
             Error::Syntax { line, column, problem: e.message().to_owned() }
         };
-        let document = toml::Deserializer::parse(text).map_err(syntax)?;
+        let document = DeTable::parse(text).map_err(syntax)?;
+        if let Some(light) = document.get_ref().get("light") {
+            finite("light", light, text)?;
+        }
+        let document = toml::Deserializer::from(document);
         let scene: Self = serde_path_to_error::deserialize(document).map_err(|e| {
             let key = e.path().to_string();
             let error = e.into_inner();
@@ -65,7 +70,7 @@ impl Scene {
 
     /// Writes the scene as TOML.
     pub fn to_toml(&self) -> Result<String> {
-        toml::to_string_pretty(self).map_err(|e| Error::value("scene", e, "possible to write"))
+        toml::to_string(self).map_err(|e| Error::value("scene", e, "possible to write"))
     }
 
     /// Writes the scene as JSON.
@@ -121,6 +126,21 @@ fn place(text: &str, byte: usize) -> (usize, usize) {
     let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
     let start = before.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
     (line, String::from_utf8_lossy(&before[start..]).chars().count() + 1)
+}
+
+/// Refuses `nan` and `inf` in settings: JSON, which they are kept as, has no such numbers.
+fn finite(key: &str, value: &Spanned<DeValue>, text: &str) -> Result<()> {
+    match value.get_ref() {
+        DeValue::Table(table) => table.iter().try_for_each(|(name, value)| {
+            finite(&format!("{key}.{}", name.get_ref()), value, text)
+        }),
+        DeValue::Float(number) if !number.as_str().parse().is_ok_and(f64::is_finite) => {
+            let error = Error::value(key, number.as_str(), "a finite number");
+            let line = place(text, value.span().start).0;
+            Err(Error::AtLine { line, source: Box::new(error) })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The error with the line on which its key stands in a TOML text, where it has one.

@@ -1,8 +1,8 @@
 //! What shapes can look like, as data with its checks.
 
 use super::coverage::Point;
-use crate::check;
 use crate::{Error, Result};
+use crate::{check, exact};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -30,6 +30,7 @@ pub enum Geometry {
 #[serde(deny_unknown_fields)]
 pub struct Circle {
     /// Its centre.
+    #[serde(deserialize_with = "exact::one")]
     pub center: [f32; 2],
     /// Its radius, more than 0.
     pub radius: f32,
@@ -60,6 +61,7 @@ pub enum Rect {
 #[serde(deny_unknown_fields)]
 pub struct Polygon {
     /// Its corners in order, 3 to 10 000, not all on one line.
+    #[serde(deserialize_with = "exact::list")]
     pub points: Vec<[f32; 2]>,
 }
 
@@ -69,8 +71,10 @@ pub struct Polygon {
 #[serde(deny_unknown_fields)]
 pub struct Line {
     /// Where it starts.
+    #[serde(deserialize_with = "exact::one")]
     pub from: [f32; 2],
     /// Where it ends.
+    #[serde(deserialize_with = "exact::one")]
     pub to: [f32; 2],
     /// Its width, more than 0.
     pub width: f32,
@@ -84,6 +88,7 @@ pub struct Sprite {
     /// A PNG or EXR; a relative path starts at the scene file's folder.
     pub image: PathBuf,
     /// Where the middle of the image comes to lie.
+    #[serde(deserialize_with = "exact::one")]
     pub center: [f32; 2],
     /// Cells a px of the image, 0.001 to 1000.
     #[serde(default = "full_scale")]
@@ -211,16 +216,16 @@ impl Polygon {
 ]))]
 struct RectFile {
     /// The corner of the least x and y; with `max`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
     min: Option<[f32; 2]>,
     /// The corner of the greatest x and y; with `min`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
     max: Option<[f32; 2]>,
     /// The centre; with `size`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
     center: Option<[f32; 2]>,
     /// Width and height; with `center`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
     size: Option<[f32; 2]>,
 }
 

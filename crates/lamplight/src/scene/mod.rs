@@ -12,7 +12,7 @@ pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 pub use layers::Layers;
 pub use shape::Shape;
 
-use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, check};
+use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, check, exact};
 use coverage::Window;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,7 @@ use std::path::PathBuf;
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Columns and rows of the grid, each from 1.
+    #[serde(deserialize_with = "exact::one")]
     pub size: [u32; 2],
     /// Linear RGB radiance that comes from beyond the grid: one colour, or a gradient.
     #[serde(default, skip_serializing_if = "Sky::is_black")]

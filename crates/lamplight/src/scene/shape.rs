@@ -1,8 +1,8 @@
 //! Shapes: a geometry and the matter that it is made of.
 
 use super::geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
-use crate::check;
 use crate::{Matter, Result, Rgb};
+use crate::{check, exact};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -173,20 +173,20 @@ struct ShapeFile {
     #[serde(default, skip_serializing_if = "is_default")]
     antialias: bool,
     /// Radiance that it gives off, linear RGB of 0 or more.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(default, deserialize_with = "exact::one", skip_serializing_if = "is_default")]
     emission: Rgb,
     /// Share of light absorbed in crossing one px, 0 to 1; 1 is a solid wall.
     #[serde(default = "one")]
     opacity: f32,
     /// Share of arriving light that is sent on, 0 to 1 a channel. Default: none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
     albedo: Option<Rgb>,
     /// Colour filter for each px crossed, 0 to 1 a channel.
-    #[serde(default = "white", skip_serializing_if = "is_white")]
+    #[serde(default = "white", deserialize_with = "exact::one", skip_serializing_if = "is_white")]
     tint: Rgb,
     /// What the final picture shows under the light, linear RGB 0 to 1. Default: the albedo if
     /// given, else white (of a sprite its image), painted on as far as the shape is opaque.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
     color: Option<Rgb>,
 }
 
