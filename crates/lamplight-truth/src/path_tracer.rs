@@ -23,9 +23,9 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// light sampling, no filter.
 ///
 /// - **Open cell**: the mean radiance arriving at its centre over all directions (fluence).
-/// - **Solid cell** with a face towards an open cell, or on the grid's border, towards the sky: the
-///   mean of `B = ½∫ L cosθ dθ` over those faces and their length. [`PathTracer::render`] then
-///   completes solid cells with [`Walls::sink`].
+/// - **Solid cell** with a face towards an open cell: the mean of `B = ½∫ L cosθ dθ` over those
+///   faces and their length. Faces on the grid's border touch no cell and do not count.
+///   [`PathTracer::render`] then completes solid cells with [`Walls::sink`].
 /// - A path that crosses `s` px of a cell with opacity α < 1 gains `(1 − T)·E`,
 ///   `T = ((1 − α)·τ)^s`; it then either goes on, or is scattered: sent from the cell's *centre* in
 ///   a random direction. The choice is random, with weights that keep every channel right.
@@ -181,14 +181,14 @@ impl<'c> Tracer<'c> {
         (mean, error)
     }
 
-    /// Faces of a solid cell with no solid cell before them.
+    /// Faces of a solid cell that touch a cell that is not solid.
     fn exposed(&self, x: i32, y: i32) -> Vec<Face> {
         [[1, 0], [-1, 0], [0, 1], [0, -1]]
             .into_iter()
             .map(|normal| Face { cell: [x, y], normal })
             .filter(|face| {
                 let [x, y] = face.outside();
-                !self.grid.is_solid(x, y)
+                self.grid.is_open(x, y)
             })
             .collect()
     }

@@ -88,6 +88,11 @@ impl Grid {
         self.index(x, y).is_some_and(|i| self.medium[i] == SOLID)
     }
 
+    /// Whether a cell lies inside the grid and is no wall.
+    pub fn is_open(&self, x: i32, y: i32) -> bool {
+        self.index(x, y).is_some_and(|i| self.medium[i] != SOLID)
+    }
+
     #[inline]
     fn index(&self, x: i32, y: i32) -> Option<usize> {
         ((x as u32) < self.width as u32 && (y as u32) < self.height as u32)

@@ -34,5 +34,5 @@ pub use lamp::{Falloff, Lamp};
 pub use light::Light;
 pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Settings, SettingsTable};
-pub use sky::Sky;
+pub use sky::{Gradient, Sky};
 pub use stages::display::{Display, ToneMap};
