@@ -3,8 +3,8 @@
 use super::Art;
 use super::canvas::{Canvas, Color, Layer, Paint, hash, hex, mix, ramp, rough};
 
-const W: i32 = 320;
-const H: i32 = 180;
+const W: i32 = 256;
+const H: i32 = 144;
 const FOG_ALBEDO: Color = hex(0xfafafa);
 const BARK: &[u32] = &[0x4a4048, 0x66585a, 0x8a7768];
 const GRASS: &[u32] = &[0x34503c, 0x4c7047, 0x739a58];
@@ -12,24 +12,24 @@ const GRASS: &[u32] = &[0x34503c, 0x4c7047, 0x739a58];
 pub fn draw() -> Art {
     let mut canvas = Canvas::new(W, H, |x, y| fog(x, y, backdrop(x, y)));
     ground(&mut canvas);
-    for (x, width, top) in [(22, 7, 0), (118, 5, 14), (206, 8, 0), (301, 6, 8)] {
+    for (x, width, top) in [(34, 7, 0), (112, 5, 8), (214, 8, 2)] {
         tree(&mut canvas, x, width, top);
     }
     for x in LAMPS {
         post(&mut canvas, x);
     }
-    bench(&mut canvas, 144);
-    stroller(&mut canvas, 248);
+    bench(&mut canvas, 128);
+    stroller(&mut canvas, 186);
     Art { name: "fog", canvas, layers: &[Layer::Color, Layer::Albedo, Layer::Opacity] }
 }
 
-/// Where the lamp posts stand; the scene file puts the lamps at y = 91.
-const LAMPS: [i32; 4] = [62, 136, 232, 286];
+/// Where the lamp posts stand; the scene file puts the lamps 5 px under their roofs.
+const LAMPS: [i32; 4] = [12, 74, 152, 242];
 
 /// Fog lies thick over the ground and thins out upwards, in banks.
 fn fog(x: i32, y: i32, color: Color) -> Paint {
     let (fx, fy) = (x as f32, y as f32);
-    let height = ((fy - 20.0) / 130.0).clamp(0.0, 1.0);
+    let height = ((fy - 16.0) / 104.0).clamp(0.0, 1.0);
     let bank = rough(fx, fy * 2.4, 60.0, 61);
     let thick = 1.0 + height * 2.5 + (bank - 0.35).max(0.0) * 9.0 * height;
     Paint { opacity: thick.round() as u8, albedo: FOG_ALBEDO, ..Paint::open(color) }
@@ -38,15 +38,15 @@ fn fog(x: i32, y: i32, color: Color) -> Paint {
 /// Rows of far trees, each paler than the one before it.
 fn backdrop(x: i32, y: i32) -> Color {
     let (fx, fy) = (x as f32, y as f32);
-    let mut color = ramp(&[0x4d5878, 0x6a7590, 0x8b93a6], fy / 150.0, x, y);
-    for (layer, shade) in [(0, 0x66708a), (1, 0x556078), (2, 0x465066)] {
+    let mut color = ramp(&[0x505f90, 0x6478a2, 0x8092b2, 0xa0a8b8], fy / 125.0, x, y);
+    for (layer, shade) in [(0, 0x6c7e9c), (1, 0x5a6c8a), (2, 0x4a5c78)] {
         let depth = layer as f32;
         let spacing = 17.0 + depth * 12.0;
         let place = fx + depth * 37.0;
         let trunk = (place / spacing).floor();
         let lean = (hash(trunk as i32, layer, 62) - 0.5) * spacing * 0.5;
         let from_trunk = (place - (trunk + 0.5) * spacing - lean).abs();
-        let crown = 66.0 - depth * 12.0 + hash(trunk as i32, layer, 63) * 26.0;
+        let crown = 50.0 - depth * 10.0 + hash(trunk as i32, layer, 63) * 26.0;
         let leaves = rough(fx, fy, 16.0 + depth * 4.0, 64 + layer as u32);
         let spread = spacing * 0.55 * (1.0 - ((fy - crown) / 30.0).powi(2)).max(0.0).sqrt();
         let in_crown = from_trunk < spread * (0.5 + leaves);
@@ -59,7 +59,7 @@ fn backdrop(x: i32, y: i32) -> Color {
 }
 
 fn top_of_ground(x: i32) -> i32 {
-    151 + (rough(x as f32, 0.0, 70.0, 66) * 7.0) as i32
+    122 + (rough(x as f32, 0.0, 70.0, 66) * 7.0) as i32
 }
 
 fn ground(canvas: &mut Canvas) {
@@ -104,19 +104,19 @@ fn tree(canvas: &mut Canvas, x: i32, width: i32, top: i32) {
     }
     // Leaves let some light through.
     let (cx, cy) = (x as f32, top as f32 + 14.0);
-    for y in 0..70 {
-        for dx in -38..=38 {
+    for y in 0..56 {
+        for dx in -34..=34 {
             let (fx, fy) = ((x + dx) as f32, y as f32);
-            let far = ((fx - cx) / 36.0).powi(2) + ((fy - cy) / 30.0).powi(2);
+            let far = ((fx - cx) / 31.0).powi(2) + ((fy - cy) / 25.0).powi(2);
             let leaf = rough(fx, fy, 9.0, 71);
             if far + (0.5 - leaf) * 1.6 < 0.75 && !canvas.is_solid(x + dx, y) {
                 let color =
-                    ramp(&[0x3b4a34, 0x5c6a38, 0x9a8a3e, 0xc8a04a], leaf * 1.5 - 0.3, x + dx, y);
-                let opacity = 40 + (leaf * 60.0) as u8;
+                    ramp(&[0x4c5c42, 0x76803f, 0xb89a48, 0xe0b458], leaf * 1.5 - 0.3, x + dx, y);
+                let opacity = 8 + (leaf * 14.0) as u8;
                 canvas.set(
                     x + dx,
                     y,
-                    Paint { opacity, albedo: mix(color, [255; 3], 0.2), ..Paint::open(color) },
+                    Paint { opacity, albedo: mix(color, [255; 3], 0.4), ..Paint::open(color) },
                 );
             }
         }
@@ -126,19 +126,18 @@ fn tree(canvas: &mut Canvas, x: i32, width: i32, top: i32) {
 fn post(canvas: &mut Canvas, x: i32) {
     let foot = top_of_ground(x);
     let iron = |x, y| fog(x, y, hex(0x3e444e));
-    for y in 96..foot {
+    for y in 73..foot {
         canvas.set(x, y, iron(x, y));
     }
     for (dx, y) in
-        [(-1, foot - 1), (1, foot - 1), (-1, foot - 2), (1, foot - 2), (-1, 120), (1, 120)]
+        [(-1, foot - 1), (1, foot - 1), (-1, foot - 2), (1, foot - 2), (-1, 96), (1, 96)]
     {
         canvas.set(x + dx, y, iron(x + dx, y));
     }
-    canvas.sprite(x - 3, 85, &["...i...", "..iii..", ".iiiii."], |c| {
-        (c == 'i').then(|| Paint::solid(hex(0x3e444e)))
+    canvas.sprite(x - 3, 63, &["...i...", "..iii..", ".iiiii."], |c| {
+        (c == 'i').then(|| fog(x, 64, hex(0x3e444e)))
     });
-    canvas
-        .sprite(x - 2, 94, &["i...i", ".iii."], |c| (c == 'i').then(|| fog(x, 95, hex(0x3e444e))));
+    canvas.sprite(x - 2, 71, &["i...i", ".iii."], |c| (c == 'i').then(|| fog(x, 72, hex(0x3e444e))));
 }
 
 fn bench(canvas: &mut Canvas, x: i32) {
@@ -158,8 +157,8 @@ fn bench(canvas: &mut Canvas, x: i32) {
             ".i............i.",
         ],
         |c| match c {
-            'w' => Some(Paint::solid(hex(0xa8744a))),
-            'i' => Some(Paint::solid(hex(0x4a4e58))),
+            'w' => Some(gauze(hex(0xb8804e))),
+            'i' => Some(gauze(hex(0x4a4e58))),
             _ => None,
         },
     );
@@ -207,7 +206,12 @@ fn stroller(canvas: &mut Canvas, x: i32) {
                 'k' => 0x3a3038,
                 _ => return None,
             };
-            Some(Paint::solid(hex(code)))
+            Some(gauze(hex(code)))
         },
     );
+}
+
+/// Thin enough that light gets behind it: small things keep their colours.
+fn gauze(color: Color) -> Paint {
+    Paint { opacity: 36, albedo: color, ..Paint::open(color) }
 }

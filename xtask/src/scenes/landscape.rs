@@ -24,7 +24,7 @@ pub fn draw() -> Art {
     for (x, size) in [(138, 30), (151, 22), (283, 38), (302, 30), (314, 22), (8, 26)] {
         fir(&mut canvas, x, size);
     }
-    for (x, height, crown) in [(176, 44, 21.0), (20, 34, 15.0)] {
+    for (x, height, crown) in [(187, 44, 21.0), (20, 34, 15.0)] {
         broadleaf(&mut canvas, x, height, crown);
     }
     tent(&mut canvas, 252);
@@ -63,7 +63,7 @@ fn view(x: i32, y: i32) -> Color {
         - (1.0 - ((fx - 236.0) / 60.0).abs()).max(0.0) * 36.0
         - (rough(fx, 3.0, 18.0, 96) - 0.5) * 16.0;
     if fy > peak {
-        let snow = fy < peak + 8.0 + rough(fx, fy, 7.0, 97) * 9.0 && peak < 78.0;
+        let snow = fy < 66.0 + rough(fx, fy * 0.6, 9.0, 97) * 18.0;
         return if snow {
             hex(0xf6dcd8)
         } else {
@@ -101,8 +101,8 @@ fn lake(canvas: &mut Canvas) {
         let ripple = ((rough(x as f32 * 0.6, y as f32 * 3.0, 8.0, 102) - 0.5) * 7.0) as i32;
         let mirrored = view(x + ripple, 2 * SURFACE - y - 24);
         let glint = y == SURFACE || rough(x as f32, y as f32 * 5.0, 20.0, 103) > 0.66;
-        let color = mix(mirrored, if glint { hex(0xffe8d0) } else { hex(0x4a78a0) }, 0.45);
-        Paint { opacity: 5, tint: [228, 246, 250], albedo: hex(0xb0dce8), ..Paint::open(color) }
+        let color = mix(mirrored, if glint { hex(0xffe8d0) } else { hex(0x6c98b4) }, 0.4);
+        Paint { opacity: 3, tint: [246, 252, 254], albedo: hex(0xb0dce8), ..Paint::open(color) }
     });
 }
 
@@ -144,7 +144,7 @@ fn grass(canvas: &mut Canvas) {
 
 /// Leaves let some light through.
 fn leaf(color: Color) -> Paint {
-    Paint { opacity: 96, ..Paint::open(color) }.albedo(color)
+    Paint { opacity: 22, ..Paint::open(color) }.albedo(mix(color, [255; 3], 0.3))
 }
 
 fn fir(canvas: &mut Canvas, x: i32, size: i32) {
@@ -198,11 +198,11 @@ fn tent(canvas: &mut Canvas, x: i32) {
             let seam = dx == -i / 4 || dx == i / 4;
             let paint = if door {
                 Paint::open(hex(0x6a4a3a))
-            } else if dx.abs() >= half - 1 || seam {
-                Paint::solid(hex(0xb85a38))
+            } else if dx.abs() >= half || seam {
+                Paint { opacity: 60, ..Paint::open(hex(0xd07848)) }.albedo(hex(0xd07848))
             } else {
                 // Canvas glows through.
-                Paint { opacity: 90, tint: [255, 220, 170], ..Paint::open(hex(0xe88a4c)) }
+                Paint { opacity: 16, tint: [255, 238, 210], ..Paint::open(hex(0xe88a4c)) }
                     .albedo(hex(0xe8a070))
             };
             canvas.set(x + dx, y, paint);
@@ -257,6 +257,6 @@ fn camp(canvas: &mut Canvas, x: i32) {
             'L' => 0xc8a070,
             _ => return None,
         };
-        Some(Paint::solid(hex(code)))
+        Some(Paint { opacity: 40, ..Paint::open(hex(code)) }.albedo(hex(code)))
     });
 }

@@ -120,11 +120,11 @@ fn street(canvas: &mut Canvas) {
                     y,
                 )
             } else if puddle {
-                ramp(&[0x7f8ba8, 0x9aa6c0], 0.4 + grain * 2.0, x, y)
+                ramp(&[0xa8b4d0, 0xc4cee4], 0.4 + grain * 2.0, x, y)
             } else {
-                ramp(&[0x4c4a5a, 0x5e5c6e, 0x74727f], 0.5 + grain, x, y)
+                ramp(&[0x6c6a7e, 0x807e92, 0x9a98a6], 0.5 + grain, x, y)
             };
-            let opacity = if pavement { 14 } else { 8 + (deep / 4) as u8 };
+            let opacity = if pavement { 6 } else { 4 + (deep / 5) as u8 };
             canvas.set(x, y, Paint { opacity, albedo: hex(0xe8ecf4), ..Paint::open(color) });
         }
     }
@@ -155,7 +155,7 @@ fn shops(canvas: &mut Canvas) {
                     x,
                     y,
                     if lit {
-                        Paint { opacity: 20, ..paint.glow(hex(0x7a5a30)) }
+                        Paint { opacity: 20, ..paint.glow(hex(0x4c3c24)) }
                     } else {
                         Paint::open(scale(color, 0.5))
                     },
@@ -188,11 +188,14 @@ fn letter(c: char) -> [&'static str; 5] {
         'A' => [".#.", "#.#", "###", "#.#", "#.#"],
         'B' => ["##.", "#.#", "##.", "#.#", "##."],
         'C' => [".##", "#..", "#..", "#..", ".##"],
+        'D' => ["##.", "#.#", "#.#", "#.#", "##."],
         'E' => ["###", "#..", "##.", "#..", "###"],
         'F' => ["###", "#..", "##.", "#..", "#.."],
         'G' => [".##", "#..", "#.#", "#.#", ".##"],
         'H' => ["#.#", "#.#", "###", "#.#", "#.#"],
         'I' => ["###", ".#.", ".#.", ".#.", "###"],
+        'J' => ["..#", "..#", "..#", "#.#", ".#."],
+        'K' => ["#.#", "#.#", "##.", "#.#", "#.#"],
         'L' => ["#..", "#..", "#..", "#..", "###"],
         'M' => ["#.#", "###", "###", "#.#", "#.#"],
         'N' => ["##.", "#.#", "#.#", "#.#", "#.#"],

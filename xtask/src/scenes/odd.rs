@@ -45,7 +45,7 @@ pub fn draw() -> Art {
 
 /// Water: a little is absorbed, red first, a little is scattered.
 fn sea(color: Color) -> Paint {
-    Paint { opacity: 1, tint: [247, 252, 254], albedo: hex(0xc0f0ff), ..Paint::open(color) }
+    Paint { opacity: 1, tint: [251, 253, 254], albedo: hex(0xc0f0ff), ..Paint::open(color) }
 }
 
 fn bottom(x: i32) -> i32 {
@@ -73,7 +73,7 @@ fn backdrop(x: i32, y: i32) -> Color {
         ramp(&[0x5282a4, 0x6090ae], rough(fx, fy, 12.0, 126), x, y)
     } else {
         let beam = rough(fx + fy * 0.45, 0.0, 22.0, 127) * 0.3;
-        ramp(&[0xa0d0dc, 0x86bfd2, 0x70aac6, 0x6098b8], fy / 90.0 + 0.15 - beam, x, y)
+        ramp(&[0x8cb8c8, 0x78a8bc, 0x6898b0, 0x5c8aa8], fy / 90.0 + 0.15 - beam, x, y)
     }
 }
 

@@ -6,9 +6,9 @@ use super::canvas::{Canvas, Color, Layer, Paint, hash, hex, mix, ramp, rough};
 const W: i32 = 320;
 const H: i32 = 200;
 /// Columns of the window wall.
-const WALL: std::ops::Range<i32> = 52..60;
+const WALL: std::ops::Range<i32> = 53..61;
 /// Columns of the glass in it.
-const GLASS: std::ops::Range<i32> = 54..58;
+const GLASS: std::ops::Range<i32> = 55..59;
 const FLOOR: i32 = 176;
 
 const STONE: &[u32] = &[0x6f675f, 0x8f857a, 0xaea392, 0xcdc2ad];
@@ -40,8 +40,8 @@ pub fn draw() -> Art {
 
 fn outside(x: i32, y: i32) -> Paint {
     let cloud = rough(x as f32, y as f32 * 2.5, 24.0, 41);
-    let sky = ramp(&[0x9cc8f0, 0xb4d8f6, 0xd0e8fa], y as f32 / 150.0, x, y);
-    Paint::open(if cloud > 0.6 { mix(sky, [255; 3], 0.6) } else { sky })
+    let sky = ramp(&[0x3c68a0, 0x5880ac, 0x7c9cb8], y as f32 / 150.0, x, y);
+    Paint::open(if cloud > 0.6 { mix(sky, [190; 3], 0.5) } else { sky })
 }
 
 /// The vault is an arch, the floor is flat, the east end is a wall.
@@ -87,12 +87,12 @@ fn masonry(x: i32, y: i32) -> Paint {
 }
 
 fn garden(canvas: &mut Canvas) {
-    canvas.disc(17.0, 30.0, 7.0, Paint::solid(hex(0xfff6d8)).glow([255, 240, 204]));
+    canvas.disc(15.0, 58.0, 7.0, Paint::solid(hex(0xfff6d8)).glow([255, 240, 204]));
     for x in 0..WALL.start {
         let top = 160 + (rough(x as f32, 0.0, 20.0, 45) * 12.0) as i32;
         for y in top..H {
             let green = ramp(
-                &[0x35602f, 0x4f8a3c, 0x86bb52],
+                &[0x24421f, 0x355c28, 0x587c36],
                 rough(x as f32, y as f32, 5.0, 46) * 1.2 - (y - top) as f32 * 0.02,
                 x,
                 y,
@@ -107,31 +107,21 @@ fn garden(canvas: &mut Canvas) {
     }
 }
 
+/// A tall window of ten panes between lead lines.
 fn windows(canvas: &mut Canvas) {
-    for (top, bottom, first) in [(34, 76, 0), (84, 152, 2)] {
-        for y in top..bottom {
-            let lead = (y - top) % 9 == 0;
-            for x in GLASS {
-                let pane = first + ((y - top) / 9) as usize;
-                let tint = PANES[pane % PANES.len()];
-                canvas.set(
-                    x,
-                    y,
-                    if lead {
-                        Paint::solid(hex(0x33302e))
-                    } else {
-                        Paint {
-                            opacity: 4,
-                            tint,
-                            albedo: tint,
-                            ..Paint::open(mix(tint, [255; 3], 0.2))
-                        }
-                    },
-                );
-            }
-            for x in WALL.filter(|x| !GLASS.contains(x)) {
-                canvas.set(x, y, Paint::open(hex(0xd8d0c0)));
-            }
+    const PANE: i32 = 12;
+    for y in 28..28 + 10 * PANE + 1 {
+        let (pane, row) = ((y - 28) / PANE, (y - 28) % PANE);
+        let tint = PANES[pane as usize % PANES.len()];
+        for x in WALL {
+            let paint = if !GLASS.contains(&x) {
+                Paint::open(hex(0xb8ae9e))
+            } else if row == 0 {
+                Paint::solid(hex(0x4a4540))
+            } else {
+                Paint { opacity: 2, tint, albedo: tint, ..Paint::open(mix(tint, [255; 3], 0.2)) }
+            };
+            canvas.set(x, y, paint);
         }
     }
 }
@@ -164,7 +154,8 @@ fn furnish(canvas: &mut Canvas) {
         for y in 150..FLOOR - 12 {
             let cloth = y < 156 || (x - 278) % 13 < 2;
             let color = if y == 150 || cloth { hex(0xf4ecd8) } else { hex(0xa8323c) };
-            canvas.set(x, y, Paint::solid(color));
+            // Cloth: light sinks in.
+            canvas.set(x, y, Paint { opacity: 24, albedo: color, ..Paint::open(color) });
         }
     }
     for x in [282, 299] {
