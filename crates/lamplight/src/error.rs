@@ -38,6 +38,40 @@ pub enum Error {
         /// What would be right.
         expected: String,
     },
+    /// A key is not known, is missing, or is there twice.
+    #[error("`{key}` {problem}")]
+    Key {
+        /// The key as it is written in a file.
+        key: String,
+        /// What is wrong with it, and which keys there are.
+        problem: String,
+    },
+    /// A text is not TOML or not JSON.
+    #[error("line {line}, column {column}: {problem}")]
+    Syntax {
+        /// The line, from 1.
+        line: usize,
+        /// The column in characters, from 1.
+        column: usize,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// Another error, with the line of the text that it was found in.
+    #[error("line {line}: {source}")]
+    AtLine {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
+        source: Box<Error>,
+    },
+    /// Another error, with the key that led to it, such as the layer whose image is missing.
+    #[error("`{key}`: {source}")]
+    Under {
+        /// The key.
+        key: String,
+        /// What is wrong.
+        source: Box<Error>,
+    },
     /// Another error, with the file that it was found in.
     #[error("{}: {source}", path.display())]
     InFile {
@@ -82,6 +116,20 @@ impl Error {
         expected: impl Into<String>,
     ) -> Self {
         Self::Value { key: key.into(), value: value.to_string(), expected: expected.into() }
+    }
+
+    /// The same error with the key that led to it. A bad value under a relative key has its key
+    /// completed.
+    pub fn under(self, key: &str) -> Self {
+        match self {
+            Self::Value { key: inner, value, expected } => {
+                Self::Value { key: format!("{key}.{inner}"), value, expected }
+            }
+            Self::Key { key: inner, problem } => {
+                Self::Key { key: format!("{key}.{inner}"), problem }
+            }
+            other => Self::Under { key: key.to_owned(), source: Box::new(other) },
+        }
     }
 
     /// The same error with the file it was found in.

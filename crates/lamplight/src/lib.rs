@@ -10,14 +10,19 @@
 //! out, once.
 
 pub mod cells;
+mod check;
 pub mod error;
+mod exact;
+mod explain;
 pub mod frame;
 pub mod lamp;
+mod lamp_gain;
 pub mod light;
 pub mod methods;
 pub mod scene;
 pub mod settings;
 pub mod sky;
+pub mod srgb;
 pub mod stages;
 
 pub use cells::{Cells, Matter, Rgb};
@@ -25,7 +30,7 @@ pub use error::{Error, Result};
 pub use frame::Solver;
 pub use lamp::{Falloff, Lamp};
 pub use light::Light;
-pub use scene::Scene;
+pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Settings, SettingsTable};
 pub use sky::Sky;
 pub use stages::display::{Display, ToneMap};

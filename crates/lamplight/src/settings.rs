@@ -4,12 +4,14 @@
 //! A layer is a [`SettingsTable`]; [`SettingsTable::resolve`] expands presets, refuses what is
 //! unknown or out of range, and gives typed [`Settings`].
 
+use crate::explain::explain;
 use crate::{Error, Result};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::{Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use std::ops::RangeInclusive;
 
 /// How light is found.
@@ -34,13 +36,13 @@ impl Method {
 }
 
 /// How often light is sent on: a number, or `"converged"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Bounces {
     /// At most this many times; 0 is direct light only.
     Count(u32),
     /// Until the largest change is under 0.1 % of the mean.
-    #[serde(with = "converged")]
+    #[serde(serialize_with = "converged::serialize")]
     #[schemars(with = "converged::Word")]
     Converged,
 }
@@ -79,7 +81,7 @@ impl Default for Bounces {
 mod converged {
     use super::*;
 
-    #[derive(Serialize, Deserialize, JsonSchema)]
+    #[derive(Serialize, JsonSchema)]
     #[serde(rename_all = "lowercase")]
     pub enum Word {
         Converged,
@@ -88,9 +90,42 @@ mod converged {
     pub fn serialize<S: Serializer>(to: S) -> Result<S::Ok, S::Error> {
         Word::Converged.serialize(to)
     }
+}
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<(), D::Error> {
-        Word::deserialize(from).map(|_| ())
+impl<'de> Deserialize<'de> for Bounces {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Either;
+
+        impl Visitor<'_> for Either {
+            type Value = Bounces;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a whole number from 0 to 256, or \"converged\"")
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, k: u64) -> Result<Bounces, E> {
+                match u32::try_from(k) {
+                    Ok(k) if k <= Bounces::MAX => Ok(Bounces::Count(k)),
+                    _ => Err(E::invalid_value(Unexpected::Unsigned(k), &self)),
+                }
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, k: i64) -> Result<Bounces, E> {
+                match u64::try_from(k) {
+                    Ok(k) => self.visit_u64(k),
+                    Err(_) => Err(E::invalid_value(Unexpected::Signed(k), &self)),
+                }
+            }
+
+            fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<Bounces, E> {
+                match word {
+                    "converged" => Ok(Bounces::Converged),
+                    _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
+                }
+            }
+        }
+
+        from.deserialize_any(Either)
     }
 }
 
@@ -388,23 +423,10 @@ impl SettingsTable {
         let value = Value::Object(table);
         let settings: Settings = serde_path_to_error::deserialize(&value).map_err(|e| {
             let path = e.path().to_string();
-            let found = path.split('.').try_fold(&value, |v, name| v.get(name));
-            let (key, found) = match found {
-                Some(found) => (path, found.to_string()),
-                None => ("light".to_owned(), "not understood".to_owned()),
-            };
-            Error::value(key, found, expectation(&e.into_inner().to_string()))
+            explain(&path, &e.into_inner().to_string())
         })?;
         settings.check()?;
         Ok(settings)
-    }
-}
-
-/// What would be right, out of serde's wording.
-fn expectation(message: &str) -> String {
-    match message.split_once("expected ") {
-        Some((_, expected)) => expected.to_owned(),
-        None => format!("something else ({message})"),
     }
 }
 

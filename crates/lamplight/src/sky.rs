@@ -1,14 +1,18 @@
 //! The sky: what a ray sees that leaves the grid.
 
+use crate::exact::{self, Exact};
 use crate::{Error, Result, Rgb};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
 
 /// Radiance beyond the grid, by direction.
 ///
 /// In a file either one colour, `sky = [0.1, 0.1, 0.2]`, or a gradient,
 /// `sky = { zenith = […], horizon = […], ground = […] }`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Sky {
     /// The same linear RGB radiance from everywhere.
@@ -23,10 +27,13 @@ pub enum Sky {
 #[serde(deny_unknown_fields)]
 pub struct Gradient {
     /// Linear RGB radiance from straight up.
+    #[serde(deserialize_with = "exact::one")]
     pub zenith: Rgb,
     /// Linear RGB radiance from the sides.
+    #[serde(deserialize_with = "exact::one")]
     pub horizon: Rgb,
     /// Linear RGB radiance from straight down.
+    #[serde(deserialize_with = "exact::one")]
     pub ground: Rgb,
 }
 
@@ -64,6 +71,32 @@ impl Sky {
             Self::Uniform(rgb) => [rgb; 3],
             Self::Gradient(g) => [g.zenith, g.horizon, g.ground],
         }
+    }
+}
+
+/// By hand, so that errors inside say which of the two forms and which colour is wrong.
+impl<'de> Deserialize<'de> for Sky {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Either;
+
+        impl<'de> Visitor<'de> for Either {
+            type Value = Sky;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a colour [r, g, b], or { zenith, horizon, ground }")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Sky, A::Error> {
+                let Exact(rgb) = Exact::deserialize(SeqAccessDeserializer::new(list))?;
+                Ok(Sky::Uniform(rgb))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<Sky, A::Error> {
+                Gradient::deserialize(MapAccessDeserializer::new(table)).map(Sky::Gradient)
+            }
+        }
+
+        from.deserialize_any(Either)
     }
 }
 

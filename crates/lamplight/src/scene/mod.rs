@@ -1,5 +1,194 @@
 //! What an author writes: layers, shapes, lamps and a sky, in a file or in code.
 
-/// A scene.
-#[derive(Clone, Debug, Default)]
-pub struct Scene {}
+pub(crate) mod coverage;
+mod file;
+mod geometry;
+mod layers;
+mod picture;
+mod raster;
+mod shape;
+
+pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
+pub use layers::Layers;
+pub use shape::Shape;
+
+use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, check, exact};
+use coverage::Window;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A scene as its author writes it; [`Scene::cells`] makes the grid that methods read.
+///
+/// ```
+/// use lamplight::{Lamp, Scene, Shape};
+/// let mut scene = Scene::new(64, 48)
+///     .shape(Shape::rect([30.0, 8.0], [34.0, 40.0]).albedo([0.9, 0.3, 0.2]))
+///     .lamp(Lamp { position: [16.0, 24.0], intensity: 4.0, ..Lamp::default() });
+/// scene.light.set("bounces", 2);
+/// let cells = scene.cells()?;
+/// assert_eq!(cells.width(), 64);
+/// assert_eq!(scene, Scene::from_toml(&scene.to_toml()?)?);
+/// # Ok::<(), lamplight::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Columns and rows of the grid, each from 1.
+    #[serde(deserialize_with = "exact::one")]
+    pub size: [u32; 2],
+    /// Linear RGB radiance that comes from beyond the grid: one colour, or a gradient.
+    #[serde(default, skip_serializing_if = "Sky::is_black")]
+    pub sky: Sky,
+    /// Images that fill the grid under the shapes.
+    #[serde(default, skip_serializing_if = "Layers::is_empty")]
+    pub layers: Layers,
+    /// Shapes, drawn over the layers in this order.
+    #[serde(default, rename = "shape", skip_serializing_if = "Vec::is_empty")]
+    pub shapes: Vec<Shape>,
+    /// Lamps.
+    #[serde(default, rename = "lamp", skip_serializing_if = "Vec::is_empty")]
+    pub lamps: Vec<Lamp>,
+    /// The scene's own settings; whoever renders it may lay others over them.
+    #[serde(default, skip_serializing_if = "SettingsTable::is_empty")]
+    pub light: SettingsTable,
+    /// How the final picture is shown.
+    #[serde(default)]
+    pub display: Display,
+    /// The file it was read from; relative paths start at its folder.
+    #[serde(skip)]
+    file: PathBuf,
+}
+
+impl Scene {
+    /// Most exposure, in stops, up or down.
+    const MAX_EXPOSURE: f32 = 32.0;
+
+    /// An empty scene under a black sky. Its size is checked by [`Scene::cells`].
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            size: [width, height],
+            sky: Sky::BLACK,
+            layers: Layers::default(),
+            shapes: Vec::new(),
+            lamps: Vec::new(),
+            light: SettingsTable::default(),
+            display: Display::default(),
+            file: PathBuf::new(),
+        }
+    }
+
+    /// Sets the sky.
+    #[must_use]
+    pub fn sky(self, sky: Sky) -> Self {
+        Self { sky, ..self }
+    }
+
+    /// Adds a shape over the others.
+    #[must_use]
+    pub fn shape(mut self, shape: Shape) -> Self {
+        self.shapes.push(shape);
+        self
+    }
+
+    /// Adds a lamp.
+    #[must_use]
+    pub fn lamp(mut self, lamp: Lamp) -> Self {
+        self.lamps.push(lamp);
+        self
+    }
+
+    /// The grid: layers, then sprites and shapes in order, and the lamps beside them.
+    ///
+    /// Nothing that grows with the size is allocated before the size is found good.
+    pub fn cells(&self) -> Result<Cells> {
+        self.grid().map_err(|e| self.in_its_file(e))
+    }
+
+    fn grid(&self) -> Result<Cells> {
+        self.check()?;
+        let folder = self.file.parent().unwrap_or(&self.file);
+        let mut cells = Cells::new(self.size[0], self.size[1])?;
+        cells.set_sky(self.sky);
+        self.layers.read(folder, &mut cells)?;
+        let mut images = raster::Images::default();
+        for (i, shape) in self.shapes.iter().enumerate() {
+            raster::paint(shape, &format!("shape[{i}]"), folder, &mut images, &mut cells)?;
+        }
+        cells.lamps_mut().clone_from(&self.lamps);
+        Ok(cells)
+    }
+
+    /// The scene's settings, checked.
+    pub fn settings(&self) -> Result<Settings> {
+        self.own_settings().map_err(|e| self.in_its_file(e))
+    }
+
+    fn own_settings(&self) -> Result<Settings> {
+        self.light.resolve().map_err(|e| e.under("light"))
+    }
+
+    /// Refuses values that no scene has. Images are not opened.
+    fn check(&self) -> Result<()> {
+        let [width, height] = self.size.map(u64::from);
+        Cells::check_size(width, height)?;
+        self.sky.check()?;
+        self.layers.check()?;
+        for (i, shape) in self.shapes.iter().enumerate() {
+            shape.check(&format!("shape[{i}]"))?;
+        }
+        for (i, lamp) in self.lamps.iter().enumerate() {
+            lamp.check(&format_args!("lamp[{i}]"))?;
+        }
+        let stops = -Self::MAX_EXPOSURE..=Self::MAX_EXPOSURE;
+        check::number("display.exposure", self.display.exposure, stops)?;
+        self.own_settings().map(|_| ())
+    }
+
+    /// JSON Schema (2020-12) of scene files, for editors.
+    pub fn schema() -> serde_json::Value {
+        schemars::schema_for!(Scene).to_value()
+    }
+
+    /// What is allowed and yet hardly meant, one sentence each: matter that glows and gives off no
+    /// light, shapes and lamps that are not seen.
+    pub fn warnings(&self, cells: &Cells) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let window = Window::grid(cells.width(), cells.height());
+        for (i, shape) in self.shapes.iter().enumerate() {
+            if !matches!(shape.geometry, Geometry::Sprite(_))
+                && raster::covered(shape, &window) == 0
+            {
+                warnings.push(format!(
+                    "`shape[{i}]` covers no cell: it lies outside the grid or between the centres \
+                     of cells (antialias = true draws it by area)"
+                ));
+            }
+        }
+        let [width, height] = [cells.width(), cells.height()].map(|n| n as f32);
+        for (i, lamp) in cells.lamps().iter().enumerate() {
+            let [x, y] = lamp.position;
+            if !((0.0..=width).contains(&x) && (0.0..=height).contains(&y)) {
+                warnings.push(format!(
+                    "`lamp[{i}]` is at [{x}, {y}], outside the grid of {width}×{height}"
+                ));
+            }
+        }
+        let mut idle = (0..cells.len()).filter(|&i| {
+            let matter = cells.matter(i);
+            matter.emission.iter().any(|&e| e > 0.0)
+                && matter.opacity == 0.0
+                && matter.tint == [1.0; 3]
+        });
+        if let Some(first) = idle.next() {
+            let (n, width) = (1 + idle.count(), cells.width() as usize);
+            warnings.push(format!(
+                "{n} cells, the first at ({}, {}), have emission but neither opacity nor tint: \
+                 what absorbs no light gives off none",
+                first % width,
+                first / width
+            ));
+        }
+        warnings
+    }
+}

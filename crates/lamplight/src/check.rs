@@ -1,0 +1,60 @@
+//! Checks of single values under a key, shared by shapes, lamps and layers.
+
+use crate::{Error, Result, Rgb};
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+/// Farthest coordinate, px: beyond it a cell's edges would blur in single precision.
+const FAR: f32 = 1e6;
+/// Brightest radiance in a file: products of two such values still fit single precision.
+pub(crate) const BRIGHT: f32 = 1e12;
+
+/// A number in a range; NaN is in none.
+pub(crate) fn number(key: impl Display, value: f32, range: RangeInclusive<f32>) -> Result<()> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let expected = format!("a number from {} to {}", range.start(), range.end());
+    Err(Error::value(key.to_string(), value, expected))
+}
+
+/// A length: more than 0.
+pub(crate) fn length(key: impl Display, value: f32) -> Result<()> {
+    if value > 0.0 && value <= FAR {
+        return Ok(());
+    }
+    Err(Error::value(key.to_string(), value, format!("more than 0 and at most {FAR} px")))
+}
+
+/// A point.
+pub(crate) fn point(key: impl Display, [x, y]: [f32; 2]) -> Result<()> {
+    let range = -FAR..=FAR;
+    if range.contains(&x) && range.contains(&y) {
+        return Ok(());
+    }
+    let expected = format!("two numbers from -{FAR} to {FAR}");
+    Err(Error::value(key.to_string(), format!("[{x}, {y}]"), expected))
+}
+
+/// A radiance.
+pub(crate) fn radiance(key: impl Display, rgb: Rgb) -> Result<()> {
+    channels(key, rgb, 0.0..=BRIGHT, "three numbers from 0 to 1e12")
+}
+
+/// A share or a filter, channel by channel.
+pub(crate) fn unit(key: impl Display, rgb: Rgb) -> Result<()> {
+    channels(key, rgb, 0.0..=1.0, "three numbers from 0 to 1")
+}
+
+fn channels(
+    key: impl Display,
+    rgb: Rgb,
+    range: RangeInclusive<f32>,
+    expected: &'static str,
+) -> Result<()> {
+    if rgb.iter().all(|v| range.contains(v)) {
+        return Ok(());
+    }
+    let [r, g, b] = rgb;
+    Err(Error::value(key.to_string(), format!("[{r}, {g}, {b}]"), expected))
+}

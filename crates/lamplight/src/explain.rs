@@ -1,0 +1,99 @@
+//! serde's messages, made into errors that name the key, the value and what would be right.
+
+use crate::Error;
+
+/// Longest piece of a user's text that a message repeats, in characters.
+const LONGEST: usize = 80;
+/// Likeness (Jaro–Winkler, 0 to 1) from which an unknown key is taken for a misspelt one.
+const ALIKE: f64 = 0.8;
+
+/// The error for a message of serde about the value under `path` (serde_path_to_error's).
+pub(crate) fn explain(path: &str, message: &str) -> Error {
+    let path = shortened(if path == "." { "" } else { path });
+    let inside = |name: &str| match path.as_str() {
+        "" => shortened(name),
+        path if path == name || path.ends_with(&format!(".{name}")) => path.to_owned(),
+        path => format!("{path}.{}", shortened(name)),
+    };
+    if let Some(name) = message.strip_prefix("missing field ").map(unquoted) {
+        return Error::Key { key: inside(name), problem: "is missing".into() };
+    }
+    if let Some(name) = message.strip_prefix("duplicate field ").map(unquoted) {
+        return Error::Key { key: inside(name), problem: "is there twice".into() };
+    }
+    if let Some((name, known)) = message
+        .strip_prefix("unknown field ")
+        .and_then(|rest| rest.split_once(", expected ").or(Some((rest, ""))))
+    {
+        let name = unquoted(name);
+        return Error::Key { key: inside(name), problem: unknown(name, known) };
+    }
+    let value_error = ["invalid type: ", "invalid value: ", "invalid length ", "unknown variant "]
+        .into_iter()
+        .find_map(|kind| Some((kind, message.strip_prefix(kind)?)));
+    let key = if path.is_empty() { "scene".to_owned() } else { path.clone() };
+    match value_error.and_then(|(kind, rest)| Some((kind, rest.rsplit_once(", expected ")?))) {
+        Some((kind, (found, expected))) => {
+            let found = match kind {
+                "invalid length " => format!("a list of {found}"),
+                "unknown variant " => format!("\"{}\"", unquoted(found)),
+                _ => plain_value(found),
+            };
+            Error::value(key, shortened(&found), plain(expected))
+        }
+        None => Error::Key { key, problem: format!("is not understood: {}", shortened(message)) },
+    }
+}
+
+fn unknown(name: &str, known: &str) -> String {
+    let names: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
+    let likely = names
+        .iter()
+        .map(|known| (strsim::jaro_winkler(name, known), known))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(likeness, _)| *likeness >= ALIKE);
+    let hint = likely.map_or(String::new(), |(_, known)| format!("; did you mean `{known}`?"));
+    format!("is not a known key{hint} (known here: {})", names.join(", "))
+}
+
+/// What Rust's types are called by people who write files.
+fn plain(expected: &str) -> String {
+    let words = match expected {
+        "f32" | "f64" => "a number",
+        "u32" | "u64" | "usize" => "a whole number of 0 or more",
+        "a boolean" => "true or false",
+        "path string" | "a string" => "a text in quotes",
+        "a sequence" => "a list",
+        "a map" => "a table",
+        other if other.starts_with("struct ") => "a table",
+        other if other.starts_with("one of ") || other.starts_with('`') => {
+            return other.replace('`', "");
+        }
+        other => other,
+    };
+    words.to_owned()
+}
+
+/// A value without the name of its type.
+fn plain_value(found: &str) -> String {
+    match found {
+        "map" => "a table".into(),
+        "sequence" => "a list".into(),
+        _ => ["integer ", "floating point ", "string ", "boolean "]
+            .into_iter()
+            .find_map(|kind| found.strip_prefix(kind))
+            .unwrap_or(found)
+            .replace('`', ""),
+    }
+}
+
+fn unquoted(text: &str) -> &str {
+    text.trim_matches('`')
+}
+
+fn shortened(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}

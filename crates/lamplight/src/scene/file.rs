@@ -1,0 +1,175 @@
+//! Scene files: reading, writing, and errors that say where.
+
+use super::Scene;
+use crate::explain::explain;
+use crate::{Error, Result};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Longest scene file, bytes.
+const MAX_BYTES: u64 = 16 << 20;
+
+impl Scene {
+    /// Reads a scene file, TOML or JSON by its ending, else by its first character.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let text = read(path)?;
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        let json = match ending.to_ascii_lowercase().as_str() {
+            "json" => true,
+            "toml" => false,
+            _ => text.trim_start().starts_with('{'),
+        };
+        let scene = if json { Self::from_json(&text) } else { Self::from_toml(&text) };
+        let mut scene = scene.map_err(|e| e.in_file(path))?;
+        scene.file = path.to_owned();
+        Ok(scene)
+    }
+
+    /// Reads a scene in TOML. Relative paths in it start at the current folder.
+    pub fn from_toml(text: &str) -> Result<Self> {
+        let syntax = |e: toml::de::Error| {
+            let (line, column) = place(text, e.span().map_or(0, |span| span.start));
+            Error::Syntax { line, column, problem: e.message().to_owned() }
+        };
+        let document = DeTable::parse(text).map_err(syntax)?;
+        if let Some(light) = document.get_ref().get("light") {
+            finite("light", light, text)?;
+        }
+        let document = toml::Deserializer::from(document);
+        let scene: Self = serde_path_to_error::deserialize(document).map_err(|e| {
+            let key = e.path().to_string();
+            let error = e.into_inner();
+            let (line, _) = place(text, error.span().map_or(0, |span| span.start));
+            Error::AtLine { line, source: Box::new(explain(&key, error.message())) }
+        })?;
+        scene.check().map_err(|e| at_its_line(e, text))?;
+        Ok(scene)
+    }
+
+    /// Reads a scene in JSON. Relative paths in it start at the current folder.
+    pub fn from_json(text: &str) -> Result<Self> {
+        let mut document = serde_json::Deserializer::from_str(text);
+        let scene: Self = serde_path_to_error::deserialize(&mut document).map_err(|e| {
+            let key = e.path().to_string();
+            let error = e.into_inner();
+            if error.is_data() {
+                let source = Box::new(explain(&key, &without_place(&error)));
+                Error::AtLine { line: error.line(), source }
+            } else {
+                json_syntax(&error)
+            }
+        })?;
+        document.end().map_err(|e| json_syntax(&e))?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// Writes the scene as TOML.
+    pub fn to_toml(&self) -> Result<String> {
+        toml::to_string(self).map_err(|e| Error::value("scene", e, "possible to write"))
+    }
+
+    /// Writes the scene as JSON.
+    pub fn to_json(&self) -> Result<String> {
+        serde_json::to_string_pretty(self)
+            .map_err(|e| Error::value("scene", e, "possible to write"))
+    }
+
+    /// An error with the file that this scene came from, if it came from one.
+    pub(super) fn in_its_file(&self, error: Error) -> Error {
+        if self.file.as_os_str().is_empty() { error } else { error.in_file(&self.file) }
+    }
+}
+
+fn read(path: &Path) -> Result<String> {
+    let unread = |source| Error::Read { path: path.to_owned(), source };
+    let wrong = |problem: String| Error::Format { path: path.to_owned(), problem };
+    let file = File::open(path).map_err(unread)?;
+    if file.metadata().map_err(unread)?.is_dir() {
+        return Err(wrong("it is a folder; a scene file (TOML or JSON) is needed".into()));
+    }
+    let mut bytes = Vec::new();
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unread)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        let most = MAX_BYTES >> 20;
+        return Err(wrong(format!("it is longer than {most} MiB, the most a scene file may be")));
+    }
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        wrong(format!("it is not text in UTF-8 (byte {at}); a scene is TOML or JSON"))
+    })?;
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(text) => text.to_owned(),
+        None => text,
+    })
+}
+
+fn json_syntax(error: &serde_json::Error) -> Error {
+    let (line, column) = (error.line(), error.column());
+    Error::Syntax { line, column, problem: without_place(error) }
+}
+
+/// serde_json's message without the " at line 1 column 2" at its end.
+fn without_place(error: &serde_json::Error) -> String {
+    let message = error.to_string();
+    let place = format!(" at line {} column {}", error.line(), error.column());
+    message.strip_suffix(&place).unwrap_or(&message).to_owned()
+}
+
+/// Line and column, both from 1, of a byte of a text.
+fn place(text: &str, byte: usize) -> (usize, usize) {
+    let before = &text.as_bytes()[..byte.min(text.len())];
+    let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
+    let start = before.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
+    (line, String::from_utf8_lossy(&before[start..]).chars().count() + 1)
+}
+
+/// Refuses `nan` and `inf` in settings: JSON, which they are kept as, has no such numbers.
+fn finite(key: &str, value: &Spanned<DeValue>, text: &str) -> Result<()> {
+    match value.get_ref() {
+        DeValue::Table(table) => table.iter().try_for_each(|(name, value)| {
+            finite(&format!("{key}.{}", name.get_ref()), value, text)
+        }),
+        DeValue::Float(number) if !number.as_str().parse().is_ok_and(f64::is_finite) => {
+            let error = Error::value(key, number.as_str(), "a finite number");
+            let line = place(text, value.span().start).0;
+            Err(Error::AtLine { line, source: Box::new(error) })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The error with the line on which its key stands in a TOML text, where it has one.
+fn at_its_line(error: Error, text: &str) -> Error {
+    let line = match &error {
+        Error::Value { key, .. } | Error::Key { key, .. } => line_of(text, key),
+        Error::Size { .. } => line_of(text, "size"),
+        _ => None,
+    };
+    match line {
+        Some(line) => Error::AtLine { line, source: Box::new(error) },
+        None => error,
+    }
+}
+
+/// The line of the deepest part of a key, such as `shape[2].circle.radius`, that a text has.
+fn line_of(text: &str, key: &str) -> Option<usize> {
+    let table = DeTable::parse(text).ok()?;
+    let mut value = &DeValue::Table(table.into_inner());
+    let mut span = None;
+    for name in key.split(['.', '[', ']']).filter(|name| !name.is_empty()) {
+        let next = match value {
+            DeValue::Array(array) => name.parse().ok().and_then(|i: usize| array.get(i)),
+            DeValue::Table(table) => table.get(name),
+            _ => None,
+        };
+        let Some(next) = next else { break };
+        span = Some(next.span().start);
+        value = next.get_ref();
+    }
+    span.map(|byte| place(text, byte).0)
+}

@@ -1,0 +1,192 @@
+//! Layers: images of the scene's size that hold one field of every cell.
+
+use super::picture::Picture;
+use crate::check;
+use crate::{Cells, Error, Result, Rgb};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+/// Images that fill the grid under the shapes. Each is a PNG or EXR of exactly the scene's size;
+/// relative paths start at the scene file's folder.
+///
+/// Where an image is transparent its layer says nothing: its values lie over the defaults
+/// (emission, opacity and albedo 0, tint 1, the picture white) by alpha.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Layers {
+    /// Radiance given off: a PNG is sRGB-decoded, an EXR linear as it is. Without an opacity layer
+    /// every cell that glows here is solid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub emission: Option<PathBuf>,
+    /// Multiplies the emission layer, 0 to 1e6.
+    #[serde(skip_serializing_if = "is_one")]
+    pub emission_scale: f32,
+    /// Opacity: the grey value ÷ 255, no sRGB.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<PathBuf>,
+    /// Albedo, sRGB-decoded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub albedo: Option<PathBuf>,
+    /// Tint: the values ÷ 255, no sRGB.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tint: Option<PathBuf>,
+    /// What the final picture shows under the light, sRGB-decoded. Default: the albedo layer, else
+    /// white.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<PathBuf>,
+}
+
+fn is_one(value: &f32) -> bool {
+    *value == 1.0
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        Self {
+            emission: None,
+            emission_scale: 1.0,
+            opacity: None,
+            albedo: None,
+            tint: None,
+            color: None,
+        }
+    }
+}
+
+impl Layers {
+    /// Whether there is no layer.
+    pub(crate) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub(crate) fn check(&self) -> Result<()> {
+        check::number("layers.emission_scale", self.emission_scale, 0.0..=1e6)
+    }
+
+    /// Reads every layer into the grid.
+    pub(crate) fn read(&self, folder: &Path, cells: &mut Cells) -> Result<()> {
+        let size = [cells.width(), cells.height()];
+        let open = |key, path: &Option<PathBuf>| {
+            path.as_ref().map(|path| Layer::open(key, folder, path, size)).transpose()
+        };
+        if let Some(layer) = open("emission", &self.emission)? {
+            let scale = self.emission_scale;
+            layer.fill("emission", cells.emission_mut(), 0.0..=check::BRIGHT, |x, y| {
+                let (rgb, alpha) = layer.picture.color(x, y);
+                rgb.map(|v| v * alpha * scale)
+            })?;
+            if self.opacity.is_none() {
+                for i in 0..cells.len() {
+                    let glows = cells.emission()[i].iter().any(|&e| e > 0.0);
+                    cells.opacity_mut()[i] = if glows { 1.0 } else { 0.0 };
+                }
+            }
+        }
+        if let Some(layer) = open("opacity", &self.opacity)? {
+            layer.fill("opacity", cells.opacity_mut(), 0.0..=1.0, |x, y| {
+                let (rgb, alpha) = layer.picture.value(x, y);
+                grey(rgb) * alpha
+            })?;
+        }
+        if let Some(layer) = open("albedo", &self.albedo)? {
+            layer.fill("albedo", cells.albedo_mut(), 0.0..=1.0, |x, y| {
+                let (rgb, alpha) = layer.picture.color(x, y);
+                rgb.map(|v| v * alpha)
+            })?;
+            layer.paint(cells.color_mut())?;
+        }
+        if let Some(layer) = open("tint", &self.tint)? {
+            layer.fill("tint", cells.tint_mut(), 0.0..=1.0, |x, y| {
+                let (rgb, alpha) = layer.picture.value(x, y);
+                rgb.map(|v| 1.0 + (v - 1.0) * alpha)
+            })?;
+        }
+        if let Some(layer) = open("color", &self.color)? {
+            layer.paint(cells.color_mut())?;
+        }
+        Ok(())
+    }
+}
+
+/// One layer's image, with what its errors name.
+struct Layer {
+    key: String,
+    path: PathBuf,
+    picture: Picture,
+}
+
+impl Layer {
+    fn open(key: &str, folder: &Path, path: &Path, size: [u32; 2]) -> Result<Self> {
+        let key = format!("layers.{key}");
+        let path = folder.join(path);
+        let exact = |width, height| {
+            if [width, height] == size {
+                return Ok(());
+            }
+            let expected = format!("{}×{} px, the size of the scene", size[0], size[1]);
+            let found = format!("an image of {width}×{height} px ({})", path.display());
+            Err(Error::value(&key, found, expected))
+        };
+        let picture = Picture::open(&path, exact).map_err(|e| match e {
+            e @ Error::Value { .. } => e,
+            e => e.under(&key),
+        })?;
+        Ok(Self { picture, key, path })
+    }
+
+    /// Sets every cell of one field; refuses what an EXR may hold and the field may not.
+    fn fill<T: Channels>(
+        &self,
+        field: &'static str,
+        cells: &mut [T],
+        range: RangeInclusive<f32>,
+        value: impl Fn(u32, u32) -> T,
+    ) -> Result<()> {
+        let [width, _] = self.picture.size();
+        for (i, cell) in cells.iter_mut().enumerate() {
+            let (x, y) = ((i % width as usize) as u32, (i / width as usize) as u32);
+            *cell = value(x, y);
+            if let Some(&value) = cell.channels().iter().find(|v| !range.contains(v)) {
+                let expected = if *range.end() == 1.0 { "0 to 1" } else { "0 to 1e12" };
+                let error = Error::Cell { x, y, field, value, expected };
+                return Err(error.in_file(&self.path).under(&self.key));
+            }
+        }
+        Ok(())
+    }
+
+    /// Lays the image over the picture under the light.
+    fn paint(&self, color: &mut [Rgb]) -> Result<()> {
+        let under = color.to_vec();
+        let [width, _] = self.picture.size();
+        self.fill("color", color, 0.0..=1.0, |x, y| {
+            let (rgb, alpha) = self.picture.color(x, y);
+            let below = under[y as usize * width as usize + x as usize];
+            std::array::from_fn(|c| below[c] + (rgb[c] - below[c]) * alpha)
+        })
+    }
+}
+
+/// One value or three.
+trait Channels {
+    fn channels(&self) -> &[f32];
+}
+
+impl Channels for f32 {
+    fn channels(&self) -> &[f32] {
+        std::slice::from_ref(self)
+    }
+}
+
+impl Channels for Rgb {
+    fn channels(&self) -> &[f32] {
+        self
+    }
+}
+
+/// One value for three (the luma of Rec. 709), which leaves grey as it is.
+fn grey([r, g, b]: Rgb) -> f32 {
+    if r == g && g == b { r } else { 0.2126 * r + 0.7152 * g + 0.0722 * b }
+}

@@ -1,0 +1,173 @@
+//! Shapes and sprites, painted into the grid.
+
+use super::coverage::{self, Point, Window};
+use super::geometry::{Geometry, Sprite};
+use super::picture::Picture;
+use super::shape::Shape;
+use crate::check::BRIGHT;
+use crate::{Cells, Error, Matter, Result, Rgb};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// Alpha from which a sprite without antialiasing covers a cell.
+const HALF: f32 = 0.5;
+
+/// Sprites' images, each read once; emptied when it has grown to a grid's size.
+#[derive(Debug, Default)]
+pub(crate) struct Images {
+    read: HashMap<PathBuf, Picture>,
+    pixels: u64,
+}
+
+impl Images {
+    fn get(&mut self, path: PathBuf, key: &str) -> Result<&Picture> {
+        if !self.read.contains_key(&path) {
+            let fits = |width, height| {
+                Cells::check_size(u64::from(width), u64::from(height)).map_err(|_| {
+                    let found = format!("an image of {width}×{height} px ({})", path.display());
+                    let most = format!(
+                        "at most {} px a side, {} px in all",
+                        Cells::MAX_SIDE,
+                        Cells::MAX_CELLS
+                    );
+                    Error::value(key, found, most)
+                })
+            };
+            let picture = Picture::open(&path, fits).map_err(|e| match e {
+                e @ Error::Value { .. } => e,
+                e => e.under(key),
+            })?;
+            let pixels = picture.size().into_iter().map(u64::from).product::<u64>();
+            if self.pixels + pixels > Cells::MAX_CELLS {
+                self.read.clear();
+                self.pixels = 0;
+            }
+            self.pixels += pixels;
+            self.read.insert(path.clone(), picture);
+        }
+        Ok(&self.read[&path])
+    }
+}
+
+/// Paints a shape; `key` names it in errors.
+pub(crate) fn paint(
+    shape: &Shape,
+    key: &str,
+    folder: &Path,
+    images: &mut Images,
+    cells: &mut Cells,
+) -> Result<()> {
+    let matter = shape.matter();
+    if let Geometry::Sprite(sprite) = &shape.geometry {
+        let key = format!("{key}.sprite.image");
+        let path = folder.join(&sprite.image);
+        let picture = images.get(path.clone(), &key)?;
+        return paint_sprite(shape, sprite, picture, cells)
+            .map_err(|e| e.in_file(&path).under(&key));
+    }
+    let color = shape.color.or(shape.albedo).unwrap_or([1.0; 3]);
+    let strength = if shape.color.is_some() { 1.0 } else { shape.opacity };
+    let window = Window::grid(cells.width(), cells.height());
+    // White paint on a white picture needs no picture.
+    let paints = strength > 0.0 && (cells.color().is_some() || color != [1.0; 3]);
+    visit(shape, &window, |x, y, share| {
+        let i = cells.index(x as u32, y as u32);
+        cells.set_matter(i, matter.over(cells.matter(i), share));
+        if paints {
+            lay(&mut cells.color_mut()[i], color, share * strength);
+        }
+    });
+    Ok(())
+}
+
+/// Number of cells of a grid that a shape other than a sprite covers.
+pub(crate) fn covered(shape: &Shape, window: &Window) -> usize {
+    let mut n = 0;
+    visit(shape, window, |_, _, _| n += 1);
+    n
+}
+
+/// Visits each cell that a shape other than a sprite covers, with the share.
+fn visit(shape: &Shape, window: &Window, mut visit: impl FnMut(i64, i64, f32)) {
+    match (&shape.geometry, shape.geometry.outline(shape.rotation)) {
+        (Geometry::Circle(circle), _) => {
+            let (center, radius) = (circle.center.map(f64::from), f64::from(circle.radius));
+            if shape.antialias {
+                coverage::disc_shares(center, radius, window, visit);
+            } else {
+                coverage::disc_centres(center, radius, window, |x, y| visit(x, y, 1.0));
+            }
+        }
+        (_, Some(points)) if shape.antialias => coverage::polygon_shares(&points, window, visit),
+        (_, Some(points)) => coverage::polygon_centres(&points, window, |x, y| visit(x, y, 1.0)),
+        (_, None) => {}
+    }
+}
+
+fn paint_sprite(
+    shape: &Shape,
+    sprite: &Sprite,
+    picture: &Picture,
+    cells: &mut Cells,
+) -> Result<()> {
+    let matter = shape.matter();
+    let paint = shape.color.unwrap_or([1.0; 3]);
+    let strength = if shape.color.is_some() { 1.0 } else { shape.opacity };
+    let scale = f64::from(sprite.scale);
+    let size = picture.size().map(f64::from);
+    let center = sprite.center.map(f64::from);
+    let (sin, cos) = f64::from(shape.rotation).sin_cos();
+    let reach: Point = [
+        (size[0] * cos.abs() + size[1] * sin.abs()) * scale / 2.0,
+        (size[0] * sin.abs() + size[1] * cos.abs()) * scale / 2.0,
+    ];
+    let window = Window::grid(cells.width(), cells.height()).and(&Window::around(
+        [center[0] - reach[0], center[1] - reach[1]],
+        [center[0] + reach[0], center[1] + reach[1]],
+    ));
+    for y in window.y {
+        for x in window.x.clone() {
+            let (dx, dy) = (x as f64 + 0.5 - center[0], y as f64 + 0.5 - center[1]);
+            let u = (cos * dx + sin * dy) / scale + size[0] / 2.0;
+            let v = (cos * dy - sin * dx) / scale + size[1] / 2.0;
+            if u < 0.0 || v < 0.0 || u >= size[0] || v >= size[1] {
+                continue;
+            }
+            let (rgb, alpha) = picture.color(u as u32, v as u32);
+            let share = if shape.antialias { alpha } else { f32::from(u8::from(alpha >= HALF)) };
+            if share == 0.0 {
+                continue;
+            }
+            let product = |by: Rgb| -> Rgb { std::array::from_fn(|c| rgb[c] * by[c]) };
+            let matter = Matter {
+                emission: product(matter.emission),
+                albedo: product(matter.albedo),
+                ..matter
+            };
+            let (x, y) = (x as u32, y as u32);
+            let color = product(paint);
+            judge(x, y, &matter, share, color)?;
+            let i = cells.index(x, y);
+            cells.set_matter(i, matter.over(cells.matter(i), share));
+            lay(&mut cells.color_mut()[i], color, share * strength);
+        }
+    }
+    Ok(())
+}
+
+/// Refuses what an EXR sprite may hold and matter may not.
+fn judge(x: u32, y: u32, matter: &Matter, share: f32, color: Rgb) -> Result<()> {
+    let bad = |values: &[f32], max: f32| values.iter().copied().find(|v| !(0.0..=max).contains(v));
+    let error = |field, expected| move |value| Err(Error::Cell { x, y, field, value, expected });
+    bad(&[share], 1.0)
+        .map(error("alpha", "0 to 1"))
+        .or_else(|| bad(&matter.emission, BRIGHT).map(error("emission", "0 to 1e12")))
+        .or_else(|| bad(&matter.albedo, 1.0).map(error("albedo", "0 to 1")))
+        .or_else(|| bad(&color, 1.0).map(error("color", "0 to 1")))
+        .unwrap_or(Ok(()))
+}
+
+/// Paint over a picture by a share.
+fn lay(picture: &mut Rgb, paint: Rgb, share: f32) {
+    *picture = std::array::from_fn(|c| picture[c] + (paint[c] - picture[c]) * share);
+}

@@ -1,0 +1,275 @@
+//! Shapes: a geometry and the matter that it is made of.
+
+use super::geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
+use crate::{Matter, Result, Rgb};
+use crate::{check, exact};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A shape of a scene, drawn over what came before it.
+///
+/// A cell is covered when its centre is inside; with `antialias` by the share of its area, which
+/// scales the opacity. A sprite covers by its image's alpha, and its image's colour multiplies
+/// `emission`, `albedo` and `color`.
+///
+/// ```
+/// use lamplight::{Scene, Shape};
+/// let scene = Scene::new(64, 64)
+///     .shape(Shape::circle([20.0, 20.0], 5.0).emission([4.0, 3.0, 2.0]))
+///     .shape(Shape::rect([40.0, 10.0], [44.0, 54.0]).albedo([0.8, 0.2, 0.2]));
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "ShapeFile", into = "ShapeFile")]
+pub struct Shape {
+    /// What it covers.
+    pub geometry: Geometry,
+    /// Radians, from +x towards +y, about the geometry's centre (of a line its middle, of a
+    /// polygon the mean of its points).
+    pub rotation: f32,
+    /// Cover cells by the share of their area, not by their centres alone.
+    pub antialias: bool,
+    /// Radiance that it gives off, linear RGB.
+    pub emission: Rgb,
+    /// Share of light absorbed in crossing one px, 0 to 1; 1 is a solid wall.
+    pub opacity: f32,
+    /// Share of arriving light that is sent on; `None` reflects nothing.
+    pub albedo: Option<Rgb>,
+    /// Colour filter for each px crossed.
+    pub tint: Rgb,
+    /// What the final picture shows under the light. `None`: the albedo if given, else white (of a
+    /// sprite its image), painted on as far as the shape is opaque.
+    pub color: Option<Rgb>,
+}
+
+impl Shape {
+    /// A shape of a geometry: solid, black, reflecting nothing.
+    pub fn new(geometry: Geometry) -> Self {
+        Self {
+            geometry,
+            rotation: 0.0,
+            antialias: false,
+            emission: [0.0; 3],
+            opacity: 1.0,
+            albedo: None,
+            tint: [1.0; 3],
+            color: None,
+        }
+    }
+
+    /// A disc.
+    pub fn circle(center: [f32; 2], radius: f32) -> Self {
+        Self::new(Geometry::Circle(Circle { center, radius }))
+    }
+
+    /// A rectangle between two corners.
+    pub fn rect(min: [f32; 2], max: [f32; 2]) -> Self {
+        Self::new(Geometry::Rect(Rect::Corners { min, max }))
+    }
+
+    /// A polygon.
+    pub fn polygon(points: impl Into<Vec<[f32; 2]>>) -> Self {
+        Self::new(Geometry::Polygon(Polygon { points: points.into() }))
+    }
+
+    /// A thick line with straight ends.
+    pub fn line(from: [f32; 2], to: [f32; 2], width: f32) -> Self {
+        Self::new(Geometry::Line(Line { from, to, width }))
+    }
+
+    /// An image about a centre, one cell a px.
+    pub fn sprite(image: impl Into<PathBuf>, center: [f32; 2]) -> Self {
+        Self::new(Geometry::Sprite(Sprite { image: image.into(), center, scale: 1.0 }))
+    }
+
+    /// Sets the rotation in radians.
+    #[must_use]
+    pub fn rotation(self, rotation: f32) -> Self {
+        Self { rotation, ..self }
+    }
+
+    /// Covers cells by the share of their area.
+    #[must_use]
+    pub fn antialias(self) -> Self {
+        Self { antialias: true, ..self }
+    }
+
+    /// Sets the emission, linear RGB.
+    #[must_use]
+    pub fn emission(self, emission: Rgb) -> Self {
+        Self { emission, ..self }
+    }
+
+    /// Sets the opacity, 0 to 1.
+    #[must_use]
+    pub fn opacity(self, opacity: f32) -> Self {
+        Self { opacity, ..self }
+    }
+
+    /// Sets the albedo, 0 to 1 a channel.
+    #[must_use]
+    pub fn albedo(self, albedo: Rgb) -> Self {
+        Self { albedo: Some(albedo), ..self }
+    }
+
+    /// Sets the tint, 0 to 1 a channel.
+    #[must_use]
+    pub fn tint(self, tint: Rgb) -> Self {
+        Self { tint, ..self }
+    }
+
+    /// Sets what the final picture shows, linear RGB 0 to 1.
+    #[must_use]
+    pub fn color(self, color: Rgb) -> Self {
+        Self { color: Some(color), ..self }
+    }
+
+    /// What the shape is made of.
+    pub fn matter(&self) -> Matter {
+        Matter {
+            emission: self.emission,
+            opacity: self.opacity,
+            tint: self.tint,
+            albedo: self.albedo.unwrap_or_default(),
+        }
+    }
+
+    /// Refuses values that no shape has; `key` names the shape in the message.
+    pub(crate) fn check(&self, key: &str) -> Result<()> {
+        self.geometry.check(key)?;
+        check::number(format_args!("{key}.rotation"), self.rotation, -1e3..=1e3)?;
+        check::radiance(format_args!("{key}.emission"), self.emission)?;
+        check::number(format_args!("{key}.opacity"), self.opacity, 0.0..=1.0)?;
+        check::unit(format_args!("{key}.albedo"), self.albedo.unwrap_or_default())?;
+        check::unit(format_args!("{key}.tint"), self.tint)?;
+        check::unit(format_args!("{key}.color"), self.color.unwrap_or_default())
+    }
+}
+
+/// A shape as a file has it: one key a geometry.
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Shape", extend("oneOf" = one_of_the_geometries()))]
+struct ShapeFile {
+    /// A disc.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    circle: Option<Circle>,
+    /// A rectangle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rect: Option<Rect>,
+    /// A polygon.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    polygon: Option<Polygon>,
+    /// A thick line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    line: Option<Line>,
+    /// An image that gives shape by its alpha.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sprite: Option<Sprite>,
+    /// Radians, from +x towards +y, about the shape's centre.
+    #[serde(default, skip_serializing_if = "is_default")]
+    rotation: f32,
+    /// Cover cells by the share of their area, not by their centres alone.
+    #[serde(default, skip_serializing_if = "is_default")]
+    antialias: bool,
+    /// Radiance that it gives off, linear RGB of 0 or more.
+    #[serde(default, deserialize_with = "exact::one", skip_serializing_if = "is_default")]
+    emission: Rgb,
+    /// Share of light absorbed in crossing one px, 0 to 1; 1 is a solid wall.
+    #[serde(default = "one")]
+    opacity: f32,
+    /// Share of arriving light that is sent on, 0 to 1 a channel. Default: none.
+    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
+    albedo: Option<Rgb>,
+    /// Colour filter for each px crossed, 0 to 1 a channel.
+    #[serde(default = "white", deserialize_with = "exact::one", skip_serializing_if = "is_white")]
+    tint: Rgb,
+    /// What the final picture shows under the light, linear RGB 0 to 1. Default: the albedo if
+    /// given, else white (of a sprite its image), painted on as far as the shape is opaque.
+    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
+    color: Option<Rgb>,
+}
+
+const GEOMETRIES: [&str; 5] = ["circle", "rect", "polygon", "line", "sprite"];
+
+fn one_of_the_geometries() -> Vec<serde_json::Value> {
+    GEOMETRIES.iter().map(|name| serde_json::json!({ "required": [name] })).collect()
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+fn white() -> Rgb {
+    [1.0; 3]
+}
+
+fn is_white(rgb: &Rgb) -> bool {
+    *rgb == white()
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+impl TryFrom<ShapeFile> for Shape {
+    type Error = String;
+
+    fn try_from(file: ShapeFile) -> Result<Self, String> {
+        let given = [
+            file.circle.map(Geometry::Circle),
+            file.rect.map(Geometry::Rect),
+            file.polygon.map(Geometry::Polygon),
+            file.line.map(Geometry::Line),
+            file.sprite.map(Geometry::Sprite),
+        ];
+        let names: Vec<&str> =
+            given.iter().zip(GEOMETRIES).filter_map(|(g, name)| g.as_ref().map(|_| name)).collect();
+        let mut given = given.into_iter().flatten();
+        let (Some(geometry), None) = (given.next(), given.next()) else {
+            let found =
+                if names.is_empty() { "without a geometry".into() } else { names.join(" and ") };
+            return Err(format!(
+                "invalid value: {found}, expected exactly one of {}",
+                GEOMETRIES.join(", ")
+            ));
+        };
+        Ok(Self {
+            geometry,
+            rotation: file.rotation,
+            antialias: file.antialias,
+            emission: file.emission,
+            opacity: file.opacity,
+            albedo: file.albedo,
+            tint: file.tint,
+            color: file.color,
+        })
+    }
+}
+
+impl From<Shape> for ShapeFile {
+    fn from(shape: Shape) -> Self {
+        let mut file = Self {
+            circle: None,
+            rect: None,
+            polygon: None,
+            line: None,
+            sprite: None,
+            rotation: shape.rotation,
+            antialias: shape.antialias,
+            emission: shape.emission,
+            opacity: shape.opacity,
+            albedo: shape.albedo,
+            tint: shape.tint,
+            color: shape.color,
+        };
+        match shape.geometry {
+            Geometry::Circle(circle) => file.circle = Some(circle),
+            Geometry::Rect(rect) => file.rect = Some(rect),
+            Geometry::Polygon(polygon) => file.polygon = Some(polygon),
+            Geometry::Line(line) => file.line = Some(line),
+            Geometry::Sprite(sprite) => file.sprite = Some(sprite),
+        }
+        file
+    }
+}

@@ -1,0 +1,44 @@
+//! The sRGB curve (IEC 61966-2-1:1999) between what files and screens hold and linear light.
+//!
+//! Decoded once on the way in, encoded once on the way out; all maths between is linear.
+
+use std::sync::LazyLock;
+
+/// Linear value of an sRGB-encoded one, both 0 to 1; values beyond 1 continue on the curve,
+/// negative ones on its straight part.
+pub fn decode(encoded: f32) -> f32 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// sRGB-encoded value of a linear one: the inverse of [`decode`].
+pub fn encode(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Linear value of an 8-bit sRGB one, from a table.
+pub fn decode_u8(encoded: u8) -> f32 {
+    static TABLE: LazyLock<[f32; 256]> =
+        LazyLock::new(|| std::array::from_fn(|i| decode(i as f32 / 255.0)));
+    TABLE[usize::from(encoded)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_points_of_the_curve() {
+        assert_eq!(decode(0.0), 0.0);
+        assert_eq!(decode(1.0), 1.0);
+        // 0.5 decodes to 0.214041 (the standard's formula in double precision).
+        assert!((decode(0.5) - 0.214_041_14).abs() < 1e-6);
+        assert_eq!(decode_u8(128), decode(128.0 / 255.0));
+    }
+
+    #[test]
+    fn every_byte_survives_the_round_trip() {
+        for byte in 0..=255u8 {
+            assert_eq!((encode(decode_u8(byte)) * 255.0).round() as u8, byte);
+        }
+    }
+}
