@@ -1,3 +1,49 @@
-//! The project's own chores.
+//! The project's own chores: `cargo xtask <chore>`.
 
-fn main() {}
+mod generated;
+mod noise;
+mod random;
+mod scenes;
+mod test;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use generated::Mode;
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "The project's own chores.")]
+struct Args {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Everything CI checks: format, lints, tests, generated files, the README's commands.
+    Test,
+    /// Draw the example scenes.
+    Scenes(Generate),
+    /// Make the blue-noise texture.
+    Noise(Generate),
+}
+
+#[derive(clap::Args)]
+struct Generate {
+    /// Write nothing; fail if what is in the repository differs from what would be written.
+    #[arg(long)]
+    check: bool,
+}
+
+impl Generate {
+    fn mode(&self) -> Mode {
+        if self.check { Mode::Check } else { Mode::Write }
+    }
+}
+
+fn main() -> Result<()> {
+    match Args::parse().chore {
+        Chore::Test => test::run(),
+        Chore::Noise(args) => noise::run(args.mode()),
+        Chore::Scenes(args) => scenes::run(args.mode()),
+    }
+}

@@ -86,8 +86,8 @@ pub struct Cells {
 impl Cells {
     /// Longest side of a grid, so that squared distances fit 31 bits.
     pub const MAX_SIDE: u32 = 16_384;
-    /// Most cells of a grid: about 2 GiB of matter.
-    pub const MAX_CELLS: u64 = 1 << 25;
+    /// Most cells of a grid, so that an index is exact in 32-bit float: about 1 GiB of matter.
+    pub const MAX_CELLS: u64 = 1 << 24;
 
     /// A grid of empty space under a black sky.
     pub fn new(width: u32, height: u32) -> Result<Self> {

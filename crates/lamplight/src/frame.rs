@@ -1,7 +1,9 @@
 //! One frame, from cells to light, top to bottom.
 
 use crate::methods::raymarch::{Input, Raymarch};
-use crate::settings::Method;
+use crate::settings::{BounceBy, Bounces, Hit, Method};
+use crate::stages::denoise::Denoise;
+use crate::stages::temporal::Temporal;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::{Cells, Light, Result, Settings};
@@ -17,6 +19,8 @@ pub struct Solver {
     fields: Fields,
     raymarch: Raymarch,
     stale: Vec<bool>,
+    temporal: Temporal,
+    denoise: Denoise,
     walls: Walls,
     light: Light,
     clock: Clock,
@@ -29,6 +33,8 @@ struct Fields {
     nearest: Vec<u32>,
     scratch: Vec<u32>,
     distance: Vec<f32>,
+    /// Whether they belong to the cells of the last frame.
+    measured: bool,
 }
 
 /// A look at the intermediates of the last frame; each has one entry a cell, in row order.
@@ -55,6 +61,8 @@ impl Solver {
             fields: Fields::default(),
             raymarch: Raymarch::default(),
             stale: Vec::new(),
+            temporal: Temporal::default(),
+            denoise: Denoise::default(),
             walls: Walls::default(),
             light: Light::default(),
             clock: Clock::default(),
@@ -72,6 +80,7 @@ impl Solver {
         cells.check()?;
         self.cells.clone_from(cells);
         self.cells.draw_lamps();
+        self.fields.measured = false;
         self.clock.lap("cells");
 
         match self.settings.method {
@@ -89,6 +98,38 @@ impl Solver {
     }
 
     fn raymarch(&mut self) {
+        if self.settings.raymarch.hit == Hit::Distance {
+            self.measure();
+        }
+        let settings = &self.settings;
+        let accumulates = settings.temporal.frames > 1;
+        let changed =
+            if accumulates { self.temporal.mark(&settings.temporal, &self.cells) } else { &[] };
+        let input = Input {
+            cells: &self.cells,
+            distance: &self.fields.distance,
+            nearest: &self.fields.nearest,
+            changed,
+            frame: self.frame,
+        };
+        self.raymarch.solve(input, settings, &mut self.light.rgb, &mut self.stale);
+        self.clock.lap("raymarch");
+
+        if accumulates {
+            let feedback = settings.bounces != Bounces::Count(0)
+                && settings.raymarch.bounce == BounceBy::Feedback;
+            let (width, light) = (self.cells.width(), &mut self.light.rgb);
+            self.temporal.accumulate(&settings.temporal, width, feedback, &self.stale, light);
+            self.clock.lap("temporal");
+        }
+        if settings.denoise.passes > 0 {
+            self.denoise.denoise(&settings.denoise, &self.cells, &mut self.light.rgb);
+            self.clock.lap("denoise");
+        }
+    }
+
+    /// Seed map, jump flood, distance field.
+    fn measure(&mut self) {
         let (cells, fields) = (&self.cells, &mut self.fields);
         let (w, h) = (cells.width(), cells.height());
         seed(cells, self.settings.raymarch.threshold, &mut fields.seeds);
@@ -99,15 +140,7 @@ impl Solver {
         self.clock.lap("jump_flood");
         distance(w, &fields.nearest, &mut fields.distance);
         self.clock.lap("distance");
-        let input = Input {
-            cells,
-            distance: &fields.distance,
-            nearest: &fields.nearest,
-            changed: &[],
-            frame: self.frame,
-        };
-        self.raymarch.solve(input, &self.settings, &mut self.light.rgb, &mut self.stale);
-        self.clock.lap("raymarch");
+        fields.measured = true;
     }
 
     /// The light of the last frame.
@@ -115,8 +148,11 @@ impl Solver {
         &self.light
     }
 
-    /// The intermediates of the last frame.
-    pub fn stages(&self) -> Stages<'_> {
+    /// The intermediates of the last frame; those that it did not need are made now.
+    pub fn stages(&mut self) -> Stages<'_> {
+        if !self.fields.measured {
+            self.measure();
+        }
         let Fields { seeds, nearest, distance, .. } = &self.fields;
         Stages { cells: &self.cells, seeds, nearest, distance }
     }
@@ -130,6 +166,7 @@ impl Solver {
     pub fn reset(&mut self) {
         self.frame = 0;
         self.raymarch = Raymarch::default();
+        self.temporal = Temporal::default();
     }
 }
 

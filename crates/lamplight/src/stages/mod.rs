@@ -1,6 +1,7 @@
 //! The steps that methods share, each with one stem across CPU, GPU, shaders, tests and docs.
 
 pub mod bounce;
+pub mod clearance;
 pub mod denoise;
 pub mod display;
 pub mod distance;
@@ -8,4 +9,5 @@ pub mod jump_flood;
 pub mod noise;
 pub mod seed;
 pub mod temporal;
+pub mod transmittance;
 pub mod walls;

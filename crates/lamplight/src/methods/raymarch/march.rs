@@ -1,34 +1,27 @@
-//! The march of one ray.
+//! What rays meet on their way, and what they bring back.
 //!
-//! Far from matter a ray leaps by the distance field (sphere tracing, Hart 1996); within about a
-//! px of it, it goes from cell edge to cell edge (Amanatides and Woo 1987), so that lengths in fog
-//! and ends at walls are exact and no solid cell is ever stepped over.
+//! With `hit = "edge"` a ray goes from clear square to clear square ([`super::packet`]) and from
+//! cell edge to cell edge through fog and glass (Amanatides and Woo 1987): lengths are exact, it
+//! ends exactly at the face of a wall, and no cell is ever stepped over. A ray through the exact
+//! corner of four cells goes by way of one of the two cells beside it; where both are solid it ends
+//! there, so walls of diagonally touching cells hold light back.
 //!
-//! A ray through the exact corner of four cells goes from one to the diagonally opposite one; where
-//! both cells beside the corner are solid it ends there, so that walls of diagonally touching cells
-//! hold light back.
+//! With `hit = "distance"` it is sphere traced (Hart 1996) through the distance field, as in the
+//! seeds.
 
-use super::optics::{Kind, Optics, exp_negative};
+use super::optics::{Kind, Optics};
+use super::packet::{self, LANES, Lanes, NEVER, Ray, Why};
 use crate::Rgb;
 use crate::settings::{Hit, Raymarch};
 use crate::stages::bounce::{Surfaces, mean_over_faces};
+use crate::stages::clearance::quadrant;
+use crate::stages::distance::MARGIN;
 use crate::stages::seed::{NONE, unpack};
+use crate::stages::transmittance::exp_negative;
+use fearless_simd::{Simd, f32x16};
 
-/// Least clearance in px that makes a leap worth its cost.
-const LEAP: f32 = 1.0;
-/// Clearance at which a ray that goes cell by cell leaps again: higher than [`LEAP`], as coming
-/// back to cells costs.
-const LEAP_AGAIN: f32 = 2.0;
 /// Transmittance under which what lies behind no longer counts.
-const OPAQUE: f32 = 1e-5;
-
-/// Where a ray starts, in which cell, and its unit direction.
-#[derive(Clone, Copy, Debug)]
-pub struct Ray {
-    pub from: [f32; 2],
-    pub cell: [i32; 2],
-    pub direction: [f32; 2],
-}
+const OPAQUE: f32 = 1e-6;
 
 /// What a ray brings back.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,6 +37,7 @@ pub struct Field<'a> {
     pub settings: &'a Raymarch,
     pub optics: &'a Optics,
     pub surfaces: &'a Surfaces,
+    /// Distance field and nearest surfaces; may be empty unless `hit = "distance"`.
     pub distance: &'a [f32],
     pub nearest: &'a [u32],
 }
@@ -56,11 +50,12 @@ struct Path {
 }
 
 impl Path {
-    fn start() -> Self {
-        Self { seen: Seen::default(), through: [1.0; 3], travelled: 0.0 }
+    #[inline(always)]
+    fn after(travelled: f32) -> Self {
+        Self { seen: Seen::default(), through: [1.0; 3], travelled }
     }
 
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, radiance: Rgb) {
         for c in 0..3 {
             self.seen.light[c] += self.through[c] * radiance[c];
@@ -68,164 +63,133 @@ impl Path {
     }
 }
 
-/// Steps from cell edge to cell edge along a ray.
-struct Walk {
-    step: [i32; 2],
-    /// px along the ray between two edges of an axis.
-    stride: [f32; 2],
-    inverse: [f32; 2],
-}
-
-impl Walk {
-    #[inline]
-    fn new(direction: [f32; 2]) -> Self {
-        // An axis along which the ray does not move is never crossed.
-        let inverse = direction.map(|d| if d.abs() < 1e-12 { 1e12 } else { 1.0 / d });
-        let step = direction.map(|d| if d < 0.0 { -1 } else { 1 });
-        Self { step, stride: inverse.map(f32::abs), inverse }
-    }
-
-    /// px along the ray from `at` in `cell` to the next edge of each axis.
-    #[inline]
-    fn edges(&self, at: [f32; 2], cell: [i32; 2]) -> [f32; 2] {
-        std::array::from_fn(|a| {
-            let edge = (cell[a] + (self.step[a] > 0) as i32) as f32;
-            ((edge - at[a]) * self.inverse[a]).abs()
-        })
-    }
-
-    /// The face by which a step along `axis` enters a cell: left, right, top, bottom.
-    #[inline]
-    fn face(&self, axis: usize) -> usize {
-        2 * axis + (self.step[axis] < 0) as usize
-    }
-}
-
 impl Field<'_> {
-    /// Radiance that arrives along a ray.
-    #[inline]
-    pub fn march(&self, ray: Ray) -> Seen {
-        match self.settings.hit {
-            Hit::Edge => self.march_to_edge(ray),
-            Hit::Distance => self.march_to_distance(ray),
+    /// Radiance that arrives along sixteen rays that start inside the grid.
+    #[inline(always)]
+    pub fn march<S: Simd>(&self, simd: S, rays: Ray<f32x16<S>>) -> Lanes<Seen> {
+        let lane = |v: [f32x16<S>; 2], l: usize| [v[0][l], v[1][l]];
+        if self.settings.hit == Hit::Distance {
+            return std::array::from_fn(|l| {
+                self.march_to_distance(lane(rays.from, l), lane(rays.direction, l))
+            });
         }
-    }
-
-    #[inline]
-    fn index(&self, cell: [i32; 2]) -> Option<usize> {
-        let inside = (cell[0] as u32) < self.optics.width as u32
-            && (cell[1] as u32) < self.optics.height as u32;
-        inside.then(|| (cell[1] * self.optics.width + cell[0]) as usize)
-    }
-
-    #[inline]
-    fn is_solid(&self, cell: [i32; 2]) -> bool {
-        self.index(cell).is_some_and(|i| self.optics.sites[i].kind == Kind::Solid)
-    }
-
-    fn march_to_edge(&self, ray: Ray) -> Seen {
-        let Ray { from: mut at, mut cell, direction } = ray;
-        let mut path = Path::start();
-        let mut walk = None;
-        let mut steps = self.settings.steps;
-        let Some(mut index) = self.index(cell) else { return self.leave(path, direction) };
-        loop {
-            // Leap while the way is clear.
-            let mut site = self.optics.sites[index];
-            while site.clearance >= LEAP {
-                at[0] += direction[0] * site.clearance;
-                at[1] += direction[1] * site.clearance;
-                path.travelled += site.clearance;
-                // Truncation rounds towards 0, so what is left of or above the grid comes first.
-                if at[0] < 0.0 || at[1] < 0.0 {
-                    return self.leave(path, direction);
-                }
-                cell = [at[0] as i32, at[1] as i32];
-                let Some(i) = self.index(cell) else { return self.leave(path, direction) };
-                index = i;
-                site = self.optics.sites[index];
-                steps = steps.saturating_sub(1);
-            }
-
-            // Go from edge to edge until it is clear again.
-            let walk = walk.get_or_insert_with(|| Walk::new(direction));
-            let mut edges = walk.edges(at, cell);
-            let mut t = 0.0;
-            loop {
-                let next = edges[0].min(edges[1]);
-                path.seen.changed |= site.changed;
-                if site.kind == Kind::Medium && self.cross(&mut path, index, next - t) {
-                    return path.seen;
-                }
-                path.travelled += next - t;
-                t = next;
-                let axis = (edges[1] < edges[0]) as usize;
-                if edges[0] == edges[1] {
-                    let beside =
-                        [[cell[0] + walk.step[0], cell[1]], [cell[0], cell[1] + walk.step[1]]];
-                    if self.is_solid(beside[0]) && self.is_solid(beside[1]) {
-                        cell = beside[0];
-                        return self.arrive(path, cell, walk.face(0));
+        let stopped = packet::march(simd, self.optics, rays, self.settings.steps);
+        let mut seen = [Seen::default(); LANES];
+        for (l, seen) in seen.iter_mut().enumerate() {
+            let direction = [stopped.direction[0][l], stopped.direction[1][l]];
+            let mut path = Path::after(stopped.travelled[l]);
+            *seen = match stopped.why(l) {
+                Why::Left => self.leave(&mut path, direction),
+                Why::Tired => path.seen,
+                Why::Matter(axis) => {
+                    let cell = [stopped.cell[0][l] as i32, stopped.cell[1][l] as i32];
+                    let index = (cell[1] * self.optics.width + cell[0]) as usize;
+                    if self.optics.sites[index].kind == Kind::Solid {
+                        self.arrive(&mut path, index, face(axis, direction))
+                    } else {
+                        let at = [stopped.at[0][l], stopped.at[1][l]];
+                        self.march_through(path, at, cell, direction)
                     }
-                    cell = [beside[0][0], beside[1][1]];
-                    edges = [edges[0] + walk.stride[0], edges[1] + walk.stride[1]];
-                } else {
-                    cell[axis] += walk.step[axis];
-                    edges[axis] += walk.stride[axis];
                 }
-                let Some(i) = self.index(cell) else { return self.leave(path, direction) };
-                index = i;
-                site = self.optics.sites[index];
-                if site.kind == Kind::Solid {
-                    return self.arrive(path, cell, walk.face(axis));
-                }
-                if steps == 0 {
-                    return path.seen;
-                }
-                steps -= 1;
-                if site.clearance >= LEAP_AGAIN {
-                    at = [at[0] + direction[0] * t, at[1] + direction[1] * t];
-                    break;
-                }
+            };
+        }
+        seen
+    }
+
+    /// Goes on alone from a cell with something in it: through fog and glass from edge to edge,
+    /// through clear squares in leaps.
+    fn march_through(
+        &self,
+        mut path: Path,
+        mut at: [f32; 2],
+        mut cell: [i32; 2],
+        direction: [f32; 2],
+    ) -> Seen {
+        let sides = &self.optics.sides[quadrant(direction) * self.optics.sites.len()..];
+        let inverse = direction.map(|d| 1.0 / if d.abs() < NEVER { NEVER } else { d });
+        let sign = direction.map(|d| if d < 0.0 { -1 } else { 1 });
+        let beyond = direction.map(|d| (d < 0.0) as i32);
+        for _ in 0..self.settings.steps {
+            let Some(index) = self.index(cell) else { return self.leave(&mut path, direction) };
+            let side = i32::from(sides[index]).max(1);
+            let next: [i32; 2] = std::array::from_fn(|a| cell[a] + sign[a] * side);
+            let edge: [f32; 2] = std::array::from_fn(|a| (next[a] + beyond[a]) as f32);
+            let t: [f32; 2] = std::array::from_fn(|a| (edge[a] - at[a]) * inverse[a]);
+            let axis = (t[0] >= t[1]) as usize;
+            let length = t[axis].max(0.0);
+            let site = self.optics.sites[index];
+            path.seen.changed |= site.changed;
+            if site.kind == Kind::Medium && self.cross(&mut path, index, length) {
+                return path.seen;
+            }
+            path.travelled += length;
+            // Along the other axis the ray stays within the square, whatever rounding says.
+            let other = 1 - axis;
+            let last = next[other] - sign[other];
+            let along = at[other] + direction[other] * length;
+            (at[axis], at[other]) = (edge[axis], along);
+            let (low, high) = (cell[other].min(last), cell[other].max(last));
+            cell[other] = (along.floor() as i32).clamp(low, high);
+            cell[axis] = next[axis];
+            if let Some(i) = self.index(cell).filter(|&i| self.optics.sites[i].kind == Kind::Solid)
+            {
+                return self.arrive(&mut path, i, face(axis, direction));
             }
         }
+        path.seen
     }
 
     /// The march of the seeds: steps by the distance field until it falls under `hit_distance`.
     /// Steps longer than what is known to be clear go from edge to edge and end at the first
     /// occupied cell, so that none is stepped over.
-    fn march_to_distance(&self, ray: Ray) -> Seen {
-        let Ray { from: mut at, mut cell, direction } = ray;
-        let mut path = Path::start();
-        let walk = Walk::new(direction);
+    fn march_to_distance(&self, from: [f32; 2], direction: [f32; 2]) -> Seen {
+        let (mut at, mut path) = (from, Path::after(0.0));
         for _ in 0..self.settings.steps {
-            let Some(index) = self.index(cell) else { return self.leave(path, direction) };
+            let cell = at.map(|v| v.floor() as i32);
+            let Some(index) = self.index(cell) else { return self.leave(&mut path, direction) };
             path.seen.changed |= self.optics.sites[index].changed;
-            let distance = self.distance_at(at);
-            if distance == f32::INFINITY {
-                return self.leave(path, direction);
+            if self.nearest[index] == NONE {
+                return self.leave(&mut path, direction);
             }
-            if distance < self.settings.hit_distance && self.nearest[index] != NONE {
-                return self.touch(path, self.nearest[index]);
+            let distance = self.distance_at(at);
+            if distance < self.settings.hit_distance {
+                return self.touch(&mut path, self.nearest[index]);
             }
             let advance = distance.max(self.settings.least_step);
-            path.travelled += advance;
-            if advance > self.optics.sites[index].clearance {
-                let mut edges = walk.edges(at, cell);
-                while edges[0].min(edges[1]) < advance {
-                    let axis = (edges[1] < edges[0]) as usize;
-                    cell[axis] += walk.step[axis];
-                    edges[axis] += walk.stride[axis];
-                    let Some(i) = self.index(cell) else { return self.leave(path, direction) };
-                    if self.optics.sites[i].kind != Kind::Clear {
-                        return self.touch(path, self.nearest[i]);
-                    }
-                }
+            if advance > self.distance[index] - MARGIN
+                && let Some(seed) = self.first_occupied(at, cell, direction, advance)
+            {
+                return self.touch(&mut path, seed);
             }
-            at = [at[0] + direction[0] * advance, at[1] + direction[1] * advance];
-            cell = at.map(|v| v.floor() as i32);
+            path.travelled += advance;
+            at = std::array::from_fn(|a| at[a] + direction[a] * advance);
         }
         path.seen
+    }
+
+    /// The first occupied cell within `reach` px, going from edge to edge.
+    fn first_occupied(
+        &self,
+        at: [f32; 2],
+        mut cell: [i32; 2],
+        direction: [f32; 2],
+        reach: f32,
+    ) -> Option<u32> {
+        let inverse = direction.map(|d| 1.0 / if d.abs() < NEVER { NEVER } else { d });
+        loop {
+            let t: [f32; 2] = std::array::from_fn(|a| {
+                ((cell[a] + (direction[a] >= 0.0) as i32) as f32 - at[a]) * inverse[a]
+            });
+            let axis = (t[0] >= t[1]) as usize;
+            if t[axis] >= reach {
+                return None;
+            }
+            cell[axis] += if direction[axis] < 0.0 { -1 } else { 1 };
+            let index = self.index(cell)?;
+            if self.distance[index] == 0.0 {
+                return Some(self.nearest[index]);
+            }
+        }
     }
 
     /// The distance field between cell centres, in px.
@@ -241,8 +205,15 @@ impl Field<'_> {
         above * (1.0 - fy) + below * fy
     }
 
+    #[inline(always)]
+    fn index(&self, cell: [i32; 2]) -> Option<usize> {
+        let inside = (cell[0] as u32) < self.optics.width as u32
+            && (cell[1] as u32) < self.optics.height as u32;
+        inside.then(|| (cell[1] * self.optics.width + cell[0]) as usize)
+    }
+
     /// Crosses `length` px of fog or glass; true when nothing gets through any more.
-    #[inline]
+    #[inline(always)]
     fn cross(&self, path: &mut Path, index: usize, length: f32) -> bool {
         let log = self.optics.log_transmittance[index];
         let first = exp_negative(log[0] * length);
@@ -258,22 +229,21 @@ impl Field<'_> {
     }
 
     /// Out of the grid: the sky.
-    #[inline]
-    fn leave(&self, mut path: Path, direction: [f32; 2]) -> Seen {
+    #[inline(always)]
+    fn leave(&self, path: &mut Path, direction: [f32; 2]) -> Seen {
         path.add(self.optics.sky.radiance(direction[1]));
         path.seen
     }
 
     /// At a face of a wall.
-    #[inline]
-    fn arrive(&self, path: Path, cell: [i32; 2], face: usize) -> Seen {
-        let index = (cell[1] * self.optics.width + cell[0]) as usize;
+    #[inline(always)]
+    fn arrive(&self, path: &mut Path, index: usize, face: usize) -> Seen {
         let sent = self.surfaces.slot(index).map(|slot| self.surfaces.wall_sent[slot][face]);
         self.end(path, index, sent)
     }
 
     /// At an occupied cell, by the seeds' rule: whichever side of it.
-    fn touch(&self, path: Path, seed: u32) -> Seen {
+    fn touch(&self, path: &mut Path, seed: u32) -> Seen {
         let [x, y] = unpack(seed);
         let index = y as usize * self.optics.width as usize + x as usize;
         let solid = self.optics.sites[index].kind == Kind::Solid;
@@ -283,8 +253,8 @@ impl Field<'_> {
         self.end(path, index, sent)
     }
 
-    #[inline]
-    fn end(&self, mut path: Path, index: usize, sent: Option<Rgb>) -> Seen {
+    #[inline(always)]
+    fn end(&self, path: &mut Path, index: usize, sent: Option<Rgb>) -> Seen {
         path.seen.changed |= self.optics.sites[index].changed;
         let (emission, sent) = (self.optics.source[index], sent.unwrap_or_default());
         let radiance = std::array::from_fn(|c| emission[c] + sent[c]);
@@ -293,7 +263,7 @@ impl Field<'_> {
     }
 
     /// Seed 1's fading of emission with distance, where it is switched on.
-    #[inline]
+    #[inline(always)]
     fn attenuate(&self, radiance: Rgb, travelled: f32) -> Rgb {
         if !self.settings.attenuation {
             return radiance;
@@ -302,4 +272,10 @@ impl Field<'_> {
         let share = (1.0 - (travelled / range).powi(2)).max(0.0);
         radiance.map(|v| v * share.powf(self.settings.emission_dropoff))
     }
+}
+
+/// The face by which a step along `axis` enters a cell: left, right, top, bottom.
+#[inline(always)]
+fn face(axis: usize, direction: [f32; 2]) -> usize {
+    2 * axis + (direction[axis] < 0.0) as usize
 }

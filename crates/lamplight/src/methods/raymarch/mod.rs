@@ -14,13 +14,16 @@
 mod gather;
 mod march;
 mod optics;
+mod packet;
 
-use crate::settings::{BounceBy, Bounces, Settings};
+use crate::settings::{BounceBy, Bounces, Hit, Settings};
 use crate::stages::bounce::{Faces, Surfaces, mean_over_faces};
 use crate::{Cells, Rgb};
+use fearless_simd::Level;
 use gather::{Directions, Gather};
-use march::Field;
+use march::{Field, Seen};
 use optics::Optics;
+use packet::LANES;
 use rayon::prelude::*;
 
 /// Change of what surfaces receive, relative to the mean, at which bounces have converged.
@@ -31,9 +34,9 @@ const CONVERGED: f32 = 1e-3;
 pub struct Input<'a> {
     /// The grid, lamps drawn in.
     pub cells: &'a Cells,
-    /// px to the nearest occupied cell.
+    /// px to the nearest occupied cell; may be empty unless `hit = "distance"`.
     pub distance: &'a [f32],
-    /// The nearest occupied cell.
+    /// The nearest occupied cell; may be empty unless `hit = "distance"`.
     pub nearest: &'a [u32],
     /// Cells that changed since the frame before; empty when nobody asks.
     pub changed: &'a [bool],
@@ -55,7 +58,7 @@ pub struct Raymarch {
 #[derive(Debug, Default)]
 struct Received {
     walls: Vec<(Faces, bool)>,
-    fog: Vec<(Rgb, bool)>,
+    fog: Vec<Seen>,
 }
 
 impl Raymarch {
@@ -68,15 +71,19 @@ impl Raymarch {
         light: &mut Vec<Rgb>,
         stale: &mut Vec<bool>,
     ) {
-        let Input { cells, distance, changed, .. } = input;
+        let Input { cells, changed, .. } = input;
         self.directions.prepare(&settings.raymarch);
-        self.optics.prepare(cells, &settings.raymarch, distance, changed);
+        self.optics.prepare(cells, &settings.raymarch, changed);
         std::mem::swap(&mut self.surfaces, &mut self.before);
         self.surfaces.collect(cells);
         if settings.bounces != Bounces::Count(0) && self.surfaces.reflect() {
             self.bounce(input, settings);
         }
         self.gather(input, settings, light, stale);
+        // Leaps by the distance field pass over cells that changed and are empty now.
+        if settings.raymarch.hit == Hit::Distance && changed.contains(&true) {
+            stale.fill(true);
+        }
     }
 
     /// Lets light bounce between the surfaces.
@@ -110,11 +117,11 @@ impl Raymarch {
                 *received = gather.faces(wall);
             }
         });
-        let w = input.cells.width();
-        received.fog.par_iter_mut().zip(fog).for_each(|(received, &i)| {
-            let seen = gather.fluence(i % w, i / w);
-            *received = (seen.light, seen.changed);
-        });
+        received.fog.par_chunks_mut(LANES).zip(fog.par_chunks(LANES)).for_each(
+            |(received, cells)| {
+                received.copy_from_slice(&gather.fluence(cells)[..cells.len()]);
+            },
+        );
         self.received = received;
     }
 
@@ -143,10 +150,10 @@ impl Raymarch {
             }
             self.optics.sites[wall.cell as usize].changed |= changed;
         }
-        for ((&i, (light, changed)), sent) in fog.iter().zip(&self.received.fog).zip(fog_sent) {
+        for ((&i, seen), sent) in fog.iter().zip(&self.received.fog).zip(fog_sent) {
             let albedo = cells.albedo()[i as usize];
-            (0..3).for_each(|c| update(&mut sent[c], albedo[c] * light[c]));
-            self.optics.sites[i as usize].changed |= changed;
+            (0..3).for_each(|c| update(&mut sent[c], albedo[c] * seen.light[c]));
+            self.optics.sites[i as usize].changed |= seen.changed;
         }
         self.optics.light_fog(cells, &settings.raymarch, &self.surfaces);
         let mean = (sum / f64::from(count.max(1))) as f32;
@@ -167,21 +174,37 @@ impl Raymarch {
         stale.resize(input.cells.len(), false);
         light.par_chunks_mut(w).zip(stale.par_chunks_mut(w)).enumerate().for_each(
             |(y, (light, stale))| {
-                for x in 0..w {
-                    let i = y * w + x;
-                    (light[x], stale[x]) = if !input.cells.is_solid(i) {
-                        let seen = gather.fluence(x as u32, y as u32);
-                        (seen.light, seen.changed)
-                    } else if let Some(slot) = self.surfaces.slot(i) {
-                        let wall = &self.surfaces.walls[slot];
-                        let (faces, changed) = gather.faces(wall);
-                        (mean_over_faces(wall, &faces), changed)
-                    } else {
-                        Default::default()
-                    };
+                let mut put = |i: u32, seen: Seen| {
+                    let x = i as usize - y * w;
+                    (light[x], stale[x]) = (seen.light, seen.changed);
+                };
+                let (mut open, mut count) = ([0; LANES], 0);
+                for i in (y * w) as u32..((y + 1) * w) as u32 {
+                    if input.cells.is_solid(i as usize) {
+                        put(i, self.on_wall(&gather, i));
+                        continue;
+                    }
+                    open[count] = i;
+                    count += 1;
+                    if count == LANES {
+                        gather.fluence(&open).into_iter().zip(open).for_each(|(s, i)| put(i, s));
+                        count = 0;
+                    }
+                }
+                if count > 0 {
+                    let seen = gather.fluence(&open[..count]);
+                    seen.into_iter().zip(&open[..count]).for_each(|(s, &i)| put(i, s));
                 }
             },
         );
+    }
+
+    /// What a solid cell receives: the mean over its exposed faces, nothing inside a wall.
+    fn on_wall(&self, gather: &Gather, i: u32) -> Seen {
+        let Some(slot) = self.surfaces.slot(i as usize) else { return Seen::default() };
+        let wall = &self.surfaces.walls[slot];
+        let (faces, changed) = gather.faces(wall);
+        Seen { light: mean_over_faces(wall, &faces), changed }
     }
 
     fn gatherer<'a>(&'a self, input: Input<'a>, settings: &'a Settings) -> Gather<'a> {
@@ -196,6 +219,7 @@ impl Raymarch {
             directions: &self.directions,
             frame: input.frame,
             seed: settings.seed,
+            level: Level::new(),
         }
     }
 }

@@ -1,0 +1,138 @@
+//! Sixteen rays at once through what is clear.
+//!
+//! Nearly all of a ray's way leads through empty cells. A packet takes its rays along it in
+//! lockstep, from clear square to clear square ([`crate::stages::clearance`]), until each has left
+//! the grid or come to a cell that is not clear; what happens there is up to [`super::march`]. Rays
+//! of neighbouring cells in about the same direction stay together, so few of them idle. The vector
+//! units are chosen at run time; no fused multiply-add is used, so the results are the same to the
+//! bit on every one.
+
+use super::optics::Optics;
+use fearless_simd::{f32x16, i32x16, mask32x16, prelude::*};
+
+/// Rays in a packet.
+pub const LANES: usize = 16;
+
+/// One value a ray.
+pub type Lanes<T> = [T; LANES];
+
+/// Slope under which a ray never crosses an edge of an axis.
+pub const NEVER: f32 = 1e-12;
+
+// Cell indices are computed in f32, which holds whole numbers up to 2^24 exactly.
+const _: () = assert!(crate::Cells::MAX_CELLS <= 1 << 24);
+
+/// Where a ray starts, in which cell, and its unit direction; or sixteen of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ray<T> {
+    pub from: [T; 2],
+    pub cell: [T; 2],
+    pub direction: [T; 2],
+}
+
+/// Where rays stopped.
+#[derive(Clone, Copy, Debug)]
+pub struct Stopped {
+    pub at: [Lanes<f32>; 2],
+    pub cell: [Lanes<f32>; 2],
+    pub direction: [Lanes<f32>; 2],
+    pub travelled: Lanes<f32>,
+    /// Bit by bit: rays that left the grid.
+    left: u64,
+    /// Rays that still had a way to go when their steps ran out.
+    tired: u64,
+    /// Rays whose last step went along x.
+    by_x: u64,
+}
+
+/// Why a ray stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// It left the grid.
+    Left,
+    /// It ran out of steps.
+    Tired,
+    /// It entered a cell that is not clear by a step along this axis.
+    Matter(usize),
+}
+
+impl Stopped {
+    /// Why a ray stopped.
+    #[inline(always)]
+    pub fn why(&self, lane: usize) -> Why {
+        let is = |mask: u64| mask >> lane & 1 == 1;
+        match () {
+            () if is(self.left) => Why::Left,
+            () if is(self.tired) => Why::Tired,
+            () => Why::Matter(!is(self.by_x) as usize),
+        }
+    }
+}
+
+/// Marches rays that start inside the grid until each has stopped or made `steps`.
+#[inline(always)]
+pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32) -> Stopped {
+    let [zero, one] = [0.0, 1.0].map(|v| f32x16::splat(simd, v));
+    let size = [optics.width as f32, optics.height as f32];
+    let Ray { from: mut at, mut cell, direction: way } = ray;
+    let inverse: [_; 2] = std::array::from_fn(|a| {
+        one / way[a].abs().simd_lt(NEVER).select(f32x16::splat(simd, NEVER), way[a])
+    });
+    let back = way.map(|d| d.simd_lt(0.0));
+    let sign = back.map(|b| b.select(-one, one));
+    // An edge has the coordinate of the cell behind it, seen from the left or from above.
+    let beyond = back.map(|b| b.select(one, zero));
+    let plane = back[0].select(one, zero) + back[1].select(one + one, zero);
+    let plane = plane.to_int::<i32x16<S>>() * (optics.sites.len() as i32);
+
+    let mut travelled = zero;
+    let mut by_x = mask32x16::splat(simd, false);
+    let mut inside = mask32x16::splat(simd, true);
+    let mut side = look_up(simd, optics, plane, cell);
+    let mut going = side.simd_gt(0.0);
+    for _ in 0..steps {
+        let next: [_; 2] = std::array::from_fn(|a| cell[a] + sign[a] * side);
+        let edge: [_; 2] = std::array::from_fn(|a| next[a] + beyond[a]);
+        let [tx, ty] = std::array::from_fn(|a| (edge[a] - at[a]) * inverse[a]);
+        let x_first = tx.simd_lt(ty);
+        let t = tx.min(ty);
+        let crosses = [going & x_first, going & !x_first];
+        for a in 0..2 {
+            // Along the axis that it crosses a ray lands exactly on the edge; along the other it
+            // stays within the square, whatever rounding says.
+            let along = at[a] + way[a] * t;
+            let last = next[a] - sign[a];
+            let within = along.floor().max(cell[a].min(last)).min(cell[a].max(last));
+            at[a] = going.select(crosses[a].select(edge[a], along), at[a]);
+            cell[a] = going.select(crosses[a].select(next[a], within), cell[a]);
+        }
+        travelled = going.select(travelled + t, travelled);
+        by_x = crosses[0] | (!going & by_x);
+        let [in_x, in_y] = std::array::from_fn(|a| cell[a].simd_ge(0.0) & cell[a].simd_lt(size[a]));
+        inside = in_x & in_y;
+        let safe: [_; 2] = std::array::from_fn(|a| inside.select(cell[a], zero));
+        side = look_up(simd, optics, plane, safe);
+        going = going & inside & side.simd_gt(0.0);
+        if going.to_bitmask() == 0 {
+            break;
+        }
+    }
+    Stopped {
+        at: at.map(|v| v.to_array()),
+        cell: cell.map(|v| v.to_array()),
+        direction: way.map(|v| v.to_array()),
+        travelled: travelled.to_array(),
+        left: !inside.to_bitmask(),
+        tired: going.to_bitmask(),
+        by_x: by_x.to_bitmask(),
+    }
+}
+
+/// Sides of the clear squares that sixteen rays stand in.
+#[inline(always)]
+fn look_up<S: Simd>(simd: S, optics: &Optics, plane: i32x16<S>, cell: [f32x16<S>; 2]) -> f32x16<S> {
+    let index = (cell[1] * optics.width as f32 + cell[0]).to_int::<i32x16<S>>() + plane;
+    let index = index.to_array();
+    let sides = i32x16::from_fn(simd, |l| i32::from(optics.sides[index[l] as usize]));
+    sides.to_float()
+}

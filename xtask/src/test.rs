@@ -1,0 +1,86 @@
+//! `cargo xtask test`: everything CI checks, on a machine that has only Rust and git.
+
+use crate::generated::{Mode, root};
+use crate::noise;
+use anyhow::{Context, Result, bail, ensure};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+/// The scene of the README's first command.
+const SCENE: &str = "scenes/cave.toml";
+
+pub fn run() -> Result<()> {
+    let begin = Instant::now();
+    if has_component("fmt", "rustfmt") {
+        step("format", || cargo(&["fmt", "--all", "--check"]))?;
+    }
+    if has_component("clippy", "clippy") {
+        let lints = ["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"];
+        step("lints", || cargo(&lints))?;
+    }
+    step("tests", || cargo(&["test", "--workspace", "--quiet"]))?;
+    step("blue noise is up to date", || noise::run(Mode::Check))?;
+    step("the README's first command", first_command)?;
+    println!("all passed in {:.1} s", begin.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn step(name: &str, work: impl FnOnce() -> Result<()>) -> Result<()> {
+    println!("== {name}");
+    let begin = Instant::now();
+    work()
+        .with_context(|| format!("{name}: failed after {:.1} s", begin.elapsed().as_secs_f64()))?;
+    println!("== {name}: passed in {:.1} s", begin.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn command(folder: &Path) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.current_dir(folder);
+    command
+}
+
+fn cargo(args: &[&str]) -> Result<()> {
+    finish(command(root()).args(args))
+}
+
+fn finish(command: &mut Command) -> Result<()> {
+    let status = command.status().context("cannot run cargo")?;
+    ensure!(status.success(), "{command:?} ended with {status}");
+    Ok(())
+}
+
+/// Whether the toolchain has a component; says how to get it where not.
+fn has_component(subcommand: &str, component: &str) -> bool {
+    let found = command(root())
+        .args([subcommand, "--version"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .is_ok_and(|status| status.success());
+    if !found {
+        println!(
+            "== {component} is missing, its step is left out; to get it: rustup component add {component}"
+        );
+    }
+    found
+}
+
+/// Lights the scene as a new user does, in an empty folder, and looks at what came out.
+fn first_command() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let mut render = command(folder.path());
+    render.args(["run", "--release", "--quiet", "--manifest-path"]).arg(root().join("Cargo.toml"));
+    finish(render.args(["--", "render"]).arg(root().join(SCENE)))?;
+    let name = Path::new(SCENE).with_extension("png");
+    let path = folder.path().join(name.file_name().context("the scene has a name")?);
+    let picture =
+        image::open(&path).with_context(|| format!("no picture at {}", path.display()))?;
+    let bright = picture.to_luma8().pixels().filter(|p| p.0[0] > 32).count();
+    let total = picture.width() as usize * picture.height() as usize;
+    if bright * 10 < total {
+        bail!("{} is black: {bright} of {total} pixels are lit", path.display());
+    }
+    Ok(())
+}
