@@ -253,7 +253,11 @@ fn images_that_will_not_do_are_refused_by_key_and_file() {
     let sprite = "size = [4, 4]\n[[shape]]\nsprite = { image = \"huge.png\", center = [1, 1] }";
     assert_eq!(
         bench.cells(sprite).unwrap_err(),
-        "scene.toml: `shape[0].sprite.image` is an image of 60000×60000 px (huge.png), but must be \
-         at most 16384 px a side, 33554432 px in all"
+        format!(
+            "scene.toml: `shape[0].sprite.image` is an image of 60000×60000 px (huge.png), but must \
+             be at most {} px a side, {} px in all",
+            Cells::MAX_SIDE,
+            Cells::MAX_CELLS
+        )
     );
 }
