@@ -3,6 +3,7 @@
 use super::heat;
 use super::plot;
 use super::{Reference, Subject};
+use crate::args::threads_in_words;
 use crate::contest::{Row, Series};
 use crate::lighting::ms;
 use std::fmt::Write;
@@ -36,7 +37,7 @@ pub fn page(subject: &Subject, plot: &str) -> String {
 <body>
 <main>
 <h1>{name}</h1>
-<p class="dim">{w}×{h} cells · bounces: {bounces} · CPU, {threads} threads · lamplight {version}</p>
+<p class="dim">{w}×{h} cells · bounces: {bounces} · CPU, {threads} · lamplight {version}</p>
 <figure class="hero">
 <img src="reference.png" width="{w}" height="{h}" alt="The reference picture of {name}">
 <figcaption>The reference: a path tracer with {samples} paths a pixel, {seconds:.1} s. Its own
@@ -74,6 +75,7 @@ cell's error ÷ the mean light:</p>
 "#,
         style = include_str!("page.css"),
         bounces = escape(bounces),
+        threads = threads_in_words(*threads),
         version = env!("CARGO_PKG_VERSION"),
         seconds = time.as_secs_f64(),
         own = standard_error * 100.0,
