@@ -3,6 +3,7 @@
 mod generated;
 mod noise;
 mod random;
+mod scenes;
 mod test;
 
 use anyhow::Result;
@@ -20,6 +21,8 @@ struct Args {
 enum Chore {
     /// Everything CI checks: format, lints, tests, generated files, the README's commands.
     Test,
+    /// Draw the example scenes.
+    Scenes(Generate),
     /// Make the blue-noise texture.
     Noise(Generate),
 }
@@ -41,5 +44,6 @@ fn main() -> Result<()> {
     match Args::parse().chore {
         Chore::Test => test::run(),
         Chore::Noise(args) => noise::run(args.mode()),
+        Chore::Scenes(args) => scenes::run(args.mode()),
     }
 }

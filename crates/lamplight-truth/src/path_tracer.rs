@@ -154,9 +154,9 @@ impl<'c> Tracer<'c> {
                 let mut random = Random::new(self.seed, id, key);
                 let stratum = (f64::from(path) + random.next()) / f64::from(self.paths);
                 let start = if solid {
-                    self.from_face(&faces, stratum, (f64::from(path) * GOLDEN + shift).fract())
+                    self.leave_face(&faces, stratum, (f64::from(path) * GOLDEN + shift).fract())
                 } else {
-                    self.from_centre([x, y], stratum)
+                    self.leave_centre([x, y], stratum)
                 };
                 let light = self.radiance(start, &mut random);
                 (0..3).for_each(|c| total[c] += light[c]);
@@ -195,13 +195,13 @@ impl<'c> Tracer<'c> {
 
     /// A ray from the centre of a cell in the direction `turn` × 2π.
     #[inline]
-    fn from_centre(&self, cell: [i32; 2], turn: f64) -> Walk<'_> {
+    fn leave_centre(&self, cell: [i32; 2], turn: f64) -> Walk<'_> {
         let (sin, cos) = (turn * TAU).sin_cos();
         Walk::new(&self.grid, cell, cell.map(|c| f64::from(c) + 0.5), [cos, sin])
     }
 
     /// A ray that leaves one of the faces from the point that `along` (0 to 1) picks.
-    fn from_face(&self, faces: &[Face], along: f64, u: f64) -> Walk<'_> {
+    fn leave_face(&self, faces: &[Face], along: f64, u: f64) -> Walk<'_> {
         let along = along * faces.len() as f64;
         let face = &faces[(along as usize).min(faces.len() - 1)];
         let normal = face.normal.map(f64::from);
@@ -209,12 +209,12 @@ impl<'c> Tracer<'c> {
         let offset = along.fract() - 0.5;
         let point = [0, 1]
             .map(|a| centre[a] + 0.5 * normal[a] + offset * f64::from(face.normal[1 - a].abs()));
-        self.from_wall(face.outside(), point, normal, u)
+        self.leave_wall(face.outside(), point, normal, u)
     }
 
     /// A ray from a point of a wall, cosine-distributed: in 2D the sine of its angle is uniform.
     #[inline]
-    fn from_wall(&self, cell: [i32; 2], point: [f64; 2], normal: [f64; 2], u: f64) -> Walk<'_> {
+    fn leave_wall(&self, cell: [i32; 2], point: [f64; 2], normal: [f64; 2], u: f64) -> Walk<'_> {
         let sin = 2.0 * u - 1.0;
         // Never 0, which would run along the wall.
         let cos = (1.0 - sin * sin).sqrt().max(1e-12);
@@ -247,7 +247,7 @@ impl<'c> Tracer<'c> {
                     if !survives(sent, &mut weight, random) {
                         return light;
                     }
-                    walk = self.from_wall(outside, point, normal, random.next());
+                    walk = self.leave_wall(outside, point, normal, random.next());
                 }
                 Event::Medium(stretch) => {
                     let Stretch { cell, length, .. } = stretch;
@@ -278,7 +278,7 @@ impl<'c> Tracer<'c> {
                             if !survives(sent, &mut weight, random) {
                                 return light;
                             }
-                            walk = self.from_centre(walk.cell_after(&stretch, px), random.next());
+                            walk = self.leave_centre(walk.cell_after(&stretch, px), random.next());
                             continue;
                         }
                         go_on = go_on.map(|w| w / (1.0 - p));
