@@ -129,15 +129,15 @@ fn post(canvas: &mut Canvas, x: i32) {
     for y in 73..foot {
         canvas.set(x, y, iron(x, y));
     }
-    for (dx, y) in
-        [(-1, foot - 1), (1, foot - 1), (-1, foot - 2), (1, foot - 2), (-1, 96), (1, 96)]
+    for (dx, y) in [(-1, foot - 1), (1, foot - 1), (-1, foot - 2), (1, foot - 2), (-1, 96), (1, 96)]
     {
         canvas.set(x + dx, y, iron(x + dx, y));
     }
     canvas.sprite(x - 3, 63, &["...i...", "..iii..", ".iiiii."], |c| {
         (c == 'i').then(|| fog(x, 64, hex(0x3e444e)))
     });
-    canvas.sprite(x - 2, 71, &["i...i", ".iii."], |c| (c == 'i').then(|| fog(x, 72, hex(0x3e444e))));
+    canvas
+        .sprite(x - 2, 71, &["i...i", ".iii."], |c| (c == 'i').then(|| fog(x, 72, hex(0x3e444e))));
 }
 
 fn bench(canvas: &mut Canvas, x: i32) {

@@ -7,7 +7,7 @@
 //! is read off clear squares ([`super::clearance`]) or, near walls, walked cell by cell, so light
 //! never leaks through a wall however thin. Solid cells keep their light.
 
-use super::clearance::{clearance, quadrant};
+use super::clearance::{clearance, quadrant, side};
 use crate::settings;
 use crate::{Cells, Rgb};
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ const OPACITY: f32 = 8.0;
 #[derive(Debug, Default)]
 pub struct Denoise {
     open: Vec<bool>,
-    sides: Vec<u8>,
+    squares: Vec<u8>,
     noisy: Vec<Noisy>,
     blurred: Vec<Noisy>,
 }
@@ -40,7 +40,7 @@ impl Denoise {
     pub fn denoise(&mut self, settings: &settings::Denoise, cells: &Cells, light: &mut [Rgb]) {
         self.open.clear();
         self.open.extend((0..cells.len()).map(|i| !cells.is_solid(i)));
-        clearance(cells.width(), &self.open, &mut self.sides);
+        clearance(cells.width(), &self.open, |_, _| false, &mut self.squares);
         self.noisy.resize(light.len(), Noisy::default());
         self.blurred.resize(light.len(), Noisy::default());
         self.estimate(cells, light);
@@ -99,7 +99,7 @@ impl Denoise {
 
     fn view<'a>(&'a self, cells: &Cells) -> View<'a> {
         let size = [cells.width() as i32, cells.height() as i32];
-        View { size, open: &self.open, sides: &self.sides }
+        View { size, open: &self.open, squares: &self.squares }
     }
 }
 
@@ -107,7 +107,7 @@ impl Denoise {
 struct View<'a> {
     size: [i32; 2],
     open: &'a [bool],
-    sides: &'a [u8],
+    squares: &'a [u8],
 }
 
 impl View<'_> {
@@ -135,7 +135,7 @@ impl View<'_> {
         let length = offset[0].abs().max(offset[1].abs());
         let index = (from[1] * self.size[0] + from[0]) as usize;
         let plane = quadrant(offset.map(|o| o as f32)) * self.open.len();
-        length < i32::from(self.sides[plane + index]) || self.walk(from, offset)
+        length < side(self.squares[plane + index]) || self.walk(from, offset)
     }
 
     /// Goes from cell to cell along the line; a corner between two solid cells blocks it.

@@ -14,7 +14,7 @@ use super::packet::{self, LANES, Lanes, NEVER, Ray, Why};
 use crate::Rgb;
 use crate::settings::{Hit, Raymarch};
 use crate::stages::bounce::{Surfaces, mean_over_faces};
-use crate::stages::clearance::quadrant;
+use crate::stages::clearance::{quadrant, side};
 use crate::stages::distance::MARGIN;
 use crate::stages::seed::{NONE, unpack};
 use crate::stages::transmittance::exp_negative;
@@ -96,8 +96,7 @@ impl Field<'_> {
         seen
     }
 
-    /// Goes on alone from a cell with something in it: through fog and glass from edge to edge,
-    /// through clear squares in leaps.
+    /// Goes on alone from a cell with something in it, from square to square of the same matter.
     fn march_through(
         &self,
         mut path: Path,
@@ -105,13 +104,13 @@ impl Field<'_> {
         mut cell: [i32; 2],
         direction: [f32; 2],
     ) -> Seen {
-        let sides = &self.optics.sides[quadrant(direction) * self.optics.sites.len()..];
+        let squares = &self.optics.squares[quadrant(direction) * self.optics.sites.len()..];
         let inverse = direction.map(|d| 1.0 / if d.abs() < NEVER { NEVER } else { d });
         let sign = direction.map(|d| if d < 0.0 { -1 } else { 1 });
         let beyond = direction.map(|d| (d < 0.0) as i32);
         for _ in 0..self.settings.steps {
             let Some(index) = self.index(cell) else { return self.leave(&mut path, direction) };
-            let side = i32::from(sides[index]).max(1);
+            let side = side(squares[index]);
             let next: [i32; 2] = std::array::from_fn(|a| cell[a] + sign[a] * side);
             let edge: [f32; 2] = std::array::from_fn(|a| (next[a] + beyond[a]) as f32);
             let t: [f32; 2] = std::array::from_fn(|a| (edge[a] - at[a]) * inverse[a]);

@@ -21,7 +21,7 @@ pub enum Kind {
 }
 
 /// One cell's part in the march.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Site {
     /// What the cell is.
     pub kind: Kind,
@@ -37,8 +37,8 @@ pub struct Optics {
     pub sites: Vec<Site>,
     /// Whether a cell is clear and did not change: nothing there for a ray to look at.
     pub clear: Vec<bool>,
-    /// Sides of the clear squares ([`clearance`]).
-    pub sides: Vec<u8>,
+    /// Squares of the same matter ([`clearance`]).
+    pub squares: Vec<u8>,
     /// Emission, and what fog sends on.
     pub source: Vec<Rgb>,
     /// Natural logarithm of the transmittance of one px.
@@ -80,7 +80,18 @@ impl Optics {
                     }
                 }
             });
-        clearance(cells.width(), &self.clear, &mut self.sides);
+        self.find_squares();
+    }
+
+    fn find_squares(&mut self) {
+        let Self { sites, clear, squares, source, log_transmittance, .. } = self;
+        let alike = |i: usize, j: usize| {
+            sites[i] == sites[j]
+                && sites[i].kind == Kind::Medium
+                && source[i] == source[j]
+                && log_transmittance[i] == log_transmittance[j]
+        };
+        clearance(self.width as u32, clear, alike, squares);
     }
 
     /// Sets what fog sends out: emission and what it sends on.
@@ -88,6 +99,9 @@ impl Optics {
         for (&i, sent) in surfaces.fog.iter().zip(&surfaces.fog_sent) {
             let (i, m) = (i as usize, settings.emission_multiplier);
             self.source[i] = std::array::from_fn(|c| cells.emission()[i][c] * m + sent[c]);
+        }
+        if !surfaces.fog.is_empty() {
+            self.find_squares();
         }
     }
 }

@@ -8,6 +8,7 @@
 //! bit on every one.
 
 use super::optics::Optics;
+use crate::stages::clearance::MATTER;
 use fearless_simd::{f32x16, i32x16, mask32x16, prelude::*};
 
 /// Rays in a packet.
@@ -89,7 +90,7 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
     let mut by_x = mask32x16::splat(simd, false);
     let mut inside = mask32x16::splat(simd, true);
     let mut side = look_up(simd, optics, plane, cell);
-    let mut going = side.simd_gt(0.0);
+    let mut going = side.simd_lt(f32::from(MATTER));
     for _ in 0..steps {
         let next: [_; 2] = std::array::from_fn(|a| cell[a] + sign[a] * side);
         let edge: [_; 2] = std::array::from_fn(|a| next[a] + beyond[a]);
@@ -112,7 +113,7 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
         inside = in_x & in_y;
         let safe: [_; 2] = std::array::from_fn(|a| inside.select(cell[a], zero));
         side = look_up(simd, optics, plane, safe);
-        going = going & inside & side.simd_gt(0.0);
+        going = going & inside & side.simd_lt(f32::from(MATTER));
         if going.to_bitmask() == 0 {
             break;
         }
@@ -128,11 +129,11 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
     }
 }
 
-/// Sides of the clear squares that sixteen rays stand in.
+/// The squares that sixteen rays stand in.
 #[inline(always)]
 fn look_up<S: Simd>(simd: S, optics: &Optics, plane: i32x16<S>, cell: [f32x16<S>; 2]) -> f32x16<S> {
     let index = (cell[1] * optics.width as f32 + cell[0]).to_int::<i32x16<S>>() + plane;
     let index = index.to_array();
-    let sides = i32x16::from_fn(simd, |l| i32::from(optics.sides[index[l] as usize]));
-    sides.to_float()
+    let squares = i32x16::from_fn(simd, |l| i32::from(optics.squares[index[l] as usize]));
+    squares.to_float()
 }
