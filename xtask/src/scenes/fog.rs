@@ -38,7 +38,7 @@ fn fog(x: i32, y: i32, color: Color) -> Paint {
 /// Rows of far trees, each paler than the one before it.
 fn backdrop(x: i32, y: i32) -> Color {
     let (fx, fy) = (x as f32, y as f32);
-    let mut color = ramp(&[0x505f90, 0x6478a2, 0x8092b2, 0xa0a8b8], fy / 125.0, x, y);
+    let mut color = ramp(&[0x5468a0, 0x6880b0, 0x8898bc, 0xa8a8b4], fy / 125.0, x, y);
     for (layer, shade) in [(0, 0x6c7e9c), (1, 0x5a6c8a), (2, 0x4a5c78)] {
         let depth = layer as f32;
         let spacing = 17.0 + depth * 12.0;
@@ -129,15 +129,15 @@ fn post(canvas: &mut Canvas, x: i32) {
     for y in 73..foot {
         canvas.set(x, y, iron(x, y));
     }
-    for (dx, y) in
-        [(-1, foot - 1), (1, foot - 1), (-1, foot - 2), (1, foot - 2), (-1, 96), (1, 96)]
+    for (dx, y) in [(-1, foot - 1), (1, foot - 1), (-1, foot - 2), (1, foot - 2), (-1, 96), (1, 96)]
     {
         canvas.set(x + dx, y, iron(x + dx, y));
     }
     canvas.sprite(x - 3, 63, &["...i...", "..iii..", ".iiiii."], |c| {
         (c == 'i').then(|| fog(x, 64, hex(0x3e444e)))
     });
-    canvas.sprite(x - 2, 71, &["i...i", ".iii."], |c| (c == 'i').then(|| fog(x, 72, hex(0x3e444e))));
+    canvas
+        .sprite(x - 2, 71, &["i...i", ".iii."], |c| (c == 'i').then(|| fog(x, 72, hex(0x3e444e))));
 }
 
 fn bench(canvas: &mut Canvas, x: i32) {

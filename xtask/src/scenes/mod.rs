@@ -4,10 +4,12 @@ pub mod canvas;
 mod cave;
 mod dungeon;
 mod fog;
+mod grove;
 mod landscape;
 mod night_street;
 mod odd;
 mod stained_glass;
+mod two_rooms;
 
 use crate::generated::{self, Mode};
 use anyhow::Result;
@@ -24,15 +26,20 @@ const CHORE: &str = "scenes";
 
 pub fn run(mode: Mode) -> Result<()> {
     let (dungeon, dungeon_file) = dungeon::draw();
-    generated::bytes(mode, "scenes/dungeon.toml", dungeon_file.as_bytes(), CHORE)?;
+    let (grove, grove_file) = grove::draw();
+    for (path, text) in [("scenes/dungeon.toml", dungeon_file), ("scenes/grove.toml", grove_file)] {
+        generated::bytes(mode, path, text.as_bytes(), CHORE)?;
+    }
     for art in [
         cave::draw(),
         dungeon,
         fog::draw(),
+        grove,
         landscape::draw(),
         night_street::draw(),
         odd::draw(),
         stained_glass::draw(),
+        two_rooms::draw(),
     ] {
         for &layer in art.layers {
             let path = format!("scenes/{}/{}.png", art.name, layer.name());
