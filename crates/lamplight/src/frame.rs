@@ -1,7 +1,9 @@
 //! One frame, from cells to light, top to bottom.
 
 use crate::methods::raymarch::{Input, Raymarch};
-use crate::settings::{Hit, Method};
+use crate::settings::{BounceBy, Bounces, Hit, Method};
+use crate::stages::denoise::Denoise;
+use crate::stages::temporal::Temporal;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::{Cells, Light, Result, Settings};
@@ -17,6 +19,8 @@ pub struct Solver {
     fields: Fields,
     raymarch: Raymarch,
     stale: Vec<bool>,
+    temporal: Temporal,
+    denoise: Denoise,
     walls: Walls,
     light: Light,
     clock: Clock,
@@ -57,6 +61,8 @@ impl Solver {
             fields: Fields::default(),
             raymarch: Raymarch::default(),
             stale: Vec::new(),
+            temporal: Temporal::default(),
+            denoise: Denoise::default(),
             walls: Walls::default(),
             light: Light::default(),
             clock: Clock::default(),
@@ -95,15 +101,31 @@ impl Solver {
         if self.settings.raymarch.hit == Hit::Distance {
             self.measure();
         }
+        let settings = &self.settings;
+        let accumulates = settings.temporal.frames > 1;
+        let changed =
+            if accumulates { self.temporal.mark(&settings.temporal, &self.cells) } else { &[] };
         let input = Input {
             cells: &self.cells,
             distance: &self.fields.distance,
             nearest: &self.fields.nearest,
-            changed: &[],
+            changed,
             frame: self.frame,
         };
-        self.raymarch.solve(input, &self.settings, &mut self.light.rgb, &mut self.stale);
+        self.raymarch.solve(input, settings, &mut self.light.rgb, &mut self.stale);
         self.clock.lap("raymarch");
+
+        if accumulates {
+            let feedback = settings.bounces != Bounces::Count(0)
+                && settings.raymarch.bounce == BounceBy::Feedback;
+            let (width, light) = (self.cells.width(), &mut self.light.rgb);
+            self.temporal.accumulate(&settings.temporal, width, feedback, &self.stale, light);
+            self.clock.lap("temporal");
+        }
+        if settings.denoise.passes > 0 {
+            self.denoise.denoise(&settings.denoise, &self.cells, &mut self.light.rgb);
+            self.clock.lap("denoise");
+        }
     }
 
     /// Seed map, jump flood, distance field.
@@ -144,6 +166,7 @@ impl Solver {
     pub fn reset(&mut self) {
         self.frame = 0;
         self.raymarch = Raymarch::default();
+        self.temporal = Temporal::default();
     }
 }
 

@@ -28,9 +28,11 @@ pub mod stages;
 pub use cells::{Cells, Matter, Rgb};
 pub use error::{Error, Result};
 pub use frame::Solver;
+/// The crate of the pictures that [`Light::compose`] returns.
+pub use image;
 pub use lamp::{Falloff, Lamp};
 pub use light::Light;
 pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Settings, SettingsTable};
-pub use sky::Sky;
+pub use sky::{Gradient, Sky};
 pub use stages::display::{Display, ToneMap};

@@ -22,6 +22,11 @@ pub fn decode_u8(encoded: u8) -> f32 {
     TABLE[usize::from(encoded)]
 }
 
+/// 8-bit sRGB value of a linear one; what lies outside 0 to 1 is cut off.
+pub fn encode_u8(linear: f32) -> u8 {
+    (encode(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -38,7 +43,7 @@ mod tests {
     #[test]
     fn every_byte_survives_the_round_trip() {
         for byte in 0..=255u8 {
-            assert_eq!((encode(decode_u8(byte)) * 255.0).round() as u8, byte);
+            assert_eq!(encode_u8(decode_u8(byte)), byte);
         }
     }
 }

@@ -100,7 +100,7 @@ impl Layers {
         if let Some(layer) = open("tint", &self.tint)? {
             layer.fill("tint", cells.tint_mut(), 0.0..=1.0, |x, y| {
                 let (rgb, alpha) = layer.picture.value(x, y);
-                rgb.map(|v| 1.0 + (v - 1.0) * alpha)
+                rgb.map(|v| 1.0 - alpha + v * alpha)
             })?;
         }
         if let Some(layer) = open("color", &self.color)? {
@@ -164,7 +164,7 @@ impl Layer {
         self.fill("color", color, 0.0..=1.0, |x, y| {
             let (rgb, alpha) = self.picture.color(x, y);
             let below = under[y as usize * width as usize + x as usize];
-            std::array::from_fn(|c| below[c] + (rgb[c] - below[c]) * alpha)
+            std::array::from_fn(|c| below[c] * (1.0 - alpha) + rgb[c] * alpha)
         })
     }
 }

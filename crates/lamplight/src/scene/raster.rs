@@ -169,5 +169,5 @@ fn judge(x: u32, y: u32, matter: &Matter, share: f32, color: Rgb) -> Result<()> 
 
 /// Paint over a picture by a share.
 fn lay(picture: &mut Rgb, paint: Rgb, share: f32) {
-    *picture = std::array::from_fn(|c| picture[c] + (paint[c] - picture[c]) * share);
+    *picture = std::array::from_fn(|c| picture[c] * (1.0 - share) + paint[c] * share);
 }

@@ -1,5 +1,15 @@
 //! From linear light to a picture: exposure, tone map, sRGB.
+//!
+//! The final picture shows, per channel and in linear light,
+//! `color × light + (1 − T)·E`, with `T = (1 − opacity)·tint` over 1 px: the background under the
+//! light that arrives, and on top the glow of what emits. In a solid cell [`Light`] already holds
+//! its emission E on top of what its faces receive, so there the picture is
+//! `color × (light − E) + E`. That sum × 2^exposure goes through the tone map, which brings it into
+//! 0 to 1, and is then encoded as sRGB, once.
 
+use crate::{Cells, Error, Light, Result, Rgb, srgb};
+use image::RgbImage;
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -9,21 +19,294 @@ use serde::{Deserialize, Serialize};
 pub enum ToneMap {
     /// Cut off at 1.
     None,
-    /// `x / (1 + x)` (Reinhard et al. 2002).
+    /// `x / (1 + x)` per channel (Reinhard et al. 2002, equation 3): never clips, looks flat.
     Reinhard,
     /// A film-like curve (Narkowicz 2015), with highlights that turn white (seed 2).
     #[default]
     Aces,
-    /// AgX (Sobotka 2022), in the polynomial form of Wrensch (2023).
+    /// AgX (Sobotka 2022), in the polynomial form of Wrensch (2023): soft, keeps hues of very
+    /// bright lights from skewing.
     Agx,
 }
 
-/// How the final picture is shown.
+impl ToneMap {
+    /// Every tone map, in the order in which lists show them.
+    pub const ALL: &'static [Self] = &[Self::None, Self::Reinhard, Self::Aces, Self::Agx];
+
+    /// The name in files and flags.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Reinhard => "reinhard",
+            Self::Aces => "aces",
+            Self::Agx => "agx",
+        }
+    }
+
+    /// Linear radiance of 0 or more → linear 0 to 1, ready for sRGB. Negative values and NaN count
+    /// as 0, infinity as very bright.
+    pub fn map(self, rgb: Rgb) -> Rgb {
+        // All curves are flat long before the cap; it keeps their squares finite.
+        let rgb = rgb.map(|v| v.max(0.0).min(BRIGHTEST));
+        let mapped = match self {
+            Self::None => rgb,
+            Self::Reinhard => rgb.map(|v| v / (1.0 + v)),
+            Self::Aces => aces(rgb),
+            Self::Agx => agx(rgb),
+        };
+        mapped.map(|v| v.clamp(0.0, 1.0))
+    }
+}
+
+/// Radiance beyond which every tone map gives the same as at it, to 8 bits.
+const BRIGHTEST: f32 = 1e9;
+
+/// Narkowicz's fit of the ACES curve (2015), as seed 2 shows it: the brighter a pixel is, the more
+/// of its colour gives way to the curve of its luma (Rec. 601 weights).
+///
+/// Seed 2 lets the share of white run past 1, which turns colours brighter than luma 4 into their
+/// complements; here it ends at 1.
+fn aces(rgb: Rgb) -> Rgb {
+    /// Luma² ÷ (slope + luma) is the share of white.
+    const SLOPE: f32 = 12.0;
+    let curve = |x: f32| ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0);
+    let luma = rgb[0] * 0.299 + rgb[1] * 0.587 + rgb[2] * 0.114;
+    let white = (luma * luma / (SLOPE + luma)).min(1.0);
+    rgb.map(|v| curve(v) + (curve(luma) - curve(v)) * white)
+}
+
+/// Wrensch's minimal AgX (2023): rotate and desaturate the primaries, log2 over 16.5 stops, a
+/// sixth-degree fit of the contrast curve, back. The curve's output is for a display of gamma 2.2.
+fn agx(rgb: Rgb) -> Rgb {
+    const INSET: [Rgb; 3] = [
+        [0.842_479_06, 0.078_433_6, 0.079_223_745],
+        [0.042_328_24, 0.878_468_6, 0.079_166_13],
+        [0.042_375_655, 0.078_433_6, 0.879_142_97],
+    ];
+    const OUTSET: [Rgb; 3] = [
+        [1.196_879, -0.098_020_88, -0.099_029_744],
+        [-0.052_896_85, 1.151_903_1, -0.098_961_18],
+        [-0.052_971_635, -0.098_043_45, 1.151_073_7],
+    ];
+    const DARKEST_STOP: f32 = -12.473_93;
+    const BRIGHTEST_STOP: f32 = 4.026_069;
+    /// Coefficients of x⁶ … x⁰.
+    const CONTRAST: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32];
+    let rotate = |m: &[Rgb; 3], v: Rgb| -> Rgb {
+        std::array::from_fn(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
+    };
+    let curve = |v: f32| {
+        let stop = v.log2().clamp(DARKEST_STOP, BRIGHTEST_STOP);
+        let x = (stop - DARKEST_STOP) / (BRIGHTEST_STOP - DARKEST_STOP);
+        CONTRAST.iter().fold(0.0, |sum, c| sum * x + c)
+    };
+    rotate(&OUTSET, rotate(&INSET, rgb).map(curve)).map(|v| v.max(0.0).powf(2.2))
+}
+
+/// How a picture of light is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
     /// The tone map.
     pub tonemap: ToneMap,
-    /// Exposure in stops: +1 doubles the light.
+    /// Exposure in stops, −32 to 32: +1 doubles the light.
     pub exposure: f32,
+}
+
+impl Display {
+    /// Exposures beyond this many stops, up or down, are refused.
+    pub const MAX_EXPOSURE: f32 = 32.0;
+
+    /// Refuses an exposure that is NaN or out of range.
+    pub fn check(&self) -> Result<()> {
+        let range = -Self::MAX_EXPOSURE..=Self::MAX_EXPOSURE;
+        if range.contains(&self.exposure) {
+            return Ok(());
+        }
+        Err(Error::value("exposure", self.exposure, "a number of stops from -32 to 32"))
+    }
+
+    /// What exposure multiplies light by.
+    pub fn gain(&self) -> f32 {
+        self.exposure.exp2()
+    }
+
+    /// One pixel: linear radiance → exposure, tone map, sRGB bytes.
+    pub fn encode(&self, rgb: Rgb) -> [u8; 3] {
+        let gain = self.gain();
+        self.tonemap.map(rgb.map(|v| v * gain)).map(srgb::encode_u8)
+    }
+
+    /// A whole picture of linear radiance, in row order; pixels that are missing stay black.
+    pub fn picture(&self, width: u32, height: u32, rgb: &[Rgb]) -> RgbImage {
+        let mut picture = RgbImage::new(width, height);
+        picture.par_chunks_mut(3).zip(rgb).for_each(|(to, from)| {
+            to.copy_from_slice(&self.encode(*from));
+        });
+        picture
+    }
+}
+
+impl Light {
+    /// The final picture: `cells` under this light, with what glows on top, brought to the screen.
+    ///
+    /// An error when `cells` is not the grid (by size) that the light was solved from.
+    pub fn compose(&self, cells: &Cells, display: &Display) -> Result<RgbImage> {
+        Ok(display.picture(self.width, self.height, &self.radiance(cells)?))
+    }
+
+    /// The light alone as a picture.
+    pub fn picture(&self, display: &Display) -> RgbImage {
+        display.picture(self.width, self.height, &self.rgb)
+    }
+
+    /// What [`Self::compose`] shows, as linear radiance before exposure and tone map, in row order.
+    ///
+    /// An error when `cells` is not the grid (by size) that the light was solved from.
+    pub fn radiance(&self, cells: &Cells) -> Result<Vec<Rgb>> {
+        if (cells.width(), cells.height()) != (self.width, self.height) {
+            let size = |w: u32, h: u32| format!("{w}×{h}");
+            return Err(Error::value(
+                "cells",
+                size(cells.width(), cells.height()),
+                format!("the grid of the light, {}", size(self.width, self.height)),
+            ));
+        }
+        let cells = cells.drawn();
+        let seen = |i: usize| -> Rgb {
+            let matter = cells.matter(i);
+            let color = cells.color().map_or([1.0; 3], |all| all[i]);
+            std::array::from_fn(|c| {
+                let glow = matter.emission[c];
+                if matter.opacity >= 1.0 {
+                    color[c] * (self.rgb[i][c] - glow).max(0.0) + glow
+                } else {
+                    let through = (1.0 - matter.opacity) * matter.tint[c];
+                    color[c] * self.rgb[i][c] + (1.0 - through) * glow
+                }
+            })
+        };
+        Ok((0..cells.len()).into_par_iter().map(seen).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Matter;
+
+    /// Curves are compared with values worked out in f64; f32 arithmetic is good to this.
+    const ROUNDING: f32 = 2e-6;
+    /// Wrensch's matrices have rows that sum to 1 only within 1.4e-4 and 1.1e-4; the contrast
+    /// curve and gamma 2.2 enlarge that by at most their slope.
+    const AGX_NEUTRAL: f32 = 1.5e-3;
+
+    fn grey(map: ToneMap, v: f32) -> f32 {
+        map.map([v; 3])[1]
+    }
+
+    fn near(found: f32, expected: f32, tolerance: f32) {
+        assert!((found - expected).abs() <= tolerance, "found {found}, expected {expected}");
+    }
+
+    #[test]
+    fn known_values() {
+        for (v, none, reinhard, aces) in [
+            (0.18, 0.18, 0.152_542_37, 0.266_898_92),
+            (1.0, 1.0, 0.5, 0.803_797_5),
+            (4.0, 1.0, 0.8, 0.973_417_1),
+        ] {
+            near(grey(ToneMap::None, v), none, ROUNDING);
+            near(grey(ToneMap::Reinhard, v), reinhard, ROUNDING);
+            near(grey(ToneMap::Aces, v), aces, ROUNDING);
+        }
+    }
+
+    /// AgX leaves middle grey near where a display shows it and white at the top of the curve.
+    #[test]
+    fn agx_known_values() {
+        // The polynomial at the stops of 0.18 and of 2^4.026069, to the power 2.2 (f64).
+        near(grey(ToneMap::Agx, 0.18), 0.214_519_1, AGX_NEUTRAL);
+        near(grey(ToneMap::Agx, 100.0), 0.996_878_7, AGX_NEUTRAL);
+    }
+
+    #[test]
+    fn monotone_neutral_black() {
+        for &map in ToneMap::ALL {
+            assert_eq!(map.map([0.0; 3]), [0.0; 3], "{map:?}");
+            let mut before = 0.0;
+            for step in -160..120 {
+                let v = (step as f32 / 8.0).exp2();
+                let rgb = map.map([v; 3]);
+                let tolerance = if map == ToneMap::Agx { AGX_NEUTRAL } else { 0.0 };
+                near(rgb[0], rgb[1], tolerance);
+                near(rgb[2], rgb[1], tolerance);
+                assert!(rgb[1] >= before - ROUNDING, "{map:?} falls at {v}: {before} → {}", rgb[1]);
+                before = rgb[1];
+            }
+        }
+    }
+
+    #[test]
+    fn finite_whatever_comes() {
+        for &map in ToneMap::ALL {
+            for v in [1e30, f32::MAX, f32::INFINITY, f32::NAN, -1.0, f32::MIN_POSITIVE] {
+                for rgb in [[v; 3], [v, 0.0, 0.0], [0.0, v, 1.0]] {
+                    let out = map.map(rgb);
+                    assert!(
+                        out.iter().all(|v| (0.0..=1.0).contains(v)),
+                        "{map:?} {rgb:?}: {out:?}"
+                    );
+                }
+            }
+        }
+        let white = Display::default().encode([1e30; 3]);
+        assert_eq!(white, [255; 3]);
+    }
+
+    /// Seed 2's share of white runs past 1 and gives a red light of 100 a cyan hue.
+    #[test]
+    fn bright_colours_turn_white_not_into_their_complement() {
+        for v in [2.0, 10.0, 100.0, 1e6] {
+            let [r, g, b] = ToneMap::Aces.map([v, 0.0, 0.0]);
+            assert!(r >= g && r >= b, "red of {v} became {r} {g} {b}");
+        }
+        assert_eq!(ToneMap::Aces.map([1e6, 0.0, 0.0]), [1.0; 3]);
+    }
+
+    #[test]
+    fn exposure_is_in_stops() {
+        let one = |exposure| Display { tonemap: ToneMap::None, exposure }.encode([0.1; 3]);
+        let direct = Display { tonemap: ToneMap::None, exposure: 0.0 };
+        assert_eq!(one(1.0), direct.encode([0.2; 3]));
+        assert_eq!(one(-2.0), direct.encode([0.025; 3]));
+        for bad in [f32::NAN, 33.0, -1e9] {
+            let error = Display { exposure: bad, ..direct }.check().unwrap_err().to_string();
+            assert!(error.contains("from -32 to 32"), "{error}");
+        }
+    }
+
+    #[test]
+    fn emission_is_seen_once() {
+        let mut cells = Cells::new(3, 1).unwrap();
+        let glow = Matter { emission: [2.0, 1.0, 0.0], opacity: 1.0, ..Matter::EMPTY };
+        cells.set(0, 0, glow);
+        cells.set(1, 0, Matter { opacity: 0.25, tint: [1.0, 0.5, 0.0], ..glow });
+        cells.color_mut().fill([0.5; 3]);
+        // The solid cell's light holds its emission on top of 0.4 that its faces receive.
+        let light = Light::from_pixels(&cells, vec![[2.4, 1.4, 0.4], [0.4; 3], [0.4; 3]]).unwrap();
+        let seen = light.radiance(&cells).unwrap();
+        let expected =
+            [[2.2, 1.2, 0.2], [0.2 + 0.25 * 2.0, 0.2 + (1.0 - 0.375) * 1.0, 0.2], [0.2; 3]];
+        for (seen, expected) in seen.iter().zip(expected) {
+            (0..3).for_each(|c| near(seen[c], expected[c], ROUNDING));
+        }
+    }
+
+    #[test]
+    fn other_grids_are_refused() {
+        let light = Light::from_pixels(&Cells::new(3, 1).unwrap(), vec![[1.0; 3]; 3]).unwrap();
+        let error = light.compose(&Cells::new(1, 3).unwrap(), &Display::default()).unwrap_err();
+        assert_eq!(error.to_string(), "`cells` is 1×3, but must be the grid of the light, 3×1");
+    }
 }

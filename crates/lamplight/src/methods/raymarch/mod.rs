@@ -16,7 +16,7 @@ mod march;
 mod optics;
 mod packet;
 
-use crate::settings::{BounceBy, Bounces, Settings};
+use crate::settings::{BounceBy, Bounces, Hit, Settings};
 use crate::stages::bounce::{Faces, Surfaces, mean_over_faces};
 use crate::{Cells, Rgb};
 use fearless_simd::Level;
@@ -80,6 +80,10 @@ impl Raymarch {
             self.bounce(input, settings);
         }
         self.gather(input, settings, light, stale);
+        // Leaps by the distance field pass over cells that changed and are empty now.
+        if settings.raymarch.hit == Hit::Distance && changed.contains(&true) {
+            stale.fill(true);
+        }
     }
 
     /// Lets light bounce between the surfaces.

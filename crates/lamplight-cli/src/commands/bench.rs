@@ -1,0 +1,165 @@
+//! `lamplight bench`: how long a frame takes, and which stage takes it.
+
+use crate::args::{Machine, SettingFlags, by_name};
+use crate::failure::{Failure, Outcome};
+use crate::lighting::{self, ms};
+use crate::output;
+use crate::progress::Progress;
+use crate::room::room;
+use crate::table::table;
+use lamplight::{Cells, Method, Settings, SettingsTable, Solver};
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::{Duration, Instant};
+
+/// A case is timed for about this long,
+const TIME: Duration = Duration::from_secs(2);
+/// but at least so often, so that there is a median,
+const LEAST_RUNS: usize = 5;
+/// and at most so often.
+const MOST_RUNS: usize = 501;
+
+/// Time methods over sizes, per stage
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Methods to time, with commas between them [default: all]
+    #[arg(long, value_name = "METHOD", value_delimiter = ',',
+          value_parser = by_name(Method::ALL, Method::name))]
+    method: Vec<Method>,
+    /// Sizes of the built-in scene, such as 320x180,512x512 [default: 320x180,640x360,1280x720]
+    #[arg(long, value_name = "WxH", value_delimiter = ',', conflicts_with = "scene")]
+    size: Vec<Size>,
+    /// Time this scene instead of the built-in one
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    /// Print one JSON object a line, one for each case
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    settings: SettingFlags,
+    #[command(flatten)]
+    machine: Machine,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Size(u32, u32);
+
+impl FromStr for Size {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        text.split_once(['x', 'X', '×'])
+            .and_then(|(w, h)| Some(Self(w.parse().ok()?, h.parse().ok()?)))
+            .ok_or("a size is two whole numbers with an x between them, such as 512x512")
+    }
+}
+
+pub fn run(args: Args) -> Outcome {
+    let backend = args.machine.backend.choose()?;
+    let methods = if args.method.is_empty() { Method::ALL } else { &args.method };
+    args.machine.run(|threads| {
+        let (grids, scene) = grids(&args)?;
+        let table_of_scene = args.settings.over(&scene)?;
+        let cases = methods.iter().flat_map(|m| grids.iter().map(move |g| (*m, g)));
+        let progress =
+            Progress::new("timing", (methods.len() * grids.len()) as u64, args.machine.quiet);
+        let mut rows = Vec::new();
+        for (method, cells) in cases {
+            let (w, h) = (cells.width(), cells.height());
+            progress.say(&format!("timing {} at {w}×{h}", method.name()));
+            let mut settings = table_of_scene.clone();
+            settings.set("method", method.name());
+            let times = time(cells, settings.resolve()?)?;
+            progress.step();
+            if args.json {
+                let mut line = json!({
+                    "method": method.name(), "backend": backend, "width": w, "height": h,
+                    "threads": threads, "median_ms": ms(times.median), "min_ms": ms(times.least),
+                    "runs": times.runs, "stages_ms": times.stages_json(),
+                });
+                if let Some(scene) = &args.scene {
+                    line["scene"] = scene.display().to_string().into();
+                }
+                output::print(line)?;
+                continue;
+            }
+            let stages = times.stages.iter().filter(|(_, time)| *time >= times.median / 100);
+            let stages: Vec<_> = stages.map(|(n, t)| format!("{n} {:.1}", ms(*t))).collect();
+            rows.push(vec![
+                method.name().to_owned(),
+                format!("{w}×{h}"),
+                format!("{:.2}", ms(times.median)),
+                format!("{:.2}", ms(times.least)),
+                times.runs.to_string(),
+                stages.join(", "),
+            ]);
+        }
+        drop(progress);
+        if args.json {
+            return Ok(());
+        }
+        let header = ["method", "size", "median ms", "least ms", "runs", "ms by stage"];
+        output::print(table(&header, &[0, 5], rows))?;
+        output::print(format_args!("on the CPU, {threads} threads"))
+    })
+}
+
+/// What to time, and the settings that come with it.
+fn grids(args: &Args) -> Outcome<(Vec<Cells>, SettingsTable)> {
+    if let Some(path) = &args.scene {
+        let (scene, cells) = lighting::open(path, args.machine.quiet)?;
+        return Ok((vec![cells], scene.light));
+    }
+    let default = [Size(320, 180), Size(640, 360), Size(1280, 720)];
+    let sizes = if args.size.is_empty() { &default[..] } else { &args.size };
+    let grids = sizes.iter().map(|&Size(w, h)| room(w, h)).collect::<Outcome<_>>()?;
+    Ok((grids, SettingsTable::default()))
+}
+
+/// What the runs of a case took.
+struct Times {
+    median: Duration,
+    least: Duration,
+    runs: usize,
+    /// Median of each stage.
+    stages: Vec<(&'static str, Duration)>,
+}
+
+impl Times {
+    fn stages_json(&self) -> Map<String, Value> {
+        self.stages.iter().map(|&(name, time)| (name.to_owned(), ms(time).into())).collect()
+    }
+}
+
+/// Times `solve` from cells in memory; the first frame, which makes the buffers, does not count.
+fn time(cells: &Cells, settings: Settings) -> Outcome<Times> {
+    let mut solver = Solver::new(settings)?;
+    solver.solve(cells)?;
+    let mut frames: Vec<Duration> = Vec::new();
+    let mut stages: Vec<(&'static str, Vec<Duration>)> = Vec::new();
+    let start = Instant::now();
+    while frames.len() < LEAST_RUNS || (start.elapsed() < TIME && frames.len() < MOST_RUNS) {
+        let frame = Instant::now();
+        solver.solve(cells)?;
+        frames.push(frame.elapsed());
+        for &(name, time) in solver.timings() {
+            match stages.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, times)) => times.push(time),
+                None => stages.push((name, vec![time])),
+            }
+        }
+    }
+    let least = frames.iter().min().copied();
+    Ok(Times {
+        runs: frames.len(),
+        least: least.ok_or_else(|| Failure::failed("nothing was timed"))?,
+        median: median(&mut frames),
+        stages: stages.into_iter().map(|(name, mut times)| (name, median(&mut times))).collect(),
+    })
+}
+
+fn median(times: &mut [Duration]) -> Duration {
+    times.sort_unstable();
+    times.get(times.len() / 2).copied().unwrap_or_default()
+}

@@ -1,0 +1,66 @@
+//! `lamplight info`: what this program and this machine can do.
+
+use crate::failure::Outcome;
+use crate::output;
+use lamplight::{Cells, Method, settings};
+use serde_json::json;
+
+/// Show backends, limits and versions
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: Args) -> Outcome {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let features = vector_features();
+    let methods: Vec<_> = Method::ALL.iter().map(|m| m.name()).chain(["reference"]).collect();
+    let presets = settings::Raymarch::PRESETS;
+    if args.json {
+        return output::print(json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "backends": { "cpu": { "threads": threads, "features": features } },
+            "adapters": [],
+            "methods": methods,
+            "presets": { "raymarch": presets },
+            "limits": { "side": Cells::MAX_SIDE, "cells": Cells::MAX_CELLS },
+        }));
+    }
+    let features =
+        if features.is_empty() { "no vector units known".into() } else { features.join(", ") };
+    output::print(format_args!(
+        "lamplight {version}
+backends  cpu: {threads} threads, {arch} with {features}
+          gpu: not in this build
+methods   {methods}
+presets   raymarch: {presets}
+limits    {side} cells a side, {cells} million cells in all",
+        version = env!("CARGO_PKG_VERSION"),
+        arch = std::env::consts::ARCH,
+        methods = methods.join(", "),
+        presets = presets.join(", "),
+        side = Cells::MAX_SIDE,
+        cells = Cells::MAX_CELLS / 1_000_000,
+    ))
+}
+
+/// Vector units of this processor, best last.
+fn vector_features() -> Vec<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    return [
+        ("sse4.1", is_x86_feature_detected!("sse4.1")),
+        ("avx2", is_x86_feature_detected!("avx2")),
+        ("fma", is_x86_feature_detected!("fma")),
+        ("f16c", is_x86_feature_detected!("f16c")),
+        ("avx512f", is_x86_feature_detected!("avx512f")),
+    ]
+    .into_iter()
+    .filter_map(|(name, here)| here.then_some(name))
+    .collect();
+    #[cfg(target_arch = "aarch64")]
+    return vec!["neon"];
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    return Vec::new();
+}

@@ -1,0 +1,58 @@
+//! One file a command.
+
+mod bench;
+mod compare;
+mod documents;
+mod info;
+mod new;
+mod probe;
+mod render;
+mod stages;
+
+use crate::failure::Outcome;
+use clap::{Parser, Subcommand};
+
+/// Light 2D scenes: walls that emit, absorb, tint and reflect go in, lit pixels come out.
+#[derive(Parser, Debug)]
+#[command(name = "lamplight", version, max_term_width = 100, arg_required_else_help = true)]
+#[command(after_help = "\
+Start here:
+  lamplight new cave.toml       write a commented scene
+  lamplight render cave.toml    light it: cave.png
+
+Exit codes: 0 done, 1 failed, 2 bad input or usage.")]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    Render(render::Args),
+    Compare(compare::Args),
+    Stages(stages::Args),
+    Probe(probe::Args),
+    Bench(bench::Args),
+    Info(info::Args),
+    New(new::Args),
+    Completions(documents::CompletionsArgs),
+    Man(documents::ManArgs),
+    Schema(documents::SchemaArgs),
+}
+
+/// Does it.
+pub fn run(command: Command) -> Outcome {
+    match command {
+        Command::Render(args) => render::run(args),
+        Command::Compare(args) => compare::run(args),
+        Command::Stages(args) => stages::run(args),
+        Command::Bench(args) => bench::run(args),
+        Command::Probe(args) => probe::run(args),
+        Command::Info(args) => info::run(args),
+        Command::New(args) => new::run(args),
+        Command::Completions(args) => documents::completions(args),
+        Command::Man(args) => documents::man(args),
+        Command::Schema(args) => documents::schema(args),
+    }
+}

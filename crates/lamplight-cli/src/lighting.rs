@@ -1,0 +1,145 @@
+//! From a scene file to light, for every command that needs it.
+
+use crate::args::{Answer, Lighting};
+use crate::failure::Failure;
+use crate::failure::{Outcome, warn};
+use crate::progress::Progress;
+use lamplight::settings::BounceBy;
+use lamplight::{Bounces, Cells, Light, Scene, Settings, Solver};
+use lamplight_truth::{Estimate, PathTracer};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Reads a scene; says on stderr what may not be as its author meant it, unless quiet.
+pub fn open(path: &Path, quiet: bool) -> Outcome<(Scene, Cells)> {
+    let scene = Scene::load(path)?;
+    let cells = scene.cells().map_err(|e| e.in_file(path))?;
+    if !quiet {
+        scene.warnings(&cells).iter().for_each(|text| warn(text));
+    }
+    Ok((scene, cells))
+}
+
+/// Light, and how it came about.
+pub struct Lit {
+    /// The light.
+    pub light: Light,
+    /// Who answered.
+    pub answer: Answer,
+    /// Time of each stage, summed over the frames.
+    pub stages: Vec<(&'static str, Duration)>,
+    /// Time of all.
+    pub total: Duration,
+    /// Frames solved.
+    pub frames: u32,
+    /// What it was told, for `--json`.
+    pub settings: Value,
+}
+
+impl Lit {
+    /// Milliseconds by stage, for `--json`.
+    pub fn stages_json(&self) -> Map<String, Value> {
+        self.stages.iter().map(|&(name, time)| (name.to_owned(), ms(time).into())).collect()
+    }
+}
+
+/// A time in milliseconds, to the microsecond.
+pub fn ms(time: Duration) -> f64 {
+    time.as_micros() as f64 / 1000.0
+}
+
+/// Lights cells as the flags say.
+pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit> {
+    let answer = flags.answer(&settings);
+    match answer {
+        Answer::By(_) => solve(cells, settings, flags.frames, flags.machine.quiet),
+        Answer::Reference => reference(cells, &settings, flags.samples, flags.machine.quiet),
+    }
+}
+
+/// Solves some frames; where they show the same light with other noise, their mean.
+pub fn solve(cells: &Cells, mut settings: Settings, frames: u32, quiet: bool) -> Outcome<Lit> {
+    // Frames that each add a bounce are not to be averaged: the first ones are darker.
+    let growing =
+        settings.raymarch.bounce == BounceBy::Feedback && settings.bounces != Bounces::Count(0);
+    if frames > 1 && settings.temporal.frames <= 1 && !growing {
+        settings.temporal.frames = frames;
+    }
+    let answer = Answer::By(settings.method);
+    let told = to_json(&settings)?;
+    let mut solver = Solver::new(settings)?;
+    let mut stages: Vec<(&'static str, Duration)> = Vec::new();
+    let start = Instant::now();
+    let progress = Progress::new("lighting", frames.into(), quiet || frames == 1);
+    for _ in 0..frames {
+        solver.solve(cells)?;
+        for &(name, time) in solver.timings() {
+            match stages.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, sum)) => *sum += time,
+                None => stages.push((name, time)),
+            }
+        }
+        progress.step();
+    }
+    let light = solver.light().clone();
+    let total = start.elapsed();
+    Ok(Lit { light, answer, stages, total, frames, settings: told })
+}
+
+/// Runs the path tracer.
+pub fn reference(cells: &Cells, settings: &Settings, samples: u32, quiet: bool) -> Outcome<Lit> {
+    let (estimate, total) = trace(cells, settings, samples, quiet)?;
+    let error = relative_standard_error(&estimate);
+    let told = json!({
+        "bounces": settings.bounces, "wall_depth": settings.wall_depth,
+        "seed": settings.seed, "samples": samples, "relative_standard_error": error,
+    });
+    Ok(Lit {
+        light: estimate.light,
+        answer: Answer::Reference,
+        stages: vec![("reference", total)],
+        total,
+        frames: 1,
+        settings: told,
+    })
+}
+
+/// The path tracer's estimate of every cell, and the time it took.
+pub fn trace(
+    cells: &Cells,
+    settings: &Settings,
+    samples: u32,
+    quiet: bool,
+) -> Outcome<(Estimate, Duration)> {
+    let tracer = PathTracer {
+        samples,
+        bounces: settings.bounces,
+        wall_depth: settings.wall_depth,
+        seed: settings.seed,
+    };
+    let progress = Progress::new("tracing the reference", 1000, quiet);
+    let start = Instant::now();
+    let estimate = tracer.render(cells, &|share| progress.at((share * 1000.0) as u64))?;
+    Ok((estimate, start.elapsed()))
+}
+
+/// The reference's own error: the root mean square of its standard error over the open cells,
+/// relative to their mean light, as the relative RMSE of a method is.
+pub fn relative_standard_error(estimate: &Estimate) -> f64 {
+    let (mut squares, mut sum, mut count) = (0.0, 0.0, 0.0);
+    let cells = estimate.standard_error.iter().zip(estimate.light.pixels());
+    for ((error, light), _) in cells.zip(estimate.light.solid()).filter(|&(_, solid)| !solid) {
+        for c in 0..3 {
+            squares += f64::from(error[c]).powi(2);
+            sum += f64::from(light[c]);
+            count += 1.0;
+        }
+    }
+    if sum > 0.0 { (squares / count).sqrt() / (sum / count) } else { 0.0 }
+}
+
+/// A value as JSON.
+pub fn to_json(value: &impl serde::Serialize) -> Outcome<Value> {
+    serde_json::to_value(value).map_err(Failure::failed)
+}

@@ -1,0 +1,44 @@
+//! Error as heat: where a light is wrong, on a logarithmic scale.
+
+use image::{Rgb as Pixel, RgbImage};
+use lamplight::{Light, Rgb};
+
+/// The scale runs from this error to 1, relative to the mean of the truth.
+pub const LEAST: f64 = 0.001;
+/// What is not judged: walls.
+pub const WALL: [u8; 3] = [52, 54, 60];
+
+/// The colour of a relative error.
+pub fn color(error: f64) -> [u8; 3] {
+    let share = if error > 0.0 { 1.0 - error.log10() / LEAST.log10() } else { 0.0 };
+    let color = colorous::MAGMA.eval_continuous(share.clamp(0.0, 1.0));
+    [color.r, color.g, color.b]
+}
+
+/// The size of the error of each open cell (mean over the channels) ÷ the mean of the truth.
+pub fn map(light: &Light, truth: &Light, mean: f64) -> RgbImage {
+    RgbImage::from_fn(truth.width(), truth.height(), |x, y| {
+        let i = (y * truth.width() + x) as usize;
+        let (a, b): (Rgb, Rgb) = (light.at(x, y), truth.at(x, y));
+        let error: f64 = (0..3).map(|c| f64::from((a[c] - b[c]).abs())).sum::<f64>() / 3.0;
+        Pixel(if truth.solid()[i] { WALL } else { color(error / mean.max(f64::MIN_POSITIVE)) })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_has_its_ends_and_its_middle() {
+        let at = |share| {
+            let c = colorous::MAGMA.eval_continuous(share);
+            [c.r, c.g, c.b]
+        };
+        assert_eq!(color(0.0), at(0.0));
+        assert_eq!(color(LEAST), at(0.0));
+        assert_eq!(color(LEAST.sqrt()), at(0.5));
+        assert_eq!(color(1.0), at(1.0));
+        assert_eq!(color(50.0), at(1.0));
+    }
+}

@@ -1,0 +1,163 @@
+//! The page of the report: HTML with its style inside, pictures beside it.
+
+use super::heat;
+use super::plot;
+use super::{Reference, Subject};
+use crate::contest::{Row, Series};
+use crate::lighting::ms;
+use std::fmt::Write;
+
+/// File name of the final picture of a row.
+pub fn picture_file(row: usize) -> String {
+    format!("{row:02}.png")
+}
+
+/// File name of the error map of a row.
+pub fn error_file(row: usize) -> String {
+    format!("{row:02}-error.png")
+}
+
+/// The page; `plot` is an SVG.
+pub fn page(subject: &Subject, plot: &str) -> String {
+    let Subject { name, bounces, threads, judge, reference, rows, .. } = subject;
+    let name = escape(name);
+    let (w, h) = (judge.cells.width(), judge.cells.height());
+    let Reference { samples, standard_error, time } = reference;
+    format!(
+        r#"<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{name} · lamplight compare</title>
+<style>
+{style}</style>
+</head>
+<body>
+<main>
+<h1>{name}</h1>
+<p class="dim">{w}×{h} cells · bounces: {bounces} · CPU, {threads} threads · lamplight {version}</p>
+<figure class="hero">
+<img src="reference.png" width="{w}" height="{h}" alt="The reference picture of {name}">
+<figcaption>The reference: a path tracer with {samples} paths a pixel, {seconds:.1} s. Its own
+standard error is {own:.2} % of the mean light.</figcaption>
+</figure>
+
+<h2>Errors and times</h2>
+<div class="scroll">
+<table>
+<thead><tr><th></th><th>rel. RMSE</th><th></th><th>bias</th><th>p99</th><th>FLIP</th>
+<th>ms a frame</th></tr></thead>
+<tbody>
+{table}</tbody>
+</table>
+</div>
+<p class="dim">Errors are over the open cells, each ÷ the mean of the reference. Bias above 0 is too
+bright; 99 of 100 values are off by less than p99; FLIP compares the final pictures as an eye
+does, 0 to 1. A time is the median of a frame.</p>
+
+<h2>Error against time</h2>
+<div class="plot">
+{plot}
+</div>
+<p class="dim">Both axes are logarithmic: lower left is better.</p>
+
+<h2>Pictures and where they are wrong</h2>
+<p>Hold the pointer over a picture to see the reference in its place. Beside it, the size of each
+cell's error ÷ the mean light:</p>
+<div class="legend" style="--wall: {wall}"><span>{least} %</span>
+<div class="scale" style="background: linear-gradient(90deg, {gradient})"></div>
+<span>100 % and more</span><span class="wall">walls, not judged</span></div>
+{cards}</main>
+</body>
+</html>
+"#,
+        style = include_str!("page.css"),
+        bounces = escape(bounces),
+        version = env!("CARGO_PKG_VERSION"),
+        seconds = time.as_secs_f64(),
+        own = standard_error * 100.0,
+        table = table(rows),
+        wall = css(heat::WALL),
+        least = heat::LEAST * 100.0,
+        gradient = gradient(),
+        cards = cards(rows, w, h),
+    )
+}
+
+fn table(rows: &[Row]) -> String {
+    let worst = rows.iter().map(|row| row.measures.relative_rmse).fold(0.0, f64::max);
+    let mut html = String::new();
+    for (i, row) in rows.iter().enumerate() {
+        let m = &row.measures;
+        let _ = writeln!(
+            html,
+            "<tr><td><a href=\"#row{i}\">{}</a></td><td>{:.2} %</td>\
+             <td class=\"bar\"><i style=\"width: {:.1}%; background: {}\"></i></td>\
+             <td>{:+.2} %</td><td>{:.2} %</td><td>{:.4}</td><td>{:.1}</td></tr>",
+            escape(&row.name),
+            m.relative_rmse * 100.0,
+            if worst > 0.0 { (m.relative_rmse / worst * 100.0).max(0.5) } else { 0.5 },
+            series_color(row.series),
+            m.bias * 100.0,
+            m.p99 * 100.0,
+            row.flip,
+            ms(row.time),
+        );
+    }
+    html
+}
+
+fn cards(rows: &[Row], w: u32, h: u32) -> String {
+    let mut html = String::new();
+    for (i, row) in rows.iter().enumerate() {
+        let name = escape(&row.name);
+        let _ = writeln!(
+            html,
+            "<section class=\"card\" id=\"row{i}\">\n\
+             <h3>{name}<span>{:.2} % rel. RMSE · {:.1} ms a frame</span></h3>\n\
+             <div class=\"pair\">\n\
+             <span class=\"flip\" tabindex=\"0\">\
+             <img src=\"{}\" width=\"{w}\" height=\"{h}\" alt=\"{name}\" loading=\"lazy\">\
+             <img src=\"reference.png\" width=\"{w}\" height=\"{h}\" alt=\"\"></span>\n\
+             <img src=\"{}\" width=\"{w}\" height=\"{h}\" alt=\"errors of {name}\" loading=\"lazy\">\n\
+             </div>\n</section>",
+            row.measures.relative_rmse * 100.0,
+            ms(row.time),
+            picture_file(i),
+            error_file(i),
+        );
+    }
+    html
+}
+
+fn series_color(series: Series) -> String {
+    let color = plot::color(series);
+    css([color.0, color.1, color.2])
+}
+
+fn css([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// The scale of the error maps as stops of a CSS gradient.
+fn gradient() -> String {
+    const STOPS: i32 = 16;
+    let stop = |i: i32| css(heat::color(heat::LEAST.powf(1.0 - f64::from(i) / f64::from(STOPS))));
+    (0..=STOPS).map(stop).collect::<Vec<_>>().join(", ")
+}
+
+/// Text that means itself in HTML.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_cannot_write_html() {
+        assert_eq!(escape("<b> & \"c\""), "&lt;b&gt; &amp; &quot;c&quot;");
+    }
+}

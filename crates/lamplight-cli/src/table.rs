@@ -1,0 +1,30 @@
+//! Tables of results, to be read by people and cut by scripts.
+
+use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
+
+/// A line under the header and nothing else.
+const STYLE: TableStyle =
+    TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
+
+/// A table: a header, then rows. The columns `words` are aligned to the left, as words are; the
+/// others to the right, as numbers are.
+pub fn table(
+    header: &[&str],
+    words: &[usize],
+    rows: impl IntoIterator<Item = Vec<String>>,
+) -> String {
+    let mut table = Table::new();
+    table.load_style(STYLE).set_header(header.iter().copied());
+    table.add_rows(rows);
+    let numbers = table.column_iter_mut().enumerate().filter(|(i, _)| !words.contains(i));
+    for (_, column) in numbers {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.trim_fmt()
+}
+
+/// A number with four significant digits, so that columns hold dim and bright alike.
+pub fn number(v: f64) -> String {
+    let digits = if v == 0.0 || !v.is_finite() { 3 } else { 3 - v.abs().log10().floor() as i32 };
+    format!("{v:.*}", digits.clamp(0, 9) as usize)
+}

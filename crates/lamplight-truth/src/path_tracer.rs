@@ -1,0 +1,359 @@
+//! The reference: brute-force paths through the cells, as the definitions say and no faster.
+
+use crate::random::Random;
+use crate::traverse::{Event, Grid, Stretch, Walk};
+use lamplight::stages::walls::Walls;
+use lamplight::{Bounces, Cells, Error, Light, Result, Rgb, Sky};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Independent estimates of every cell, whose spread is its standard error.
+const BATCHES: u32 = 16;
+/// Share of what lies behind under which fog ends a ray: far below f32's resolution.
+const OPAQUE: f64 = 1e-10;
+/// Send-ons after which a path ends by chance (Russian roulette) and not only by the limit.
+const ROULETTE_AFTER: u32 = 3;
+/// Cells between two calls of `progress`, and the work handed to a thread at a time.
+const CHUNK: usize = 128;
+/// 1 ÷ the golden ratio: spreads directions evenly over the points of a face, whatever their number.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Unbiased paths from every cell, and nothing else: no distance field, no interpolation, no
+/// light sampling, no filter.
+///
+/// - **Open cell**: the mean radiance arriving at its centre over all directions (fluence).
+/// - **Solid cell** with a face towards an open cell: the mean of `B = ½∫ L cosθ dθ` over those
+///   faces and their length. Faces on the grid's border touch no cell and do not count.
+///   [`PathTracer::render`] then completes solid cells with [`Walls::sink`].
+/// - A path that crosses `s` px of a cell with opacity α < 1 gains `(1 − T)·E`,
+///   `T = ((1 − α)·τ)^s`; it then either goes on, or is scattered: sent from the cell's *centre* in
+///   a random direction. The choice is random, with weights that keep every channel right.
+/// - A path that reaches a wall gains its E and is sent on from the point it hit, cosine-distributed.
+/// - Two solid cells that touch by a corner let nothing through; past a single solid corner a ray
+///   grazes.
+///
+/// First directions are stratified and jittered. Random numbers depend on the seed, the cell and
+/// the path alone: the same seed gives the same bytes on any number of threads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathTracer {
+    /// Paths for each cell, rounded up to a multiple of 16. The error falls as about 1/√samples
+    /// with bounces, faster for direct light; the time grows with it.
+    pub samples: u32,
+    /// How often light is sent on. `Converged` has no limit but [`Bounces::MAX`].
+    pub bounces: Bounces,
+    /// px that light sinks into solid cells ([`PathTracer::render`] only).
+    pub wall_depth: f32,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+/// A light, and how far it can be trusted.
+#[derive(Clone, Debug)]
+pub struct Estimate {
+    /// The light of every cell.
+    pub light: Light,
+    /// Standard error of every cell and channel, from 16 independent batches. In solid cells that
+    /// of what their faces receive, 0 where no face is exposed.
+    pub standard_error: Vec<Rgb>,
+}
+
+impl PathTracer {
+    /// The light of every cell. `progress` is told the share done, 0 to 1, from any thread and not
+    /// always in order.
+    ///
+    /// # Errors
+    /// Cells that hold no matter ([`Cells::check`]), and 0 samples.
+    pub fn render(&self, cells: &Cells, progress: &(dyn Fn(f32) + Sync)) -> Result<Estimate> {
+        self.check(cells)?;
+        let cells = cells.drawn();
+        let tracer = Tracer::new(self, &cells);
+        let (width, total) = (cells.width() as usize, cells.len());
+        let done = AtomicUsize::new(0);
+        let mut rgb = vec![[0.0; 3]; total];
+        let mut standard_error = vec![[0.0; 3]; total];
+        rgb.par_chunks_mut(CHUNK).zip(standard_error.par_chunks_mut(CHUNK)).enumerate().for_each(
+            |(chunk, (rgb, error))| {
+                for (k, (rgb, error)) in rgb.iter_mut().zip(error).enumerate() {
+                    let i = chunk * CHUNK + k;
+                    (*rgb, *error) = tracer.cell((i % width) as i32, (i / width) as i32);
+                }
+                let done = done.fetch_add(rgb.len(), Ordering::Relaxed) + rgb.len();
+                progress(done as f32 / total as f32);
+            },
+        );
+        Walls::default().sink(&cells, self.wall_depth, &mut rgb);
+        let light = Light::from_pixels(&cells, rgb).expect("one value a cell");
+        Ok(Estimate { light, standard_error })
+    }
+
+    /// Mean and standard error of a few cells, `[x, y]`, such as a test looks at. In solid cells
+    /// what the exposed faces receive, without emission; 0 where there is none.
+    ///
+    /// # Errors
+    /// As [`PathTracer::render`]; and a cell outside the grid.
+    pub fn at(&self, cells: &Cells, at: &[[u32; 2]]) -> Result<Vec<(Rgb, Rgb)>> {
+        self.check(cells)?;
+        let (width, height) = (cells.width(), cells.height());
+        if let Some([x, y]) = at.iter().find(|[x, y]| *x >= width || *y >= height) {
+            let inside = format!("a cell of the {width}×{height} grid");
+            return Err(Error::value("at", format!("[{x}, {y}]"), inside));
+        }
+        let cells = cells.drawn();
+        let tracer = Tracer::new(self, &cells);
+        Ok(at.par_iter().map(|&[x, y]| tracer.cell(x as i32, y as i32)).collect())
+    }
+
+    fn check(&self, cells: &Cells) -> Result<()> {
+        if self.samples == 0 {
+            return Err(Error::value("samples", 0, "1 or more"));
+        }
+        cells.check()
+    }
+}
+
+/// Everything that paths of one picture share.
+struct Tracer<'c> {
+    cells: &'c Cells,
+    sky: Sky,
+    grid: Grid,
+    limit: u32,
+    /// Paths in a batch.
+    paths: u32,
+    seed: u64,
+}
+
+impl<'c> Tracer<'c> {
+    fn new(settings: &PathTracer, cells: &'c Cells) -> Self {
+        Self {
+            cells,
+            sky: cells.sky(),
+            grid: Grid::new(cells),
+            limit: settings.bounces.limit(),
+            paths: settings.samples.div_ceil(BATCHES),
+            seed: settings.seed,
+        }
+    }
+
+    /// Mean and standard error of one cell.
+    fn cell(&self, x: i32, y: i32) -> (Rgb, Rgb) {
+        let solid = self.grid.is_solid(x, y);
+        let faces = if solid { self.exposed(x, y) } else { Vec::new() };
+        if solid && faces.is_empty() {
+            return ([0.0; 3], [0.0; 3]);
+        }
+        let id = u64::from(self.cells.width()) * y as u64 + x as u64;
+        let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
+        let mut first = [0.0; 3];
+        for batch in 0..BATCHES {
+            // A number that no path has: what the batch has for itself.
+            let shift = Random::new(self.seed, id, u64::MAX - u64::from(batch)).next();
+            let mut total = [0.0; 3];
+            for path in 0..self.paths {
+                let key = u64::from(batch) * u64::from(self.paths) + u64::from(path);
+                let mut random = Random::new(self.seed, id, key);
+                let stratum = (f64::from(path) + random.next()) / f64::from(self.paths);
+                let start = if solid {
+                    self.leave_face(&faces, stratum, (f64::from(path) * GOLDEN + shift).fract())
+                } else {
+                    self.leave_centre([x, y], stratum)
+                };
+                let light = self.radiance(start, &mut random);
+                (0..3).for_each(|c| total[c] += light[c]);
+            }
+            let mean = total.map(|v| v / f64::from(self.paths));
+            if batch == 0 {
+                first = mean;
+            }
+            for c in 0..3 {
+                // Shifted by the first batch, so that equal batches have an error of exactly 0.
+                let d = mean[c] - first[c];
+                sum[c] += d;
+                squares[c] += d * d;
+            }
+        }
+        let n = f64::from(BATCHES);
+        let mean = std::array::from_fn(|c| (first[c] + sum[c] / n) as f32);
+        let error = std::array::from_fn(|c| {
+            let spread = (squares[c] - sum[c] * sum[c] / n).max(0.0);
+            (spread / (n * (n - 1.0))).sqrt() as f32
+        });
+        (mean, error)
+    }
+
+    /// Faces of a solid cell that touch a cell that is not solid.
+    fn exposed(&self, x: i32, y: i32) -> Vec<Face> {
+        [[1, 0], [-1, 0], [0, 1], [0, -1]]
+            .into_iter()
+            .map(|normal| Face { cell: [x, y], normal })
+            .filter(|face| {
+                let [x, y] = face.outside();
+                self.grid.is_open(x, y)
+            })
+            .collect()
+    }
+
+    /// A ray from the centre of a cell in the direction `turn` × 2π.
+    #[inline]
+    fn leave_centre(&self, cell: [i32; 2], turn: f64) -> Walk<'_> {
+        let (sin, cos) = (turn * TAU).sin_cos();
+        Walk::new(&self.grid, cell, cell.map(|c| f64::from(c) + 0.5), [cos, sin])
+    }
+
+    /// A ray that leaves one of the faces from the point that `along` (0 to 1) picks.
+    fn leave_face(&self, faces: &[Face], along: f64, u: f64) -> Walk<'_> {
+        let along = along * faces.len() as f64;
+        let face = &faces[(along as usize).min(faces.len() - 1)];
+        let normal = face.normal.map(f64::from);
+        let centre = face.cell.map(|c| f64::from(c) + 0.5);
+        let offset = along.fract() - 0.5;
+        let point = [0, 1]
+            .map(|a| centre[a] + 0.5 * normal[a] + offset * f64::from(face.normal[1 - a].abs()));
+        self.leave_wall(face.outside(), point, normal, u)
+    }
+
+    /// A ray from a point of a wall, cosine-distributed: in 2D the sine of its angle is uniform.
+    #[inline]
+    fn leave_wall(&self, cell: [i32; 2], point: [f64; 2], normal: [f64; 2], u: f64) -> Walk<'_> {
+        let sin = 2.0 * u - 1.0;
+        // Never 0, which would run along the wall.
+        let cos = (1.0 - sin * sin).sqrt().max(1e-12);
+        let [nx, ny] = normal;
+        Walk::new(&self.grid, cell, point, [nx * cos - ny * sin, ny * cos + nx * sin])
+    }
+
+    /// Radiance that arrives along one path.
+    #[inline]
+    fn radiance(&self, start: Walk, random: &mut Random) -> [f64; 3] {
+        let (emission, albedo) = (self.cells.emission(), self.cells.albedo());
+        let mut walk = start;
+        let mut light = [0.0; 3];
+        let mut weight = [1.0; 3];
+        let mut sent = 0;
+        loop {
+            match walk.next() {
+                Event::Sky => {
+                    let sky = self.sky.radiance(walk.direction()[1] as f32);
+                    (0..3).for_each(|c| light[c] += weight[c] * f64::from(sky[c]));
+                    return light;
+                }
+                Event::Wall { cell, point, normal, outside } => {
+                    (0..3).for_each(|c| light[c] += weight[c] * f64::from(emission[cell][c]));
+                    if sent == self.limit || albedo[cell] == [0.0; 3] {
+                        return light;
+                    }
+                    (0..3).for_each(|c| weight[c] *= f64::from(albedo[cell][c]));
+                    sent += 1;
+                    if !survives(sent, &mut weight, random) {
+                        return light;
+                    }
+                    walk = self.leave_wall(outside, point, normal, random.next());
+                }
+                Event::Medium(stretch) => {
+                    let Stretch { cell, length, .. } = stretch;
+                    if length == 0.0 {
+                        continue;
+                    }
+                    let extinction = self.grid.extinction[stretch.extinction];
+                    let absorbed = absorbed(extinction, length);
+                    let mut go_on = [0.0; 3];
+                    for c in 0..3 {
+                        light[c] += weight[c] * absorbed[c] * f64::from(emission[cell][c]);
+                        go_on[c] = weight[c] * (1.0 - absorbed[c]);
+                    }
+                    if sent < self.limit && albedo[cell] != [0.0; 3] {
+                        let mut scatter = std::array::from_fn(|c| {
+                            weight[c] * absorbed[c] * f64::from(albedo[cell][c])
+                        });
+                        let (a, b) = (scatter.iter().sum::<f64>(), go_on.iter().sum::<f64>());
+                        let p = if a > 0.0 { a / (a + b) } else { 0.0 };
+                        if random.next() < p {
+                            let px = if stretch.side > 1 {
+                                scatter_at(extinction, absorbed, &mut scatter, random)
+                            } else {
+                                0.0
+                            };
+                            weight = scatter.map(|w| w / p);
+                            sent += 1;
+                            if !survives(sent, &mut weight, random) {
+                                return light;
+                            }
+                            walk = self.leave_centre(walk.cell_after(&stretch, px), random.next());
+                            continue;
+                        }
+                        go_on = go_on.map(|w| w / (1.0 - p));
+                    }
+                    weight = go_on;
+                    if weight.iter().all(|&w| w < OPAQUE) {
+                        return light;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One face of a solid cell.
+struct Face {
+    cell: [i32; 2],
+    normal: [i32; 2],
+}
+
+impl Face {
+    /// The cell in front of it.
+    fn outside(&self) -> [i32; 2] {
+        [0, 1].map(|a| self.cell[a] + self.normal[a])
+    }
+}
+
+/// 1 − T over a length, a channel.
+#[inline]
+fn absorbed(extinction: [f64; 3], length: f64) -> [f64; 3] {
+    let of = |e: f64| -(-e * length).exp_m1();
+    let [r, g, b] = extinction;
+    if r == g && g == b { [of(r); 3] } else { [of(r), of(g), of(b)] }
+}
+
+/// How far into a stretch of cells light is scattered: picks a channel by what it scatters, and px
+/// as that channel does, `σe^(−σs)/(1 − T)`. What the channels scatter is weighted by how much more
+/// or less often each would have picked the same px (in the mean by 1).
+fn scatter_at(
+    extinction: [f64; 3],
+    absorbed: [f64; 3],
+    scatter: &mut [f64; 3],
+    random: &mut Random,
+) -> f64 {
+    let sum: f64 = scatter.iter().sum();
+    let mut pick = random.next() * sum;
+    // The last channel that scatters anything, in case rounding leaves a rest.
+    let mut channel = 0;
+    for c in (0..3).filter(|&c| scatter[c] > 0.0) {
+        channel = c;
+        pick -= scatter[c];
+        if pick < 0.0 {
+            break;
+        }
+    }
+    let px = -(-random.next() * absorbed[channel]).ln_1p() / extinction[channel];
+    let density: [f64; 3] = std::array::from_fn(|c| {
+        let e = extinction[c];
+        if scatter[c] > 0.0 { e * (-e * px).exp() / absorbed[c] } else { 0.0 }
+    });
+    let mixture: f64 = (0..3).map(|c| scatter[c] * density[c]).sum::<f64>() / sum;
+    (0..3).for_each(|c| scatter[c] *= density[c] / mixture);
+    px
+}
+
+/// Ends paths that carry little, at random, and makes up for it in those that live on.
+#[inline]
+fn survives(sent: u32, weight: &mut [f64; 3], random: &mut Random) -> bool {
+    let most = weight.iter().copied().fold(0.0, f64::max);
+    if sent < ROULETTE_AFTER || most >= 1.0 {
+        return most > 0.0;
+    }
+    if random.next() >= most {
+        return false;
+    }
+    weight.iter_mut().for_each(|w| *w /= most);
+    true
+}
