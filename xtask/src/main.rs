@@ -4,6 +4,7 @@ mod generated;
 mod noise;
 mod random;
 mod scenes;
+mod schema;
 mod test;
 
 use anyhow::Result;
@@ -23,6 +24,8 @@ enum Chore {
     Test,
     /// Draw the example scenes.
     Scenes(Generate),
+    /// Write the JSON Schema of scene files.
+    Schema(Generate),
     /// Make the blue-noise texture.
     Noise(Generate),
 }
@@ -43,6 +46,7 @@ impl Generate {
 fn main() -> Result<()> {
     match Args::parse().chore {
         Chore::Test => test::run(),
+        Chore::Schema(args) => schema::run(args.mode()),
         Chore::Noise(args) => noise::run(args.mode()),
         Chore::Scenes(args) => scenes::run(args.mode()),
     }

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything CI checks, on a machine that has only Rust and git.
 
 use crate::generated::{Mode, root};
-use crate::noise;
+use crate::{noise, scenes, schema};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -20,7 +20,11 @@ pub fn run() -> Result<()> {
         step("lints", || cargo(&lints))?;
     }
     step("tests", || cargo(&["test", "--workspace", "--quiet"]))?;
-    step("blue noise is up to date", || noise::run(Mode::Check))?;
+    step("generated files are up to date", || {
+        noise::run(Mode::Check)?;
+        scenes::run(Mode::Check)?;
+        schema::run(Mode::Check)
+    })?;
     step("the README's first command", first_command)?;
     println!("all passed in {:.1} s", begin.elapsed().as_secs_f64());
     Ok(())
