@@ -7,7 +7,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-/// The scene of the README's first command.
+/// The README's first command, and the scene in it.
+const FIRST_COMMAND: &str = "cargo run --release -- render scenes/cave.toml";
 const SCENE: &str = "scenes/cave.toml";
 
 pub fn run() -> Result<()> {
@@ -45,7 +46,7 @@ fn command(folder: &Path) -> Command {
     command
 }
 
-fn cargo(args: &[&str]) -> Result<()> {
+pub fn cargo(args: &[&str]) -> Result<()> {
     finish(command(root()).args(args))
 }
 
@@ -73,6 +74,8 @@ fn has_component(subcommand: &str, component: &str) -> bool {
 
 /// Lights the scene as a new user does, in an empty folder, and looks at what came out.
 fn first_command() -> Result<()> {
+    let readme = std::fs::read_to_string(root().join("README.md"))?;
+    ensure!(readme.contains(FIRST_COMMAND), "README.md does not say `{FIRST_COMMAND}`");
     let folder = tempfile::tempdir()?;
     let mut render = command(folder.path());
     render.args(["run", "--release", "--quiet", "--manifest-path"]).arg(root().join("Cargo.toml"));

@@ -99,8 +99,7 @@ color = "grove/color.png"
 method = "raymarch"
 bounces = 2
 wall_depth = 5
-raymarch = { rays = 96 }
-denoise = { passes = 4 }
+raymarch = { rays = 192 }
 
 [display]
 tonemap = "aces"
