@@ -242,9 +242,10 @@ fn fog_scatters_from_the_centre_of_its_cells() {
     // (crossed cell by cell), a bright cell of fog, and an empty column; under a sky.
     let mut cells = grid(9, 7, |x, y| match (x, y) {
         (5, _) => Matter::EMPTY,
-        (0..5, _) => Matter {
+        (0..5, y) => Matter {
             opacity: 0.25,
-            tint: [1.0, 0.75, 0.25],
+            // Below, red is stopped at once, and scattered.
+            tint: [if y < 4 { 1.0 } else { 0.0 }, 0.75, 0.25],
             albedo: [0.9, 0.6, 0.8],
             emission: [0.0, 0.1, 0.05],
         },
