@@ -263,13 +263,13 @@ fn fog_scatters_from_the_centre_of_its_cells() {
         let solved = solve(&cells, k, 0.25);
         for at in places {
             let expected = solved[cells.index(at[0], at[1])];
-            expect_rgb(&tracer(200_000, Bounces::Count(k)), &cells, at, expected, 0.03);
+            expect_rgb(&tracer(200_000, Bounces::Count(k)), &cells, at, expected, 0.05);
         }
     }
     // The comparison notices one bounce more.
     let (three, four) = (solve(&cells, 3, 0.25), solve(&cells, 4, 0.25));
     let at = cells.index(2, 3);
     let estimate = tracer(200_000, Bounces::Count(3)).at(&cells, &[[2, 3]]).unwrap()[0];
-    assert_eq!(judge(estimate, 200_000, three[at], 0.03), Ok(()));
-    assert!(judge(estimate, 200_000, four[at], 0.03).is_err());
+    assert_eq!(judge(estimate, 200_000, three[at], 0.05), Ok(()));
+    assert!(judge(estimate, 200_000, four[at], 0.05).is_err());
 }
