@@ -140,7 +140,11 @@ fn polygon() -> impl Strategy<Value = (Shape, Inside)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig {
+        cases: 48,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn shares_are_those_of_supersampling(

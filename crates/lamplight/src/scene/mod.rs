@@ -12,7 +12,7 @@ pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 pub use layers::Layers;
 pub use shape::Shape;
 
-use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, check, exact};
+use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, exact};
 use coverage::Window;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -61,9 +61,6 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Most exposure, in stops, up or down.
-    const MAX_EXPOSURE: f32 = 32.0;
-
     /// An empty scene under a black sky. Its size is checked by [`Scene::cells`].
     pub fn new(width: u32, height: u32) -> Self {
         Self {
@@ -140,8 +137,7 @@ impl Scene {
         for (i, lamp) in self.lamps.iter().enumerate() {
             lamp.check(&format_args!("lamp[{i}]"))?;
         }
-        let stops = -Self::MAX_EXPOSURE..=Self::MAX_EXPOSURE;
-        check::number("display.exposure", self.display.exposure, stops)?;
+        self.display.check().map_err(|e| e.under("display"))?;
         self.own_settings().map(|_| ())
     }
 
