@@ -139,8 +139,8 @@ impl Field<'_> {
     }
 
     /// The march of the seeds: steps by the distance field until it falls under `hit_distance`.
-    /// Steps longer than what is known to be clear go from edge to edge and end at the first
-    /// occupied cell, so that none is stepped over.
+    /// Far from matter they are as long as is known to be clear; near it they go from edge to edge
+    /// and end at the first occupied cell, so that none is stepped over.
     fn march_to_distance(&self, from: [f32; 2], direction: [f32; 2]) -> Seen {
         let mut at = from;
         let mut path = Path { seen: Seen::default(), through: [1.0; 3], travelled: 0.0 };
@@ -155,8 +155,10 @@ impl Field<'_> {
             if distance < self.settings.hit_distance {
                 return self.touch(&mut path, self.nearest[index]);
             }
-            let advance = distance.max(self.settings.least_step);
-            if advance > self.distance[index] - MARGIN
+            let least = self.settings.least_step;
+            let clear = self.distance[index] - MARGIN;
+            let advance = if clear >= least { distance.min(clear) } else { distance.max(least) };
+            if advance > clear
                 && let Some(seed) = self.first_occupied(at, cell, direction, advance)
             {
                 return self.touch(&mut path, seed);
