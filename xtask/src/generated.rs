@@ -1,9 +1,9 @@
 //! Files made by code and kept in the repository: written, or checked to be up to date.
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use image::DynamicImage;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What to do with a generated file.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -61,13 +61,32 @@ fn settle(
     }
 }
 
-/// Fails when a folder holds files with the given ending that no chore makes any more.
-pub fn no_strays(folder: &str, ending: &str, made: &[PathBuf]) -> Result<()> {
-    let folder = root().join(folder);
-    for entry in fs::read_dir(&folder)? {
-        let path = entry?.path();
-        let stray = path.extension().is_some_and(|e| e == ending) && !made.contains(&path);
-        ensure!(!stray, "{} is made by no chore: delete it", path.display());
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::RgbImage;
+
+    #[test]
+    fn one_changed_pixel_is_not_up_to_date() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new/picture.png");
+        let mut picture = RgbImage::from_fn(5, 3, |x, y| image::Rgb([x as u8, y as u8, 200]));
+        let run =
+            |mode, picture: &RgbImage| super::picture(mode, &path, &picture.clone().into(), "x");
+        assert!(run(Mode::Check, &picture).is_err(), "a missing picture passes");
+        run(Mode::Write, &picture).unwrap();
+        run(Mode::Check, &picture).unwrap();
+        picture[(4, 2)].0[0] += 1;
+        let error = run(Mode::Check, &picture).unwrap_err().to_string();
+        assert!(error.contains("not up to date: run `cargo xtask x`"), "{error}");
     }
-    Ok(())
+
+    #[test]
+    fn one_changed_byte_is_not_up_to_date() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("text");
+        bytes(Mode::Write, &path, b"light", "x").unwrap();
+        bytes(Mode::Check, &path, b"light", "x").unwrap();
+        assert!(bytes(Mode::Check, &path, b"night", "x").is_err());
+    }
 }

@@ -1,9 +1,11 @@
 //! The project's own chores: `cargo xtask <chore>`.
 
+mod docs;
 mod generated;
 mod noise;
 mod random;
 mod scenes;
+mod schema;
 mod test;
 
 use anyhow::Result;
@@ -23,6 +25,10 @@ enum Chore {
     Test,
     /// Draw the example scenes.
     Scenes(Generate),
+    /// Make the pictures and measure the figures in the documents.
+    Docs,
+    /// Write the JSON Schema of scene files.
+    Schema(Generate),
     /// Make the blue-noise texture.
     Noise(Generate),
 }
@@ -43,6 +49,8 @@ impl Generate {
 fn main() -> Result<()> {
     match Args::parse().chore {
         Chore::Test => test::run(),
+        Chore::Docs => docs::run(),
+        Chore::Schema(args) => schema::run(args.mode()),
         Chore::Noise(args) => noise::run(args.mode()),
         Chore::Scenes(args) => scenes::run(args.mode()),
     }

@@ -1,13 +1,14 @@
 //! `cargo xtask test`: everything CI checks, on a machine that has only Rust and git.
 
 use crate::generated::{Mode, root};
-use crate::noise;
+use crate::{noise, scenes, schema};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-/// The scene of the README's first command.
+/// The README's first command, and the scene in it.
+const FIRST_COMMAND: &str = "cargo run --release -- render scenes/cave.toml";
 const SCENE: &str = "scenes/cave.toml";
 
 pub fn run() -> Result<()> {
@@ -20,7 +21,11 @@ pub fn run() -> Result<()> {
         step("lints", || cargo(&lints))?;
     }
     step("tests", || cargo(&["test", "--workspace", "--quiet"]))?;
-    step("blue noise is up to date", || noise::run(Mode::Check))?;
+    step("generated files are up to date", || {
+        noise::run(Mode::Check)?;
+        scenes::run(Mode::Check)?;
+        schema::run(Mode::Check)
+    })?;
     step("the README's first command", first_command)?;
     println!("all passed in {:.1} s", begin.elapsed().as_secs_f64());
     Ok(())
@@ -41,7 +46,7 @@ fn command(folder: &Path) -> Command {
     command
 }
 
-fn cargo(args: &[&str]) -> Result<()> {
+pub fn cargo(args: &[&str]) -> Result<()> {
     finish(command(root()).args(args))
 }
 
@@ -69,6 +74,8 @@ fn has_component(subcommand: &str, component: &str) -> bool {
 
 /// Lights the scene as a new user does, in an empty folder, and looks at what came out.
 fn first_command() -> Result<()> {
+    let readme = std::fs::read_to_string(root().join("README.md"))?;
+    ensure!(readme.contains(FIRST_COMMAND), "README.md does not say `{FIRST_COMMAND}`");
     let folder = tempfile::tempdir()?;
     let mut render = command(folder.path());
     render.args(["run", "--release", "--quiet", "--manifest-path"]).arg(root().join("Cargo.toml"));

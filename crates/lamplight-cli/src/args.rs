@@ -174,6 +174,11 @@ impl Machine {
     }
 }
 
+/// So many threads, in words.
+pub fn threads_in_words(threads: usize) -> String {
+    format!("{threads} thread{}", if threads == 1 { "" } else { "s" })
+}
+
 /// How light is shown.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Display")]

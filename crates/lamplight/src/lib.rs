@@ -36,3 +36,8 @@ pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Settings, SettingsTable};
 pub use sky::{Gradient, Sky};
 pub use stages::display::{Display, ToneMap};
+
+/// The README's example is compiled and run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -241,8 +241,8 @@ fn scene_file(rooms: &[Room], canvas: &Canvas, random: &mut Random) -> String {
         ["[0.3, 0.6, 1.0]", "[0.62, 0.36, 1.0]", "[0.3, 1.0, 0.55]", "[1.0, 0.32, 0.5]"];
     let mut text = String::from(HEAD);
     for room in rooms {
-        // A fifth of the rooms is dark: what light they have comes through doors.
-        if random.below(5) == 0 {
+        // One room in seven is dark: what light they have comes through doors.
+        if random.below(7) == 0 {
             continue;
         }
         let magic = random.below(4) == 0;
@@ -257,7 +257,7 @@ fn scene_file(rooms: &[Room], canvas: &Canvas, random: &mut Random) -> String {
             (-4..=4).all(|dy| (-4..=4).all(|dx| !canvas.is_solid(x + dx, y + dy)))
         });
         let Some((x, y)) = clear.next() else { continue };
-        let intensity = (20.0_f32 / size).round();
+        let intensity = (16.0_f32 / size).round();
         write!(
             text,
             "\n[[lamp]]\nposition = [{x}.5, {y}.5]\ncolor = {color}\nintensity = {intensity:.1}\nrange = 64\nsize = {size:.1}\n"
@@ -278,8 +278,10 @@ color = "dungeon/color.png"
 
 [light]
 method = "raymarch"
-bounces = 2
+bounces = 3
 wall_depth = 3
+raymarch = { rays = 128 }
+denoise = { passes = 4 }
 
 [display]
 tonemap = "aces"

@@ -38,7 +38,7 @@ fn fog(x: i32, y: i32, color: Color) -> Paint {
 /// Rows of far trees, each paler than the one before it.
 fn backdrop(x: i32, y: i32) -> Color {
     let (fx, fy) = (x as f32, y as f32);
-    let mut color = ramp(&[0x505f90, 0x6478a2, 0x8092b2, 0xa0a8b8], fy / 125.0, x, y);
+    let mut color = ramp(&[0x5468a0, 0x6880b0, 0x8898bc, 0xa8a8b4], fy / 125.0, x, y);
     for (layer, shade) in [(0, 0x6c7e9c), (1, 0x5a6c8a), (2, 0x4a5c78)] {
         let depth = layer as f32;
         let spacing = 17.0 + depth * 12.0;

@@ -7,7 +7,7 @@ const W: i32 = 320;
 const H: i32 = 180;
 /// The lake lies between these columns, its surface at this row.
 const LAKE: std::ops::Range<i32> = 26..118;
-const SURFACE: i32 = 143;
+const SURFACE: i32 = 154;
 
 const GRASS: &[u32] = &[0x4a6638, 0x6a8a3e, 0x94ab4c, 0xc0c462];
 const SOIL: &[u32] = &[0x5a4438, 0x745846, 0x8e6e54];
@@ -38,8 +38,8 @@ pub fn draw() -> Art {
 
 fn ground(x: i32) -> i32 {
     let fx = x as f32;
-    let hills = 132.0 + 7.0 * (fx * 0.021 + 0.6).cos() + rough(fx, 0.0, 60.0, 91) * 14.0;
-    let flat = 148.0;
+    let hills = 144.0 + 7.0 * (fx * 0.021 + 0.6).cos() + rough(fx, 0.0, 60.0, 91) * 14.0;
+    let flat = 159.0;
     // Level ground for the camp.
     let camp = (1.0 - ((fx - 232.0) / 52.0).powi(2)).max(0.0).sqrt();
     let bowl = (1.0 - ((fx - 72.0) / 48.0).powi(2)).max(0.0).sqrt() * 34.0;
@@ -52,13 +52,13 @@ fn view(x: i32, y: i32) -> Color {
     let ridge = |base: f32, height: f32, size: f32, seed: u32| {
         base - (rough(fx, seed as f32 * 9.0, size, seed) - 0.3) * height
     };
-    if fy > ridge(134.0, 26.0, 46.0, 92) {
+    if fy > ridge(142.0, 26.0, 46.0, 92) {
         return ramp(&[0x5c6a6c, 0x6c7a70, 0x84907a], rough(fx, fy, 8.0, 93), x, y);
     }
-    if fy > ridge(122.0, 52.0, 70.0, 94) {
+    if fy > ridge(130.0, 52.0, 70.0, 94) {
         return ramp(&[0x7c7894, 0x8c86a0], rough(fx, fy, 12.0, 95), x, y);
     }
-    let peak = 104.0
+    let peak = 108.0
         - (1.0 - ((fx - 96.0) / 74.0).abs()).max(0.0) * 52.0
         - (1.0 - ((fx - 236.0) / 60.0).abs()).max(0.0) * 36.0
         - (rough(fx, 3.0, 18.0, 96) - 0.5) * 16.0;
@@ -73,7 +73,7 @@ fn view(x: i32, y: i32) -> Color {
     let sky = ramp(&[0x6478b8, 0x8088c0, 0xa89ac4, 0xd8a8b4, 0xf6bc9c, 0xffd6a0], fy / 112.0, x, y);
     let cloud = rough(fx, fy * 4.5, 64.0, 99);
     let shine = cloud + (fy - 60.0) * 0.001;
-    let sun = ((fx - 164.0).powi(2) + (fy - 92.0).powi(2)).sqrt();
+    let sun = ((fx - 164.0).powi(2) + (fy - 96.0).powi(2)).sqrt();
     if sun < 9.0 {
         return hex(0xfff6d0);
     }

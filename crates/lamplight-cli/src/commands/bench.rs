@@ -1,6 +1,6 @@
 //! `lamplight bench`: how long a frame takes, and which stage takes it.
 
-use crate::args::{Machine, SettingFlags, by_name};
+use crate::args::{Machine, SettingFlags, by_name, threads_in_words};
 use crate::failure::{Failure, Outcome};
 use crate::lighting::{self, ms};
 use crate::output;
@@ -101,7 +101,7 @@ pub fn run(args: Args) -> Outcome {
         }
         let header = ["method", "size", "median ms", "least ms", "runs", "ms by stage"];
         output::print(table(&header, &[0, 5], rows))?;
-        output::print(format_args!("on the CPU, {threads} threads"))
+        output::print(format_args!("on the CPU, {}", threads_in_words(threads)))
     })
 }
 

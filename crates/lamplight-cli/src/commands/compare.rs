@@ -1,6 +1,6 @@
 //! `lamplight compare`: the methods against the path tracer.
 
-use crate::args::{Machine, SettingFlags, Show, by_name};
+use crate::args::{Machine, SettingFlags, Show, by_name, threads_in_words};
 use crate::contest::{self, Judge, Row};
 use crate::failure::Outcome;
 use crate::lighting::{self, ms};
@@ -85,9 +85,10 @@ pub fn run(args: Args) -> Outcome {
             }));
         }
         output::print(format_args!(
-            "{name}: {}×{} cells, bounces {bounces}, on the CPU with {threads} threads\n",
+            "{name}: {}×{} cells, bounces {bounces}, on the CPU with {}\n",
             cells.width(),
             cells.height(),
+            threads_in_words(threads),
         ))?;
         let header = ["", "rel. RMSE %", "bias %", "p99 %", "FLIP", "ms a frame"];
         output::print(table(&header, &[0], rows.iter().map(row_cells)))?;

@@ -1,6 +1,6 @@
 //! `lamplight render`: light a scene and write what it looks like.
 
-use crate::args::{Lighting, Show};
+use crate::args::{Lighting, Show, threads_in_words};
 use crate::failure::{Failure, Outcome};
 use crate::lighting::{self, Lit, ms};
 use crate::output::{self, Format};
@@ -86,9 +86,10 @@ pub fn run(args: Args) -> Outcome {
         }
         match &lit {
             Some(lit) => output::print(format_args!(
-                "wrote {shown}: {w}×{h} cells lit by {} on the CPU, {} ms on {threads} threads",
+                "wrote {shown}: {w}×{h} cells lit by {} on the CPU, {} ms on {}",
                 lit.answer.name(),
                 ms(lit.total).round(),
+                threads_in_words(threads),
             )),
             None => {
                 output::print(format_args!("wrote {shown}: {} of {w}×{h} cells", args.stage.name()))

@@ -73,7 +73,11 @@ pub fn write(folder: &Path, subject: &Subject) -> Outcome {
     };
     let mut files = vec![
         ("reference.png".to_owned(), final_picture(subject.judge.truth)?),
-        (PAGE.to_owned(), page::page(subject, &plot::plot(subject.rows)?).into_bytes()),
+        (
+            PAGE.to_owned(),
+            page::page(subject, &plot::plot(subject.rows, subject.reference.standard_error)?)
+                .into_bytes(),
+        ),
     ];
     for (i, row) in subject.rows.iter().enumerate() {
         let heat = heat::map(&row.light, subject.judge.truth, row.measures.mean);

@@ -3,6 +3,7 @@
 use super::heat;
 use super::plot;
 use super::{Reference, Subject};
+use crate::args::threads_in_words;
 use crate::contest::{Row, Series};
 use crate::lighting::ms;
 use std::fmt::Write;
@@ -36,7 +37,7 @@ pub fn page(subject: &Subject, plot: &str) -> String {
 <body>
 <main>
 <h1>{name}</h1>
-<p class="dim">{w}×{h} cells · bounces: {bounces} · CPU, {threads} threads · lamplight {version}</p>
+<p class="dim">{w}×{h} cells · bounces: {bounces} · CPU, {threads} · lamplight {version}</p>
 <figure class="hero">
 <img src="reference.png" width="{w}" height="{h}" alt="The reference picture of {name}">
 <figcaption>The reference: a path tracer with {samples} paths a pixel, {seconds:.1} s. Its own
@@ -60,7 +61,8 @@ does, 0 to 1. A time is the median of a frame.</p>
 <div class="plot">
 {plot}
 </div>
-<p class="dim">Both axes are logarithmic: lower left is better.</p>
+<p class="dim">Both axes are logarithmic: lower left is better. What lies near the dashed line may be better than
+it looks: more <code>--samples</code> would show.</p>
 
 <h2>Pictures and where they are wrong</h2>
 <p>Hold the pointer over a picture to see the reference in its place. Beside it, the size of each
@@ -74,6 +76,7 @@ cell's error ÷ the mean light:</p>
 "#,
         style = include_str!("page.css"),
         bounces = escape(bounces),
+        threads = threads_in_words(*threads),
         version = env!("CARGO_PKG_VERSION"),
         seconds = time.as_secs_f64(),
         own = standard_error * 100.0,

@@ -24,10 +24,12 @@ pub fn color(series: Series) -> RGBColor {
     }
 }
 
-/// An SVG of relative RMSE over ms a frame; series with several rows are lines.
-pub fn plot(rows: &[Row]) -> Outcome<String> {
+/// An SVG of relative RMSE over ms a frame; series with several rows are lines. A dashed line is at
+/// `noise`, the reference's own relative error: no row can be seen to be better.
+pub fn plot(rows: &[Row], noise: f64) -> Outcome<String> {
     let mut svg = String::new();
-    draw(&mut svg, rows).map_err(|e| Failure::failed(format_args!("cannot draw the plot: {e}")))?;
+    draw(&mut svg, rows, noise * 100.0)
+        .map_err(|e| Failure::failed(format_args!("cannot draw the plot: {e}")))?;
     // The page gives it its width.
     Ok(svg.replacen(
         &format!("width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1),
@@ -46,18 +48,22 @@ fn place(row: &Row) -> (f64, f64) {
 fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let (low, high) =
         values.fold((f64::INFINITY, 0.0f64), |(low, high), v| (low.min(v), high.max(v)));
-    if high > 0.0 { low / 1.6..high * 2.2 } else { 1.0..10.0 }
+    if high > 0.0 { low / 1.5..high * 1.8 } else { 1.0..10.0 }
 }
 
-fn draw(svg: &mut String, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>> {
+fn draw(svg: &mut String, rows: &[Row], noise: f64) -> Result<(), Box<dyn std::error::Error>> {
     let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
     let x = range(rows.iter().map(|row| place(row).0));
-    let y = range(rows.iter().map(|row| place(row).1));
+    let y = range(rows.iter().map(|row| place(row).1).chain([noise]).filter(|&v| v > 0.0));
+    let (times, errors) = (ticks(&x), ticks(&y));
     let mut chart = ChartBuilder::on(&root)
         .margin(16)
         .x_label_area_size(48)
         .y_label_area_size(64)
-        .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+        .build_cartesian_2d(
+            x.clone().log_scale().with_key_points(times),
+            y.log_scale().with_key_points(errors),
+        )?;
     chart
         .configure_mesh()
         .x_desc("ms a frame")
@@ -76,6 +82,10 @@ fn draw(svg: &mut String, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>
             series.push(row.series);
         }
     }
+    let dashes = DashedLineSeries::new([(x.start, noise), (x.end, noise)], 5, 5, INK.into());
+    if noise > 0.0 {
+        chart.draw_series(dashes)?;
+    }
     for &series in &series {
         let members = rows.iter().filter(|row| row.series == series).map(place);
         if matches!(series, Series::Rays | Series::Temporal) {
@@ -84,6 +94,11 @@ fn draw(svg: &mut String, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>
         chart.draw_series(members.map(|at| Circle::new(at, 5, color(series).filled())))?;
     }
     let mut labels = Labels::default();
+    if noise > 0.0 {
+        let (left, y) = chart.backend_coord(&(x.start, noise));
+        let (words, style) = ("noise of the reference", (FONT, LABEL).into_font().color(&INK));
+        root.draw(&Text::new(words, labels.place((left, y), words), style))?;
+    }
     for row in rows {
         labels.taken.push(Labels::around(chart.backend_coord(&place(row)), 5));
     }
@@ -131,11 +146,14 @@ impl Labels {
     }
 }
 
-/// A number without digits that say nothing; on a logarithmic axis only 1, 2 and 5 are named.
+/// What is named on a logarithmic axis: 1, 2 and 5 times each power of ten.
+fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+    let powers = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
+    let all = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|v| v * 10f64.powi(power)));
+    all.filter(|v| range.contains(v)).collect()
+}
+
+/// A number without digits that say nothing.
 fn tick(v: f64) -> String {
-    let mantissa = v / 10f64.powf(v.log10().floor());
-    if ![1.0, 2.0, 5.0, 10.0].iter().any(|named| (mantissa - named).abs() < 1e-6) {
-        return String::new();
-    }
-    if v >= 1.0 { format!("{v:.0}") } else { format!("{v:.2}").trim_end_matches('0').to_owned() }
+    if v >= 1.0 { format!("{v:.0}") } else { format!("{v:.3}").trim_end_matches('0').to_owned() }
 }

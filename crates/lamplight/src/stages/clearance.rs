@@ -12,12 +12,24 @@
 
 use rayon::prelude::*;
 
+/// What a cell is to light that comes along.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ground {
+    /// Nothing there.
+    #[default]
+    Clear,
+    /// Matter that light passes, such as fog.
+    Matter,
+    /// Light has to stop and look: a wall, or whatever else ends a leap.
+    Closed,
+}
+
 /// The longest side that is stored.
 pub const LONGEST: u8 = 127;
-/// Set where the square holds matter: [`side`] takes it off.
+/// Added where the square holds matter: [`side`] takes it off.
 pub const MATTER: u8 = 128;
 
-/// The side of a square, px: 1 or more.
+/// The side of a square, px; 0 in a closed cell.
 #[inline(always)]
 pub fn side(square: u8) -> i32 {
     i32::from(square & LONGEST)
@@ -29,20 +41,20 @@ pub fn quadrant(direction: [f32; 2]) -> usize {
     (direction[0] < 0.0) as usize + 2 * (direction[1] < 0.0) as usize
 }
 
-/// Fills `squares`: four planes, one a quadrant, each one byte a cell in row order. `clear` says
-/// which cells are; `alike(i, j)` whether light passes cells i and j, neither of them clear, in the
-/// same way.
+/// Fills `squares`: four planes, one a quadrant, each one byte a cell in row order: 0 in a closed
+/// cell, else the side, plus [`MATTER`] where there is some. `alike(i, j)` says whether light passes
+/// cells i and j, both of matter, in the same way.
 pub fn clearance(
     width: u32,
-    clear: &[bool],
+    ground: &[Ground],
     alike: impl Fn(usize, usize) -> bool + Sync,
     squares: &mut Vec<u8>,
 ) {
     let w = width as usize;
-    squares.resize(4 * clear.len(), 0);
-    squares.par_chunks_mut(clear.len()).enumerate().for_each(|(quadrant, plane)| {
+    squares.resize(4 * ground.len(), 0);
+    squares.par_chunks_mut(ground.len()).enumerate().for_each(|(quadrant, plane)| {
         let (left, up) = (quadrant & 1 == 1, quadrant & 2 == 2);
-        let rows = clear.len() / w;
+        let rows = ground.len() / w;
         for i in 0..rows {
             let y = if up { i } else { rows - 1 - i };
             let (before, rest) = plane.split_at_mut(y * w);
@@ -50,7 +62,7 @@ pub fn clearance(
             // The row that lies straight ahead, done already; none is outside the grid.
             let straight = if up { before.rchunks(w).next() } else { after.chunks(w).next() };
             let ahead = if up { (y * w).wrapping_sub(w) } else { y * w + w };
-            let rows = Rows { clear, alike: &alike, here: y * w, ahead, straight };
+            let rows = Rows { ground, alike: &alike, here: y * w, ahead, straight };
             if left {
                 rows.scan(row, 0..w);
             } else {
@@ -62,7 +74,7 @@ pub fn clearance(
 
 /// A row to fill and what lies ahead of it.
 struct Rows<'a, F> {
-    clear: &'a [bool],
+    ground: &'a [Ground],
     alike: F,
     /// Indices of the first cell of the row and of the one ahead.
     here: usize,
@@ -79,12 +91,12 @@ impl<F: Fn(usize, usize) -> bool> Rows<'_, F> {
         for x in columns {
             let straight = self.straight.map_or(LONGEST, |row| row[x]);
             let smallest = beside.min(straight).min(diagonal);
-            row[x] = if self.clear[self.here + x] {
+            row[x] = match self.ground[self.here + x] {
+                Ground::Closed => 0,
                 // Squares of matter are larger than any clear one.
-                let all_clear = beside.max(straight).max(diagonal) < MATTER;
-                if all_clear { (smallest + 1).min(LONGEST) } else { 1 }
-            } else {
-                MATTER | self.matter(x, last, smallest)
+                Ground::Clear if beside.max(straight).max(diagonal) >= MATTER => 1,
+                Ground::Clear => (smallest + 1).min(LONGEST),
+                Ground::Matter => MATTER + self.matter(x, last, smallest),
             };
             (beside, diagonal, last) = (row[x], straight, Some(x));
         }
@@ -95,7 +107,7 @@ impl<F: Fn(usize, usize) -> bool> Rows<'_, F> {
     fn matter(&self, x: usize, beside: Option<usize>, smallest: u8) -> u8 {
         let (Some(beside), Some(_)) = (beside, self.straight) else { return 1 };
         let neighbours = [self.here + beside, self.ahead + x, self.ahead + beside];
-        let same = |j: usize| !self.clear[j] && (self.alike)(self.here + x, j);
+        let same = |j: usize| self.ground[j] == Ground::Matter && (self.alike)(self.here + x, j);
         if neighbours.into_iter().all(same) { ((smallest & LONGEST) + 1).min(LONGEST) } else { 1 }
     }
 }
@@ -131,18 +143,21 @@ mod tests {
         for i in (0..W * H).filter(|i| i % W > 8) {
             matter[i] = 2;
         }
-        let clear: Vec<bool> = matter.iter().map(|&m| m == 0).collect();
+        for i in [24, 25, 58] {
+            matter[i] = 3;
+        }
+        let ground =
+            |&m| [Ground::Clear, Ground::Matter, Ground::Matter, Ground::Closed][m as usize];
+        let ground: Vec<Ground> = matter.iter().map(ground).collect();
         let mut squares = Vec::new();
-        clearance(W as u32, &clear, |i, j| matter[i] == matter[j], &mut squares);
+        clearance(W as u32, &ground, |i, j| matter[i] == matter[j], &mut squares);
         for quadrant in 0..4 {
             for i in 0..W * H {
                 let square = squares[quadrant * W * H + i];
-                assert_eq!(square >= MATTER, !clear[i]);
-                assert_eq!(
-                    side(square),
-                    largest(&matter, i % W, i / W, quadrant),
-                    "{quadrant} {i}"
-                );
+                let largest = largest(&matter, i % W, i / W, quadrant);
+                let closed = ground[i] == Ground::Closed;
+                assert_eq!(square >= MATTER, ground[i] == Ground::Matter);
+                assert_eq!(side(square), if closed { 0 } else { largest }, "{quadrant} {i}");
             }
         }
     }

@@ -7,7 +7,7 @@
 //! is read off clear squares ([`super::clearance`]) or, near walls, walked cell by cell, so light
 //! never leaks through a wall however thin. Solid cells keep their light.
 
-use super::clearance::{clearance, quadrant, side};
+use super::clearance::{Ground, clearance, quadrant, side};
 use crate::settings;
 use crate::{Cells, Rgb};
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ const OPACITY: f32 = 8.0;
 /// Buffers of the passes.
 #[derive(Debug, Default)]
 pub struct Denoise {
-    open: Vec<bool>,
+    ground: Vec<Ground>,
     squares: Vec<u8>,
     noisy: Vec<Noisy>,
     blurred: Vec<Noisy>,
@@ -38,9 +38,10 @@ struct Noisy {
 impl Denoise {
     /// Blurs `light` of open cells in place.
     pub fn denoise(&mut self, settings: &settings::Denoise, cells: &Cells, light: &mut [Rgb]) {
-        self.open.clear();
-        self.open.extend((0..cells.len()).map(|i| !cells.is_solid(i)));
-        clearance(cells.width(), &self.open, |_, _| false, &mut self.squares);
+        let ground = |i| if cells.is_solid(i) { Ground::Closed } else { Ground::Clear };
+        self.ground.clear();
+        self.ground.extend((0..cells.len()).map(ground));
+        clearance(cells.width(), &self.ground, |_, _| false, &mut self.squares);
         self.noisy.resize(light.len(), Noisy::default());
         self.blurred.resize(light.len(), Noisy::default());
         self.estimate(cells, light);
@@ -57,7 +58,7 @@ impl Denoise {
         let view = self.view(cells);
         noisy.par_iter_mut().enumerate().for_each(|(i, noisy)| {
             let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
-            if self.open[i] {
+            if self.ground[i] == Ground::Clear {
                 view.taps(i, 1, |j, _| {
                     let l = luminance(light[j]);
                     (sum, squares, count) = (sum + l, squares + l * l, count + 1.0);
@@ -76,7 +77,7 @@ impl Denoise {
         blurred.par_iter_mut().enumerate().for_each(|(i, blurred)| {
             let here = self.noisy[i];
             *blurred = here;
-            if !self.open[i] {
+            if self.ground[i] == Ground::Closed {
                 return;
             }
             let l = luminance(here.light);
@@ -99,14 +100,14 @@ impl Denoise {
 
     fn view<'a>(&'a self, cells: &Cells) -> View<'a> {
         let size = [cells.width() as i32, cells.height() as i32];
-        View { size, open: &self.open, squares: &self.squares }
+        View { size, ground: &self.ground, squares: &self.squares }
     }
 }
 
 /// Which cells see one another.
 struct View<'a> {
     size: [i32; 2],
-    open: &'a [bool],
+    ground: &'a [Ground],
     squares: &'a [u8],
 }
 
@@ -134,13 +135,13 @@ impl View<'_> {
     fn sees(&self, from: [i32; 2], offset: [i32; 2]) -> bool {
         let length = offset[0].abs().max(offset[1].abs());
         let index = (from[1] * self.size[0] + from[0]) as usize;
-        let plane = quadrant(offset.map(|o| o as f32)) * self.open.len();
+        let plane = quadrant(offset.map(|o| o as f32)) * self.ground.len();
         length < side(self.squares[plane + index]) || self.walk(from, offset)
     }
 
     /// Goes from cell to cell along the line; a corner between two solid cells blocks it.
     fn walk(&self, from: [i32; 2], offset: [i32; 2]) -> bool {
-        let open = |x: i32, y: i32| self.open[(y * self.size[0] + x) as usize];
+        let open = |x: i32, y: i32| self.ground[(y * self.size[0] + x) as usize] == Ground::Clear;
         let count = offset.map(i32::abs);
         let sign = offset.map(i32::signum);
         let ([mut x, mut y], mut done) = (from, [0, 0]);

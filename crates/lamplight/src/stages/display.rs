@@ -47,7 +47,7 @@ impl ToneMap {
     /// as 0, infinity as very bright.
     pub fn map(self, rgb: Rgb) -> Rgb {
         // All curves are flat long before the cap; it keeps their squares finite.
-        let rgb = rgb.map(|v| v.max(0.0).min(BRIGHTEST));
+        let rgb = rgb.map(|v| if v > 0.0 { v.min(BRIGHTEST) } else { 0.0 });
         let mapped = match self {
             Self::None => rgb,
             Self::Reinhard => rgb.map(|v| v / (1.0 + v)),
@@ -81,10 +81,10 @@ fn agx(rgb: Rgb) -> Rgb {
     const INSET: [Rgb; 3] = [
         [0.842_479_06, 0.078_433_6, 0.079_223_745],
         [0.042_328_24, 0.878_468_6, 0.079_166_13],
-        [0.042_375_655, 0.078_433_6, 0.879_142_97],
+        [0.042_375_655, 0.078_433_6, 0.879_143],
     ];
     const OUTSET: [Rgb; 3] = [
-        [1.196_879, -0.098_020_88, -0.099_029_744],
+        [1.196_879, -0.098_020_88, -0.099_029_74],
         [-0.052_896_85, 1.151_903_1, -0.098_961_18],
         [-0.052_971_635, -0.098_043_45, 1.151_073_7],
     ];

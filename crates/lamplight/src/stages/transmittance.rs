@@ -1,6 +1,7 @@
 //! How much light gets through matter: Beer–Lambert, `T(s) = ((1 − α)·τ)^s` over s px.
 
 use crate::Rgb;
+use fearless_simd::{f32x16, prelude::*, u32x16};
 
 /// Logarithm that stands for "lets nothing through"; finite, so that 0 px of it still pass light.
 const LOG_OF_ZERO: f32 = -1e4;
@@ -27,9 +28,36 @@ pub fn exp_negative(x: f32) -> f32 {
     p * f32::from_bits(((n + 127) as u32) << 23)
 }
 
+/// [`exp_negative`] of sixteen numbers, the same to the bit.
+#[inline(always)]
+pub fn exp_negative_lanes<S: Simd>(x: f32x16<S>) -> f32x16<S> {
+    let t = (x * std::f32::consts::LOG2_E).max(-126.0);
+    let n = (t - 0.5).trunc();
+    let f = (t - n) * std::f32::consts::LN_2;
+    let p = f * (1.0 / 720.0) + 1.0 / 120.0;
+    let p = p * f + 1.0 / 24.0;
+    let p = p * f + 1.0 / 6.0;
+    let p = p * f + 0.5;
+    let p = p * f + 1.0;
+    let p = p * f + 1.0;
+    p * f32x16::from_bits((n + 127.0).to_int::<u32x16<S>>() << 23)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::exp_negative;
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn lanes_agree_with_the_scalar_to_the_bit() {
+        for i in 0..5000 {
+            let x: [f32; 16] = std::array::from_fn(|l| -((16 * i + l) as f32) * 1.3e-3);
+            let lanes = dispatch!(Level::new(), simd => {
+                exp_negative_lanes(f32x16::load_array(simd, x)).to_array()
+            });
+            assert_eq!(lanes, x.map(exp_negative));
+        }
+    }
 
     #[test]
     fn exp_negative_is_exact_to_rounding() {

@@ -21,7 +21,7 @@ use crate::stages::transmittance::exp_negative;
 use fearless_simd::{Simd, f32x16};
 
 /// Transmittance under which what lies behind no longer counts.
-const OPAQUE: f32 = 1e-6;
+pub const OPAQUE: f32 = 1e-6;
 
 /// What a ray brings back.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,11 +51,6 @@ struct Path {
 
 impl Path {
     #[inline(always)]
-    fn after(travelled: f32) -> Self {
-        Self { seen: Seen::default(), through: [1.0; 3], travelled }
-    }
-
-    #[inline(always)]
     fn add(&mut self, radiance: Rgb) {
         for c in 0..3 {
             self.seen.light[c] += self.through[c] * radiance[c];
@@ -77,11 +72,15 @@ impl Field<'_> {
         let mut seen = [Seen::default(); LANES];
         for (l, seen) in seen.iter_mut().enumerate() {
             let direction = [stopped.direction[0][l], stopped.direction[1][l]];
-            let mut path = Path::after(stopped.travelled[l]);
+            let mut path = Path {
+                seen: Seen { light: stopped.light.map(|v| v[l]), changed: false },
+                through: stopped.through.map(|v| v[l]),
+                travelled: stopped.travelled[l],
+            };
             *seen = match stopped.why(l) {
                 Why::Left => self.leave(&mut path, direction),
                 Why::Tired => path.seen,
-                Why::Matter(axis) => {
+                Why::Closed(axis) => {
                     let cell = [stopped.cell[0][l] as i32, stopped.cell[1][l] as i32];
                     let index = (cell[1] * self.optics.width + cell[0]) as usize;
                     if self.optics.sites[index].kind == Kind::Solid {
@@ -96,7 +95,8 @@ impl Field<'_> {
         seen
     }
 
-    /// Goes on alone from a cell with something in it, from square to square of the same matter.
+    /// Goes on alone from a closed cell that is no wall: one that changed, or fog where light fades
+    /// with distance.
     fn march_through(
         &self,
         mut path: Path,
@@ -110,7 +110,7 @@ impl Field<'_> {
         let beyond = direction.map(|d| (d < 0.0) as i32);
         for _ in 0..self.settings.steps {
             let Some(index) = self.index(cell) else { return self.leave(&mut path, direction) };
-            let side = side(squares[index]);
+            let side = side(squares[index]).max(1);
             let next: [i32; 2] = std::array::from_fn(|a| cell[a] + sign[a] * side);
             let edge: [f32; 2] = std::array::from_fn(|a| (next[a] + beyond[a]) as f32);
             let t: [f32; 2] = std::array::from_fn(|a| (edge[a] - at[a]) * inverse[a]);
@@ -142,7 +142,8 @@ impl Field<'_> {
     /// Steps longer than what is known to be clear go from edge to edge and end at the first
     /// occupied cell, so that none is stepped over.
     fn march_to_distance(&self, from: [f32; 2], direction: [f32; 2]) -> Seen {
-        let (mut at, mut path) = (from, Path::after(0.0));
+        let mut at = from;
+        let mut path = Path { seen: Seen::default(), through: [1.0; 3], travelled: 0.0 };
         for _ in 0..self.settings.steps {
             let cell = at.map(|v| v.floor() as i32);
             let Some(index) = self.index(cell) else { return self.leave(&mut path, direction) };

@@ -2,7 +2,7 @@
 
 use crate::settings::Raymarch;
 use crate::stages::bounce::Surfaces;
-use crate::stages::clearance::clearance;
+use crate::stages::clearance::{Ground, clearance};
 use crate::stages::seed::is_occupied;
 use crate::stages::transmittance::log_transmittance;
 use crate::{Cells, Rgb, Sky};
@@ -21,7 +21,7 @@ pub enum Kind {
 }
 
 /// One cell's part in the march.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Site {
     /// What the cell is.
     pub kind: Kind,
@@ -35,14 +35,15 @@ pub struct Optics {
     pub width: i32,
     pub height: i32,
     pub sites: Vec<Site>,
-    /// Whether a cell is clear and did not change: nothing there for a ray to look at.
-    pub clear: Vec<bool>,
+    pub ground: Vec<Ground>,
     /// Squares of the same matter ([`clearance`]).
     pub squares: Vec<u8>,
     /// Emission, and what fog sends on.
     pub source: Vec<Rgb>,
     /// Natural logarithm of the transmittance of one px.
     pub log_transmittance: Vec<Rgb>,
+    /// Whether any matter tints.
+    pub tints: bool,
     pub sky: Sky,
 }
 
@@ -54,16 +55,16 @@ impl Optics {
         self.sky = cells.sky();
         let (n, w) = (cells.len(), cells.width() as usize);
         self.sites.resize(n, Site::default());
-        self.clear.resize(n, false);
+        self.ground.resize(n, Ground::default());
         self.source.resize(n, Rgb::default());
         self.log_transmittance.resize(n, Rgb::default());
         self.sites
             .par_chunks_mut(w)
-            .zip(self.clear.par_chunks_mut(w))
+            .zip(self.ground.par_chunks_mut(w))
             .zip(self.source.par_chunks_mut(w))
             .zip(self.log_transmittance.par_chunks_mut(w))
             .enumerate()
-            .for_each(|(y, (((sites, clear), sources), logs))| {
+            .for_each(|(y, (((sites, ground), sources), logs))| {
                 for x in 0..w {
                     let i = y * w + x;
                     let kind = match () {
@@ -73,25 +74,30 @@ impl Optics {
                     };
                     let changed = changed.get(i).copied().unwrap_or(false);
                     sites[x] = Site { kind, changed };
-                    clear[x] = kind == Kind::Clear && !changed;
+                    ground[x] = match kind {
+                        _ if changed => Ground::Closed,
+                        Kind::Solid => Ground::Closed,
+                        // Fading with distance is worked out ray by ray.
+                        Kind::Medium if settings.attenuation => Ground::Closed,
+                        Kind::Medium => Ground::Matter,
+                        Kind::Clear => Ground::Clear,
+                    };
                     sources[x] = cells.emission()[i].map(|e| e * settings.emission_multiplier);
                     if kind == Kind::Medium {
                         logs[x] = log_transmittance(cells.opacity()[i], cells.tint()[i]);
                     }
                 }
             });
+        self.tints = cells.tint().iter().any(|t| t[1] != t[0] || t[2] != t[0]);
         self.find_squares();
     }
 
     fn find_squares(&mut self) {
-        let Self { sites, clear, squares, source, log_transmittance, .. } = self;
+        let Self { ground, squares, source, log_transmittance, .. } = self;
         let alike = |i: usize, j: usize| {
-            sites[i] == sites[j]
-                && sites[i].kind == Kind::Medium
-                && source[i] == source[j]
-                && log_transmittance[i] == log_transmittance[j]
+            source[i] == source[j] && log_transmittance[i] == log_transmittance[j]
         };
-        clearance(self.width as u32, clear, alike, squares);
+        clearance(self.width as u32, ground, alike, squares);
     }
 
     /// Sets what fog sends out: emission and what it sends on.

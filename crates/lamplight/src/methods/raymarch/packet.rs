@@ -1,14 +1,16 @@
-//! Sixteen rays at once through what is clear.
+//! Sixteen rays at once through what lets light pass.
 //!
-//! Nearly all of a ray's way leads through empty cells. A packet takes its rays along it in
-//! lockstep, from clear square to clear square ([`crate::stages::clearance`]), until each has left
-//! the grid or come to a cell that is not clear; what happens there is up to [`super::march`]. Rays
-//! of neighbouring cells in about the same direction stay together, so few of them idle. The vector
-//! units are chosen at run time; no fused multiply-add is used, so the results are the same to the
-//! bit on every one.
+//! Nearly all of a ray's way leads through empty cells, fog or glass. A packet takes its rays along
+//! it in lockstep, from square to square of the same matter ([`crate::stages::clearance`]), until
+//! each has left the grid or come to a closed cell; what happens there is up to [`super::march`].
+//! Rays of neighbouring cells in about the same direction stay together, so few of them idle. The
+//! vector units are chosen at run time; no fused multiply-add is used, so the results are the same
+//! to the bit on every one.
 
+use super::march::OPAQUE;
 use super::optics::Optics;
 use crate::stages::clearance::MATTER;
+use crate::stages::transmittance::exp_negative_lanes;
 use fearless_simd::{f32x16, i32x16, mask32x16, prelude::*};
 
 /// Rays in a packet.
@@ -38,9 +40,12 @@ pub struct Stopped {
     pub cell: [Lanes<f32>; 2],
     pub direction: [Lanes<f32>; 2],
     pub travelled: Lanes<f32>,
+    /// Light gathered in fog, and the share of what lies behind that gets through, by channel.
+    pub light: [Lanes<f32>; 3],
+    pub through: [Lanes<f32>; 3],
     /// Bit by bit: rays that left the grid.
     left: u64,
-    /// Rays that still had a way to go when their steps ran out.
+    /// Rays whose steps ran out, or through which nothing gets any more.
     tired: u64,
     /// Rays whose last step went along x.
     by_x: u64,
@@ -51,10 +56,10 @@ pub struct Stopped {
 pub enum Why {
     /// It left the grid.
     Left,
-    /// It ran out of steps.
+    /// It ran out of steps or of light.
     Tired,
-    /// It entered a cell that is not clear by a step along this axis.
-    Matter(usize),
+    /// It entered a closed cell by a step along this axis.
+    Closed(usize),
 }
 
 impl Stopped {
@@ -65,7 +70,7 @@ impl Stopped {
         match () {
             () if is(self.left) => Why::Left,
             () if is(self.tired) => Why::Tired,
-            () => Why::Matter(!is(self.by_x) as usize),
+            () => Why::Closed(!is(self.by_x) as usize),
         }
     }
 }
@@ -89,9 +94,13 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
     let mut travelled = zero;
     let mut by_x = mask32x16::splat(simd, false);
     let mut inside = mask32x16::splat(simd, true);
-    let mut side = look_up(simd, optics, plane, cell);
-    let mut going = side.simd_lt(f32::from(MATTER));
+    let (mut square, mut index) = look_up(simd, optics, plane, cell);
+    let mut going = square.simd_gt(0.0);
+    let mut spent = by_x;
+    let (mut light, mut through) = ([zero; 3], [one; 3]);
     for _ in 0..steps {
+        let matter = going & square.simd_ge(f32::from(MATTER));
+        let side = matter.select(square - f32::from(MATTER), square);
         let next: [_; 2] = std::array::from_fn(|a| cell[a] + sign[a] * side);
         let edge: [_; 2] = std::array::from_fn(|a| next[a] + beyond[a]);
         let [tx, ty] = std::array::from_fn(|a| (edge[a] - at[a]) * inverse[a]);
@@ -107,13 +116,19 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
             at[a] = going.select(crosses[a].select(edge[a], along), at[a]);
             cell[a] = going.select(crosses[a].select(next[a], within), cell[a]);
         }
+        if matter.to_bitmask() != 0 {
+            let length = matter.select(t.max(0.0), zero);
+            cross(optics, &index, length, &mut light, &mut through);
+            let most = through[0].max(through[1]).max(through[2]);
+            spent = spent | (going & most.simd_lt(OPAQUE));
+        }
         travelled = going.select(travelled + t, travelled);
         by_x = crosses[0] | (!going & by_x);
         let [in_x, in_y] = std::array::from_fn(|a| cell[a].simd_ge(0.0) & cell[a].simd_lt(size[a]));
         inside = in_x & in_y;
         let safe: [_; 2] = std::array::from_fn(|a| inside.select(cell[a], zero));
-        side = look_up(simd, optics, plane, safe);
-        going = going & inside & side.simd_lt(f32::from(MATTER));
+        (square, index) = look_up(simd, optics, plane, safe);
+        going = going & inside & !spent & square.simd_gt(0.0);
         if going.to_bitmask() == 0 {
             break;
         }
@@ -124,16 +139,45 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
         direction: way.map(|v| v.to_array()),
         travelled: travelled.to_array(),
         left: !inside.to_bitmask(),
-        tired: going.to_bitmask(),
+        light: light.map(|v| v.to_array()),
+        through: through.map(|v| v.to_array()),
+        tired: (going | spent).to_bitmask(),
         by_x: by_x.to_bitmask(),
     }
 }
 
-/// The squares that sixteen rays stand in.
+/// The squares that sixteen rays stand in, and the indices of their cells.
 #[inline(always)]
-fn look_up<S: Simd>(simd: S, optics: &Optics, plane: i32x16<S>, cell: [f32x16<S>; 2]) -> f32x16<S> {
-    let index = (cell[1] * optics.width as f32 + cell[0]).to_int::<i32x16<S>>() + plane;
-    let index = index.to_array();
-    let squares = i32x16::from_fn(simd, |l| i32::from(optics.squares[index[l] as usize]));
-    squares.to_float()
+fn look_up<S: Simd>(
+    simd: S,
+    optics: &Optics,
+    plane: i32x16<S>,
+    cell: [f32x16<S>; 2],
+) -> (f32x16<S>, Lanes<i32>) {
+    let index = (cell[1] * optics.width as f32 + cell[0]).to_int::<i32x16<S>>();
+    let place = (index + plane).to_array();
+    let squares = i32x16::from_fn(simd, |l| i32::from(optics.squares[place[l] as usize]));
+    (squares.to_float(), index.to_array())
+}
+
+/// Crosses fog and glass, 0 px where there is none.
+#[inline(always)]
+fn cross<S: Simd>(
+    optics: &Optics,
+    index: &Lanes<i32>,
+    length: f32x16<S>,
+    light: &mut [f32x16<S>; 3],
+    through: &mut [f32x16<S>; 3],
+) {
+    let simd = length.token();
+    let mut t = length;
+    for c in 0..3 {
+        if c == 0 || optics.tints {
+            let log = f32x16::from_fn(simd, |l| optics.log_transmittance[index[l] as usize][c]);
+            t = exp_negative_lanes(log * length);
+        }
+        let source = f32x16::from_fn(simd, |l| optics.source[index[l] as usize][c]);
+        light[c] = light[c] + through[c] * ((-t + 1.0) * source);
+        through[c] = through[c] * t;
+    }
 }

@@ -1,0 +1,107 @@
+//! What users get wrong, and what they are told.
+
+use super::sandbox::Sandbox;
+
+/// Arguments, exit code, and what stderr says, in this order.
+type Case = (&'static str, i32, &'static [&'static str]);
+
+const CASES: &[Case] = &[
+    // The scene.
+    ("render nope.toml", 2, &["error: cannot read nope.toml", "hint: `lamplight new nope.toml`"]),
+    ("render folder", 2, &["error:", "folder", "directory"]),
+    ("render not.toml", 2, &["error:", "not.toml", "line 1"]),
+    ("render huge.toml", 2, &["error: huge.toml", "40000×40000", "16384"]),
+    ("render typo.toml", 2, &["error: typo.toml", "lamps"]),
+    ("probe nope.toml 1,1", 2, &["cannot read nope.toml", "hint"]),
+    ("compare nope.toml", 2, &["cannot read nope.toml", "hint"]),
+    ("stages nope.toml -o there", 2, &["cannot read nope.toml", "hint"]),
+    ("bench --scene nope.toml", 2, &["cannot read nope.toml", "hint"]),
+    // The output.
+    ("render small.toml -o x.jpg", 2, &["x.jpg", ".png", ".exr"]),
+    ("render small.toml -o x", 2, &["name x", ".png"]),
+    ("render small.toml -o folder", 2, &["name folder", ".png"]),
+    ("render small.toml -o folder.png", 2, &["folder.png", "is a directory", "hint: name a file"]),
+    ("render small.toml -o nowhere/x.png", 2, &["nowhere/x.png", "no directory nowhere"]),
+    ("render small.toml -o small.toml/x.png", 2, &["small.toml is not a directory"]),
+    ("stages small.toml -o small.toml", 2, &["small.toml", "a file, not a directory"]),
+    ("compare small.toml --report small.toml", 2, &["small.toml", "a file, not a directory"]),
+    ("render small.toml --stage voronoi -o x.exr", 2, &["voronoi", "hint: ", ".png"]),
+    ("render small.toml --scale 2 -o x.exr", 2, &["--scale", ".png"]),
+    ("render wide.toml --scale 64", 2, &["--scale 64", "million pixels"]),
+    // Flags.
+    ("render", 2, &["<SCENE>"]),
+    ("frobnicate", 2, &["unrecognized subcommand 'frobnicate'"]),
+    ("render small.toml --method polr", 2, &["'polr'", "--method", "raymarch, reference"]),
+    ("render small.toml --backend gpu", 2, &["no GPU backend", "hint: ", "--backend cpu"]),
+    ("render small.toml --bounces -1", 2, &["'-1'"]),
+    ("render small.toml --bounces many", 2, &["many", "0 to 256", "converged"]),
+    ("render small.toml --threads 0", 2, &["'0'", "--threads", "1..=1024"]),
+    ("render small.toml --frames 0", 2, &["'0'", "--frames"]),
+    ("render small.toml --tonemap filmic", 2, &["'filmic'", "none, reinhard, aces, agx"]),
+    ("render small.toml --exposure nan", 2, &["exposure", "NaN", "from -32 to 32"]),
+    ("render small.toml --exposure 99", 2, &["exposure", "99", "from -32 to 32"]),
+    ("render small.toml --set raymarch.ray=3", 2, &["raymarch.ray", "`rays`"]),
+    ("render small.toml --set raymarch.rays", 2, &["--set", "raymarch.rays", "method.key=value"]),
+    ("render small.toml --set raymarch.rays=0", 2, &["raymarch.rays", "0", "from 1 to 65536"]),
+    ("render small.toml --set raymarch.rays=many", 2, &["raymarch.rays", "many"]),
+    ("render small.toml --set raymarch.preset=godo", 2, &["raymarch.preset", "godo", "unity"]),
+    ("compare small.toml --methods raymarch,magic", 2, &["'magic'", "raymarch"]),
+    ("compare small.toml --samples 0", 2, &["'0'", "--samples"]),
+    ("probe small.toml", 2, &["<X,Y>"]),
+    ("probe small.toml 3", 2, &["'3'", "such as 160,90"]),
+    ("probe small.toml 32,5", 2, &["32,5", "outside the 32×20 scene", "hint: x runs from 0 to 32"]),
+    ("bench --size 512", 2, &["'512'", "such as 512x512"]),
+    ("bench --size 40000x40000", 2, &["40000×40000", "16384"]),
+    ("bench --size 0x5", 2, &["0×5", "1 to 16384"]),
+    ("bench --size 8x8 --scene small.toml", 2, &["--size", "cannot be used with", "--scene"]),
+    ("new small.toml", 2, &["small.toml is there already", "hint: --force"]),
+    ("new x.png", 2, &["x.png", "hint: try `lamplight new x.toml`"]),
+    ("new nowhere/x.toml", 2, &["no directory nowhere"]),
+    ("completions tcsh", 2, &["'tcsh'", "bash"]),
+    ("man nothing", 2, &["no command `nothing`", "hint: `lamplight help`"]),
+];
+
+#[test]
+fn is_answered_by_what_is_wrong_and_leaves_nothing() {
+    let sandbox = Sandbox::small();
+    sandbox.write("not.toml", "this is no scene\n");
+    sandbox.write("huge.toml", "size = [40000, 40000]\n");
+    sandbox.write("wide.toml", "size = [1000, 1000]\n");
+    sandbox.write("typo.toml", "size = [4, 4]\n[[lamps]]\n");
+    for folder in ["folder", "folder.png"] {
+        std::fs::create_dir(sandbox.path(folder)).unwrap();
+    }
+    let before = sandbox.files();
+    let mut wrong = Vec::new();
+    for (arguments, code, says) in CASES {
+        let run = sandbox.run(arguments);
+        let told = std::panic::catch_unwind(|| run.failed(*code, says));
+        if told.is_err() {
+            wrong.push(*arguments);
+        }
+        assert_eq!(sandbox.files(), before, "`lamplight {arguments}` left files");
+    }
+    assert!(wrong.is_empty(), "see above for {wrong:#?}");
+}
+
+/// A directory that no one can write to, the superuser included.
+#[test]
+#[cfg(target_os = "linux")]
+fn an_unwritable_output_is_a_failure() {
+    let sandbox = Sandbox::small();
+    sandbox.run("render small.toml -o /proc/x.png").failed(1, &["error: cannot write /proc/x.png"]);
+    sandbox.run("stages small.toml -o /proc/x").failed(1, &["error: cannot make the directory"]);
+}
+
+#[test]
+fn errors_have_colour_only_where_it_is_wanted() {
+    let sandbox = Sandbox::new();
+    let colored = |variables: &[(&str, &str)]| {
+        let mut command = sandbox.command(&["render", "nope.toml"]);
+        command.envs(variables.iter().copied());
+        command.output().unwrap().stderr.contains(&0x1b)
+    };
+    assert!(!colored(&[]), "stderr is no terminal here");
+    assert!(colored(&[("CLICOLOR_FORCE", "1")]));
+    assert!(!colored(&[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]));
+}

@@ -1,0 +1,157 @@
+//! Every other command, from the outside.
+
+use super::sandbox::Sandbox;
+use serde_json::Value;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e} in {text}"))
+}
+
+#[test]
+fn probe_says_how_lit_points_are() {
+    let sandbox = Sandbox::small();
+    let table = sandbox.run("probe small.toml 6.5,2.5 19.5,10 15,10").done();
+    assert_eq!(table.lines().count(), 5, "{table}");
+    assert!(table.lines().nth(4).unwrap().ends_with("wall"), "{table}");
+    let answer = json(&sandbox.run("probe small.toml 6.5,2.5 19.5,10 15,10 --json").done());
+    assert_eq!((&answer["width"], &answer["method"]), (&32.into(), &"raymarch".into()));
+    let points = answer["points"].as_array().unwrap();
+    assert_eq!((&points[0]["x"], &points[0]["y"]), (&6.5.into(), &2.5.into()));
+    let luminance = |i: usize| points[i]["luminance"].as_f64().unwrap();
+    // Near the lamp it is bright; the wall's shadow is black without bounces.
+    assert!(luminance(0) > 0.3, "{answer}");
+    assert_eq!(luminance(1), 0.0, "{answer}");
+    let red_over_blue =
+        points[0]["light"][0].as_f64().unwrap() / points[0]["light"][2].as_f64().unwrap();
+    assert!((red_over_blue - 2.5).abs() < 1e-3, "the lamp's colour is lost: {answer}");
+    assert_eq!([0, 1, 2].map(|i: usize| points[i]["solid"] == true), [false, false, true]);
+}
+
+#[test]
+fn stages_writes_every_picture_and_a_sheet() {
+    let sandbox = Sandbox::small();
+    let said = sandbox.run("stages small.toml -o a/b --scale 2").done();
+    assert!(said.contains("8 pictures") && said.contains("contact-sheet.png"), "{said}");
+    for stage in ["emission", "opacity", "albedo", "tint", "voronoi", "distance", "light", "final"]
+    {
+        let name = format!("a/b/{stage}.png");
+        assert_eq!(sandbox.picture(&name).dimensions(), (64, 40), "{name}");
+    }
+    let sheet = sandbox.picture("a/b/contact-sheet.png");
+    assert!(sheet.width() > 1000 && sheet.height() > 400, "{:?}", sheet.dimensions());
+    assert_eq!(std::fs::read_dir(sandbox.path("a/b")).unwrap().count(), 9);
+}
+
+#[test]
+fn bench_prints_a_line_for_each_case() {
+    let sandbox = Sandbox::small();
+    let said = sandbox
+        .run("bench --size 12x7,9x9 --threads 2 --bounces 0 --set raymarch.rays=4 --json")
+        .done();
+    let lines: Vec<Value> = said.lines().map(json).collect();
+    assert_eq!(lines.len(), 2);
+    assert_eq!((&lines[0]["width"], &lines[1]["height"]), (&12.into(), &9.into()));
+    for line in &lines {
+        assert_eq!((&line["method"], &line["backend"]), (&"raymarch".into(), &"cpu".into()));
+        assert_eq!(line["threads"], 2);
+        let number = |key: &str| line[key].as_f64().unwrap_or_else(|| panic!("{key} in {line}"));
+        assert!(number("runs") >= 5.0);
+        assert!(0.0 < number("min_ms") && number("min_ms") <= number("median_ms"), "{line}");
+        assert!(line["stages_ms"]["raymarch"].as_f64().unwrap() <= number("median_ms") * 1.5);
+    }
+    let scene = json(&sandbox.run("bench --scene small.toml --json --method raymarch").done());
+    assert_eq!((&scene["width"], &scene["scene"]), (&32.into(), &"small.toml".into()));
+    let table = sandbox.run("bench --scene small.toml").done();
+    assert!(table.contains("32×20") && table.contains("median ms"), "{table}");
+}
+
+#[test]
+fn compare_judges_every_row() {
+    let sandbox = Sandbox::small();
+    let said = sandbox.run("compare small.toml --samples 256 --report report").done();
+    for words in ["8 rays", "512 rays", "denoised", "godot", "unity", "1 frame", "64 frames"] {
+        assert!(said.contains(words), "`{words}` is missing in {said}");
+    }
+    assert!(said.contains("its own standard error is"), "{said}");
+    let page = String::from_utf8(sandbox.read("report/index.html")).unwrap();
+    let pictures: Vec<_> = page.split("src=\"").skip(1).filter_map(|s| s.split_once('"')).collect();
+    assert!(pictures.len() > 20);
+    for (name, _) in &pictures {
+        assert_eq!(sandbox.picture(&format!("report/{name}")).dimensions(), (32, 20), "{name}");
+    }
+    for link in ["src=\"http", "href=\"http", "url(", "<script", "@import"] {
+        assert!(!page.contains(link), "the page leans on the net: {link}");
+    }
+
+    let answer = json(&sandbox.run("compare small.toml --samples 256 --json").done());
+    let rows = answer["rows"].as_array().unwrap();
+    let error = |name: &str| {
+        let row = rows.iter().find(|row| row["name"] == name).unwrap_or_else(|| panic!("{name}"));
+        row["relative_rmse"].as_f64().unwrap()
+    };
+    assert!(error("raymarch, 512 rays") < 0.5 * error("raymarch, 8 rays"));
+    assert!(error("raymarch, 32 rays, temporal, 64 frames") < error("raymarch, 32 rays"));
+    // No method's errors are under the noise of what judges them: that is counted in.
+    let own = answer["reference"]["relative_standard_error"].as_f64().unwrap();
+    assert!(own > 0.0 && error("raymarch, 512 rays") > 0.5 * own, "{own}");
+}
+
+#[test]
+fn a_new_scene_can_be_lit() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.run("new cave.toml").done();
+    assert!(said.contains("lamplight render cave.toml"), "{said}");
+    sandbox.run("render cave.toml --set raymarch.rays=4").done();
+    assert_eq!(sandbox.picture("cave.png").dimensions(), (320, 180));
+    sandbox.write("cave.toml", "mine");
+    sandbox.run("new cave.toml").failed(2, &["cave.toml is there already"]);
+    assert_eq!(sandbox.read("cave.toml"), b"mine");
+    sandbox.run("new cave.toml --force").done();
+    assert!(sandbox.read("cave.toml") != b"mine");
+}
+
+#[test]
+fn info_tells_limits_and_methods() {
+    let sandbox = Sandbox::new();
+    let text = sandbox.run("info").done();
+    assert!(text.contains(env!("CARGO_PKG_VERSION")) && text.contains("raymarch"), "{text}");
+    let answer = json(&sandbox.run("info --json").done());
+    assert_eq!(answer["limits"]["side"], lamplight::Cells::MAX_SIDE);
+    assert!(answer["backends"]["cpu"]["threads"].as_u64().unwrap() >= 1);
+}
+
+#[test]
+fn shells_pagers_and_editors_are_served() {
+    let sandbox = Sandbox::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = sandbox.run(&format!("completions {shell}")).done();
+        assert!(script.contains("lamplight") && script.contains("render"), "{shell}");
+    }
+    assert!(sandbox.run("man").done().contains(".TH lamplight 1"));
+    let page = sandbox.run("man render").done();
+    assert!(page.contains("lamplight-render") && page.contains("exposure"), "{page}");
+    let schema = json(&sandbox.run("schema").done());
+    assert!(schema["properties"]["lamp"].is_object(), "{schema}");
+}
+
+#[test]
+fn help_and_version_are_results() {
+    let sandbox = Sandbox::new();
+    let help = sandbox.run("--help").done();
+    for command in [
+        "render",
+        "compare",
+        "stages",
+        "probe",
+        "bench",
+        "info",
+        "new",
+        "completions",
+        "man",
+        "schema",
+    ] {
+        assert!(help.contains(&format!("  {command} ")), "{command} is missing in {help}");
+    }
+    assert!(sandbox.run("--version").done().contains(env!("CARGO_PKG_VERSION")));
+    sandbox.run("").failed(2, &["Usage: lamplight"]);
+}

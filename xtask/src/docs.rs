@@ -1,0 +1,178 @@
+//! The pictures and figures in the documents: all of them made here, none typed by hand.
+//!
+//! Figures stand between `<!-- begin NAME: cargo xtask docs -->` and `<!-- end NAME -->`.
+
+use crate::generated::{self, Mode, root};
+use crate::scenes;
+use crate::test::cargo;
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// What `compare` judges: direct light, so that the reference gets sharp enough in a minute.
+const JUDGED: &str = "cave";
+/// Paths a pixel of the reference.
+const SAMPLES: &str = "4096";
+/// How much larger than its cells a scene is shown.
+const SCALE: &str = "2";
+
+pub fn run() -> Result<()> {
+    cargo(&["build", "--release", "--package", "lamplight-cli"])?;
+    fs::create_dir_all(root().join("docs/pictures"))?;
+    pictures()?;
+    let machine = machine()?;
+    insert("docs/README.md", "times", &times(&machine)?)?;
+    insert("docs/raymarch.md", "errors", &errors(&machine)?)
+}
+
+fn pictures() -> Result<()> {
+    for name in scenes::NAMES {
+        println!("render {name}");
+        let output = format!("docs/pictures/{name}.png");
+        lamplight(&["render", &file(name), "--scale", SCALE, "-o", &output])?;
+    }
+    let light = ["--stage", "light", "--scale", SCALE, "-o", "docs/pictures/cave-light.png"];
+    lamplight(&[&["render", &file("cave")], &light[..]].concat())?;
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().to_str().context("the temporary folder's name is text")?;
+    lamplight(&["stages", &file("cave"), "-o", path])?;
+    let sheet = image::open(folder.path().join("contact-sheet.png"))?;
+    generated::picture(Mode::Write, "docs/pictures/cave-stages.png", &sheet, "docs")
+}
+
+fn times(machine: &str) -> Result<String> {
+    let mut table = String::from(
+        "| scene | cells | rays a pixel | bounces | a frame |\n| --- | --- | --- | --- | --- |\n",
+    );
+    for name in scenes::NAMES {
+        println!("time {name}");
+        let scene = lamplight::Scene::load(root().join(file(name)))?;
+        let settings = scene.settings()?;
+        let case: Value =
+            serde_json::from_str(&lamplight(&["bench", "--scene", &file(name), "--json"])?)?;
+        writeln!(
+            table,
+            "| [{name}](../scenes/{name}.toml) | {}×{} | {} | {} | {:.0} ms |",
+            scene.size[0],
+            scene.size[1],
+            settings.raymarch.rays,
+            settings.bounces.limit(),
+            number(&case, "median_ms")?
+        )?;
+    }
+    writeln!(table, "\nMedian of several frames {machine}.")?;
+    Ok(table)
+}
+
+fn errors(machine: &str) -> Result<String> {
+    println!("compare {JUDGED}");
+    let arguments = ["compare", &file(JUDGED), "--bounces", "0", "--samples", SAMPLES, "--json"];
+    let judged: Value = serde_json::from_str(&lamplight(&arguments)?)?;
+    let percent = |row: &Value, key: &str| Ok::<_, anyhow::Error>(number(row, key)? * 100.0);
+    let mut table = String::from(
+        "| what | relative RMSE | bias | 99th percentile | FLIP | a frame |\n\
+         | --- | --- | --- | --- | --- | --- |\n",
+    );
+    for row in judged["rows"].as_array().context("compare has rows")? {
+        writeln!(
+            table,
+            "| {} | {:.1} % | {:+.2} % | {:.1} % | {:.3} | {:.0} ms |",
+            row["name"].as_str().context("a row has a name")?,
+            percent(row, "relative_rmse")?,
+            percent(row, "bias")?,
+            percent(row, "p99")?,
+            number(row, "flip")?,
+            number(row, "ms")?
+        )?;
+    }
+    writeln!(
+        table,
+        "\n`{JUDGED}`, direct light, against {SAMPLES} paths a pixel, whose own standard error is \
+         {:.1} %; times {machine}.",
+        percent(&judged["reference"], "relative_standard_error")?
+    )?;
+    Ok(table)
+}
+
+/// What the figures were measured on.
+fn machine() -> Result<String> {
+    let info: Value = serde_json::from_str(&lamplight(&["info", "--json"])?)?;
+    let cpu = &info["backends"]["cpu"];
+    let features: Vec<&str> =
+        cpu["features"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    Ok(format!("on {} threads of a CPU with {}", cpu["threads"], features.join(", ")))
+}
+
+fn number(value: &Value, key: &str) -> Result<f64> {
+    value[key].as_f64().with_context(|| format!("`{key}` is a number in {value}"))
+}
+
+fn file(scene: &str) -> String {
+    format!("scenes/{scene}.toml")
+}
+
+/// Runs the command line in the root; what it prints.
+fn lamplight(arguments: &[&str]) -> Result<String> {
+    let program =
+        root().join("target/release").join(format!("lamplight{}", std::env::consts::EXE_SUFFIX));
+    let output = Command::new(program).args(arguments).current_dir(root()).output()?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "lamplight {} failed: {said}", arguments.join(" "));
+    Ok(String::from_utf8(output.stdout)?)
+}
+
+/// Puts text between the marks of a block.
+fn insert(path: &str, name: &str, text: &str) -> Result<()> {
+    let page =
+        fs::read_to_string(root().join(path)).with_context(|| format!("cannot read {path}"))?;
+    let page = replace(&page, name, text).with_context(|| format!("{path} has no block {name}"))?;
+    generated::bytes(Mode::Write, Path::new(path), page.as_bytes(), "docs")
+}
+
+fn replace(page: &str, name: &str, text: &str) -> Option<String> {
+    let (begin, end) =
+        (format!("<!-- begin {name}: cargo xtask docs -->\n"), format!("<!-- end {name} -->"));
+    let from = page.find(&begin)? + begin.len();
+    let to = from + page[from..].find(&end)?;
+    Some(format!("{}{text}{}", &page[..from], &page[to..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_is_replaced_and_nothing_else() {
+        let page = "a\n<!-- begin x: cargo xtask docs -->\nold\n<!-- end x -->\nb\n";
+        let new = replace(page, "x", "new\n").unwrap();
+        assert_eq!(new, "a\n<!-- begin x: cargo xtask docs -->\nnew\n<!-- end x -->\nb\n");
+        assert_eq!(replace(page, "y", "new\n"), None);
+    }
+
+    /// Every relative link and picture in the documents leads to a file.
+    #[test]
+    fn links_lead_somewhere() {
+        let mut pages = vec![];
+        for folder in ["", "docs"] {
+            for entry in fs::read_dir(root().join(folder)).unwrap() {
+                let path = entry.unwrap().path();
+                if path.extension().is_some_and(|e| e == "md") {
+                    pages.push(path);
+                }
+            }
+        }
+        assert!(pages.len() >= 5, "the documents are looked for in the wrong place");
+        for page in pages {
+            let text = fs::read_to_string(&page).unwrap();
+            for rest in text.split("](").skip(1) {
+                let link = rest.split([')', '#']).next().unwrap();
+                let inside = !link.is_empty() && !link.contains("://");
+                let target = page.parent().unwrap().join(link);
+                assert!(!inside || target.exists(), "{}: no {link}", page.display());
+            }
+        }
+    }
+}
