@@ -85,7 +85,7 @@ impl Gather<'_> {
         let mut sum = [Seen::default(); LANES];
         for &[x, y] in &self.directions.0 {
             let direction = [cos * x - sin * y, sin * x + cos * y];
-            let seen = self.field.march(simd, Ray { from, cell, direction });
+            let seen = self.field.march(simd, Ray { from, cell, direction }, false);
             for (sum, seen) in sum.iter_mut().zip(&seen) {
                 sum.add(seen);
             }
@@ -119,7 +119,7 @@ impl Gather<'_> {
                 direction: std::array::from_fn(|a| cos * normal[a] + sin * tangent[a]),
             };
             let count = LANES.min((rays - first) as usize);
-            for seen in &self.field.march(simd, ray)[..count] {
+            for seen in &self.field.march(simd, ray, true)[..count] {
                 sum.add(seen);
             }
         }
