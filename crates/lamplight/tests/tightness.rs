@@ -34,6 +34,10 @@ fn world(sealed: &Sealed, size: [u32; 2], random: &mut Random) -> Cells {
     let room = sealed.room();
     let lamp = room[random.below(room.len())];
     let opacity = if random.unit() < 0.5 { 1.0 } else { 0.7 };
+    // What stands beside it sees it, whatever the rule.
+    for beside in around(size[0], size[1], lamp, Contact::Sides).filter(|&i| sealed.inside[i]) {
+        cells.set_matter(beside, Matter::EMPTY);
+    }
     cells.set_matter(lamp, Matter { emission: BRIGHT, opacity, ..Matter::EMPTY });
     cells
 }
