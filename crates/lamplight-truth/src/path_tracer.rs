@@ -16,8 +16,11 @@ const OPAQUE: f64 = 1e-10;
 const ROULETTE_AFTER: u32 = 3;
 /// Cells between two calls of `progress`, and the work handed to a thread at a time.
 const CHUNK: usize = 128;
-/// 1 ÷ the golden ratio: spreads directions evenly over the points of a face, whatever their number.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Steps of a sequence that fills a cube of any number of points evenly: g⁻¹, g⁻², g⁻³ with
+/// g⁴ = g + 1 (the R₃ sequence of Roberts 2018). Beside even first directions it spreads the next
+/// three choices of direction.
+const SPREAD: [f64; 3] =
+    [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_2];
 
 /// Unbiased paths from every cell, and nothing else: no distance field, no interpolation, no
 /// light sampling, no filter.
@@ -33,7 +36,8 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// - Two solid cells that touch by a corner let nothing through; past a single solid corner a ray
 ///   grazes.
 ///
-/// First directions are stratified and jittered. Random numbers depend on the seed, the cell and
+/// In each of 16 independent batches first directions are evenly spaced from a random start, and
+/// the directions of the next send-ons evenly spread over them. Random numbers depend on the seed, the cell and
 /// the path alone: the same seed gives the same bytes on any number of threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathTracer {
@@ -146,19 +150,25 @@ impl<'c> Tracer<'c> {
         let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
         let mut first = [0.0; 3];
         for batch in 0..BATCHES {
-            // A number that no path has: what the batch has for itself.
-            let shift = Random::new(self.seed, id, u64::MAX - u64::from(batch)).next();
+            // Keys that no path has: what the batch has for itself.
+            let mut shift = Random::new(self.seed, id, u64::MAX - u64::from(batch));
+            let start = shift.next();
+            let shift = SPREAD.map(|_| shift.next());
             let mut total = [0.0; 3];
             for path in 0..self.paths {
                 let key = u64::from(batch) * u64::from(self.paths) + u64::from(path);
-                let mut random = Random::new(self.seed, id, key);
-                let stratum = (f64::from(path) + random.next()) / f64::from(self.paths);
-                let start = if solid {
-                    self.leave_face(&faces, stratum, (f64::from(path) * GOLDEN + shift).fract())
-                } else {
-                    self.leave_centre([x, y], stratum)
+                let mut chance = Chance {
+                    spread: [0, 1, 2].map(|d| (f64::from(path) * SPREAD[d] + shift[d]).fract()),
+                    spent: 0,
+                    random: Random::new(self.seed, id, key),
                 };
-                let light = self.radiance(start, &mut random);
+                let even = (f64::from(path) + start) / f64::from(self.paths);
+                let start = if solid {
+                    self.leave_face(&faces, even, chance.direction())
+                } else {
+                    self.leave_centre([x, y], even)
+                };
+                let light = self.radiance(start, &mut chance);
                 (0..3).for_each(|c| total[c] += light[c]);
             }
             let mean = total.map(|v| v / f64::from(self.paths));
@@ -224,7 +234,7 @@ impl<'c> Tracer<'c> {
 
     /// Radiance that arrives along one path.
     #[inline]
-    fn radiance(&self, start: Walk, random: &mut Random) -> [f64; 3] {
+    fn radiance(&self, start: Walk, chance: &mut Chance) -> [f64; 3] {
         let (emission, albedo) = (self.cells.emission(), self.cells.albedo());
         let mut walk = start;
         let mut light = [0.0; 3];
@@ -244,10 +254,10 @@ impl<'c> Tracer<'c> {
                     }
                     (0..3).for_each(|c| weight[c] *= f64::from(albedo[cell][c]));
                     sent += 1;
-                    if !survives(sent, &mut weight, random) {
+                    if !survives(sent, &mut weight, &mut chance.random) {
                         return light;
                     }
-                    walk = self.leave_wall(outside, point, normal, random.next());
+                    walk = self.leave_wall(outside, point, normal, chance.direction());
                 }
                 Event::Medium(stretch) => {
                     let Stretch { cell, length, .. } = stretch;
@@ -267,18 +277,19 @@ impl<'c> Tracer<'c> {
                         });
                         let (a, b) = (scatter.iter().sum::<f64>(), go_on.iter().sum::<f64>());
                         let p = if a > 0.0 { a / (a + b) } else { 0.0 };
-                        if random.next() < p {
+                        if chance.random.next() < p {
                             let px = if stretch.side > 1 {
-                                scatter_at(extinction, absorbed, &mut scatter, random)
+                                scatter_at(extinction, absorbed, &mut scatter, &mut chance.random)
                             } else {
                                 0.0
                             };
                             weight = scatter.map(|w| w / p);
                             sent += 1;
-                            if !survives(sent, &mut weight, random) {
+                            if !survives(sent, &mut weight, &mut chance.random) {
                                 return light;
                             }
-                            walk = self.leave_centre(walk.cell_after(&stretch, px), random.next());
+                            walk = self
+                                .leave_centre(walk.cell_after(&stretch, px), chance.direction());
                             continue;
                         }
                         go_on = go_on.map(|w| w / (1.0 - p));
@@ -289,6 +300,28 @@ impl<'c> Tracer<'c> {
                     }
                 }
             }
+        }
+    }
+}
+
+/// What decides the course of a path.
+struct Chance {
+    /// For the first choices of direction, evenly spread over the paths of a batch.
+    spread: [f64; 3],
+    spent: usize,
+    random: Random,
+}
+
+impl Chance {
+    /// The next choice of direction, uniform in [0, 1).
+    #[inline]
+    fn direction(&mut self) -> f64 {
+        match self.spread.get(self.spent) {
+            Some(&u) => {
+                self.spent += 1;
+                u
+            }
+            None => self.random.next(),
         }
     }
 }

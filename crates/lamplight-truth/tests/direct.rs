@@ -14,14 +14,16 @@ const POWER: f64 = 0.02;
 fn the_comparison_rejects_what_is_two_percent_off_or_vague() {
     let cells =
         grid(64, 48, |x, y| if inside([x, y], [40, 10], [46, 20]) { GLOW } else { Matter::EMPTY });
-    let estimate = direct(40_000).at(&cells, &[[10, 30]]).unwrap()[0];
     let right = rect_fluence(1.0, centre([10, 30]), [40.0, 10.0], [46.0, 20.0]);
-    assert_eq!(judge(estimate, [right; 3], POWER), Ok(()));
+    let judge = |samples: u32, expected: [f64; 3]| {
+        let estimate = direct(samples).at(&cells, &[[10, 30]]).unwrap()[0];
+        judge(estimate, samples, expected, POWER)
+    };
+    assert_eq!(judge(40_000, [right; 3]), Ok(()));
     for wrong in [right * 1.02, right * 0.98] {
-        assert!(judge(estimate, [right, wrong, right], 0.02).unwrap_err().contains("is not"));
+        assert!(judge(40_000, [right, wrong, right]).unwrap_err().contains("is not"));
     }
-    let vague = direct(800).at(&cells, &[[10, 30]]).unwrap()[0];
-    assert!(judge(vague, [right; 3], POWER).unwrap_err().contains("vague"));
+    assert!(judge(800, [right; 3]).unwrap_err().contains("vague"));
 }
 
 #[test]

@@ -6,8 +6,9 @@ use crate::lighting::{self, ms};
 use crate::output;
 use crate::progress::Progress;
 use crate::room::room;
+use crate::stage::{Stage, View};
 use crate::table::table;
-use lamplight::{Cells, Method, Settings, SettingsTable, Solver};
+use lamplight::{Cells, Display, Method, Settings, SettingsTable, Solver};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -33,6 +34,9 @@ pub struct Args {
     /// Time this scene instead of the built-in one
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
+    /// Time making the picture too, each cell as K × K pixels: `present_ms`, beside the time to solve
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=64))]
+    scale: Option<u32>,
     /// Print one JSON object a line, one for each case
     #[arg(long)]
     json: bool,
@@ -70,7 +74,7 @@ pub fn run(args: Args) -> Outcome {
             progress.say(&format!("timing {} at {w}×{h}", method.name()));
             let mut settings = table_of_scene.clone();
             settings.set("method", method.name());
-            let times = time(cells, settings.resolve()?)?;
+            let times = time(cells, settings.resolve()?, args.scale)?;
             progress.step();
             if args.json {
                 let mut line = json!({
@@ -81,11 +85,16 @@ pub fn run(args: Args) -> Outcome {
                 if let Some(scene) = &args.scene {
                     line["scene"] = scene.display().to_string().into();
                 }
+                if let Some(present) = times.present {
+                    line["present_ms"] = ms(present).into();
+                }
                 output::print(line)?;
                 continue;
             }
             let stages = times.stages.iter().filter(|(_, time)| *time >= times.median / 100);
-            let stages: Vec<_> = stages.map(|(n, t)| format!("{n} {:.1}", ms(*t))).collect();
+            let stages = stages.map(|&(name, time)| (name, time));
+            let stages = stages.chain(times.present.map(|time| ("present", time)));
+            let stages: Vec<_> = stages.map(|(n, t)| format!("{n} {:.1}", ms(t))).collect();
             rows.push(vec![
                 method.name().to_owned(),
                 format!("{w}×{h}"),
@@ -124,6 +133,8 @@ struct Times {
     runs: usize,
     /// Median of each stage.
     stages: Vec<(&'static str, Duration)>,
+    /// Median of making the picture, where asked for.
+    present: Option<Duration>,
 }
 
 impl Times {
@@ -133,7 +144,7 @@ impl Times {
 }
 
 /// Times `solve` from cells in memory; the first frame, which makes the buffers, does not count.
-fn time(cells: &Cells, settings: Settings) -> Outcome<Times> {
+fn time(cells: &Cells, settings: Settings, scale: Option<u32>) -> Outcome<Times> {
     let mut solver = Solver::new(settings)?;
     solver.solve(cells)?;
     let mut frames: Vec<Duration> = Vec::new();
@@ -150,11 +161,22 @@ fn time(cells: &Cells, settings: Settings) -> Outcome<Times> {
             }
         }
     }
+    let mut presents = Vec::new();
+    if let Some(scale) = scale {
+        let drawn = cells.drawn();
+        let view = View::new(&drawn, Display::default(), None).lit(solver.light());
+        for _ in 0..LEAST_RUNS {
+            let present = Instant::now();
+            view.picture(Stage::Final, scale)?;
+            presents.push(present.elapsed());
+        }
+    }
     let least = frames.iter().min().copied();
     Ok(Times {
         runs: frames.len(),
         least: least.ok_or_else(|| Failure::failed("nothing was timed"))?,
         median: median(&mut frames),
+        present: scale.map(|_| median(&mut presents)),
         stages: stages.into_iter().map(|(name, mut times)| (name, median(&mut times))).collect(),
     })
 }

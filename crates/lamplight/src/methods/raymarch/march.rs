@@ -146,8 +146,9 @@ impl Field<'_> {
     }
 
     /// The march of the seeds: steps by the distance field until it falls under `hit_distance`,
-    /// which a ray from the face of a wall first has to leave. Steps longer than what is known to be
-    /// clear go from edge to edge and end at the first occupied cell, so that none is stepped over.
+    /// which a ray from the face of a wall first has to leave. Far from matter steps are as long as
+    /// is known to be clear; near it they go from edge to edge and end at the first occupied cell,
+    /// so that none is stepped over.
     fn march_to_distance(&self, ray: Ray<f32>, from_face: bool) -> Seen {
         let Ray { from: mut at, cell, direction } = ray;
         let mut cell = cell.map(|v| v as i32);
@@ -166,9 +167,11 @@ impl Field<'_> {
                 return self.touch(&mut path, [x, y], towards([x - cell[0], y - cell[1]]));
             }
             away |= !near;
-            let advance = distance.max(self.settings.least_step);
+            let least = self.settings.least_step;
+            let clear = self.distance[index] - MARGIN;
+            let advance = if clear >= least { distance.min(clear) } else { distance.max(least) };
             let to = std::array::from_fn(|a| at[a] + direction[a] * advance);
-            if advance <= self.distance[index] - MARGIN {
+            if advance <= clear {
                 cell = to.map(|v| v.floor() as i32);
             } else {
                 let (reached, entered) = self.walk(at, cell, direction, advance);
