@@ -50,15 +50,15 @@ impl Gather<'_> {
         dispatch!(self.level, simd => self.over_circle(simd, cells))
     }
 
-    /// Light that each exposed face of a wall receives; and whether anything seen changed.
-    pub fn faces(&self, wall: &Wall) -> (Faces, bool) {
+    /// Light that each exposed face of a wall receives; and whether anything it sees changed.
+    pub fn faces(&self, wall: &Wall) -> (Faces, [bool; 4]) {
         let mut received = Faces::default();
-        let mut changed = false;
+        let mut changed = [false; 4];
         for (face, exposed) in wall.exposed.into_iter().enumerate() {
             if exposed {
                 let seen = dispatch!(self.level, simd => self.over_face(simd, wall.cell, face));
                 received[face] = seen.light;
-                changed |= seen.changed;
+                changed[face] = seen.changed;
             }
         }
         (received, changed)

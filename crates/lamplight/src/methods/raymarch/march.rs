@@ -28,7 +28,7 @@ pub const OPAQUE: f32 = 1e-6;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seen {
     pub light: Rgb,
-    /// Whether it met matter that changed since the frame before.
+    /// Whether it met matter that changed since the frame before, or a surface that sees some.
     pub changed: bool,
 }
 
@@ -260,7 +260,10 @@ impl Field<'_> {
     /// At a face of a wall.
     #[inline(always)]
     fn arrive(&self, path: &mut Path, index: usize, face: usize) -> Seen {
-        let sent = self.surfaces.slot(index).map(|slot| self.surfaces.wall_sent[slot][face]);
+        let sent = self.surfaces.slot(index).map(|slot| {
+            path.seen.changed |= self.surfaces.wall_changed[slot][face];
+            self.surfaces.wall_sent[slot][face]
+        });
         self.end(path, index, sent)
     }
 
