@@ -63,7 +63,9 @@ impl Light {
         if self.rgb.is_empty() || !position.iter().all(|p| p.is_finite()) {
             return [0.0; 3];
         }
-        let [x, y] = position;
+        // Beyond the border lies the border, however far.
+        let x = position[0].clamp(0.0, self.width as f32);
+        let y = position[1].clamp(0.0, self.height as f32);
         let (max_x, max_y) = (self.width as i64 - 1, self.height as i64 - 1);
         let index = |x: i64, y: i64| {
             y.clamp(0, max_y) as usize * self.width as usize + x.clamp(0, max_x) as usize

@@ -30,6 +30,7 @@ pub struct Wall {
 /// The surfaces of a grid and the light on them.
 #[derive(Debug, Default)]
 pub struct Surfaces {
+    width: u32,
     slots: Vec<u32>,
     /// Solid cells that can be seen.
     pub walls: Vec<Wall>,
@@ -39,11 +40,14 @@ pub struct Surfaces {
     pub wall_sent: Vec<Faces>,
     /// What each cell of fog sends out beyond its emission.
     pub fog_sent: Vec<Rgb>,
+    /// Whether each face of a wall sees matter that changed since the frame before.
+    pub wall_changed: Vec<[bool; 4]>,
 }
 
 impl Surfaces {
     /// Finds the surfaces of a grid; none sends anything on yet.
     pub fn collect(&mut self, cells: &Cells) {
+        self.width = cells.width();
         self.slots.clear();
         self.slots.resize(cells.len(), NONE);
         self.walls.clear();
@@ -75,11 +79,13 @@ impl Surfaces {
         self.wall_sent.resize(self.walls.len(), Faces::default());
         self.fog_sent.clear();
         self.fog_sent.resize(self.fog.len(), Rgb::default());
+        self.wall_changed.clear();
+        self.wall_changed.resize(self.walls.len(), Default::default());
     }
 
     /// Takes what surfaces sent in the frame `before`, where the same cell was a surface then.
     pub fn take_over(&mut self, before: &Self) {
-        if before.slots.len() != self.slots.len() {
+        if (before.width, before.slots.len()) != (self.width, self.slots.len()) {
             return;
         }
         for (wall, sent) in self.walls.iter().zip(&mut self.wall_sent) {

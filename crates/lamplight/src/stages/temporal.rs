@@ -77,6 +77,10 @@ impl Temporal {
             self.age[i] = (self.age[i] + 1).min(settings.frames);
             let share = 1.0 / self.age[i] as f32;
             let mean = &mut self.mean[i];
+            if self.age[i] == 1 {
+                // Not by way of the old mean: next to a bright one, rounding would swallow it.
+                *mean = *light;
+            }
             (0..3).for_each(|c| mean[c] += (light[c] - mean[c]) * share);
             *light = *mean;
             variance[i] *= share;

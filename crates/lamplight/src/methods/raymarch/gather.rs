@@ -52,15 +52,15 @@ impl Gather<'_> {
         dispatch!(self.level, simd => self.over_circle(simd, cells))
     }
 
-    /// Light that each exposed face of a wall receives; and whether anything seen changed.
-    pub fn faces(&self, wall: &Wall) -> (Faces, bool) {
+    /// Light that each exposed face of a wall receives; and whether anything it sees changed.
+    pub fn faces(&self, wall: &Wall) -> (Faces, [bool; 4]) {
         let mut received = Faces::default();
-        let mut changed = false;
+        let mut changed = [false; 4];
         for (face, exposed) in wall.exposed.into_iter().enumerate() {
             if exposed {
                 let seen = dispatch!(self.level, simd => self.over_face(simd, wall.cell, face));
                 received[face] = seen.light;
-                changed |= seen.changed;
+                changed[face] = seen.changed;
             }
         }
         (received, changed)
@@ -87,7 +87,7 @@ impl Gather<'_> {
         let mut sums = [Sum::default(); LANES];
         for (ray, &[x, y]) in self.directions.0.iter().enumerate() {
             let direction = [cos * x - sin * y, sin * x + cos * y];
-            let seen = self.field.march(simd, Ray { from, cell, direction });
+            let seen = self.field.march(simd, Ray { from, cell, direction }, false);
             for (sum, seen) in sums.iter_mut().zip(&seen) {
                 sum.add(ray as u32, seen);
             }
@@ -121,7 +121,7 @@ impl Gather<'_> {
                 direction: std::array::from_fn(|a| cos * normal[a] + sin * tangent[a]),
             };
             let count = LANES.min((rays - first) as usize);
-            let seen = self.field.march(simd, ray);
+            let seen = self.field.march(simd, ray, true);
             for (ray, seen) in (first..).zip(&seen[..count]) {
                 sum.add(ray, seen);
             }

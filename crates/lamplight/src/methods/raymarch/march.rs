@@ -7,13 +7,14 @@
 //! there, so walls of diagonally touching cells hold light back.
 //!
 //! With `hit = "distance"` it is sphere traced (Hart 1996) through the distance field, as in the
-//! seeds.
+//! seeds. What it meets is then the face of the nearest cell that looks its way: a wall never shows
+//! the light of its other side.
 
 use super::optics::{Kind, Optics};
 use super::packet::{self, LANES, Lanes, NEVER, Ray, Why};
 use crate::Rgb;
 use crate::settings::{Hit, Raymarch};
-use crate::stages::bounce::{Surfaces, mean_over_faces};
+use crate::stages::bounce::Surfaces;
 use crate::stages::clearance::{quadrant, side};
 use crate::stages::distance::MARGIN;
 use crate::stages::seed::{NONE, unpack};
@@ -27,7 +28,7 @@ pub const OPAQUE: f32 = 1e-6;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seen {
     pub light: Rgb,
-    /// Whether it met matter that changed since the frame before.
+    /// Whether it met matter that changed since the frame before, or a surface that sees some.
     pub changed: bool,
 }
 
@@ -59,13 +60,19 @@ impl Path {
 }
 
 impl Field<'_> {
-    /// Radiance that arrives along sixteen rays that start inside the grid.
+    /// Radiance that arrives along sixteen rays that start inside the grid, at centres of cells or
+    /// `from_face`s of walls.
     #[inline(always)]
-    pub fn march<S: Simd>(&self, simd: S, rays: Ray<f32x16<S>>) -> Lanes<Seen> {
+    pub fn march<S: Simd>(&self, simd: S, rays: Ray<f32x16<S>>, from_face: bool) -> Lanes<Seen> {
         let lane = |v: [f32x16<S>; 2], l: usize| [v[0][l], v[1][l]];
         if self.settings.hit == Hit::Distance {
             return std::array::from_fn(|l| {
-                self.march_to_distance(lane(rays.from, l), lane(rays.direction, l))
+                let ray = Ray {
+                    from: lane(rays.from, l),
+                    cell: lane(rays.cell, l),
+                    direction: lane(rays.direction, l),
+                };
+                self.march_to_distance(ray, from_face)
             });
         }
         let stopped = packet::march(simd, self.optics, rays, self.settings.steps);
@@ -138,58 +145,71 @@ impl Field<'_> {
         path.seen
     }
 
-    /// The march of the seeds: steps by the distance field until it falls under `hit_distance`.
-    /// Far from matter they are as long as is known to be clear; near it they go from edge to edge
-    /// and end at the first occupied cell, so that none is stepped over.
-    fn march_to_distance(&self, from: [f32; 2], direction: [f32; 2]) -> Seen {
-        let mut at = from;
+    /// The march of the seeds: steps by the distance field until it falls under `hit_distance`,
+    /// which a ray from the face of a wall first has to leave. Far from matter steps are as long as
+    /// is known to be clear; near it they go from edge to edge and end at the first occupied cell,
+    /// so that none is stepped over.
+    fn march_to_distance(&self, ray: Ray<f32>, from_face: bool) -> Seen {
+        let Ray { from: mut at, cell, direction } = ray;
+        let mut cell = cell.map(|v| v as i32);
         let mut path = Path { seen: Seen::default(), through: [1.0; 3], travelled: 0.0 };
+        let mut away = !from_face;
         for _ in 0..self.settings.steps {
-            let cell = at.map(|v| v.floor() as i32);
             let Some(index) = self.index(cell) else { return self.leave(&mut path, direction) };
             path.seen.changed |= self.optics.sites[index].changed;
             if self.nearest[index] == NONE {
                 return self.leave(&mut path, direction);
             }
             let distance = self.distance_at(at);
-            if distance < self.settings.hit_distance {
-                return self.touch(&mut path, self.nearest[index]);
+            let near = distance < self.settings.hit_distance;
+            if away && near {
+                let [x, y] = unpack(self.nearest[index]).map(|v| v as i32);
+                return self.touch(&mut path, [x, y], towards([x - cell[0], y - cell[1]]));
             }
+            away |= !near;
             let least = self.settings.least_step;
             let clear = self.distance[index] - MARGIN;
             let advance = if clear >= least { distance.min(clear) } else { distance.max(least) };
-            if advance > clear
-                && let Some(seed) = self.first_occupied(at, cell, direction, advance)
-            {
-                return self.touch(&mut path, seed);
+            let to = std::array::from_fn(|a| at[a] + direction[a] * advance);
+            if advance <= clear {
+                cell = to.map(|v| v.floor() as i32);
+            } else {
+                let (reached, entered) = self.walk(at, cell, direction, advance);
+                if let Some(face) = entered {
+                    return self.touch(&mut path, reached, face);
+                }
+                cell = reached;
             }
             path.travelled += advance;
-            at = std::array::from_fn(|a| at[a] + direction[a] * advance);
+            at = to;
         }
         path.seen
     }
 
-    /// The first occupied cell within `reach` px, going from edge to edge.
-    fn first_occupied(
+    /// Goes `length` px from edge to edge. Returns the cell it ends in, which rounding does not
+    /// decide: `at + direction * length` may lie a hair beyond an edge or a corner. Ends early in an
+    /// occupied cell, with the face by which it is entered, or outside the grid.
+    fn walk(
         &self,
         at: [f32; 2],
         mut cell: [i32; 2],
         direction: [f32; 2],
-        reach: f32,
-    ) -> Option<u32> {
+        length: f32,
+    ) -> ([i32; 2], Option<usize>) {
         let inverse = direction.map(|d| 1.0 / if d.abs() < NEVER { NEVER } else { d });
         loop {
             let t: [f32; 2] = std::array::from_fn(|a| {
                 ((cell[a] + (direction[a] >= 0.0) as i32) as f32 - at[a]) * inverse[a]
             });
             let axis = (t[0] >= t[1]) as usize;
-            if t[axis] >= reach {
-                return None;
+            if t[axis] >= length {
+                return (cell, None);
             }
             cell[axis] += if direction[axis] < 0.0 { -1 } else { 1 };
-            let index = self.index(cell)?;
-            if self.distance[index] == 0.0 {
-                return Some(self.nearest[index]);
+            match self.index(cell) {
+                Some(index) if self.distance[index] > 0.0 => {}
+                Some(_) => return (cell, Some(face(axis, direction))),
+                None => return (cell, None),
             }
         }
     }
@@ -240,19 +260,20 @@ impl Field<'_> {
     /// At a face of a wall.
     #[inline(always)]
     fn arrive(&self, path: &mut Path, index: usize, face: usize) -> Seen {
-        let sent = self.surfaces.slot(index).map(|slot| self.surfaces.wall_sent[slot][face]);
+        let sent = self.surfaces.slot(index).map(|slot| {
+            path.seen.changed |= self.surfaces.wall_changed[slot][face];
+            self.surfaces.wall_sent[slot][face]
+        });
         self.end(path, index, sent)
     }
 
-    /// At an occupied cell, by the seeds' rule: whichever side of it.
-    fn touch(&self, path: &mut Path, seed: u32) -> Seen {
-        let [x, y] = unpack(seed);
-        let index = y as usize * self.optics.width as usize + x as usize;
-        let solid = self.optics.sites[index].kind == Kind::Solid;
-        let sent = self.surfaces.slot(index).filter(|_| solid).map(|slot| {
-            mean_over_faces(&self.surfaces.walls[slot], &self.surfaces.wall_sent[slot])
-        });
-        self.end(path, index, sent)
+    /// Near an occupied cell, by the seeds' rule, on the side of one of its faces.
+    fn touch(&self, path: &mut Path, [x, y]: [i32; 2], face: usize) -> Seen {
+        let index = (y * self.optics.width + x) as usize;
+        match self.optics.sites[index].kind {
+            Kind::Solid => self.arrive(path, index, face),
+            Kind::Clear | Kind::Medium => self.end(path, index, None),
+        }
     }
 
     #[inline(always)]
@@ -280,4 +301,10 @@ impl Field<'_> {
 #[inline(always)]
 fn face(axis: usize, direction: [f32; 2]) -> usize {
     2 * axis + (direction[axis] < 0.0) as usize
+}
+
+/// The face by which the straight line between the centres of two cells enters the second.
+fn towards(offset: [i32; 2]) -> usize {
+    let axis = (offset[0].abs() < offset[1].abs()) as usize;
+    face(axis, offset.map(|v| v as f32))
 }

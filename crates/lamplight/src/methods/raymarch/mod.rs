@@ -58,7 +58,7 @@ pub struct Raymarch {
 /// What surfaces receive in one gather.
 #[derive(Debug, Default)]
 struct Received {
-    walls: Vec<(Faces, bool)>,
+    walls: Vec<(Faces, [bool; 4])>,
     fog: Vec<Mean>,
 }
 
@@ -129,9 +129,9 @@ impl Raymarch {
             count += 1;
             *old = new;
         };
-        let Surfaces { walls, fog, wall_sent, fog_sent, .. } = &mut self.surfaces;
-        for ((wall, (faces, changed)), sent) in
-            walls.iter().zip(&self.received.walls).zip(wall_sent)
+        let Surfaces { walls, fog, wall_sent, fog_sent, wall_changed, .. } = &mut self.surfaces;
+        for (((wall, (faces, changed)), sent), wall_changed) in
+            walls.iter().zip(&self.received.walls).zip(wall_sent).zip(wall_changed)
         {
             if !wall.reflects {
                 continue;
@@ -142,12 +142,15 @@ impl Raymarch {
             {
                 (0..3).for_each(|c| update(&mut sent[c], albedo[c] * face[c]));
             }
-            self.optics.sites[wall.cell as usize].changed |= changed;
+            // Face by face: one side of a wall does not know what the other sees.
+            (0..4).for_each(|face| wall_changed[face] |= changed[face]);
         }
         for ((&i, seen), sent) in fog.iter().zip(&self.received.fog).zip(fog_sent) {
             let albedo = cells.albedo()[i as usize];
             (0..3).for_each(|c| update(&mut sent[c], albedo[c] * seen.light[c]));
-            self.optics.sites[i as usize].changed |= seen.changed;
+            if seen.changed {
+                self.optics.mark_changed(i as usize);
+            }
         }
         self.optics.light_fog(cells, &settings.raymarch, &self.surfaces);
         let mean = (sum / f64::from(count.max(1))) as f32;
@@ -195,6 +198,7 @@ impl Raymarch {
         let Some(slot) = self.surfaces.slot(i as usize) else { return Mean::default() };
         let wall = &self.surfaces.walls[slot];
         let (faces, changed) = gather.faces(wall);
+        let changed = changed.contains(&true);
         Mean { light: mean_over_faces(wall, &faces), changed, variance: 0.0 }
     }
 

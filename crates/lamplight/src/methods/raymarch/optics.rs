@@ -25,7 +25,7 @@ pub enum Kind {
 pub struct Site {
     /// What the cell is.
     pub kind: Kind,
-    /// Whether its matter changed since the frame before.
+    /// Whether its matter changed since the frame before, or, in fog, what it sees.
     pub changed: bool,
 }
 
@@ -98,6 +98,12 @@ impl Optics {
             source[i] == source[j] && log_transmittance[i] == log_transmittance[j]
         };
         clearance(self.width as u32, ground, alike, squares);
+    }
+
+    /// Has rays look at a cell of fog that sees a change; [`Self::light_fog`] has to follow.
+    pub fn mark_changed(&mut self, fog: usize) {
+        self.sites[fog].changed = true;
+        self.ground[fog] = Ground::Closed;
     }
 
     /// Sets what fog sends out: emission and what it sends on.

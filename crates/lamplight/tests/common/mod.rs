@@ -1,0 +1,177 @@
+//! Grids set by hand and by chance, and how far light is from light.
+
+// Each test program uses its own part of this.
+#![allow(dead_code)]
+
+use lamplight::{Cells, Light, Matter, Rgb, Settings, Solver};
+use std::collections::hash_map::RandomState;
+use std::hash::BuildHasher;
+
+/// A black wall.
+pub const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
+/// A black wall that glows with radiance 1.
+pub const GLOW: Matter = Matter { emission: [1.0; 3], ..WALL };
+
+/// Numbers by chance (SplitMix64), the same for the same seed.
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// From a seed that is new in each run, printed so that a failure can be repeated.
+    pub fn fresh() -> Self {
+        let seed = RandomState::new().hash_one(0);
+        println!("seed {seed}");
+        Self(seed)
+    }
+
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ z >> 31
+    }
+
+    /// In [0, 1).
+    pub fn unit(&mut self) -> f32 {
+        (self.bits() >> 40) as f32 / (1u32 << 24) as f32
+    }
+
+    /// In 0..n.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n as u64) as usize
+    }
+
+    pub fn rgb(&mut self) -> Rgb {
+        [self.unit(), self.unit(), self.unit()]
+    }
+}
+
+/// A grid in which `matter` says what each cell holds.
+pub fn grid(width: u32, height: u32, mut matter: impl FnMut(u32, u32) -> Matter) -> Cells {
+    let mut cells = Cells::new(width, height).unwrap();
+    for y in 0..height {
+        for x in 0..width {
+            cells.set(x, y, matter(x, y));
+        }
+    }
+    cells
+}
+
+/// An empty room with a wall of one kind all round.
+pub fn room(width: u32, height: u32, wall: Matter) -> Cells {
+    grid(width, height, |x, y| {
+        let edge = x == 0 || y == 0 || x == width - 1 || y == height - 1;
+        if edge { wall } else { Matter::EMPTY }
+    })
+}
+
+/// Settings that differ from the defaults in a few keys.
+pub fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
+    let mut settings = Settings::default();
+    change(&mut settings);
+    settings
+}
+
+/// The first frame of a new solver.
+pub fn solve(settings: &Settings, cells: &Cells) -> Light {
+    Solver::new(settings.clone()).unwrap().solve(cells).unwrap().clone()
+}
+
+/// Root of the mean squared difference over open cells and channels ÷ the mean of `truth` there.
+pub fn relative_rmse(light: &Light, truth: &Light) -> f64 {
+    let (mut squares, mut sum) = (0.0, 0.0);
+    let mut count = 0;
+    for i in (0..truth.pixels().len()).filter(|&i| !truth.solid()[i]) {
+        for c in 0..3 {
+            let (a, b) = (f64::from(light.pixels()[i][c]), f64::from(truth.pixels()[i][c]));
+            squares += (a - b).powi(2);
+            sum += b;
+            count += 1;
+        }
+    }
+    (squares / f64::from(count)).sqrt() / (sum / f64::from(count))
+}
+
+/// Every bit of a picture.
+pub fn bits(light: &Light) -> Vec<u32> {
+    light.pixels().as_flattened().iter().map(|v| v.to_bits()).collect()
+}
+
+/// How the wall round a blob holds together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contact {
+    /// Each cell of the wall touches the next by a side.
+    Sides,
+    /// By a side or by a corner only.
+    Corners,
+}
+
+/// A room of random shape, closed by a wall one cell thick, in the middle of nowhere.
+pub struct Sealed {
+    pub width: u32,
+    /// Cells of the room, joined by their sides.
+    pub inside: Vec<bool>,
+    /// Cells of the wall round it; the border of the grid closes it too.
+    pub wall: Vec<bool>,
+}
+
+impl Sealed {
+    /// A room of `size` cells or as many as there are.
+    pub fn new(
+        random: &mut Random,
+        [width, height]: [u32; 2],
+        size: usize,
+        contact: Contact,
+    ) -> Self {
+        let n = (width * height) as usize;
+        let mut inside = vec![false; n];
+        let mut front = vec![random.below(n)];
+        let mut left = size.min(n);
+        while left > 0 {
+            let cell = front.swap_remove(random.below(front.len()));
+            if !inside[cell] {
+                inside[cell] = true;
+                left -= 1;
+                front.extend(around(width, height, cell, Contact::Sides).filter(|&i| !inside[i]));
+            }
+        }
+        // A wall that holds by its sides also needs the cells across the room's corners.
+        let reach = match contact {
+            Contact::Sides => Contact::Corners,
+            Contact::Corners => Contact::Sides,
+        };
+        let touches = |i| around(width, height, i, reach).any(|j| inside[j]);
+        let wall = (0..n).map(|i| !inside[i] && touches(i)).collect();
+        Self { width, inside, wall }
+    }
+
+    /// Indices of the cells of the room.
+    pub fn room(&self) -> Vec<usize> {
+        (0..self.inside.len()).filter(|&i| self.inside[i]).collect()
+    }
+
+    pub fn is_outside(&self, i: usize) -> bool {
+        !self.inside[i] && !self.wall[i]
+    }
+}
+
+/// Neighbours of a cell by its sides, or by sides and corners.
+pub fn around(
+    width: u32,
+    height: u32,
+    cell: usize,
+    contact: Contact,
+) -> impl Iterator<Item = usize> {
+    let (w, h) = (width as i64, height as i64);
+    let (x, y) = (cell as i64 % w, cell as i64 / w);
+    (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (dx, dy))).filter_map(move |(dx, dy)| {
+        let steps = i64::abs(dx) + i64::abs(dy);
+        let near = steps == 1 || steps == 2 && contact == Contact::Corners;
+        let (x, y) = (x + dx, y + dy);
+        let inside = (0..w).contains(&x) && (0..h).contains(&y);
+        (near && inside).then_some((y * w + x) as usize)
+    })
+}
