@@ -4,6 +4,7 @@ use crate::methods::raymarch::{Input, Raymarch};
 use crate::settings::{BounceBy, Bounces, Hit, Method};
 use crate::stages::denoise::Denoise;
 use crate::stages::temporal::Temporal;
+use crate::stages::traced::Traced;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::{Cells, Light, Result, Settings};
@@ -18,7 +19,7 @@ pub struct Solver {
     cells: Cells,
     fields: Fields,
     raymarch: Raymarch,
-    stale: Vec<bool>,
+    traced: Traced,
     temporal: Temporal,
     denoise: Denoise,
     walls: Walls,
@@ -60,7 +61,7 @@ impl Solver {
             cells: Cells::new(1, 1)?,
             fields: Fields::default(),
             raymarch: Raymarch::default(),
-            stale: Vec::new(),
+            traced: Traced::default(),
             temporal: Temporal::default(),
             denoise: Denoise::default(),
             walls: Walls::default(),
@@ -112,20 +113,21 @@ impl Solver {
             changed,
             frame: self.frame,
         };
-        self.raymarch.solve(input, settings, &mut self.light.rgb, &mut self.stale);
+        self.raymarch.solve(input, settings, &mut self.traced);
         self.clock.lap("raymarch");
 
         if accumulates {
             let feedback = settings.bounces != Bounces::Count(0)
                 && settings.raymarch.bounce == BounceBy::Feedback;
-            let (width, light) = (self.cells.width(), &mut self.light.rgb);
-            self.temporal.accumulate(&settings.temporal, width, feedback, &self.stale, light);
+            let width = self.cells.width();
+            self.temporal.accumulate(&settings.temporal, width, feedback, &mut self.traced);
             self.clock.lap("temporal");
         }
         if settings.denoise.passes > 0 {
-            self.denoise.denoise(&settings.denoise, &self.cells, &mut self.light.rgb);
+            self.denoise.denoise(&settings.denoise, &self.cells, &mut self.traced);
             self.clock.lap("denoise");
         }
+        self.light.rgb.clone_from(&self.traced.light);
     }
 
     /// Seed map, jump flood, distance field.

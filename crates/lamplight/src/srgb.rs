@@ -2,6 +2,7 @@
 //!
 //! Decoded once on the way in, encoded once on the way out; all maths between is linear.
 
+use crate::Rgb;
 use std::sync::LazyLock;
 
 /// Linear value of an sRGB-encoded one, both 0 to 1; values beyond 1 continue on the curve,
@@ -25,6 +26,12 @@ pub fn decode_u8(encoded: u8) -> f32 {
 /// 8-bit sRGB value of a linear one; what lies outside 0 to 1 is cut off.
 pub fn encode_u8(linear: f32) -> u8 {
     (encode(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
+}
+
+/// Relative luminance of linear RGB (Rec. 709).
+#[inline(always)]
+pub fn luminance([r, g, b]: Rgb) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 #[cfg(test)]

@@ -71,7 +71,7 @@ fn scene_file() -> String {
         }
         let i = discs.len();
         discs.push((x, y, r));
-        let look = if i % 4 == 0 {
+        let look = if i.is_multiple_of(4) {
             let [r8, g8, b8] = GLOW[i / 4 % GLOW.len()].map(|c| c * (0.5 + 3.2 / r));
             format!("emission = [{r8:.2}, {g8:.2}, {b8:.2}]")
         } else {

@@ -88,7 +88,7 @@ fn window(canvas: &mut Canvas, x: i32, y: i32, luck: f32, frame: Color) {
         for dx in 0..6 {
             let paint = match pane {
                 Some((color, glow)) => {
-                    let curtain = if dx < 1 || dx > 4 { 0.55 } else { 1.0 };
+                    let curtain = if !(1..=4).contains(&dx) { 0.55 } else { 1.0 };
                     Paint { opacity: 26, ..Paint::open(color).glow(scale(glow, curtain)) }
                 }
                 None => Paint::open(if dx + dy == 5 || dx + dy == 6 {

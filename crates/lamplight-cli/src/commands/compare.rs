@@ -21,7 +21,7 @@ pub struct Args {
           value_parser = by_name(Method::ALL, Method::name))]
     methods: Vec<Method>,
     /// Paths a pixel of the reference
-    #[arg(long, value_name = "N", default_value_t = 1024,
+    #[arg(long, value_name = "N", default_value_t = 4096,
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     samples: u32,
     /// Write a page with pictures, error maps and a plot into this directory

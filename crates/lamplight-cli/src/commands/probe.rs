@@ -5,7 +5,8 @@ use crate::failure::{Failure, Outcome};
 use crate::lighting;
 use crate::output;
 use crate::table::{number, table};
-use lamplight::{Cells, Rgb};
+use lamplight::Cells;
+use lamplight::srgb::luminance;
 use serde_json::json;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -51,11 +52,6 @@ impl Point {
         Err(Failure::bad_input(format_args!("the point {x},{y} lies outside the {w}×{h} scene"))
             .hint(format_args!("x runs from 0 to {w}, y from 0 to {h}")))
     }
-}
-
-/// Luminance of linear sRGB (Rec. 709).
-fn luminance(rgb: Rgb) -> f32 {
-    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
 pub fn run(args: Args) -> Outcome {

@@ -187,6 +187,6 @@ impl Channels for Rgb {
 }
 
 /// One value for three (the luma of Rec. 709), which leaves grey as it is.
-fn grey([r, g, b]: Rgb) -> f32 {
-    if r == g && g == b { r } else { 0.2126 * r + 0.7152 * g + 0.0722 * b }
+fn grey(rgb: Rgb) -> f32 {
+    if rgb == [rgb[0]; 3] { rgb[0] } else { crate::srgb::luminance(rgb) }
 }

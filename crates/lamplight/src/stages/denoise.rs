@@ -1,27 +1,27 @@
 //! Edge-aware blur: the à-trous wavelet transform (Dammertz et al. 2010), with the range of light
-//! taken from its own variance (Schied et al. 2017).
+//! taken from the variance of its noise (Schied et al. 2017).
 //!
 //! Each pass blurs with a 5×5 B-spline kernel whose taps lie twice as far apart as before. A tap
-//! counts by `exp(−|ΔL| / (4·strength·σ))`, with σ the deviation of the noise, the smaller of here
-//! and there, and by `exp(−8·|Δα|)` for opacity; and not at all where the straight line to it meets a
-//! solid cell. That is read off clear squares ([`super::clearance`]) or, near walls, walked cell by
-//! cell, so light never leaks through a wall however thin. Solid cells keep their light.
+//! counts by `exp(−|ΔL| / (2·strength·σ))`, with σ the standard deviation of the noise there, and by
+//! `exp(−8·|Δα|)` for opacity; and not at all where the straight line to it meets a solid cell. That
+//! is read off clear squares ([`super::clearance`]) or, near walls, walked cell by cell, so light
+//! never leaks through a wall however thin. Solid cells keep their light.
 //!
-//! σ is read off the picture: how far light is from a straight line through opposite neighbours, in
-//! the direction where it is nearest. The plain variance of a neighbourhood would take the slope
-//! towards a lamp and the edge of a shadow for noise and blur them away.
+//! The method says how noisy each cell is, from two halves of its rays, so that real gradients and
+//! edges are not taken for noise: light without noise stays as it is.
 
 use super::clearance::{Ground, clearance, quadrant, side};
+use super::traced::Traced;
 use crate::settings;
+use crate::srgb::luminance;
 use crate::{Cells, Rgb};
 use rayon::prelude::*;
 
 /// B-spline weights by distance in taps.
 const KERNEL: [f32; 3] = [3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0];
-/// Differences in light count against this many standard deviations of the noise (Schied et al.).
-const DEVIATIONS: f32 = 4.0;
-/// Mean of [`View::unevenness`] for independent normal noise of deviation 1, by simulation.
-const UNEVENNESS: f32 = 0.884;
+/// Differences in light count against this many standard deviations of the noise: of 1 to 4 the one
+/// with the least error over the example scenes.
+const DEVIATIONS: f32 = 2.0;
 /// How fast a difference in opacity ends the blur.
 const OPACITY: f32 = 8.0;
 
@@ -42,15 +42,16 @@ struct Noisy {
 }
 
 impl Denoise {
-    /// Blurs `light` of open cells in place.
-    pub fn denoise(&mut self, settings: &settings::Denoise, cells: &Cells, light: &mut [Rgb]) {
+    /// Blurs the light of open cells in place.
+    pub fn denoise(&mut self, settings: &settings::Denoise, cells: &Cells, traced: &mut Traced) {
+        let Traced { light, variance, .. } = traced;
         let ground = |i| if cells.is_solid(i) { Ground::Closed } else { Ground::Clear };
         self.ground.clear();
         self.ground.extend((0..cells.len()).map(ground));
         clearance(cells.width(), &self.ground, |_, _| false, &mut self.squares);
         self.noisy.resize(light.len(), Noisy::default());
         self.blurred.resize(light.len(), Noisy::default());
-        self.estimate(cells, light);
+        self.estimate(cells, variance, light);
         for pass in 0..settings.passes {
             self.pass(settings, cells, 1 << pass);
             std::mem::swap(&mut self.noisy, &mut self.blurred);
@@ -58,28 +59,20 @@ impl Denoise {
         light.iter_mut().zip(&self.noisy).for_each(|(light, noisy)| *light = noisy.light);
     }
 
-    /// Variance of the noise: how uneven light is, over the 5×5 cells that a cell sees.
-    fn estimate(&mut self, cells: &Cells, light: &[Rgb]) {
-        let (mut noisy, mut uneven) =
-            (std::mem::take(&mut self.noisy), std::mem::take(&mut self.blurred));
+    /// Smooths the variance, itself an estimate from few rays, over the cells that a cell sees.
+    fn estimate(&mut self, cells: &Cells, variance: &[f32], light: &[Rgb]) {
+        let mut noisy = std::mem::take(&mut self.noisy);
         let view = self.view(cells);
-        // The other buffer holds the unevenness meanwhile.
-        uneven.par_iter_mut().enumerate().for_each(|(i, uneven)| {
-            uneven.variance = view.unevenness(i, light);
-        });
         noisy.par_iter_mut().enumerate().for_each(|(i, noisy)| {
-            let (mut sum, mut count) = (0.0, 0.0);
+            let (mut sum, mut weight) = (0.0, f32::MIN_POSITIVE);
             if self.ground[i] == Ground::Clear {
                 view.taps(i, 1, |j, kernel| {
-                    if uneven[j].variance.is_finite() {
-                        (sum, count) = (sum + kernel * uneven[j].variance, count + kernel);
-                    }
+                    (sum, weight) = (sum + kernel * variance[j], weight + kernel);
                 });
             }
-            let deviation = if count > 0.0 { sum / count / UNEVENNESS } else { 0.0 };
-            *noisy = Noisy { light: light[i], variance: deviation * deviation };
+            *noisy = Noisy { light: light[i], variance: sum / weight };
         });
-        (self.noisy, self.blurred) = (noisy, uneven);
+        self.noisy = noisy;
     }
 
     fn pass(&mut self, settings: &settings::Denoise, cells: &Cells, spread: i32) {
@@ -92,13 +85,11 @@ impl Denoise {
                 return;
             }
             let l = luminance(here.light);
-            let range = DEVIATIONS * settings.strength;
+            let range = DEVIATIONS * settings.strength * here.variance.sqrt() + f32::MIN_POSITIVE;
             let (mut light, mut variance, mut weight) = ([0.0f32; 3], 0.0f32, 0.0f32);
             view.taps(i, spread, |j, kernel| {
                 let there = self.noisy[j];
-                let noise = here.variance.min(there.variance).sqrt();
-                let difference = (luminance(there.light) - l).abs()
-                    / (range * noise + f32::MIN_POSITIVE)
+                let difference = (luminance(there.light) - l).abs() / range
                     + OPACITY * (cells.opacity()[j] - cells.opacity()[i]).abs();
                 let w = kernel * (-difference).exp();
                 (0..3).for_each(|c| light[c] += w * there.light[c]);
@@ -144,25 +135,6 @@ impl View<'_> {
         }
     }
 
-    /// Twice the distance of a cell's luminance from the mean of two opposite neighbours, in the
-    /// direction where it is least: nothing on a slope, and next to nothing at the edge of
-    /// a shadow, as one direction runs along it. Infinite where no two neighbours are seen.
-    fn unevenness(&self, i: usize, light: &[Rgb]) -> f32 {
-        let [w, h] = self.size;
-        let (x, y) = (i as i32 % w, i as i32 / w);
-        let inner = x > 0 && x < w - 1;
-        let mut least = f32::INFINITY;
-        for [dx, dy] in [[1, 0], [0, 1], [1, 1], [1, -1]] {
-            let fits = (dx == 0 || inner) && (dy == 0 || (y > 0 && y < h - 1));
-            if fits && self.sees([x, y], [dx, dy]) && self.sees([x, y], [-dx, -dy]) {
-                let step = (dy * w + dx) as isize;
-                let at = |step: isize| luminance(light[i.wrapping_add_signed(step)]);
-                least = least.min((at(step) + at(-step) - 2.0 * at(0)).abs());
-            }
-        }
-        least
-    }
-
     /// Whether the line between the centres of two cells meets no solid cell.
     fn sees(&self, from: [i32; 2], offset: [i32; 2]) -> bool {
         let length = offset[0].abs().max(offset[1].abs());
@@ -194,9 +166,4 @@ impl View<'_> {
         }
         true
     }
-}
-
-/// Relative luminance (Rec. 709).
-fn luminance(rgb: Rgb) -> f32 {
-    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }

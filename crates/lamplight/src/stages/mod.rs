@@ -9,5 +9,6 @@ pub mod jump_flood;
 pub mod noise;
 pub mod seed;
 pub mod temporal;
+pub mod traced;
 pub mod transmittance;
 pub mod walls;

@@ -9,6 +9,7 @@
 //! that cannot see it keep their history. Rays are few and may miss a small lamp, so what one cell
 //! sees counts for all within [`REACH`] px.
 
+use super::traced::Traced;
 use crate::settings;
 use crate::{Cells, Rgb};
 
@@ -49,15 +50,15 @@ impl Temporal {
         &self.changed
     }
 
-    /// Replaces `light` by its mean over frames; `stale` says which cells saw a change.
+    /// Replaces the light by its mean over frames, and the variance by that of the mean.
     pub fn accumulate(
         &mut self,
         settings: &settings::Temporal,
         width: u32,
         feedback: bool,
-        stale: &[bool],
-        light: &mut [Rgb],
+        traced: &mut Traced,
     ) {
+        let Traced { light, variance, stale } = traced;
         if self.age.len() != light.len() {
             self.age.clear();
             self.mean.resize(light.len(), Rgb::default());
@@ -82,6 +83,7 @@ impl Temporal {
             }
             (0..3).for_each(|c| mean[c] += (light[c] - mean[c]) * share);
             *light = *mean;
+            variance[i] *= share;
         }
     }
 

@@ -2,7 +2,9 @@
 
 use super::march::{Field, Seen};
 use super::packet::{LANES, Lanes, Ray};
+use crate::Rgb;
 use crate::settings::{Raymarch, Spacing};
+use crate::srgb::luminance;
 use crate::stages::bounce::{Faces, NORMALS, Wall};
 use crate::stages::noise;
 use fearless_simd::{Level, dispatch, f32x16, prelude::*};
@@ -46,7 +48,7 @@ impl Gather<'_> {
     /// Fluence at the centres of up to sixteen cells, the mean radiance over all directions; cells
     /// that lie side by side are faster.
     #[inline]
-    pub fn fluence(&self, cells: &[u32]) -> Lanes<Seen> {
+    pub fn fluence(&self, cells: &[u32]) -> Lanes<Mean> {
         dispatch!(self.level, simd => self.over_circle(simd, cells))
     }
 
@@ -65,7 +67,7 @@ impl Gather<'_> {
     }
 
     #[inline(always)]
-    fn over_circle<S: Simd>(&self, simd: S, cells: &[u32]) -> Lanes<Seen> {
+    fn over_circle<S: Simd>(&self, simd: S, cells: &[u32]) -> Lanes<Mean> {
         let settings = self.field.settings;
         let place = |l: usize| self.place(cells[l.min(cells.len() - 1)]);
         let corner = |a: usize| f32x16::from_fn(simd, |l| place(l)[a] as f32);
@@ -82,21 +84,21 @@ impl Gather<'_> {
         let cos = f32x16::from_fn(simd, |l| turn[l].cos());
         let sin = f32x16::from_fn(simd, |l| turn[l].sin());
         let from = cell.map(|c| c + 0.5);
-        let mut sum = [Seen::default(); LANES];
-        for &[x, y] in &self.directions.0 {
+        let mut sums = [Sum::default(); LANES];
+        for (ray, &[x, y]) in self.directions.0.iter().enumerate() {
             let direction = [cos * x - sin * y, sin * x + cos * y];
             let seen = self.field.march(simd, Ray { from, cell, direction }, false);
-            for (sum, seen) in sum.iter_mut().zip(&seen) {
-                sum.add(seen);
+            for (sum, seen) in sums.iter_mut().zip(&seen) {
+                sum.add(ray as u32, seen);
             }
         }
-        sum.map(|sum| sum.over(settings.rays))
+        sums.map(|sum| sum.mean(settings.rays))
     }
 
     /// `B = ½∫L cosθ dθ` on a face: the mean over rays that start evenly along the face and leave
     /// with a density of ½cosθ.
     #[inline(always)]
-    fn over_face<S: Simd>(&self, simd: S, cell: u32, face: usize) -> Seen {
+    fn over_face<S: Simd>(&self, simd: S, cell: u32, face: usize) -> Mean {
         let rays = self.field.settings.rays;
         let [x, y] = self.place(cell);
         let turn = self.start(x, y);
@@ -107,7 +109,7 @@ impl Gather<'_> {
         let center = [x as f32 + 0.5 + 0.5 * normal[0], y as f32 + 0.5 + 0.5 * normal[1]];
         let open = [x as f32 + normal[0], y as f32 + normal[1]].map(|c| f32x16::splat(simd, c));
         let lane = f32x16::from_fn(simd, |l| l as f32);
-        let mut sum = Seen::default();
+        let mut sum = Sum::default();
         for first in (0..rays).step_by(LANES) {
             let i = (lane + first as f32).min((rays - 1) as f32);
             let sin = (i + turn) * (2.0 / rays as f32) - 1.0;
@@ -119,11 +121,12 @@ impl Gather<'_> {
                 direction: std::array::from_fn(|a| cos * normal[a] + sin * tangent[a]),
             };
             let count = LANES.min((rays - first) as usize);
-            for seen in &self.field.march(simd, ray, true)[..count] {
-                sum.add(seen);
+            let seen = self.field.march(simd, ray, true);
+            for (ray, seen) in (first..).zip(&seen[..count]) {
+                sum.add(ray, seen);
             }
         }
-        sum.over(rays)
+        sum.mean(rays)
     }
 
     #[inline(always)]
@@ -138,15 +141,42 @@ impl Gather<'_> {
     }
 }
 
-impl Seen {
+/// The mean over rays.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mean {
+    pub light: Rgb,
+    /// Variance of the luminance's noise: `((A − B)/2)²`, with A and B the means over every other
+    /// ray.
+    pub variance: f32,
+    /// Whether any ray met matter that changed since the frame before.
+    pub changed: bool,
+}
+
+/// Rays added up.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    light: Rgb,
+    /// Luminance of even rays less that of odd ones.
+    alternating: f32,
+    changed: bool,
+}
+
+impl Sum {
     #[inline(always)]
-    fn add(&mut self, other: &Self) {
-        (0..3).for_each(|c| self.light[c] += other.light[c]);
-        self.changed |= other.changed;
+    fn add(&mut self, ray: u32, seen: &Seen) {
+        (0..3).for_each(|c| self.light[c] += seen.light[c]);
+        let sign = if ray.is_multiple_of(2) { 1.0 } else { -1.0 };
+        self.alternating += sign * luminance(seen.light);
+        self.changed |= seen.changed;
     }
 
     #[inline(always)]
-    fn over(self, rays: u32) -> Self {
-        Self { light: self.light.map(|v| v / rays as f32), ..self }
+    fn mean(self, rays: u32) -> Mean {
+        let share = 1.0 / rays as f32;
+        Mean {
+            light: self.light.map(|v| v * share),
+            variance: (self.alternating * share).powi(2),
+            changed: self.changed,
+        }
     }
 }

@@ -16,12 +16,13 @@ mod march;
 mod optics;
 mod packet;
 
+use crate::Cells;
 use crate::settings::{BounceBy, Bounces, Hit, Settings};
 use crate::stages::bounce::{Faces, Surfaces, mean_over_faces};
-use crate::{Cells, Rgb};
+use crate::stages::traced::Traced;
 use fearless_simd::Level;
-use gather::{Directions, Gather};
-use march::{Field, Seen};
+use gather::{Directions, Gather, Mean};
+use march::Field;
 use optics::Optics;
 use packet::LANES;
 use rayon::prelude::*;
@@ -58,19 +59,12 @@ pub struct Raymarch {
 #[derive(Debug, Default)]
 struct Received {
     walls: Vec<(Faces, [bool; 4])>,
-    fog: Vec<Seen>,
+    fog: Vec<Mean>,
 }
 
 impl Raymarch {
-    /// Fills `light` (mean over the faces in walls, 0 inside them) and `stale`: whether what a cell
-    /// sees changed since the frame before.
-    pub fn solve(
-        &mut self,
-        input: Input,
-        settings: &Settings,
-        light: &mut Vec<Rgb>,
-        stale: &mut Vec<bool>,
-    ) {
+    /// Solves one frame into `traced`.
+    pub fn solve(&mut self, input: Input, settings: &Settings, traced: &mut Traced) {
         let Input { cells, changed, .. } = input;
         self.directions.prepare(&settings.raymarch);
         self.optics.prepare(cells, &settings.raymarch, changed);
@@ -79,10 +73,10 @@ impl Raymarch {
         if settings.bounces != Bounces::Count(0) && self.surfaces.reflect() {
             self.bounce(input, settings);
         }
-        self.gather(input, settings, light, stale);
+        self.gather(input, settings, traced);
         // Leaps by the distance field pass over cells that changed and are empty now.
         if settings.raymarch.hit == Hit::Distance && changed.contains(&true) {
-            stale.fill(true);
+            traced.stale.fill(true);
         }
     }
 
@@ -164,50 +158,48 @@ impl Raymarch {
     }
 
     /// The last gather: what every cell receives.
-    fn gather(
-        &self,
-        input: Input,
-        settings: &Settings,
-        light: &mut Vec<Rgb>,
-        stale: &mut Vec<bool>,
-    ) {
+    fn gather(&self, input: Input, settings: &Settings, traced: &mut Traced) {
         let gather = self.gatherer(input, settings);
         let w = input.cells.width() as usize;
-        light.resize(input.cells.len(), Rgb::default());
-        stale.resize(input.cells.len(), false);
-        light.par_chunks_mut(w).zip(stale.par_chunks_mut(w)).enumerate().for_each(
-            |(y, (light, stale))| {
-                let mut put = |i: u32, seen: Seen| {
-                    let x = i as usize - y * w;
-                    (light[x], stale[x]) = (seen.light, seen.changed);
-                };
-                let (mut open, mut count) = ([0; LANES], 0);
-                for i in (y * w) as u32..((y + 1) * w) as u32 {
-                    if input.cells.is_solid(i as usize) {
-                        put(i, self.on_wall(&gather, i));
-                        continue;
-                    }
-                    open[count] = i;
-                    count += 1;
-                    if count == LANES {
-                        gather.fluence(&open).into_iter().zip(open).for_each(|(s, i)| put(i, s));
-                        count = 0;
-                    }
+        traced.resize(input.cells.len());
+        let Traced { light, variance, stale } = traced;
+        let rows = light
+            .par_chunks_mut(w)
+            .zip(stale.par_chunks_mut(w))
+            .zip(variance.par_chunks_mut(w))
+            .enumerate();
+        rows.for_each(|(y, ((light, stale), variance))| {
+            let mut put = |i: u32, mean: Mean| {
+                let x = i as usize - y * w;
+                (light[x], stale[x], variance[x]) = (mean.light, mean.changed, mean.variance);
+            };
+            let (mut open, mut count) = ([0; LANES], 0);
+            for i in (y * w) as u32..((y + 1) * w) as u32 {
+                if input.cells.is_solid(i as usize) {
+                    put(i, self.on_wall(&gather, i));
+                    continue;
                 }
-                if count > 0 {
-                    let seen = gather.fluence(&open[..count]);
-                    seen.into_iter().zip(&open[..count]).for_each(|(s, &i)| put(i, s));
+                open[count] = i;
+                count += 1;
+                if count == LANES {
+                    gather.fluence(&open).into_iter().zip(open).for_each(|(s, i)| put(i, s));
+                    count = 0;
                 }
-            },
-        );
+            }
+            if count > 0 {
+                let seen = gather.fluence(&open[..count]);
+                seen.into_iter().zip(&open[..count]).for_each(|(s, &i)| put(i, s));
+            }
+        });
     }
 
     /// What a solid cell receives: the mean over its exposed faces, nothing inside a wall.
-    fn on_wall(&self, gather: &Gather, i: u32) -> Seen {
-        let Some(slot) = self.surfaces.slot(i as usize) else { return Seen::default() };
+    fn on_wall(&self, gather: &Gather, i: u32) -> Mean {
+        let Some(slot) = self.surfaces.slot(i as usize) else { return Mean::default() };
         let wall = &self.surfaces.walls[slot];
         let (faces, changed) = gather.faces(wall);
-        Seen { light: mean_over_faces(wall, &faces), changed: changed.contains(&true) }
+        let changed = changed.contains(&true);
+        Mean { light: mean_over_faces(wall, &faces), changed, variance: 0.0 }
     }
 
     fn gatherer<'a>(&'a self, input: Input<'a>, settings: &'a Settings) -> Gather<'a> {
