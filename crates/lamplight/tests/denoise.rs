@@ -1,0 +1,153 @@
+//! The blur takes noise away, and nothing else.
+
+mod common;
+
+use common::*;
+use lamplight::settings;
+use lamplight::stages::denoise::Denoise;
+use lamplight::{Cells, Lamp, Light, Matter, Rgb, Sky};
+
+/// The most error that the blur may leave of a frame of 32 rays: it takes off at least a third.
+const LEFT_OF_NOISE: f64 = 0.67;
+/// The most that it may change a picture without noise: relative RMSE, nearly all of it in the few px
+/// round a lamp, where light is no straight line; and in the median cell.
+const CHANGED: f64 = 0.1;
+const CHANGED_MEDIAN: f64 = 0.01;
+/// Weights that sum to 1 in f32, over five passes.
+const ROUNDING: f32 = 1e-5;
+
+fn blurred(cells: &Cells, light: &[Rgb], passes: u32) -> Vec<Rgb> {
+    let mut light = light.to_vec();
+    let settings = settings::Denoise { passes, ..Default::default() };
+    Denoise::default().denoise(&settings, cells, &mut light);
+    light
+}
+
+/// A hall with pillars, a lamp and a dim sky seen through a window.
+fn hall() -> Cells {
+    let mut cells = grid(80, 50, |x, y| {
+        let window = y == 0 && (50..60).contains(&x);
+        let edge = (x == 0 || y == 0 || x == 79 || y == 49) && !window;
+        let pillar = x % 17 < 3 && y % 15 < 3;
+        if edge || pillar { WALL } else { Matter::EMPTY }
+    });
+    cells.lamps_mut().push(Lamp {
+        position: [24.0, 24.0],
+        size: 3.0,
+        intensity: 5.0,
+        ..Lamp::default()
+    });
+    cells.set_sky(Sky::Uniform([0.3, 0.4, 0.6]));
+    cells
+}
+
+#[test]
+fn noise_falls_and_what_is_no_noise_stays() {
+    let cells = hall();
+    let truth = solve(&settings(|s| (s.raymarch.rays, s.seed) = (4096, 9)), &cells);
+    let noisy = solve(&settings(|_| ()), &cells);
+    let before = relative_rmse(&noisy, &truth);
+    let clean = |passes| {
+        let light = solve(&settings(|s| s.denoise.passes = passes), &cells);
+        relative_rmse(&light, &truth)
+    };
+    let after = [1, 3, 5].map(clean);
+    let percent = after.map(|e| format!("{:.2} %", 100.0 * e));
+    println!("32 rays: {:.2} %; after 1, 3 and 5 passes {percent:?}", 100.0 * before);
+    assert!(after.iter().all(|&e| e < LEFT_OF_NOISE * before), "{before} to {after:?}");
+
+    let drawn = cells.drawn();
+    let smooth = Light::from_pixels(&drawn, blurred(&drawn, truth.pixels(), 5)).unwrap();
+    let change = relative_rmse(&smooth, &truth);
+    let mut changes: Vec<f32> = (0..drawn.len())
+        .filter(|&i| !drawn.is_solid(i))
+        .map(|i| (smooth.pixels()[i][0] / truth.pixels()[i][0] - 1.0).abs())
+        .collect();
+    changes.sort_by(f32::total_cmp);
+    let median = f64::from(changes[changes.len() / 2]);
+    println!(
+        "a picture of 4096 rays changes by {:.2} % (RMSE), {:.2} % in the median",
+        100.0 * change,
+        100.0 * median
+    );
+    assert!(change < CHANGED && median < CHANGED_MEDIAN, "{change}, {median}");
+}
+
+#[test]
+fn a_uniform_picture_does_not_change() {
+    let cells = hall();
+    let light = vec![[0.25, 3.0, 1e4]; cells.len()];
+    for (after, before) in blurred(&cells, &light, 6).iter().zip(&light) {
+        for c in 0..3 {
+            assert!((after[c] / before[c] - 1.0).abs() < ROUNDING, "{after:?}");
+        }
+    }
+}
+
+#[test]
+fn nothing_crosses_a_wall() {
+    let random = &mut Random::fresh();
+    for round in 0..60 {
+        let contact = if round % 2 == 0 { Contact::Sides } else { Contact::Corners };
+        let size = [2 + random.below(60) as u32, 2 + random.below(40) as u32];
+        let count = 1 + random.below((size[0] * size[1]) as usize / 2);
+        let sealed = Sealed::new(random, size, count, contact);
+        let cells = grid(size[0], size[1], |x, y| {
+            let i = (y * size[0] + x) as usize;
+            if sealed.wall[i] { WALL } else { Matter::EMPTY }
+        });
+        let inside = |i: usize| if sealed.inside[i] { [1e6 * random.unit(); 3] } else { [0.0; 3] };
+        let light: Vec<Rgb> = (0..cells.len()).map(inside).collect();
+        let after = blurred(&cells, &light, 6);
+        for i in 0..cells.len() {
+            let changed = after[i] != light[i];
+            assert!(sealed.inside[i] || !changed, "{contact:?}, {size:?}: cell {i}");
+        }
+    }
+}
+
+#[test]
+fn the_same_light_crosses_where_no_wall_is() {
+    let noise = &mut Random::new(1);
+    let cells = Cells::new(20, 20).unwrap();
+    let left = |i: usize| if i % 20 < 10 { [noise.unit() + 1.0; 3] } else { [0.0; 3] };
+    let light: Vec<Rgb> = (0..400).map(left).collect();
+    assert!(blurred(&cells, &light, 1)[10][0] > 0.0);
+}
+
+#[test]
+fn edges_of_opacity_stay() {
+    // Fog on the right glows, with the same noise on both sides.
+    let scene = |opacity: f32| {
+        grid(40, 30, |x, _| {
+            let opacity = if x < 20 { 0.0 } else { opacity };
+            Matter { opacity, ..Matter::EMPTY }
+        })
+    };
+    let noise = &mut Random::new(2);
+    let light: Vec<Rgb> =
+        (0..1200).map(|i| [noise.unit() * 0.5 + if i % 40 < 20 { 1.0 } else { 2.0 }; 3]).collect();
+    let step = |light: &[Rgb]| {
+        let column = |x: usize| (0..30).map(|y| light[y * 40 + x][0]).sum::<f32>() / 30.0;
+        column(20) - column(19)
+    };
+    let (kept, lost) =
+        (step(&blurred(&scene(0.9), &light, 5)), step(&blurred(&scene(0.0), &light, 5)));
+    println!("a step of 1 is {kept:.3} with an edge of opacity, {lost:.3} without");
+    // Opacity that differs by 0.9 leaves e^(−8·0.9) = 0.0007 of the weight.
+    assert!((kept - 1.0).abs() < 0.1, "{kept}");
+    assert!(lost < 0.8, "the step is lost without the edge: {lost}");
+}
+
+#[test]
+fn walls_keep_their_light_and_any_size_will_do() {
+    for (w, h) in [(1, 1), (1, 40), (40, 1), (2, 2), (7, 3)] {
+        let cells = grid(w, h, |x, y| if (x + y) % 3 == 1 { WALL } else { Matter::EMPTY });
+        let noise = &mut Random::new(3);
+        let light: Vec<Rgb> = (0..cells.len()).map(|_| noise.rgb()).collect();
+        for (i, after) in blurred(&cells, &light, 6).iter().enumerate() {
+            assert!(!cells.is_solid(i) || *after == light[i]);
+            assert!(after.iter().all(|v| (0.0..=1.0 + ROUNDING).contains(v)), "{after:?}");
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Frames after the first allocate nothing, and are the same on any number of threads.
+
+// A global allocator that counts can only be written with `unsafe`.
+#![allow(unsafe_code)]
+
+mod common;
+
+use common::*;
+use lamplight::settings::{BounceBy, Hit, Noise, Temporal};
+use lamplight::{Bounces, Cells, Lamp, Matter, Settings, Sky, Solver};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The system's allocator; counts what marked threads ask for.
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+thread_local! {
+    static MARKED: Cell<bool> = const { Cell::new(false) };
+}
+
+impl Counting {
+    fn count() {
+        if MARKED.try_with(Cell::get).unwrap_or(false) {
+            ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+// SAFETY: every call goes to the system's allocator as it came; counting does not allocate.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        Self::count();
+        // SAFETY: the caller's promises are passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promises are passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        Self::count();
+        // SAFETY: the caller's promises are passed on.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Frames until every buffer has its size.
+const WARM_UP: u32 = 6;
+
+/// Walls, fog, glass, lights and lamps; the lamps move from frame to frame.
+fn scene(fog: bool, frame: u32) -> Cells {
+    let random = &mut Random::new(7);
+    let mut cells = grid(61, 37, |_, _| {
+        let (kind, albedo) = (random.unit(), random.rgb());
+        match kind {
+            k if k < 0.03 => Matter { emission: random.rgb(), albedo, ..WALL },
+            k if k < 0.1 => Matter { albedo, ..WALL },
+            k if k < 0.3 && fog => Matter { opacity: 0.2, albedo, ..Matter::EMPTY },
+            k if k < 0.4 && fog => Matter { tint: albedo, ..Matter::EMPTY },
+            _ => Matter::EMPTY,
+        }
+    });
+    for lamp in 0..3 {
+        let position = [10.0 + 17.0 * lamp as f32, 18.0 + 0.7 * (frame % 4) as f32];
+        cells.lamps_mut().push(Lamp { position, size: 2.2, ..Lamp::default() });
+    }
+    cells.set_sky(Sky::Uniform([0.1, 0.2, 0.3]));
+    cells
+}
+
+/// Everything that has buffers of its own, alone and together.
+fn ways() -> Vec<(&'static str, bool, Settings)> {
+    let few = |s: &mut Settings| s.raymarch.rays = 8;
+    let way = |change: fn(&mut Settings)| {
+        settings(|s| {
+            few(s);
+            change(s);
+        })
+    };
+    let bounces = |s: &mut Settings| s.bounces = Bounces::Count(2);
+    vec![
+        ("direct", false, way(|_| ())),
+        ("bounces", false, way(bounces)),
+        ("fog", true, way(bounces)),
+        ("converged", true, way(|s| s.bounces = Bounces::Converged)),
+        (
+            "feedback",
+            true,
+            way(|s| {
+                s.bounces = Bounces::Count(1);
+                s.raymarch.bounce = BounceBy::Feedback;
+            }),
+        ),
+        ("hit by distance", true, way(|s| s.raymarch.hit = Hit::Distance)),
+        ("wall depth", false, way(|s| s.wall_depth = 6.0)),
+        (
+            "temporal and denoise",
+            true,
+            way(|s| {
+                s.bounces = Bounces::Count(1);
+                s.temporal = Temporal { frames: 32, reject: true };
+                s.denoise.passes = 3;
+            }),
+        ),
+    ]
+}
+
+fn pool(threads: usize, marked: bool) -> ThreadPool {
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .start_handler(move |_| MARKED.set(marked))
+        .build()
+        .unwrap()
+}
+
+/// Allocations in a few frames after the warm-up.
+fn allocations(pool: &ThreadPool, settings: &Settings, fog: bool) -> usize {
+    let frames: Vec<Cells> = (0..WARM_UP + 4).map(|frame| scene(fog, frame)).collect();
+    let mut solver = Solver::new(settings.clone()).unwrap();
+    pool.install(|| {
+        let mut before = 0;
+        for (frame, cells) in (0..).zip(&frames) {
+            if frame == WARM_UP {
+                before = ALLOCATIONS.load(Ordering::Relaxed);
+            }
+            solver.solve(cells).unwrap();
+        }
+        ALLOCATIONS.load(Ordering::Relaxed) - before
+    })
+}
+
+#[test]
+fn solving_again_allocates_nothing() {
+    let pool = pool(2, true);
+    for (name, fog, settings) in ways() {
+        assert_eq!(allocations(&pool, &settings, fog), 0, "{name}");
+    }
+    // The counter counts.
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    pool.install(|| std::hint::black_box(vec![1u8; 100]));
+    assert!(ALLOCATIONS.load(Ordering::Relaxed) > before);
+}
+
+/// Every bit of three frames.
+fn three_frames(settings: &Settings, fog: bool, threads: usize) -> Vec<Vec<u32>> {
+    let mut solver = Solver::new(settings.clone()).unwrap();
+    pool(threads, false)
+        .install(|| (0..3).map(|frame| bits(solver.solve(&scene(fog, frame)).unwrap())).collect())
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
+    for (name, fog, settings) in ways() {
+        let one = three_frames(&settings, fog, 1);
+        for threads in [2, 3] {
+            assert!(one == three_frames(&settings, fog, threads), "{name}, {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn other_seeds_and_other_frames_differ() {
+    for noise in [Noise::White, Noise::Blue, Noise::Golden] {
+        let with = |seed| {
+            let settings =
+                settings(|s| (s.raymarch.noise, s.raymarch.rays, s.seed) = (noise, 8, seed));
+            let mut solver = Solver::new(settings).unwrap();
+            let cells = scene(false, 0);
+            (0..3).map(|_| bits(solver.solve(&cells).unwrap())).collect::<Vec<_>>()
+        };
+        let (here, there) = (with(0), with(1));
+        assert_eq!(here, with(0), "{noise:?}");
+        assert!(here.iter().zip(&there).all(|(a, b)| a != b), "{noise:?}: seeds");
+        assert!(here[0] != here[1] && here[1] != here[2], "{noise:?}: frames");
+    }
+}
