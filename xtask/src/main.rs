@@ -11,6 +11,7 @@ mod test;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use generated::Mode;
+use std::process::ExitCode;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", about = "The project's own chores.")]
@@ -46,8 +47,18 @@ impl Generate {
     }
 }
 
-fn main() -> Result<()> {
-    match Args::parse().chore {
+fn main() -> ExitCode {
+    match run(Args::parse().chore) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(chore: Chore) -> Result<()> {
+    match chore {
         Chore::Test => test::run(),
         Chore::Docs => docs::run(),
         Chore::Schema(args) => schema::run(args.mode()),
