@@ -1,5 +1,6 @@
 //! One frame, from cells to light, top to bottom.
 
+use crate::clock::Clock;
 use crate::methods::raymarch::{Input, Raymarch};
 use crate::settings::{BounceBy, Bounces, Hit, Method};
 use crate::stages::denoise::Denoise;
@@ -8,7 +9,7 @@ use crate::stages::traced::Traced;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::{Cells, Light, Result, Settings};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Runs a method; keeps its buffers between frames, so that solving again with the same size
 /// allocates nothing. Runs on the rayon pool it is called in.
@@ -113,8 +114,7 @@ impl Solver {
             changed,
             frame: self.frame,
         };
-        self.raymarch.solve(input, settings, &mut self.traced);
-        self.clock.lap("raymarch");
+        self.raymarch.solve(input, settings, &mut self.traced, &mut self.clock);
 
         if accumulates {
             let feedback = settings.bounces != Bounces::Count(0)
@@ -169,26 +169,5 @@ impl Solver {
         self.frame = 0;
         self.raymarch = Raymarch::default();
         self.temporal = Temporal::default();
-    }
-}
-
-/// Times the stages of a frame.
-#[derive(Debug, Default)]
-struct Clock {
-    last: Option<Instant>,
-    laps: Vec<(&'static str, Duration)>,
-}
-
-impl Clock {
-    fn start(&mut self) {
-        self.laps.clear();
-        self.last = Some(Instant::now());
-    }
-
-    fn lap(&mut self, stage: &'static str) {
-        let now = Instant::now();
-        if let Some(last) = self.last.replace(now) {
-            self.laps.push((stage, now - last));
-        }
     }
 }

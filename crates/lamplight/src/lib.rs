@@ -11,6 +11,7 @@
 
 pub mod cells;
 mod check;
+mod clock;
 pub mod error;
 mod exact;
 mod explain;

@@ -17,6 +17,7 @@ mod optics;
 mod packet;
 
 use crate::Cells;
+use crate::clock::Clock;
 use crate::settings::{BounceBy, Bounces, Hit, Settings};
 use crate::stages::bounce::{Faces, Surfaces, mean_over_faces};
 use crate::stages::traced::Traced;
@@ -64,20 +65,31 @@ struct Received {
 
 impl Raymarch {
     /// Solves one frame into `traced`.
-    pub fn solve(&mut self, input: Input, settings: &Settings, traced: &mut Traced) {
+    pub(crate) fn solve(
+        &mut self,
+        input: Input,
+        settings: &Settings,
+        traced: &mut Traced,
+        clock: &mut Clock,
+    ) {
         let Input { cells, changed, .. } = input;
         self.directions.prepare(&settings.raymarch);
         self.optics.prepare(cells, &settings.raymarch, changed);
         std::mem::swap(&mut self.surfaces, &mut self.before);
         self.surfaces.collect(cells);
+        clock.lap("clearance");
+
         if settings.bounces != Bounces::Count(0) && self.surfaces.reflect() {
             self.bounce(input, settings);
+            clock.lap("bounce");
         }
+
         self.gather(input, settings, traced);
         // Leaps by the distance field pass over cells that changed and are empty now.
         if settings.raymarch.hit == Hit::Distance && changed.contains(&true) {
             traced.stale.fill(true);
         }
+        clock.lap("raymarch");
     }
 
     /// Lets light bounce between the surfaces.

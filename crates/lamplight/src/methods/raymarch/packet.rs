@@ -120,7 +120,7 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
             let length = matter.select(t.max(0.0), zero);
             cross(optics, &index, length, &mut light, &mut through);
             let most = through[0].max(through[1]).max(through[2]);
-            spent = spent | (going & most.simd_lt(OPAQUE));
+            spent |= going & most.simd_lt(OPAQUE);
         }
         travelled = going.select(travelled + t, travelled);
         by_x = crosses[0] | (!going & by_x);
@@ -177,7 +177,7 @@ fn cross<S: Simd>(
             t = exp_negative_lanes(log * length);
         }
         let source = f32x16::from_fn(simd, |l| optics.source[index[l] as usize][c]);
-        light[c] = light[c] + through[c] * ((-t + 1.0) * source);
-        through[c] = through[c] * t;
+        light[c] += through[c] * ((-t + 1.0) * source);
+        through[c] *= t;
     }
 }
