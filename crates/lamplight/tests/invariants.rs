@@ -369,7 +369,8 @@ fn every_size_and_setting_gives_finite_light() {
 
 #[test]
 fn what_is_no_matter_is_refused_by_cell() {
-    let cases: [(&str, fn(&mut Cells)); 8] = [
+    type Spoil = fn(&mut Cells);
+    let cases: [(&str, Spoil); 8] = [
         ("cell (2, 1): emission is NaN, but must be finite and 0 or more", |c| {
             c.emission_mut()[7][1] = f32::NAN;
         }),
