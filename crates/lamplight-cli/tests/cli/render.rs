@@ -114,15 +114,15 @@ fn every_stage_is_a_picture() {
 #[test]
 fn the_reference_shows_the_same_scene() {
     let sandbox = Sandbox::small();
-    let said = sandbox.run("render small.toml --method reference --samples 64 --json").done();
+    let said = sandbox.run("render small.toml --method reference --samples 1024 --json").done();
     let json: Value = serde_json::from_str(&said).unwrap();
-    assert_eq!((&json["method"], &json["settings"]["samples"]), (&"reference".into(), &64.into()));
+    assert_eq!((&json["method"], &json["settings"]["samples"]), (&"reference".into(), &1024.into()));
     assert!(json["settings"]["relative_standard_error"].as_f64().unwrap() > 0.0);
     let reference = sandbox.picture("small.png");
     sandbox.run("render small.toml -o ray.png --set raymarch.rays=512").done();
     let ray = sandbox.picture("ray.png");
     let mean = |p: &image::RgbImage| p.iter().map(|&v| f64::from(v)).sum::<f64>() / 1920.0;
-    // Noise of 64 paths moves the mean of a tone-mapped picture by less than a level of 256 or two.
+    // Noise of 1024 paths moves the mean of a tone-mapped picture by less than a level of 256 or two.
     assert!((mean(&reference) - mean(&ray)).abs() < 2.0, "{} {}", mean(&reference), mean(&ray));
 }
 
