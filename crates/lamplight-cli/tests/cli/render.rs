@@ -116,7 +116,10 @@ fn the_reference_shows_the_same_scene() {
     let sandbox = Sandbox::small();
     let said = sandbox.run("render small.toml --method reference --samples 1024 --json").done();
     let json: Value = serde_json::from_str(&said).unwrap();
-    assert_eq!((&json["method"], &json["settings"]["samples"]), (&"reference".into(), &1024.into()));
+    assert_eq!(
+        (&json["method"], &json["settings"]["samples"]),
+        (&"reference".into(), &1024.into())
+    );
     assert!(json["settings"]["relative_standard_error"].as_f64().unwrap() > 0.0);
     let reference = sandbox.picture("small.png");
     sandbox.run("render small.toml -o ray.png --set raymarch.rays=512").done();

@@ -47,8 +47,9 @@ pub struct Input<'a> {
 }
 
 /// The method with its buffers.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Raymarch {
+    level: Level,
     directions: Directions,
     optics: Optics,
     surfaces: Surfaces,
@@ -63,7 +64,25 @@ struct Received {
     fog: Vec<Mean>,
 }
 
+impl Default for Raymarch {
+    fn default() -> Self {
+        Self::on(Level::new())
+    }
+}
+
 impl Raymarch {
+    /// On these vector units; which ones makes no difference but to the time.
+    fn on(level: Level) -> Self {
+        Self {
+            level,
+            directions: Directions::default(),
+            optics: Optics::default(),
+            surfaces: Surfaces::default(),
+            before: Surfaces::default(),
+            received: Received::default(),
+        }
+    }
+
     /// Solves one frame into `traced`.
     pub(crate) fn solve(
         &mut self,
@@ -226,7 +245,56 @@ impl Raymarch {
             directions: &self.directions,
             frame: input.frame,
             seed: settings.seed,
-            level: Level::new(),
+            level: self.level,
+        }
+    }
+}
+
+#[cfg(test)]
+#[cfg(target_arch = "x86_64")]
+mod tests {
+    use super::*;
+    use crate::{Lamp, Matter};
+    use fearless_simd::Simd;
+
+    /// Walls, fog, stained glass and a lamp.
+    fn cells() -> Cells {
+        let mut cells = Cells::new(61, 37).unwrap();
+        for i in 0..cells.len() {
+            let matter = match i % 61 {
+                20..24 if i % 7 < 5 => Matter { opacity: 1.0, albedo: [0.7; 3], ..Matter::EMPTY },
+                35..45 => Matter { opacity: 0.03, albedo: [0.5; 3], ..Matter::EMPTY },
+                50 => Matter { tint: [0.9, 0.3, 0.1], ..Matter::EMPTY },
+                _ => Matter::EMPTY,
+            };
+            cells.set_matter(i, matter);
+        }
+        let lamp = Lamp { position: [9.3, 18.1], intensity: 5.0, ..Lamp::default() };
+        *cells.lamps_mut() = vec![lamp];
+        cells.drawn().into_owned()
+    }
+
+    #[test]
+    fn every_vector_unit_gives_the_same_bytes() {
+        let cells = cells();
+        let settings = Settings { bounces: Bounces::Count(2), ..Settings::default() };
+        let solve = |level: Level| {
+            let input =
+                Input { cells: &cells, distance: &[], nearest: &[], changed: &[], frame: 0 };
+            let mut traced = Traced::default();
+            Raymarch::on(level).solve(input, &settings, &mut traced, &mut Clock::default());
+            traced.light
+        };
+        let best = Level::new();
+        let lesser = [
+            best.as_sse2().map(Simd::level),
+            best.as_sse4_2().map(Simd::level),
+            best.as_avx2().map(Simd::level),
+        ];
+        let light = solve(best);
+        assert!(light.iter().flatten().any(|&v| v > 0.0));
+        for level in lesser.into_iter().flatten() {
+            assert!(solve(level) == light, "{level:?} differs from {best:?}");
         }
     }
 }
