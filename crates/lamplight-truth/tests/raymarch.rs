@@ -11,7 +11,7 @@ const DUNGEON: f64 = 0.05;
 /// … and with bounces.
 const BOUNCED: f64 = 0.03;
 /// Open cells looked at in each scene, at random; their seed is fixed, so runs repeat.
-const LOOKS: usize = 300;
+const LOOKS: usize = 200;
 
 fn scenes() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
