@@ -3,6 +3,9 @@
 use crate::Rgb;
 use fearless_simd::{f32x16, prelude::*, u32x16};
 
+/// Transmittance under which what lies behind no longer counts.
+pub const OPAQUE: f32 = 1e-6;
+
 /// Logarithm that stands for "lets nothing through"; finite, so that 0 px of it still pass light.
 const LOG_OF_ZERO: f32 = -1e4;
 

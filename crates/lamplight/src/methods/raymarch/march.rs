@@ -18,11 +18,8 @@ use crate::stages::bounce::Surfaces;
 use crate::stages::clearance::{quadrant, side};
 use crate::stages::distance::MARGIN;
 use crate::stages::seed::{NONE, unpack};
-use crate::stages::transmittance::exp_negative;
+use crate::stages::transmittance::{OPAQUE, exp_negative};
 use fearless_simd::{Simd, f32x16};
-
-/// Transmittance under which what lies behind no longer counts.
-pub const OPAQUE: f32 = 1e-6;
 
 /// What a ray brings back.
 #[derive(Clone, Copy, Debug, Default)]

@@ -7,10 +7,9 @@
 //! vector units are chosen at run time; no fused multiply-add is used, so the results are the same
 //! to the bit on every one.
 
-use super::march::OPAQUE;
 use super::optics::Optics;
 use crate::stages::clearance::MATTER;
-use crate::stages::transmittance::exp_negative_lanes;
+use crate::stages::transmittance::{OPAQUE, exp_negative_lanes};
 use fearless_simd::{f32x16, i32x16, mask32x16, prelude::*};
 
 /// Rays in a packet.
