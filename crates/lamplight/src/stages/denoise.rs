@@ -7,7 +7,7 @@
 //! is read off clear squares ([`super::clearance`]) or, near walls, walked cell by cell, so light
 //! never leaks through a wall however thin. Solid cells keep their light.
 //!
-//! The method says how noisy each cell is, from two halves of its rays, so that real gradients and
+//! The method says how noisy each cell is, from neighbouring rays, so that real gradients and
 //! edges are not taken for noise: light without noise stays as it is.
 
 use super::clearance::{Ground, clearance, quadrant, side};

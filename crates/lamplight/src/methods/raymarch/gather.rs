@@ -15,6 +15,11 @@ const GOLDEN_ANGLE: f32 = std::f32::consts::PI * 0.763_932_02;
 /// The golden ratio's fraction: spreads ray origins along a face.
 const GOLDEN_RATIO: f32 = 0.618_034;
 
+/// Rays whose noise is taken together; even, so that what is seen all over a sector cancels. Of 2 to
+/// 16, and all rays at once, the one with the least error over the example scenes at 32 rays (2 is
+/// as good there and worse at 128).
+const SECTOR: u32 = 4;
+
 /// Directions of a pixel's rays before each pixel's own turn, unit vectors.
 #[derive(Debug, Default)]
 pub struct Directions(Vec<[f32; 2]>);
@@ -145,8 +150,9 @@ impl Gather<'_> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mean {
     pub light: Rgb,
-    /// Variance of the luminance's noise: `((A − B)/2)²`, with A and B the means over every other
-    /// ray.
+    /// Variance of the luminance's noise: `Σ (A − B)² / rays²` over sectors of [`SECTOR`] rays, with
+    /// A and B the sums over every other ray. Over the whole circle at once, two lights would cancel
+    /// wherever an even ray meets one and an odd ray the other.
     pub variance: f32,
     /// Whether any ray met matter that changed since the frame before.
     pub changed: bool,
@@ -156,8 +162,10 @@ pub struct Mean {
 #[derive(Clone, Copy, Default)]
 struct Sum {
     light: Rgb,
-    /// Luminance of even rays less that of odd ones.
+    /// Luminance of even rays less that of odd ones, over the sector at hand.
     alternating: f32,
+    /// Sum of its squares over the sectors before.
+    squares: f32,
     changed: bool,
 }
 
@@ -165,6 +173,10 @@ impl Sum {
     #[inline(always)]
     fn add(&mut self, ray: u32, seen: &Seen) {
         (0..3).for_each(|c| self.light[c] += seen.light[c]);
+        if ray.is_multiple_of(SECTOR) {
+            self.squares += self.alternating * self.alternating;
+            self.alternating = 0.0;
+        }
         let sign = if ray.is_multiple_of(2) { 1.0 } else { -1.0 };
         self.alternating += sign * luminance(seen.light);
         self.changed |= seen.changed;
@@ -175,7 +187,7 @@ impl Sum {
         let share = 1.0 / rays as f32;
         Mean {
             light: self.light.map(|v| v * share),
-            variance: (self.alternating * share).powi(2),
+            variance: (self.squares + self.alternating * self.alternating) * share * share,
             changed: self.changed,
         }
     }
