@@ -63,7 +63,7 @@ impl Stage {
             Self::Tint => "the colour filter of what light passes",
             Self::Voronoi => "the nearest occupied cell, a colour each",
             Self::Distance => "px to it, with contour lines",
-            Self::Light => "the light that arrives, alone",
+            Self::Light => "the light that arrives, alone, tone mapped",
             Self::Final => "colour × light, tone mapped",
         }
     }
@@ -85,7 +85,6 @@ pub struct View<'a> {
     light: Option<&'a Light>,
     fields: Option<Fields>,
     display: Display,
-    light_display: Display,
 }
 
 /// What a solver leaves behind: the nearest occupied cell of each cell, and how far it is.
@@ -95,11 +94,9 @@ struct Fields {
 }
 
 impl<'a> View<'a> {
-    /// The cells (lamps drawn in), shown through `display`; the light alone goes without its tone
-    /// map, so that its values can be read off, unless one is named.
-    pub fn new(cells: &'a Cells, display: Display, tonemap: Option<ToneMap>) -> Self {
-        let light_display = Display { tonemap: tonemap.unwrap_or(ToneMap::None), ..display };
-        Self { cells, light: None, fields: None, display, light_display }
+    /// The cells (lamps drawn in), shown through `display`.
+    pub fn new(cells: &'a Cells, display: Display) -> Self {
+        Self { cells, light: None, fields: None, display }
     }
 
     /// With light.
@@ -133,7 +130,7 @@ impl<'a> View<'a> {
             Stage::Tint => pixels(w, h, |i| Pixel(self.cells.tint()[i].map(share))),
             Stage::Voronoi => self.voronoi()?,
             Stage::Distance => self.distance()?,
-            Stage::Light => self.light()?.picture(&self.light_display),
+            Stage::Light => self.light()?.picture(&self.display),
             Stage::Final => self.light()?.compose(self.cells, &self.display)?,
         };
         enlarge(&picture, scale)

@@ -164,7 +164,7 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>) -> Outcome<Times>
     let mut presents = Vec::new();
     if let Some(scale) = scale {
         let drawn = cells.drawn();
-        let view = View::new(&drawn, Display::default(), None).lit(solver.light());
+        let view = View::new(&drawn, Display::default()).lit(solver.light());
         for _ in 0..LEAST_RUNS {
             let present = Instant::now();
             view.picture(Stage::Final, scale)?;

@@ -45,7 +45,7 @@ pub fn run(args: Args) -> Outcome {
         let display = args.show.display(scene.display)?;
         let drawn = cells.drawn();
 
-        let mut view = View::new(&drawn, display, args.show.tonemap);
+        let mut view = View::new(&drawn, display);
         let mut lit: Option<Lit> = None;
         if args.stage.needs_fields() {
             view = view.with_fields(settings.clone())?;

@@ -35,8 +35,7 @@ pub fn run(args: Args) -> Outcome {
         let display = args.show.display(scene.display)?;
         let lit = lighting::light(&cells, &args.lighting, settings.clone())?;
         let drawn = cells.drawn();
-        let view =
-            View::new(&drawn, display, args.show.tonemap).with_fields(settings)?.lit(&lit.light);
+        let view = View::new(&drawn, display).with_fields(settings)?.lit(&lit.light);
         // Everything is made before anything is written.
         let mut pictures = Vec::new();
         for stage in Stage::ALL {
