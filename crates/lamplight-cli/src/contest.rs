@@ -127,7 +127,7 @@ fn raymarch_entries(settings: &Settings) -> Vec<Entry> {
         denoised.denoise.passes = DENOISE_PASSES;
     }
     all.push(entry(format!("raymarch, {FEW_RAYS} rays, denoised"), Series::Denoise, denoised));
-    for name in Raymarch::PRESETS.into_iter().filter(|&name| name != "default") {
+    for name in Raymarch::PRESETS.iter().filter(|&&name| name != "default") {
         if let Some(raymarch) = Raymarch::preset(name) {
             let settings = Settings { raymarch, ..plain.clone() };
             all.push(entry(format!("raymarch, preset {name}"), Series::Preset, settings));
