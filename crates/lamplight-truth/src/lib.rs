@@ -13,7 +13,7 @@ pub mod flip;
 mod measures;
 mod path_tracer;
 pub mod plain_holographic;
-mod random;
+pub mod random;
 pub mod scenes;
 mod traverse;
 

@@ -29,7 +29,7 @@ pub fn grove(seed: u64) -> Cells {
     let mut cells = empty(250, 141);
     let mut placed = Placed::default();
     for i in 0..GROVE_DISCS {
-        let radius = 1.0 + 5.0 * random.next().powi(2);
+        let radius = 1.0 + 5.0 * random.unit().powi(2);
         let center = placed.find(&mut random, &cells, radius);
         let matter = if i.is_multiple_of(4) {
             glow(color(&mut random), 0.5 + 3.2 / radius as f32)
@@ -42,8 +42,9 @@ pub fn grove(seed: u64) -> Cells {
 }
 
 /// A dungeon from above, 512×288: rooms between walls of 4 px, doors of 8 px so that every room can
-/// be reached, and in most rooms a [`Lamp`] of 1.5 to 3 px radius at any place between the px. The
-/// hardest of all: small lamps, and light through doors.
+/// be reached, and in two rooms of five a light of 1.5 to 3 px radius, half of them [`Lamp`]s (cells
+/// take their share), half discs of solid cells. The hardest of all: small lights, dark rooms lit
+/// through doors.
 pub fn dungeon(seed: u64) -> Cells {
     let mut random = random(seed);
     let (width, height) = (512, 288);
@@ -59,19 +60,24 @@ pub fn dungeon(seed: u64) -> Cells {
     doors(&mut cells, &mut random, &columns, &rows, rooms);
     for (top, bottom) in rows.iter().zip(&rows[1..]) {
         for (left, right) in columns.iter().zip(&columns[1..]) {
-            let size = 1.5 + 1.5 * random.next();
-            let dark = random.next() < 0.2;
+            let size = 1.5 + 1.5 * random.unit();
+            let [dark, by_share] = [0.6, 0.5].map(|share| random.unit() < share);
             let color = color(&mut random);
             let margin = size + GAP;
             let mut place = |from: u32, to: u32| {
                 let (from, to) = (f64::from(from + WALL) + margin, f64::from(to) - margin);
-                (from + (to - from) * random.next()) as f32
+                from + (to - from) * random.unit()
             };
             let position = [place(*left, *right), place(*top, *bottom)];
-            if !dark {
-                let lamp =
-                    Lamp { position, color, intensity: 4.0, size: size as f32, ..Lamp::default() };
+            if dark {
+                continue;
+            }
+            if by_share {
+                let (position, size) = (position.map(|v| v as f32), size as f32);
+                let lamp = Lamp { position, color, intensity: 4.0, size, ..Lamp::default() };
                 cells.lamps_mut().push(lamp);
+            } else {
+                disc(&mut cells, position, size, glow(color, 4.0));
             }
         }
     }
@@ -86,10 +92,10 @@ pub fn large_emitters(seed: u64) -> Cells {
     let mut placed = Placed::default();
     for i in 0..24 {
         let lamp = i < 10;
-        let radius = 4.0 + 12.0 * random.next().powi(2);
+        let radius = 4.0 + 12.0 * random.unit();
         let center = placed.find(&mut random, &cells, radius * if i % 2 == 0 { 1.0 } else { 1.5 });
         let matter = if lamp {
-            glow(color(&mut random), 1.0 + 2.0 * random.next() as f32)
+            glow(color(&mut random), 1.0 + 2.0 * random.unit() as f32)
         } else {
             wall(color(&mut random).map(|c| 0.7 * c))
         };
@@ -97,7 +103,7 @@ pub fn large_emitters(seed: u64) -> Cells {
             disc(&mut cells, center, radius, matter);
         } else {
             let [long, short] = [radius, if lamp { 4f64.max(0.5 * radius) } else { 2.0 }];
-            let half = if random.next() < 0.5 { [long, short] } else { [short, long] };
+            let half = if random.unit() < 0.5 { [long, short] } else { [short, long] };
             let near = |p: [f64; 2]| (0..2).all(|a| (p[a] - center[a]).abs() <= half[a]);
             fill(&mut cells, near, matter);
         }
@@ -121,19 +127,19 @@ pub fn weather(seed: u64) -> Cells {
         Matter { opacity: 0.006, tint: [1.0, 0.999, 0.995], albedo: [0.5; 3], ..Matter::EMPTY };
     fill(&mut cells, |[x, _]| x < 120.0, mist);
     for _ in 0..6 {
-        let center = [240.0 * random.next(), 160.0 * random.next()];
+        let center = [240.0 * random.unit(), 160.0 * random.unit()];
         let bank = Matter {
             emission: color(&mut random).map(|c| 0.1 * c),
-            opacity: 0.02 + 0.04 * random.next() as f32,
+            opacity: 0.02 + 0.04 * random.unit() as f32,
             albedo: [0.4; 3],
             ..Matter::EMPTY
         };
-        let radius = 10.0 + 20.0 * random.next();
+        let radius = 10.0 + 20.0 * random.unit();
         disc(&mut cells, center, radius, bank);
     }
     let mut placed = Placed::default();
     for i in 0..18 {
-        let radius = 4.0 + 4.0 * random.next();
+        let radius = 4.0 + 4.0 * random.unit();
         let center = placed.find(&mut random, &cells, radius * 1.5);
         let color = color(&mut random);
         let matter = match i % 3 {
@@ -144,7 +150,7 @@ pub fn weather(seed: u64) -> Cells {
         match i % 3 {
             0 => disc(&mut cells, center, radius, matter),
             _ => {
-                let half = if random.next() < 0.5 { [1.5 * radius, 1.0] } else { [1.0, radius] };
+                let half = if random.unit() < 0.5 { [1.5 * radius, 1.0] } else { [1.0, radius] };
                 let near = |p: [f64; 2]| (0..2).all(|a| (p[a] - center[a]).abs() <= half[a]);
                 fill(&mut cells, near, matter);
             }
@@ -192,7 +198,7 @@ pub fn open_cells(cells: &Cells, count: usize, seed: u64) -> Vec<[u32; 2]> {
     let mut random = random(seed);
     let width = drawn.width() as usize;
     let mut look = || {
-        let i = open[(random.next() * open.len() as f64) as usize];
+        let i = open[(random.unit() * open.len() as f64) as usize];
         [(i % width) as u32, (i / width) as u32]
     };
     if open.is_empty() { Vec::new() } else { (0..count).map(|_| look()).collect() }
@@ -216,7 +222,7 @@ fn wall(albedo: Rgb) -> Matter {
 
 /// A colour of any hue, its strongest channel 1 and its weakest at least 0.2.
 fn color(random: &mut Random) -> Rgb {
-    let rgb: [f64; 3] = std::array::from_fn(|_| random.next());
+    let rgb: [f64; 3] = std::array::from_fn(|_| random.unit());
     let (low, high) = (rgb[0].min(rgb[1]).min(rgb[2]), rgb[0].max(rgb[1]).max(rgb[2]));
     rgb.map(|v| (0.2 + 0.8 * (v - low) / (high - low).max(1e-9)) as f32)
 }
@@ -245,7 +251,7 @@ impl Placed {
     fn find(&mut self, random: &mut Random, cells: &Cells, radius: f64) -> [f64; 2] {
         let sides = [cells.width(), cells.height()].map(f64::from);
         loop {
-            let center = sides.map(|side| radius + (side - 2.0 * radius) * random.next());
+            let center = sides.map(|side| radius + (side - 2.0 * radius) * random.unit());
             let free = self.0.iter().all(|(other, r)| {
                 (center[0] - other[0]).hypot(center[1] - other[1]) > radius + r + GAP
             });
@@ -265,7 +271,7 @@ fn lines(random: &mut Random, side: u32) -> Vec<u32> {
     // A rest that is too small for two rooms is the last room.
     while side - at > 2 * (least + WALL) + WALL {
         let longest = most.min(side - at - (least + WALL) - 2 * WALL);
-        at += WALL + least + (random.next() * f64::from(longest - least + 1)) as u32;
+        at += WALL + least + (random.unit() * f64::from(longest - least + 1)) as u32;
         lines.push(at);
     }
     lines.push(side - WALL);
@@ -290,12 +296,12 @@ fn doors(
         }
     }
     for i in (1..walls.len()).rev() {
-        walls.swap(i, (random.next() * (i + 1) as f64) as usize);
+        walls.swap(i, (random.unit() * (i + 1) as f64) as usize);
     }
     let mut group: Vec<usize> = (0..across * down).collect();
     for (a, b) in walls {
         let joins = group[a] != group[b];
-        if !joins && random.next() >= 0.2 {
+        if !joins && random.unit() >= 0.2 {
             continue;
         }
         let (old, new) = (group[b], group[a]);
@@ -304,7 +310,7 @@ fn doors(
         let mut along = |lines: &[u32], i: usize| {
             let from = lines[i] + WALL + JAMB;
             let to = lines[i + 1] - JAMB - DOOR;
-            from + (random.next() * f64::from(to - from + 1)) as u32
+            from + (random.unit() * f64::from(to - from + 1)) as u32
         };
         let (x, y, w, h) = if b == a + 1 {
             (columns[column], along(rows, row), WALL, DOOR)
@@ -355,7 +361,8 @@ mod tests {
             }
             let cut_off = (0..cells.len()).any(|i| !cells.is_solid(i) && !reached[i]);
             assert!(!cut_off, "seed {seed}: a room has no door");
-            assert!(cells.lamps().len() > 30, "seed {seed}: {} lamps", cells.lamps().len());
+            let discs = cells.emission().iter().filter(|e| **e != [0.0; 3]).count();
+            assert!(cells.lamps().len() > 5 && discs > 50, "seed {seed}: hardly any light");
             for lamp in cells.lamps() {
                 assert!((1.5..=3.0).contains(&lamp.size), "{lamp:?}");
                 let [x, y] = lamp.position.map(|v| v as u32);

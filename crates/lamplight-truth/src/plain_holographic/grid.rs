@@ -31,7 +31,7 @@ impl Grid {
     pub fn read(&mut self, cells: &Cells, turn: u32) {
         let (w, h) = (cells.width() as usize, cells.height() as usize);
         self.turn = turn;
-        (self.width, self.height) = if turn % 2 == 0 { (w, h) } else { (h, w) };
+        (self.width, self.height) = if turn.is_multiple_of(2) { (w, h) } else { (h, w) };
         self.sites.clear();
         for x in 0..self.width {
             for y in 0..self.height {
