@@ -59,10 +59,23 @@ fn bench_prints_a_line_for_each_case() {
         assert!(0.0 < number("min_ms") && number("min_ms") <= number("median_ms"), "{line}");
         assert!(line["stages_ms"]["raymarch"].as_f64().unwrap() <= number("median_ms") * 1.5);
     }
+    assert!(lines[0]["yardstick_ratio"].is_null(), "nobody asked for it");
     let scene = json(&sandbox.run("bench --scene small.toml --json --method raymarch").done());
     assert_eq!((&scene["width"], &scene["scene"]), (&32.into(), &"small.toml".into()));
     let table = sandbox.run("bench --scene small.toml").done();
     assert!(table.contains("32×20") && table.contains("median ms"), "{table}");
+}
+
+#[test]
+fn bench_times_the_yardstick_in_the_same_run() {
+    let sandbox = Sandbox::small();
+    let line = json(&sandbox.run("bench --size 64x48 --method raymarch --yardstick --json").done());
+    let number = |key: &str| line[key].as_f64().unwrap_or_else(|| panic!("{key} in {line}"));
+    let ratio = number("yardstick_ms") / number("median_ms");
+    // Times are rounded to the microsecond.
+    assert!((number("yardstick_ratio") / ratio - 1.0).abs() < 0.01, "{line}");
+    let table = sandbox.run("bench --scene small.toml --yardstick").done();
+    assert!(table.contains("yardstick ms") && table.contains("times faster"), "{table}");
 }
 
 #[test]

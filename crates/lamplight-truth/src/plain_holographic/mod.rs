@@ -3,6 +3,8 @@
 //!
 //! Gold for the engine's `holographic`, and the yardstick of `lamplight bench`: scalar f32 with rows
 //! innermost, whole levels one after another, nothing blocked, packed or skipped. Direct light only.
+//! Rows are looked up once a ray and not once a cell, which makes it about 2.5 times as fast as the
+//! formulas typed out cell by cell: a yardstick that is easy to beat would flatter what it measures.
 //!
 //! Each quarter of the circle is a [`Quadrant`], the grid turned so that light arrives from +x:
 //!
