@@ -37,6 +37,13 @@ impl Method {
             Self::Raymarch => "raymarch",
         }
     }
+
+    /// Names of the method's presets, for its key `preset`; the first is its default.
+    pub fn presets(self) -> &'static [&'static str] {
+        match self {
+            Self::Raymarch => Raymarch::PRESETS,
+        }
+    }
 }
 
 /// Everything a solver can be told.
