@@ -42,6 +42,13 @@ impl Method {
             Self::Holographic => "holographic",
         }
     }
+
+    /// Names of the method's presets, for its key `preset`; the first is its default.
+    pub fn presets(self) -> &'static [&'static str] {
+        match self {
+            Self::Raymarch => Raymarch::PRESETS,
+        }
+    }
 }
 
 /// Everything a solver can be told.
