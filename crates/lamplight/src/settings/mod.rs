@@ -47,6 +47,7 @@ impl Method {
     pub fn presets(self) -> &'static [&'static str] {
         match self {
             Self::Raymarch => Raymarch::PRESETS,
+            Self::Holographic => Holographic::PRESETS,
         }
     }
 }

@@ -250,7 +250,7 @@ fn add_up<S: Simd, const K: usize>(
     rows: &mut [f32],
     [near_stride, stride, pad, count]: [usize; 4],
 ) {
-    let last = (stride - pad - LANES) as isize;
+    let last = (stride - LANES) as isize;
     for y in (0..count).step_by(LANES) {
         let mut sum = [f32x16::splat(simd, 0.0); 3];
         for term in terms {
