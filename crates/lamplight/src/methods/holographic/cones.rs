@@ -76,10 +76,20 @@ impl Far<'_> {
     /// Sixteen rows from `at` on, counted with the pad.
     #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S, at: usize) -> [f32x16<S>; 3] {
+        let mut light = [f32x16::splat(simd, 0.0); 3];
         match self {
-            Self::Rows(rows) => rows.map(|rows| f32x16::from_slice(simd, &rows[at..][..LANES])),
-            Self::Sky(sky) => sky.map(|v| f32x16::splat(simd, v)),
+            Self::Rows(rows) => {
+                for c in 0..3 {
+                    light[c] = f32x16::from_slice(simd, &rows[c][at..][..LANES]);
+                }
+            }
+            Self::Sky(sky) => {
+                for c in 0..3 {
+                    light[c] = f32x16::splat(simd, sky[c]);
+                }
+            }
         }
+        light
     }
 }
 
@@ -189,7 +199,7 @@ impl Cones {
             let pair = [0, 1].map(|s| far(above, 2 * cone + s, stride));
             if plane.is_multiple_of(2) {
                 for y in (0..count).step_by(LANES) {
-                    let [a, b] = pair.map(|far| far.load(simd, pad + y));
+                    let (a, b) = (pair[0].load(simd, pad + y), pair[1].load(simd, pad + y));
                     for c in 0..3 {
                         (a[c] + b[c]).store_slice(&mut rows[c * stride + pad + y..][..LANES]);
                     }

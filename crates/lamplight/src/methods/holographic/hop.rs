@@ -11,7 +11,7 @@
 
 use super::cones::{Cones, angle, slope};
 use super::interval::LANES;
-use super::march::{cell, march};
+use super::march::{cell, march, of_vector};
 use super::slabs::Slabs;
 use super::stencil::{Crossing, stencil};
 use fearless_simd::{f32x16, prelude::*};
@@ -84,7 +84,7 @@ impl Hop {
         let ahead = (plane << self.level) - slab;
         for ray in &self.rays[ahead - 1] {
             let far = cones.at(plane, ray.cone);
-            let ends = [0, 1].map(|i| cell(slabs, slab, row, ray.ahead, ray.row + i));
+            let low_end = cell(slabs, slab, row, ray.ahead, ray.row);
             let [mut matter, mut fraction] = [0; 2];
             for crossing in &ray.crossings {
                 let at = cell(slabs, slab, row, crossing.slab, crossing.row);
@@ -92,47 +92,40 @@ impl Hop {
                 matter |= m;
                 fraction |= f;
             }
-            for end in ends {
-                matter |= slabs.bits(end)[0];
-            }
+            matter |= slabs.bits(low_end)[0] | slabs.bits(low_end + 1)[0];
+            let [ahead, across] = ray.cosines;
+            let side = if across > 0.0 { 2 } else { 3 };
+            let shares = [(1.0 - ray.past) * ray.share, ray.past * ray.share];
             for v in 0..VECTORS {
-                let of_vector = |bits: u64| bits >> (v * LANES) & 0xffff != 0;
-                if !of_vector(lit) {
+                let first = v * LANES;
+                if !of_vector(lit, first) {
                     continue;
                 }
-                let at = (cones.pad() + row + v * LANES).wrapping_add_signed(ray.row);
-                let [low, high] = [at, at + 1].map(|at| far.load(simd, at));
-                let light: [_; 3] = if of_vector(matter) {
-                    let near = march::<S, K>(
-                        simd,
-                        slabs,
-                        slab,
-                        row + v * LANES,
-                        &ray.crossings,
-                        of_vector(fraction),
-                    );
-                    let [open_low, open_high] = ends.map(|end| {
-                        f32x16::from_slice(simd, &slabs.pass[0][end + v * LANES..][..LANES])
-                    });
-                    let [low_share, high_share] =
-                        [open_low * (1.0 - ray.past), open_high * ray.past];
-                    let both = (low_share + high_share).max(CLOSED);
-                    let high_share = high_share / both;
-                    let low_share = low_share / both;
-                    std::array::from_fn(|c| {
-                        let far = (low[c] * low_share + high[c] * high_share) * ray.share;
-                        near.light[c] * ray.angle + near.through[c % K] * far
-                    })
+                let at = (cones.pad() + row + first).wrapping_add_signed(ray.row);
+                let (low, high) = (far.load(simd, at), far.load(simd, at + 1));
+                let mut light = [zero; 3];
+                if of_vector(matter, first) {
+                    let fraction = of_vector(fraction, first);
+                    let crossings = &ray.crossings;
+                    let near = march::<S, K>(simd, slabs, slab, row + first, crossings, fraction);
+                    let pass = &slabs.pass[0][low_end + first..];
+                    let low_share = f32x16::from_slice(simd, &pass[..LANES]) * (1.0 - ray.past);
+                    let high_share = f32x16::from_slice(simd, &pass[1..][..LANES]) * ray.past;
+                    let share =
+                        f32x16::splat(simd, ray.share) / (low_share + high_share).max(CLOSED);
+                    for c in 0..3 {
+                        let far = (low[c] * low_share + high[c] * high_share) * share;
+                        light[c] = near.light[c] * ray.angle + near.through[c % K] * far;
+                    }
                 } else {
-                    let [a, b] = [(1.0 - ray.past) * ray.share, ray.past * ray.share];
-                    std::array::from_fn(|c| low[c] * a + high[c] * b)
-                };
-                let [ahead, across] = ray.cosines;
-                let side = if across > 0.0 { 2 } else { 3 };
+                    for c in 0..3 {
+                        light[c] = low[c] * shares[0] + high[c] * shares[1];
+                    }
+                }
                 for c in 0..3 {
                     tile[0][c][v] += light[c];
                 }
-                if of_vector(faces) {
+                if of_vector(faces, first) {
                     for c in 0..3 {
                         tile[1][c][v] += light[c] * ahead;
                         tile[side][c][v] += light[c] * across.abs();

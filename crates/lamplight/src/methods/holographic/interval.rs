@@ -5,6 +5,9 @@
 //! Margel 2025). Stored light has 8 significant bits (the upper half of an f32), transmittance
 //! 15 bits after the point: thin fog needs steps that are fine near 1, and 1 itself exactly.
 //! Rounding is to nearest, so that errors of the many intervals of a pixel cancel.
+//!
+//! Code that runs on vectors has no closures and no `array::from_fn` in this method: the compiler
+//! does not carry the vector unit into them.
 
 use fearless_simd::{f32x16, prelude::*, u32x16};
 
@@ -43,53 +46,66 @@ impl<S: Simd, const K: usize> Interval<S, K> {
 
     /// This interval and then another.
     #[inline(always)]
-    pub fn then(self, behind: Self) -> Self {
-        Self {
-            light: std::array::from_fn(|c| self.light[c] + self.through[c % K] * behind.light[c]),
-            through: std::array::from_fn(|c| self.through[c] * behind.through[c]),
+    pub fn then(mut self, behind: Self) -> Self {
+        for c in 0..3 {
+            self.light[c] += self.through[c % K] * behind.light[c];
         }
+        for k in 0..K {
+            self.through[k] *= behind.through[k];
+        }
+        self
     }
 
     /// Half of this one and half of another.
     #[inline(always)]
-    pub fn mean(self, other: Self) -> Self {
-        Self {
-            light: std::array::from_fn(|c| (self.light[c] + other.light[c]) * 0.5),
-            through: std::array::from_fn(|c| (self.through[c] + other.through[c]) * 0.5),
+    pub fn mean(mut self, other: Self) -> Self {
+        for c in 0..3 {
+            self.light[c] = (self.light[c] + other.light[c]) * 0.5;
         }
+        for k in 0..K {
+            self.through[k] = (self.through[k] + other.through[k]) * 0.5;
+        }
+        self
     }
 
     /// Reads rows from `at` on; the words of a row lie `stride` apart.
     #[inline(always)]
     pub fn load(simd: S, from: &[u32], stride: usize, at: usize) -> Self {
-        let word = |i: usize| u32x16::from_slice(simd, &from[i * stride + at..][..LANES]);
-        let (a, b) = (word(0), word(1));
-        let light = [high(a), low(a), high(b)];
-        let through = match K {
-            1 => std::array::from_fn(|_| fixed(b & 0xffff)),
-            _ => {
-                let c = word(2);
-                let all = [fixed(b & 0xffff), fixed(c >> 16), fixed(c & 0xffff)];
-                std::array::from_fn(|k| all[k])
-            }
-        };
-        Self { light, through }
+        let a = u32x16::from_slice(simd, &from[at..][..LANES]);
+        let b = u32x16::from_slice(simd, &from[stride + at..][..LANES]);
+        let mut through = [fixed(b & 0xffff); K];
+        if K == 3 {
+            let c = u32x16::from_slice(simd, &from[2 * stride + at..][..LANES]);
+            through[1 % K] = fixed(c >> 16);
+            through[2 % K] = fixed(c & 0xffff);
+        }
+        Self { light: [high(a), low(a), high(b)], through }
     }
 
     /// Writes rows from `at` on.
     #[inline(always)]
     pub fn store(self, to: &mut [u32], stride: usize, at: usize) {
-        let mut put = |i: usize, word: u32x16<S>| {
-            word.store_slice(&mut to[i * stride + at..][..LANES]);
-        };
-        let [r, g, b] = self.light.map(|v| v.bitcast::<u32x16<S>>() + 0x8000);
-        let t = self.through.map(|v| (v * ONE as f32 + 0.5).to_int::<u32x16<S>>());
-        put(0, (r & 0xffff_0000) | (g >> 16));
-        put(1, (b & 0xffff_0000) | t[0]);
+        let [r, g, b] = self.light;
+        let (r, g, b) = (rounded(r), rounded(g), rounded(b));
+        let a = (r & 0xffff_0000) | (g >> 16);
+        a.store_slice(&mut to[at..][..LANES]);
+        let b = (b & 0xffff_0000) | to_fixed(self.through[0]);
+        b.store_slice(&mut to[stride + at..][..LANES]);
         if K == 3 {
-            put(2, (t[1 % K] << 16) | t[2 % K]);
+            let c = (to_fixed(self.through[1 % K]) << 16) | to_fixed(self.through[2 % K]);
+            c.store_slice(&mut to[2 * stride + at..][..LANES]);
         }
     }
+}
+
+#[inline(always)]
+fn rounded<S: Simd>(value: f32x16<S>) -> u32x16<S> {
+    value.bitcast::<u32x16<S>>() + 0x8000
+}
+
+#[inline(always)]
+fn to_fixed<S: Simd>(value: f32x16<S>) -> u32x16<S> {
+    (value * ONE as f32 + 0.5).to_int::<u32x16<S>>()
 }
 
 #[inline(always)]

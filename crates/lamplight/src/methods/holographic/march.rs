@@ -20,16 +20,19 @@ pub fn march<S: Simd, const K: usize>(
     let mut passed = Interval::<S, K>::empty(simd);
     for crossing in crossings {
         let at = cell(slabs, slab, row, crossing.slab, crossing.row);
-        let load = |from: &[f32]| f32x16::from_slice(simd, &from[at..][..LANES]);
-        let through: [_; K] = std::array::from_fn(|k| match fraction {
-            true => exp_negative_lanes(load(&slabs.log_pass[k]) * crossing.length),
-            false => load(&slabs.pass[k]),
-        });
         let sent = slabs.sent(crossing.face);
+        let mut through = [f32x16::splat(simd, 1.0); K];
+        for k in 0..K {
+            through[k] = if fraction {
+                exp_negative_lanes(load(simd, &slabs.log_pass[k], at) * crossing.length)
+            } else {
+                load(simd, &slabs.pass[k], at)
+            };
+        }
         for c in 0..3 {
-            let mut source = load(&slabs.source[c]);
+            let mut source = load(simd, &slabs.source[c], at);
             if let Some(sent) = sent {
-                source += load(&sent[c]);
+                source += load(simd, &sent[c], at);
             }
             if fraction {
                 source *= -through[c % K] + 1.0;
@@ -47,4 +50,15 @@ pub fn march<S: Simd, const K: usize>(
 #[inline(always)]
 pub fn cell(slabs: &Slabs, slab: usize, row: usize, slabs_on: usize, rows_on: isize) -> usize {
     (slabs.start(slab + slabs_on) + row).wrapping_add_signed(rows_on)
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, from: &[f32], at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &from[at..][..LANES])
+}
+
+/// Whether any of sixteen bits is set.
+#[inline(always)]
+pub fn of_vector(bits: u64, first: usize) -> bool {
+    bits >> first & 0xffff != 0
 }

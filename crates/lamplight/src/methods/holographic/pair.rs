@@ -124,15 +124,23 @@ impl Pair {
             let tile = self.hop.light::<S, K>(simd, slabs, cones, [slab, plane], row, [lit, faces]);
             for (c, fluence) in self.fluence.iter_mut().enumerate() {
                 let to = &mut fluence[place * self.stride + row..][..TILE];
-                for (light, to) in tile[0][c].iter().zip(to.chunks_exact_mut(LANES)) {
-                    (*light + f32x16::from_slice(simd, to)).store_slice(to);
+                for v in 0..TILE / LANES {
+                    let to = &mut to[v * LANES..][..LANES];
+                    (tile[0][c][v] + f32x16::from_slice(simd, to)).store_slice(to);
                 }
             }
             let mut left = faces;
             if left == 0 {
                 continue;
             }
-            let values = [1, 2, 3].map(|side| tile[side].map(|v| v.map(|v| v.to_array())));
+            let mut values = [[[[0.0; LANES]; TILE / LANES]; 3]; 3];
+            for (side, values) in values.iter_mut().enumerate() {
+                for c in 0..3 {
+                    for v in 0..TILE / LANES {
+                        tile[1 + side][c][v].store_slice(&mut values[c][v]);
+                    }
+                }
+            }
             while left != 0 {
                 let bit = left.trailing_zeros() as usize;
                 left &= left - 1;

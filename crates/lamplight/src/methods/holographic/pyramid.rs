@@ -11,10 +11,10 @@
 //! until the level above has taken it. About 1 interval a cell and level.
 
 use super::interval::{Interval, LANES, PAD, empty, words};
-use super::march::{cell, march};
+use super::march::{cell, march, of_vector};
 use super::slabs::Slabs;
 use super::stencil::{Crossing, stencil};
-use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, prelude::*};
 
 /// Keeps the rays of a beam off the corners of cells.
 const OFF_CORNERS: f64 = 0.999;
@@ -169,30 +169,52 @@ impl Pyramid {
             _ if even_above.is_empty() => return,
             _ => &mut even_above[..],
         };
-        let near = |ray: usize| &even[ray * ray_size..][..ray_size];
-        let far = |ray: usize| &odd[parent * sizes[0] + ray * ray_size..][..ray_size];
+        let far = if whole { &odd[parent * sizes[0]..][..sizes[0]] } else { &[] };
+        let ways = Ways::<S, K> { simd, near: even, far, stride, ray_size, round };
         for (made, to) in to.chunks_exact_mut(ray_size).enumerate() {
             let ray = made / 2;
             let shift = ray as isize - (1 << level);
-            // One way: a ray of the first half, then one of the second from where it ends.
-            let way = |y: usize, first: usize, second: usize, shift: isize| {
-                let first = Interval::<S, K>::load(simd, near(first), stride, PAD + y);
-                let from = y as isize + shift;
-                if !whole || from < -(PAD as isize) || from > round as isize {
-                    return first;
+            if made % 2 == 0 {
+                for y in (0..rows).step_by(LANES) {
+                    ways.way(y, [ray, ray], shift).store(to, stride, PAD + y);
                 }
-                let at = PAD.wrapping_add_signed(from);
-                first.then(Interval::load(simd, far(second), stride, at))
-            };
-            for y in (0..rows).step_by(LANES) {
-                let interval = match made % 2 {
-                    0 => way(y, ray, ray, shift),
-                    _ => way(y, ray, ray + 1, shift).mean(way(y, ray + 1, ray, shift + 1)),
-                };
-                interval.store(to, stride, PAD + y);
+            } else {
+                for y in (0..rows).step_by(LANES) {
+                    let one = ways.way(y, [ray, ray + 1], shift);
+                    let other = ways.way(y, [ray + 1, ray], shift + 1);
+                    one.mean(other).store(to, stride, PAD + y);
+                }
             }
             empty_tail::<K>(to, stride, rows);
         }
+    }
+}
+
+/// Two planes one after the other.
+struct Ways<'a, S: Simd, const K: usize> {
+    simd: S,
+    near: &'a [u32],
+    /// Empty past the last plane.
+    far: &'a [u32],
+    stride: usize,
+    ray_size: usize,
+    /// Rows in whole vectors.
+    round: usize,
+}
+
+impl<S: Simd, const K: usize> Ways<'_, S, K> {
+    /// Along a ray of the first plane, and then one of the second from where it ends, `shift` rows
+    /// on.
+    #[inline(always)]
+    fn way(&self, y: usize, [first, second]: [usize; 2], shift: isize) -> Interval<S, K> {
+        let near = &self.near[first * self.ray_size..][..self.ray_size];
+        let near = Interval::<S, K>::load(self.simd, near, self.stride, PAD + y);
+        let from = y as isize + shift;
+        if self.far.is_empty() || from < -(PAD as isize) || from > self.round as isize {
+            return near;
+        }
+        let far = &self.far[second * self.ray_size..][..self.ray_size];
+        near.then(Interval::load(self.simd, far, self.stride, PAD.wrapping_add_signed(from)))
     }
 }
 
@@ -235,11 +257,10 @@ fn trace<S: Simd, const K: usize>(
             fraction |= f;
         }
         for y in (tile..slabs.rows.min(tile + 64)).step_by(LANES) {
-            let of_vector = |bits: u64| bits >> (y - tile) & 0xffff != 0;
             let mut interval = Interval::<S, K>::empty(simd);
-            if of_vector(matter) {
-                let fraction = of_vector(fraction);
-                interval.through = interval.through.map(|t| t * 0.0);
+            if of_vector(matter, y - tile) {
+                let fraction = of_vector(fraction, y - tile);
+                interval.through = [f32x16::splat(simd, 0.0); K];
                 for ray in &beam.rays {
                     let one = march::<S, K>(simd, slabs, slab, y, ray, fraction);
                     for c in 0..3 {
@@ -249,8 +270,12 @@ fn trace<S: Simd, const K: usize>(
                         interval.through[k] += one.through[k];
                     }
                 }
-                interval.light = interval.light.map(|v| v * share);
-                interval.through = interval.through.map(|v| v * share);
+                for c in 0..3 {
+                    interval.light[c] *= share;
+                }
+                for k in 0..K {
+                    interval.through[k] *= share;
+                }
             }
             interval.store(to, stride, PAD + y);
         }

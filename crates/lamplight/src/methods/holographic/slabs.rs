@@ -179,20 +179,25 @@ impl Slabs {
     /// Light that walls send on from the face that a ray meets; none if nothing bounces.
     #[inline(always)]
     pub fn sent(&self, face: Face) -> Option<&[Vec<f32>; 3]> {
-        self.faces.then(|| match face {
-            Face::Front => &self.sent[self.reversed as usize],
-            Face::Low => &self.sent[2],
-            Face::High => &self.sent[3],
-        })
+        let side = match face {
+            Face::Front => self.reversed as usize,
+            Face::Low => 2,
+            Face::High => 3,
+        };
+        if self.faces { Some(&self.sent[side]) } else { None }
     }
 
     /// Which of 64 rows from `row` on hold matter, and which of them matter that is not solid.
     #[inline(always)]
     pub fn bits(&self, row: usize) -> [u64; 2] {
         let (word, shift) = (row / 64, row % 64);
-        [&self.matter, &self.fraction].map(|bits| {
-            let low = bits[word] >> shift;
-            if shift == 0 { low } else { low | bits[word + 1] << (64 - shift) }
-        })
+        [window(&self.matter, word, shift), window(&self.fraction, word, shift)]
     }
+}
+
+/// 64 bits from `shift` of a word on.
+#[inline(always)]
+fn window(bits: &[u64], word: usize, shift: usize) -> u64 {
+    let pair = u128::from(bits[word]) | u128::from(bits[word + 1]) << 64;
+    (pair >> shift) as u64
 }
