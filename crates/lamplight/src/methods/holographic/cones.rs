@@ -16,6 +16,7 @@
 //!
 //! Pixels are lit from the far end to the near one, so one plane a level is held at any time.
 
+use super::hop::TILE;
 use super::interval::{Interval, LANES, PAD};
 use super::pyramid::{Pyramid, planes};
 use crate::Rgb;
@@ -96,7 +97,7 @@ impl Far<'_> {
 impl Cones {
     /// Makes room above level `first`, for rays of a last hop that stray up to `reach` rows.
     pub fn prepare(&mut self, depth: usize, rows: usize, pyramid: &Pyramid, reach: usize) {
-        let pad = LANES + (reach + 1).next_multiple_of(LANES);
+        let pad = TILE + (reach + 1).next_multiple_of(LANES);
         let now = (depth, rows, pyramid.first, pad);
         if now == (self.depth, self.rows, self.first, self.pad) {
             return;

@@ -9,11 +9,11 @@
 //! own surface and would make it look up to a px fatter, so rows count by what their cells let
 //! through.
 
-use super::cones::{Cones, angle, slope};
+use super::cones::{Cones, Far, angle, slope};
 use super::interval::LANES;
-use super::march::{cell, march, of_vector};
+use super::march::{march, meet, of_vector};
 use super::slabs::Slabs;
-use super::stencil::{Crossing, stencil};
+use super::stencil::{Step, stencil};
 use fearless_simd::{f32x16, prelude::*};
 
 /// Rows that are looked at together: a word of bits.
@@ -32,20 +32,22 @@ struct Ray {
     /// Angle it stands for, and its share of the cone's light.
     angle: f32,
     share: f32,
-    /// Slabs to the plane; rows from the start to the row before its end there; how far past it.
-    ahead: usize,
+    /// Rows from the start to the row before its end on the plane; how far past it.
     row: isize,
     past: f32,
     /// Cosines to the normals of the faces that it lights: ahead, towards higher rows.
     cosines: [f32; 2],
-    crossings: Vec<Crossing>,
+    steps: Vec<Step>,
+    /// The cells that it crosses and those whose light it takes; of the latter the lower one.
+    cells: Vec<isize>,
+    end: isize,
 }
 
 /// The rays of a pixel for every distance to the plane.
 #[derive(Debug, Default)]
 pub struct Hop {
     level: u32,
-    count: u32,
+    made_for: (u32, u32, isize),
     /// By slabs to the plane, less 1.
     rays: Vec<Vec<Ray>>,
 }
@@ -54,11 +56,13 @@ pub struct Hop {
 pub type Tile<S> = [[[f32x16<S>; VECTORS]; 3]; 4];
 
 impl Hop {
-    /// Makes the rays: `count` a cone, over at most `2^level` px.
-    pub fn prepare(&mut self, level: u32, count: u32) {
-        if (self.level, self.count) != (level, count) {
-            (self.level, self.count) = (level, count);
-            self.rays = (1..=1 << level).map(|ahead| rays(level, count, ahead)).collect();
+    /// Aims the rays, `count` a cone over at most `2^level` px, the way that the slabs go.
+    pub fn aim(&mut self, slabs: &Slabs, level: u32, count: u32) {
+        let now = (level, count, slabs.step());
+        if self.made_for != now {
+            self.made_for = now;
+            self.level = level;
+            self.rays = (1..=1 << level).map(|ahead| rays(level, count, ahead, now.2)).collect();
         }
     }
 
@@ -67,8 +71,8 @@ impl Hop {
         (1 << level) + 1
     }
 
-    /// Light of 64 pixels of a slab from the plane `ahead` slabs on. `lit`: bits of pixels; vectors
-    /// without any are passed over. `faces`: bits of pixels whose faces count too.
+    /// Light of 64 pixels of a slab from the plane ahead. `lit`: bits of pixels; vectors without
+    /// any are passed over. `faces`: bits of pixels whose faces count too.
     #[inline(always)]
     pub fn light<S: Simd, const K: usize>(
         &self,
@@ -82,37 +86,52 @@ impl Hop {
         let zero = f32x16::splat(simd, 0.0);
         let mut tile = [[[zero; VECTORS]; 3]; 4];
         let ahead = (plane << self.level) - slab;
+        let start = slabs.start(slab) + row;
         for ray in &self.rays[ahead - 1] {
             let far = cones.at(plane, ray.cone);
-            let low_end = cell(slabs, slab, row, ray.ahead, ray.row);
-            let [mut matter, mut fraction] = [0; 2];
-            for crossing in &ray.crossings {
-                let at = cell(slabs, slab, row, crossing.slab, crossing.row);
-                let [m, f] = slabs.bits(at);
-                matter |= m;
-                fraction |= f;
+            let at = (cones.pad() + row).wrapping_add_signed(ray.row);
+            let shares = [(1.0 - ray.past) * ray.share, ray.past * ray.share];
+            let [matter, fraction] = meet(simd, &slabs.kinds, start, &ray.cells);
+            if matter | faces == 0 {
+                for c in 0..3 {
+                    match far {
+                        Far::Rows(rows) => {
+                            let rows = &rows[c][at..at + TILE + 1];
+                            for v in 0..VECTORS {
+                                let low = f32x16::from_slice(simd, &rows[v * LANES..][..LANES]);
+                                let high =
+                                    f32x16::from_slice(simd, &rows[v * LANES + 1..][..LANES]);
+                                tile[0][c][v] += low * shares[0] + high * shares[1];
+                            }
+                        }
+                        Far::Sky(sky) => {
+                            for v in 0..VECTORS {
+                                tile[0][c][v] += sky[c] * ray.share;
+                            }
+                        }
+                    }
+                }
+                continue;
             }
-            matter |= slabs.bits(low_end)[0] | slabs.bits(low_end + 1)[0];
             let [ahead, across] = ray.cosines;
             let side = if across > 0.0 { 2 } else { 3 };
-            let shares = [(1.0 - ray.past) * ray.share, ray.past * ray.share];
+            let end = start.wrapping_add_signed(ray.end);
             for v in 0..VECTORS {
                 let first = v * LANES;
                 if !of_vector(lit, first) {
                     continue;
                 }
-                let at = (cones.pad() + row + first).wrapping_add_signed(ray.row);
-                let (low, high) = (far.load(simd, at), far.load(simd, at + 1));
+                let (low, high) = (far.load(simd, at + first), far.load(simd, at + first + 1));
                 let mut light = [zero; 3];
                 if of_vector(matter, first) {
                     let fraction = of_vector(fraction, first);
-                    let crossings = &ray.crossings;
-                    let near = march::<S, K>(simd, slabs, slab, row + first, crossings, fraction);
-                    let pass = &slabs.pass[0][low_end + first..];
+                    let near =
+                        march::<S, K>(simd, slabs, start + first, &ray.steps, fraction);
+                    let pass = &slabs.pass[0][end + first..][..LANES + 1];
                     let low_share = f32x16::from_slice(simd, &pass[..LANES]) * (1.0 - ray.past);
-                    let high_share = f32x16::from_slice(simd, &pass[1..][..LANES]) * ray.past;
-                    let share =
-                        f32x16::splat(simd, ray.share) / (low_share + high_share).max(CLOSED);
+                    let high_share = f32x16::from_slice(simd, &pass[1..]) * ray.past;
+                    let share = f32x16::splat(simd, ray.share)
+                        / (low_share + high_share).max(CLOSED);
                     for c in 0..3 {
                         let far = (low[c] * low_share + high[c] * high_share) * share;
                         light[c] = near.light[c] * ray.angle + near.through[c % K] * far;
@@ -137,8 +156,8 @@ impl Hop {
     }
 }
 
-/// The rays to a plane `ahead` slabs on.
-fn rays(level: u32, count: u32, ahead: usize) -> Vec<Ray> {
+/// The rays to a plane `ahead` slabs on, `stride` cells from one slab to the next.
+fn rays(level: u32, count: u32, ahead: usize, stride: isize) -> Vec<Ray> {
     let cones = 4 << level;
     let mut rays = Vec::new();
     for cone in 0..cones {
@@ -147,16 +166,25 @@ fn rays(level: u32, count: u32, ahead: usize) -> Vec<Ray> {
         for i in 0..count {
             let theta = from + (f64::from(i) + 0.5) * angle;
             let slope = theta.tan();
-            let end = slope * ahead as f64;
+            let shift = slope * ahead as f64;
+            let row = shift.floor() as isize;
+            let end = ahead as isize * stride + row;
+            let steps: Vec<_> =
+                stencil(ahead, slope, 0.0).iter().map(|c| c.place(stride)).collect();
+            let mut cells: Vec<_> = steps.iter().map(|step| step.offset).collect();
+            cells.extend([end, end + 1]);
+            cells.sort_unstable();
+            cells.dedup();
             rays.push(Ray {
                 cone,
                 angle: angle as f32,
                 share: 1.0 / count as f32,
-                ahead,
-                row: end.floor() as isize,
-                past: (end - end.floor()) as f32,
+                row,
+                past: (shift - shift.floor()) as f32,
                 cosines: [theta.cos() as f32, theta.sin() as f32],
-                crossings: stencil(ahead, slope, 0.0),
+                steps,
+                cells,
+                end,
             });
         }
     }

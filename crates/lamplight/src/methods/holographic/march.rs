@@ -2,29 +2,28 @@
 
 use super::interval::{Interval, LANES};
 use super::slabs::Slabs;
-use super::stencil::Crossing;
+use super::stencil::Step;
 use crate::stages::transmittance::exp_negative_lanes;
-use fearless_simd::{f32x16, prelude::*};
+use fearless_simd::{f32x16, prelude::*, u8x64};
 
-/// The interval of a ray from sixteen rows of a slab. `fraction`: whether any of the cells holds
+/// The interval of a ray from sixteen cells of a slab. `fraction`: whether any of the cells holds
 /// matter that is not solid; without, lengths do not matter.
 #[inline(always)]
 pub fn march<S: Simd, const K: usize>(
     simd: S,
     slabs: &Slabs,
-    slab: usize,
-    row: usize,
-    crossings: &[Crossing],
+    start: usize,
+    steps: &[Step],
     fraction: bool,
 ) -> Interval<S, K> {
     let mut passed = Interval::<S, K>::empty(simd);
-    for crossing in crossings {
-        let at = cell(slabs, slab, row, crossing.slab, crossing.row);
-        let sent = slabs.sent(crossing.face);
+    for step in steps {
+        let at = start.wrapping_add_signed(step.offset);
+        let sent = slabs.sent(step.face);
         let mut through = [f32x16::splat(simd, 1.0); K];
         for k in 0..K {
             through[k] = if fraction {
-                exp_negative_lanes(load(simd, &slabs.log_pass[k], at) * crossing.length)
+                exp_negative_lanes(load(simd, &slabs.log_pass[k], at) * step.length)
             } else {
                 load(simd, &slabs.pass[k], at)
             };
@@ -46,15 +45,22 @@ pub fn march<S: Simd, const K: usize>(
     passed
 }
 
-/// Place of a cell relative to a row of a slab.
-#[inline(always)]
-pub fn cell(slabs: &Slabs, slab: usize, row: usize, slabs_on: usize, rows_on: isize) -> usize {
-    (slabs.start(slab + slabs_on) + row).wrapping_add_signed(rows_on)
-}
-
 #[inline(always)]
 fn load<S: Simd>(simd: S, from: &[f32], at: usize) -> f32x16<S> {
-    f32x16::from_slice(simd, &from[at..][..LANES])
+    f32x16::from_slice(simd, &from[at..at + LANES])
+}
+
+/// Which of 64 rays cross matter, and which matter that is not solid, bit by bit.
+#[inline(always)]
+pub fn meet<S: Simd>(simd: S, kinds: &[u8], start: usize, cells: &[isize]) -> [u64; 2] {
+    let mut met = u8x64::splat(simd, 0);
+    for &offset in cells {
+        let at = start.wrapping_add_signed(offset);
+        met |= u8x64::from_slice(simd, &kinds[at..at + 64]);
+    }
+    let matter = met.simd_gt(0).to_bitmask();
+    let fraction = if matter == 0 { 0 } else { met.simd_gt(1).to_bitmask() };
+    [matter, fraction]
 }
 
 /// Whether any of sixteen bits is set.

@@ -57,11 +57,10 @@ impl Pair {
     /// Lights the grid from both sides.
     pub fn solve(&mut self, level: Level, scene: Scene) {
         let settings = scene.settings;
-        self.slabs.read(scene.cells, self.axis, scene.surfaces);
-        self.pyramid.prepare(&self.slabs, settings.hop, settings.beams);
+        self.slabs.read(scene.cells, self.axis, 1 << settings.hop, scene.surfaces);
+        self.pyramid.prepare(&self.slabs, settings.hop);
         let Slabs { depth, rows, .. } = self.slabs;
         self.cones.prepare(depth, rows, &self.pyramid, Hop::reach(settings.hop));
-        self.hop.prepare(settings.hop, settings.rays);
         self.stride = rows.next_multiple_of(TILE);
         for fluence in &mut self.fluence {
             fluence.clear();
@@ -70,6 +69,8 @@ impl Pair {
         self.onto.clear();
         self.onto.resize(scene.fronts.len(), [[0.0; 3]; 4]);
         for reversed in [false, true] {
+            self.pyramid.aim(&self.slabs, settings.beams);
+            self.hop.aim(&self.slabs, settings.hop, settings.rays);
             match self.slabs.channels {
                 1 => dispatch!(level, simd => self.quadrant::<_, 1>(simd, scene, reversed)),
                 _ => dispatch!(level, simd => self.quadrant::<_, 3>(simd, scene, reversed)),
@@ -81,7 +82,7 @@ impl Pair {
     /// Light that arrives from ahead.
     #[inline(always)]
     fn quadrant<S: Simd, const K: usize>(&mut self, simd: S, scene: Scene, reversed: bool) {
-        self.pyramid.build::<S, K>(simd, &self.slabs);
+        let t0=std::time::Instant::now(); self.pyramid.build::<S, K>(simd, &self.slabs); let t1=t0.elapsed(); let (mut td,mut tl)=(std::time::Duration::ZERO,std::time::Duration::ZERO);
         let sky = scene.cells.sky();
         self.cones.begin(|angle| {
             let ahead = if reversed { -angle.cos() } else { angle.cos() };
@@ -92,11 +93,13 @@ impl Pair {
         });
         let length = 1 << scene.settings.hop;
         for plane in (1..=planes(self.slabs.depth, scene.settings.hop)).rev() {
-            self.cones.descend::<S, K>(simd, &self.pyramid, plane);
+            let a=std::time::Instant::now(); self.cones.descend::<S, K>(simd, &self.pyramid, plane); td+=a.elapsed(); let a=std::time::Instant::now();
             for slab in (plane - 1) * length..(plane * length).min(self.slabs.depth) {
                 self.light::<S, K>(simd, scene, [slab, plane], reversed);
             }
+            tl+=a.elapsed();
         }
+        if std::env::var("HT").is_ok() { eprintln!("build {:?} trace {:?} descend {:?} light {:?}", t1, super::pyramid::TRACE.with(|t|t.take()), td, tl); }
     }
 
     /// Lights the pixels of a slab that looks to a plane.

@@ -11,20 +11,19 @@
 //! until the level above has taken it. About 1 interval a cell and level.
 
 use super::interval::{Interval, LANES, PAD, empty, words};
-use super::march::{cell, march, of_vector};
+use super::march::{march, meet, of_vector};
 use super::slabs::Slabs;
-use super::stencil::{Crossing, stencil};
+use super::stencil::{Step, stencil};
 use fearless_simd::{f32x16, prelude::*};
 
 /// Keeps the rays of a beam off the corners of cells.
 const OFF_CORNERS: f64 = 0.999;
 
-/// A ray of the first level.
+/// A ray of the first level: parallel rays, and all cells that any of them crosses.
 #[derive(Debug)]
 struct Beam {
-    rays: Vec<Vec<Crossing>>,
-    /// Slab and row, from the start, of all cells that any of them crosses.
-    cells: Vec<(usize, isize)>,
+    rays: Vec<Vec<Step>>,
+    cells: Vec<isize>,
 }
 
 /// The kept intervals.
@@ -38,9 +37,9 @@ pub struct Pyramid {
     channels: usize,
     /// From one word to the next in a row of intervals.
     pub stride: usize,
+    /// The rays of the first level, and what they were made for.
     beams: Vec<Beam>,
-    /// Rays in a beam.
-    width: u32,
+    made_for: (u32, u32, isize),
     odd: Vec<Vec<u32>>,
     even: Vec<Vec<u32>>,
 }
@@ -61,15 +60,12 @@ pub fn levels(depth: usize, first: u32) -> u32 {
 }
 
 impl Pyramid {
-    /// Makes room for the intervals of a grid from level `first` on, with `width` rays a beam.
-    pub fn prepare(&mut self, slabs: &Slabs, first: u32, width: u32) {
-        if (self.first, self.width) != (first, width) || self.beams.is_empty() {
-            self.beams = (0..rays(first)).map(|k| beam(first, k, width)).collect();
-        }
+    /// Makes room for the intervals of a grid from level `first` on.
+    pub fn prepare(&mut self, slabs: &Slabs, first: u32) {
         let end = levels(slabs.depth, first);
         let now = (first, end, slabs.depth, slabs.rows, slabs.channels);
         let before = (self.first, self.end, self.depth, self.rows, self.channels);
-        (self.first, self.width) = (first, width);
+        self.first = first;
         if now == before {
             return;
         }
@@ -123,6 +119,16 @@ impl Pyramid {
         &self.odd[(level - self.first) as usize][plane / 2 * size..][..size]
     }
 
+    /// Aims the beams, each of `width` rays, the way that the slabs go.
+    pub fn aim(&mut self, slabs: &Slabs, width: u32) {
+        let now = (self.first, width, slabs.step());
+        if self.made_for != now {
+            self.made_for = now;
+            self.beams =
+                (0..rays(self.first)).map(|k| beam(self.first, k, width, now.2)).collect();
+        }
+    }
+
     /// Traces the first level and makes the others from it.
     #[inline(always)]
     pub fn build<S: Simd, const K: usize>(&mut self, simd: S, slabs: &Slabs) {
@@ -135,9 +141,11 @@ impl Pyramid {
             let from = if plane % 2 == 1 { plane / 2 * size } else { 0 };
             let to = &mut held[from..][..size];
             let ray_size = words(K) * self.stride;
+            let a=std::time::Instant::now();
             for (beam, to) in self.beams.iter().zip(to.chunks_exact_mut(ray_size)) {
                 trace::<S, K>(simd, slabs, plane << self.first, beam, self.stride, to);
             }
+            TRACE.with(|t| t.set(t.get() + a.elapsed()));
             self.ascend::<S, K>(simd, plane);
         }
     }
@@ -227,12 +235,13 @@ fn empty_tail<const K: usize>(to: &mut [u32], stride: usize, rows: usize) {
 }
 
 /// A ray of the first level, of `width` parallel rays.
-fn beam(level: u32, ray: usize, width: u32) -> Beam {
+fn beam(level: u32, ray: usize, width: u32, stride: isize) -> Beam {
     let length = 1usize << level;
     let slope = ray as f64 / length as f64 - 1.0;
     let across = |i: u32| OFF_CORNERS * ((f64::from(i) + 0.5) / f64::from(width) - 0.5);
-    let rays: Vec<_> = (0..width).map(|i| stencil(length, slope, across(i))).collect();
-    let mut cells: Vec<_> = rays.iter().flatten().map(|c| (c.slab, c.row)).collect();
+    let steps = |i| stencil(length, slope, across(i)).iter().map(|c| c.place(stride)).collect();
+    let rays: Vec<Vec<Step>> = (0..width).map(steps).collect();
+    let mut cells: Vec<_> = rays.iter().flatten().map(|step| step.offset).collect();
     cells.sort_unstable();
     cells.dedup();
     Beam { rays, cells }
@@ -250,19 +259,15 @@ fn trace<S: Simd, const K: usize>(
 ) {
     let share = 1.0 / beam.rays.len() as f32;
     for tile in (0..slabs.rows).step_by(64) {
-        let [mut matter, mut fraction] = [0; 2];
-        for &(slabs_on, rows_on) in &beam.cells {
-            let [m, f] = slabs.bits(cell(slabs, slab, tile, slabs_on, rows_on));
-            matter |= m;
-            fraction |= f;
-        }
-        for y in (tile..slabs.rows.min(tile + 64)).step_by(LANES) {
+        let start = slabs.start(slab) + tile;
+        let [matter, fraction] = meet(simd, &slabs.kinds, start, &beam.cells);
+        for first in (0..64.min(slabs.rows - tile)).step_by(LANES) {
             let mut interval = Interval::<S, K>::empty(simd);
-            if of_vector(matter, y - tile) {
-                let fraction = of_vector(fraction, y - tile);
+            if of_vector(matter, first) {
+                let fraction = of_vector(fraction, first);
                 interval.through = [f32x16::splat(simd, 0.0); K];
                 for ray in &beam.rays {
-                    let one = march::<S, K>(simd, slabs, slab, y, ray, fraction);
+                    let one = march::<S, K>(simd, slabs, start + first, ray, fraction);
                     for c in 0..3 {
                         interval.light[c] += one.light[c];
                     }
@@ -277,8 +282,10 @@ fn trace<S: Simd, const K: usize>(
                     interval.through[k] *= share;
                 }
             }
-            interval.store(to, stride, PAD + y);
+            interval.store(to, stride, PAD + tile + first);
         }
     }
     empty_tail::<K>(to, stride, slabs.rows);
 }
+
+thread_local!{pub static TRACE: std::cell::Cell<std::time::Duration> = const { std::cell::Cell::new(std::time::Duration::ZERO) };}

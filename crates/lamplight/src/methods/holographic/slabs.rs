@@ -9,9 +9,14 @@ use crate::Cells;
 use crate::stages::bounce::{NORMALS, Surfaces};
 use crate::stages::transmittance::log_transmittance;
 
-/// Rows of empty space on both sides of a slab: more than any ray of a last hop strays, and a
-/// whole word of [`Slabs::bits`].
+/// Rows of empty space on both sides of a slab: more than any ray of a last hop strays.
 pub const MARGIN: usize = 64;
+
+/// Bit of [`Slabs::kinds`]: the cell holds matter.
+pub const MATTER: u8 = 1;
+
+/// Bit of [`Slabs::kinds`]: the cell holds matter that is not solid.
+pub const FRACTION: u8 = 2;
 
 /// The axis that a pair of quadrants looks along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,8 +46,10 @@ pub struct Slabs {
     pub depth: usize,
     /// Cells of a slab.
     pub rows: usize,
-    /// Rows from one slab to the next, margins and all: a multiple of 64.
+    /// Rows from one slab to the next, margins and all.
     pub stride: usize,
+    /// Empty slabs before the first and after the last.
+    beyond: usize,
     reversed: bool,
     /// Channels of transmittance that differ: 1, or 3 where matter tints.
     pub channels: usize,
@@ -56,20 +63,27 @@ pub struct Slabs {
     pub source: [Vec<f32>; 3],
     /// Light that walls send on, by face (front of this direction, of the other, low, high).
     sent: [[Vec<f32>; 3]; 4],
-    /// Bits of cells that hold matter, and of those that are not solid.
-    matter: Vec<u64>,
-    fraction: Vec<u64>,
+    /// [`MATTER`] and [`FRACTION`].
+    pub kinds: Vec<u8>,
 }
 
 impl Slabs {
-    /// Reads the grid along an axis; `surfaces` add what they send on.
-    pub fn read(&mut self, cells: &Cells, axis: Axis, surfaces: Option<&Surfaces>) {
+    /// Reads the grid along an axis, with empty slabs for rays of up to `beyond` px past its edges;
+    /// `surfaces` add what they send on.
+    pub fn read(
+        &mut self,
+        cells: &Cells,
+        axis: Axis,
+        beyond: usize,
+        surfaces: Option<&Surfaces>,
+    ) {
         let (w, h) = (cells.width() as usize, cells.height() as usize);
         (self.depth, self.rows) = match axis {
             Axis::X => (w, h),
             Axis::Y => (h, w),
         };
         self.stride = self.rows.next_multiple_of(64) + 2 * MARGIN;
+        self.beyond = beyond;
         self.reversed = false;
         let tints = |i: usize| {
             let [r, g, b] = cells.tint()[i];
@@ -77,8 +91,7 @@ impl Slabs {
         };
         self.channels = if (0..cells.len()).any(tints) { 3 } else { 1 };
         self.faces = surfaces.is_some();
-        // One slab more, all empty, stands for everything outside.
-        let size = (self.depth + 1) * self.stride;
+        let size = (self.depth + 2 * beyond) * self.stride;
         let fill = |to: &mut Vec<f32>, value: f32| {
             to.clear();
             to.resize(size, value);
@@ -93,11 +106,10 @@ impl Slabs {
                 (0..4).for_each(|face| fill(&mut self.sent[face][c], 0.0));
             }
         }
-        for bits in [&mut self.matter, &mut self.fraction] {
-            bits.clear();
-            bits.resize(size / 64 + 1, 0);
-        }
+        self.kinds.clear();
+        self.kinds.resize(size, 0);
         for slab in 0..self.depth {
+            let start = self.start(slab);
             for row in 0..self.rows {
                 let i = match axis {
                     Axis::X => row * w + slab,
@@ -107,11 +119,8 @@ impl Slabs {
                 if opacity == 0.0 && cells.tint()[i] == [1.0; 3] {
                     continue;
                 }
-                let at = slab * self.stride + MARGIN + row;
-                self.matter[at / 64] |= 1 << (at % 64);
-                if opacity < 1.0 {
-                    self.fraction[at / 64] |= 1 << (at % 64);
-                }
+                let at = start + row;
+                self.kinds[at] = if opacity < 1.0 { MATTER | FRACTION } else { MATTER };
                 let tint = cells.tint()[i];
                 let log = log_transmittance(opacity, tint);
                 for c in 0..3 {
@@ -156,15 +165,17 @@ impl Slabs {
         self.reversed = !self.reversed;
     }
 
-    /// Where the rows of a slab begin; slabs past the last are empty.
+    /// Where the rows of a slab begin.
     #[inline(always)]
     pub fn start(&self, slab: usize) -> usize {
-        let slab = match slab {
-            s if s >= self.depth => self.depth,
-            s if self.reversed => self.depth - 1 - s,
-            s => s,
-        };
-        slab * self.stride + MARGIN
+        let slab = if self.reversed { self.depth - 1 - slab } else { slab };
+        (self.beyond + slab) * self.stride + MARGIN
+    }
+
+    /// From the cells of a slab to those of the next one ahead.
+    #[inline(always)]
+    pub fn step(&self) -> isize {
+        if self.reversed { -(self.stride as isize) } else { self.stride as isize }
     }
 
     /// The cell of a row of a slab in a grid `width` cells wide.
@@ -186,18 +197,4 @@ impl Slabs {
         };
         if self.faces { Some(&self.sent[side]) } else { None }
     }
-
-    /// Which of 64 rows from `row` on hold matter, and which of them matter that is not solid.
-    #[inline(always)]
-    pub fn bits(&self, row: usize) -> [u64; 2] {
-        let (word, shift) = (row / 64, row % 64);
-        [window(&self.matter, word, shift), window(&self.fraction, word, shift)]
-    }
-}
-
-/// 64 bits from `shift` of a word on.
-#[inline(always)]
-fn window(bits: &[u64], word: usize, shift: usize) -> u64 {
-    let pair = u128::from(bits[word]) | u128::from(bits[word + 1]) << 64;
-    (pair >> shift) as u64
 }

@@ -19,6 +19,25 @@ pub struct Crossing {
     pub face: Face,
 }
 
+/// A crossing where the distance from one slab to the next is known.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// From the cell in which the ray starts.
+    pub offset: isize,
+    /// px of the way that lie in the cell.
+    pub length: f32,
+    /// How the ray enters it.
+    pub face: Face,
+}
+
+impl Crossing {
+    /// Its place, `stride` cells from one slab to the next.
+    pub fn place(&self, stride: isize) -> Step {
+        let offset = self.slab as isize * stride + self.row;
+        Step { offset, length: self.length, face: self.face }
+    }
+}
+
 /// The cells that a ray crosses on its way from the centre of a slab, `offset` px above the centre
 /// of a row, to the centre of the slab `slabs` further on; `slope` is rows per slab.
 ///
