@@ -16,7 +16,7 @@
 //!
 //! Pixels are lit from the far end to the near one, so one plane a level is held at any time.
 
-use super::hop::TILE;
+use super::hop::{TILE, VECTORS};
 use super::interval::{Interval, LANES, PAD};
 use super::pyramid::{Pyramid, planes};
 use crate::Rgb;
@@ -88,6 +88,33 @@ impl Far<'_> {
                 for c in 0..3 {
                     light[c] = f32x16::splat(simd, sky[c]);
                 }
+            }
+        }
+        light
+    }
+
+    /// A share of the light of a tile from `at` on, `past` of the way to the row after.
+    #[inline(always)]
+    pub fn between<S: Simd>(
+        &self,
+        simd: S,
+        at: usize,
+        past: f32,
+        share: f32,
+    ) -> [[f32x16<S>; VECTORS]; 3] {
+        let mut light = [[f32x16::splat(simd, 0.0); VECTORS]; 3];
+        let (low_share, high_share) = ((1.0 - past) * share, past * share);
+        for c in 0..3 {
+            match self {
+                Self::Rows(rows) => {
+                    let rows = &rows[c][at..at + TILE + 1];
+                    for v in 0..VECTORS {
+                        let low = f32x16::from_slice(simd, &rows[v * LANES..][..LANES]);
+                        let high = f32x16::from_slice(simd, &rows[v * LANES + 1..][..LANES]);
+                        light[c][v] = low * low_share + high * high_share;
+                    }
+                }
+                Self::Sky(sky) => light[c] = [f32x16::splat(simd, sky[c] * share); VECTORS],
             }
         }
         light

@@ -9,7 +9,7 @@
 //! own surface and would make it look up to a px fatter, so rows count by what their cells let
 //! through.
 
-use super::cones::{Cones, Far, angle, slope};
+use super::cones::{Cones, angle, slope};
 use super::interval::LANES;
 use super::march::{march, meet, of_vector};
 use super::slabs::Slabs;
@@ -20,7 +20,7 @@ use fearless_simd::{f32x16, prelude::*};
 pub const TILE: usize = 64;
 
 /// Vectors in a tile.
-const VECTORS: usize = TILE / LANES;
+pub const VECTORS: usize = TILE / LANES;
 
 /// Share of light under which a cell counts as closed.
 const CLOSED: f32 = 1e-6;
@@ -90,64 +90,38 @@ impl Hop {
         for ray in &self.rays[ahead - 1] {
             let far = cones.at(plane, ray.cone);
             let at = (cones.pad() + row).wrapping_add_signed(ray.row);
-            let shares = [(1.0 - ray.past) * ray.share, ray.past * ray.share];
-            let [matter, fraction] = meet(simd, &slabs.kinds, start, &ray.cells);
-            if matter | faces == 0 {
-                for c in 0..3 {
-                    match far {
-                        Far::Rows(rows) => {
-                            let rows = &rows[c][at..at + TILE + 1];
-                            for v in 0..VECTORS {
-                                let low = f32x16::from_slice(simd, &rows[v * LANES..][..LANES]);
-                                let high =
-                                    f32x16::from_slice(simd, &rows[v * LANES + 1..][..LANES]);
-                                tile[0][c][v] += low * shares[0] + high * shares[1];
-                            }
-                        }
-                        Far::Sky(sky) => {
-                            for v in 0..VECTORS {
-                                tile[0][c][v] += sky[c] * ray.share;
-                            }
-                        }
-                    }
-                }
-                continue;
-            }
-            let [ahead, across] = ray.cosines;
-            let side = if across > 0.0 { 2 } else { 3 };
-            let end = start.wrapping_add_signed(ray.end);
-            for v in 0..VECTORS {
-                let first = v * LANES;
-                if !of_vector(lit, first) {
-                    continue;
-                }
-                let (low, high) = (far.load(simd, at + first), far.load(simd, at + first + 1));
-                let mut light = [zero; 3];
-                if of_vector(matter, first) {
-                    let fraction = of_vector(fraction, first);
-                    let near =
-                        march::<S, K>(simd, slabs, start + first, &ray.steps, fraction);
-                    let pass = &slabs.pass[0][end + first..][..LANES + 1];
+            let mut light = far.between(simd, at, ray.past, ray.share);
+            let met = meet(simd, &slabs.kinds, start, &ray.cells);
+            if met.matter & lit != 0 {
+                for v in 0..VECTORS {
+                    let first = v * LANES;
+                    let Some(kinds) = met.kinds(first) else { continue };
+                    let near = march::<S, K>(simd, slabs, start + first, &ray.steps, kinds);
+                    let pass = &slabs.pass[0][start.wrapping_add_signed(ray.end) + first..];
                     let low_share = f32x16::from_slice(simd, &pass[..LANES]) * (1.0 - ray.past);
-                    let high_share = f32x16::from_slice(simd, &pass[1..]) * ray.past;
-                    let share = f32x16::splat(simd, ray.share)
-                        / (low_share + high_share).max(CLOSED);
+                    let high_share = f32x16::from_slice(simd, &pass[1..][..LANES]) * ray.past;
+                    let share =
+                        f32x16::splat(simd, ray.share) / (low_share + high_share).max(CLOSED);
+                    let low = far.load(simd, at + first);
+                    let high = far.load(simd, at + first + 1);
                     for c in 0..3 {
                         let far = (low[c] * low_share + high[c] * high_share) * share;
-                        light[c] = near.light[c] * ray.angle + near.through[c % K] * far;
-                    }
-                } else {
-                    for c in 0..3 {
-                        light[c] = low[c] * shares[0] + high[c] * shares[1];
+                        light[c][v] = near.light[c] * ray.angle + near.through[c % K] * far;
                     }
                 }
-                for c in 0..3 {
-                    tile[0][c][v] += light[c];
+            }
+            for c in 0..3 {
+                for v in 0..VECTORS {
+                    tile[0][c][v] += light[c][v];
                 }
-                if of_vector(faces, first) {
+            }
+            if faces != 0 {
+                let [ahead, across] = ray.cosines;
+                let side = if across > 0.0 { 2 } else { 3 };
+                for v in (0..VECTORS).filter(|v| of_vector(faces, v * LANES)) {
                     for c in 0..3 {
-                        tile[1][c][v] += light[c] * ahead;
-                        tile[side][c][v] += light[c] * across.abs();
+                        tile[1][c][v] += light[c][v] * ahead;
+                        tile[side][c][v] += light[c][v] * across.abs();
                     }
                 }
             }

@@ -11,7 +11,7 @@
 //! until the level above has taken it. About 1 interval a cell and level.
 
 use super::interval::{Interval, LANES, PAD, empty, words};
-use super::march::{march, meet, of_vector};
+use super::march::{march, meet};
 use super::slabs::Slabs;
 use super::stencil::{Step, stencil};
 use fearless_simd::{f32x16, prelude::*};
@@ -260,14 +260,13 @@ fn trace<S: Simd, const K: usize>(
     let share = 1.0 / beam.rays.len() as f32;
     for tile in (0..slabs.rows).step_by(64) {
         let start = slabs.start(slab) + tile;
-        let [matter, fraction] = meet(simd, &slabs.kinds, start, &beam.cells);
+        let met = meet(simd, &slabs.kinds, start, &beam.cells);
         for first in (0..64.min(slabs.rows - tile)).step_by(LANES) {
             let mut interval = Interval::<S, K>::empty(simd);
-            if of_vector(matter, first) {
-                let fraction = of_vector(fraction, first);
+            if let Some(kinds) = met.kinds(first) {
                 interval.through = [f32x16::splat(simd, 0.0); K];
                 for ray in &beam.rays {
-                    let one = march::<S, K>(simd, slabs, start + first, ray, fraction);
+                    let one = march::<S, K>(simd, slabs, start + first, ray, kinds);
                     for c in 0..3 {
                         interval.light[c] += one.light[c];
                     }

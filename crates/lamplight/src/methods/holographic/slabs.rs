@@ -18,6 +18,9 @@ pub const MATTER: u8 = 1;
 /// Bit of [`Slabs::kinds`]: the cell holds matter that is not solid.
 pub const FRACTION: u8 = 2;
 
+/// Bit of [`Slabs::kinds`]: the cell gives off light, or sends it on.
+pub const GLOWING: u8 = 4;
+
 /// The axis that a pair of quadrants looks along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
@@ -63,7 +66,7 @@ pub struct Slabs {
     pub source: [Vec<f32>; 3],
     /// Light that walls send on, by face (front of this direction, of the other, low, high).
     sent: [[Vec<f32>; 3]; 4],
-    /// [`MATTER`] and [`FRACTION`].
+    /// [`MATTER`], [`FRACTION`] and [`GLOWING`].
     pub kinds: Vec<u8>,
 }
 
@@ -120,7 +123,10 @@ impl Slabs {
                     continue;
                 }
                 let at = start + row;
-                self.kinds[at] = if opacity < 1.0 { MATTER | FRACTION } else { MATTER };
+                let glows = cells.emission()[i] != [0.0; 3];
+                self.kinds[at] = MATTER
+                    | if opacity < 1.0 { FRACTION } else { 0 }
+                    | if glows { GLOWING } else { 0 };
                 let tint = cells.tint()[i];
                 let log = log_transmittance(opacity, tint);
                 for c in 0..3 {
@@ -131,6 +137,7 @@ impl Slabs {
                     }
                 }
                 if let Some((surfaces, slot)) = surfaces.and_then(|s| Some((s, s.slot(i)?))) {
+                    self.kinds[at] |= GLOWING;
                     self.send(surfaces, slot, at, opacity >= 1.0, axis);
                 }
             }
