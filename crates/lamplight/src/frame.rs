@@ -1,6 +1,7 @@
 //! One frame, from cells to light, top to bottom.
 
 use crate::clock::Clock;
+use crate::methods::holographic::Holographic;
 use crate::methods::raymarch::{Input, Raymarch};
 use crate::settings::{BounceBy, Bounces, Hit, Method};
 use crate::stages::denoise::Denoise;
@@ -20,6 +21,7 @@ pub struct Solver {
     cells: Cells,
     fields: Fields,
     raymarch: Raymarch,
+    holographic: Holographic,
     traced: Traced,
     temporal: Temporal,
     denoise: Denoise,
@@ -62,6 +64,7 @@ impl Solver {
             cells: Cells::new(1, 1)?,
             fields: Fields::default(),
             raymarch: Raymarch::default(),
+            holographic: Holographic::default(),
             traced: Traced::default(),
             temporal: Temporal::default(),
             denoise: Denoise::default(),
@@ -87,6 +90,12 @@ impl Solver {
 
         match self.settings.method {
             Method::Raymarch => self.raymarch(),
+            Method::Holographic => self.holographic.solve(
+                &self.cells,
+                &self.settings,
+                &mut self.light.rgb,
+                &mut self.clock,
+            ),
         }
 
         self.light.width = self.cells.width();
