@@ -2,6 +2,7 @@
 //!
 //! Figures stand between `<!-- begin NAME: cargo xtask docs -->` and `<!-- end NAME -->`.
 
+use crate::frontier::{self, Scene};
 use crate::generated::{self, Mode, root};
 use crate::scenes;
 use crate::test::cargo;
@@ -25,7 +26,29 @@ pub fn run() -> Result<()> {
     pictures()?;
     let machine = machine()?;
     insert("docs/README.md", "times", &times(&machine)?)?;
-    insert("docs/raymarch.md", "errors", &errors(&machine)?)
+    insert("docs/raymarch.md", "errors", &errors(&machine)?)?;
+    methods(&machine)
+}
+
+/// The page that sets all methods side by side.
+fn methods(machine: &str) -> Result<()> {
+    let mut judged = Vec::new();
+    for name in scenes::NAMES {
+        println!("compare {name}");
+        let flags = ["--bounces", "0", "--cells", frontier::CELLS, "--samples", frontier::SAMPLES];
+        let said = lamplight(&[&["compare", &file(name), "--json"], &flags[..]].concat())?;
+        judged.push(Scene::read(name, &said)?);
+    }
+    let plot = frontier::svg(&judged)?;
+    generated::bytes(Mode::Write, "docs/pictures/methods.svg", plot.as_bytes(), "docs")?;
+    let table = format!(
+        "{}\nRelative RMSE of direct light at {} open cells a scene, picked at random, against {} paths \
+         a cell; `mean` and `a frame` are geometric means over the scenes. Median times {machine}.\n",
+        frontier::table(&judged)?,
+        frontier::CELLS,
+        frontier::SAMPLES,
+    );
+    insert("docs/methods.md", "methods", &table)
 }
 
 fn pictures() -> Result<()> {
@@ -69,8 +92,9 @@ fn times(machine: &str) -> Result<String> {
 
 fn errors(machine: &str) -> Result<String> {
     println!("compare {JUDGED}");
-    let arguments = ["compare", &file(JUDGED), "--bounces", "0", "--samples", SAMPLES, "--json"];
-    let judged: Value = serde_json::from_str(&lamplight(&arguments)?)?;
+    let direct = ["--bounces", "0", "--samples", SAMPLES, "--json"];
+    let raymarch = ["compare", &file(JUDGED), "--methods", "raymarch", "--sweep"];
+    let judged: Value = serde_json::from_str(&lamplight(&[&raymarch[..], &direct].concat())?)?;
     let percent = |row: &Value, key: &str| Ok::<_, anyhow::Error>(number(row, key)? * 100.0);
     let mut table = String::from(
         "| what | relative RMSE | bias | 99th percentile | FLIP | a frame |\n\

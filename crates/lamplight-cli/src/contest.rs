@@ -166,10 +166,8 @@ fn entries(method: Method, table: &SettingsTable, sweep: bool) -> Outcome<Vec<En
         let settings = without_filters(table.resolve()?);
         all.push(Entry { preset: Some(preset), ..Entry::of(preset.to_owned(), settings) });
     }
-    if sweep {
-        match method {
-            Method::Raymarch => all.extend(raymarch_sweep(&as_set)),
-        }
+    if sweep && method == Method::Raymarch {
+        all.extend(raymarch_sweep(&as_set));
     }
     if all.iter().all(|entry| entry.settings != as_set) {
         all.insert(0, Entry::of("as set".into(), as_set));

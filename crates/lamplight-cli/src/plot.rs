@@ -162,7 +162,9 @@ fn draw(svg: &mut String, series: &[Series], noise: f64) -> Result<(), Box<dyn E
     let widest = series.iter().map(|s| width(s.name)).max().unwrap_or_default();
     for (line, Series { name, color, .. }) in (0i32..).zip(series) {
         let at = (SIZE.0 as i32 - 28 - widest, 24 + line * (LABEL + 4));
-        root.draw(&Circle::new((at.0 - 12, at.1 + LABEL / 2), POINT, ink(*color).filled()))?;
+        // No circle, which would be a point of the plot.
+        let swatch = [(at.0 - 18, at.1 + 3), (at.0 - 6, at.1 + LABEL - 3)];
+        root.draw(&Rectangle::new(swatch, ink(*color).filled()))?;
         write(name, at, ink(*color))?;
         labels.taken.push([at.0 - 20, at.1 - 2, at.0 + widest, at.1 + LABEL + 2]);
     }

@@ -61,7 +61,8 @@ does, 0 to 1. A time is the median of a frame.</p>
 <div class="plot">
 {plot}
 </div>
-<p class="dim">Both axes are logarithmic: lower left is better. What lies near the dashed line may be better than
+<p class="dim">Both axes are logarithmic: lower left is better. A line joins what nothing else of a method
+beats in both. What lies near the dashed line may be better than
 it looks: more <code>--samples</code> would show.</p>
 
 <h2>Pictures and where they are wrong</h2>
