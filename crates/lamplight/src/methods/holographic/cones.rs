@@ -150,22 +150,28 @@ impl Cones {
     /// given.
     pub fn begin(&mut self, sky: impl Fn(f64) -> Rgb) {
         let top = self.levels.len() - 1;
+        let mut changed = false;
         for at in (0..=top).rev() {
             let level = self.first + 1 + at as u32;
             for cone in 0..cones(level) {
-                self.levels[at].sky[cone] = if at == top {
+                let light = if at == top {
                     let [from, to] = [cone, cone + 1].map(|i| slope(level, i).atan());
                     sky(0.5 * (from + to)).map(|v| v * (to - from) as f32)
                 } else {
                     let above = &self.levels[at + 1].sky;
                     std::array::from_fn(|c| above[2 * cone][c] + above[2 * cone + 1][c])
                 };
+                changed |= std::mem::replace(&mut self.levels[at].sky[cone], light) != light;
             }
             let Level { rows, plane, sky, .. } = &mut self.levels[at];
             *plane = None;
-            sky_beyond(rows, self.stride, self.pad, self.rows, sky);
+            if changed {
+                sky_beyond(rows, self.stride, self.pad, self.rows, sky);
+            }
         }
-        sky_beyond(&mut self.fine, self.stride, self.pad, self.rows, &self.levels[0].sky);
+        if changed {
+            sky_beyond(&mut self.fine, self.stride, self.pad, self.rows, &self.levels[0].sky);
+        }
     }
 
     /// Rows before those of the grid.

@@ -85,16 +85,15 @@ impl Fronts {
         self.slots[cell] as usize
     }
 
-    /// Open cells among 64 rows of a slab, and those in front of faces.
+    /// Bits of 64 rows of a slab: open cells, cells in front of faces, and those whose light
+    /// surfaces need.
     #[inline(always)]
-    pub fn bits(&self, axis: Axis, slab: usize, word: usize) -> [u64; 2] {
-        [&self.open, &self.before_faces].map(|bits| bits.word(axis, slab, word))
-    }
-
-    /// Cells whose light surfaces need.
-    #[inline(always)]
-    pub fn surfaces(&self, axis: Axis, slab: usize, word: usize) -> u64 {
-        self.surfaces.word(axis, slab, word)
+    pub fn bits(&self, axis: Axis, slab: usize, word: usize) -> [u64; 3] {
+        [
+            self.open.word(axis, slab, word),
+            self.before_faces.word(axis, slab, word),
+            self.surfaces.word(axis, slab, word),
+        ]
     }
 }
 

@@ -107,19 +107,26 @@ impl Holographic {
     fn gather(&self, cells: &Cells, light: &mut Vec<Rgb>) {
         let w = cells.width() as usize;
         light.resize(cells.len(), [0.0; 3]);
-        light.par_chunks_mut(w).enumerate().for_each(|(y, light)| {
-            for (x, light) in light.iter_mut().enumerate() {
-                let i = y * w + x;
-                *light = if !cells.is_solid(i) {
-                    self.fluence(x, y)
-                } else if let Some(slot) = self.surfaces.slot(i) {
-                    let wall = &self.surfaces.walls[slot];
-                    mean_over_faces(wall, &self.faces(i, wall.exposed, w))
-                } else {
-                    [0.0; 3]
-                };
+        // Block by block, as one pair of quadrants holds columns and the other rows.
+        light.par_chunks_mut(BLOCK * w).enumerate().for_each(|(block, light)| {
+            for from in (0..w).step_by(BLOCK) {
+                for (row, light) in light.chunks_exact_mut(w).enumerate() {
+                    let y = block * BLOCK + row;
+                    for x in from..w.min(from + BLOCK) {
+                        light[x] = self.fluence(x, y);
+                    }
+                }
             }
         });
+        for (i, light) in light.iter_mut().enumerate().filter(|(i, _)| cells.is_solid(*i)) {
+            *light = match self.surfaces.slot(i) {
+                Some(slot) => {
+                    let wall = &self.surfaces.walls[slot];
+                    mean_over_faces(wall, &self.faces(i, wall.exposed, w))
+                }
+                None => [0.0; 3],
+            };
+        }
     }
 
     /// Turns what surfaces receive into what they send out; returns the largest change relative to
@@ -157,3 +164,6 @@ impl Holographic {
 
 /// Change of what surfaces receive, relative to the mean, at which bounces have converged.
 const CONVERGED: f32 = 1e-3;
+
+/// Side of the blocks in which light is gathered, px: a few lines of the cache.
+const BLOCK: usize = 16;

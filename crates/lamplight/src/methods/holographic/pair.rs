@@ -2,7 +2,7 @@
 
 use super::cones::Cones;
 use super::fronts::Fronts;
-use super::hop::{Hop, TILE};
+use super::hop::{Hop, TILE, VECTORS};
 use super::interval::LANES;
 use super::pyramid::{Pyramid, planes};
 use super::slabs::{Axis, Slabs};
@@ -63,7 +63,6 @@ impl Pair {
         self.cones.prepare(depth, rows, &self.pyramid, Hop::reach(settings.hop));
         self.stride = rows.next_multiple_of(TILE);
         for fluence in &mut self.fluence {
-            fluence.clear();
             fluence.resize(depth * self.stride, 0.0);
         }
         self.onto.clear();
@@ -94,65 +93,67 @@ impl Pair {
         let length = 1 << scene.settings.hop;
         for plane in (1..=planes(self.slabs.depth, scene.settings.hop)).rev() {
             let a=std::time::Instant::now(); self.cones.descend::<S, K>(simd, &self.pyramid, plane); td+=a.elapsed(); let a=std::time::Instant::now();
-            for slab in (plane - 1) * length..(plane * length).min(self.slabs.depth) {
-                self.light::<S, K>(simd, scene, [slab, plane], reversed);
+            // Tile by tile: the light of 64 rows of the plane stays close while all slabs look at it.
+            for row in (0..self.slabs.rows).step_by(TILE) {
+                for slab in (plane - 1) * length..(plane * length).min(self.slabs.depth) {
+                    self.light::<S, K>(simd, scene, [slab, plane], row, reversed);
+                }
             }
             tl+=a.elapsed();
         }
         if std::env::var("HT").is_ok() { eprintln!("build {:?} trace {:?} descend {:?} light {:?}", t1, super::pyramid::TRACE.with(|t|t.take()), td, tl); }
     }
 
-    /// Lights the pixels of a slab that looks to a plane.
+    /// Lights 64 pixels of a slab that look to a plane.
     #[inline(always)]
     fn light<S: Simd, const K: usize>(
         &mut self,
         simd: S,
         scene: Scene,
         [slab, plane]: [usize; 2],
+        row: usize,
         reversed: bool,
     ) {
-        let width = scene.cells.width() as usize;
         let place = if reversed { self.slabs.depth - 1 - slab } else { slab };
+        let [open, faces, surfaces] = scene.fronts.bits(self.axis, place, row / TILE);
+        let lit = if scene.all { open } else { surfaces };
+        if lit == 0 {
+            return;
+        }
+        let (slabs, cones) = (&self.slabs, &self.cones);
+        let tile = self.hop.light::<S, K>(simd, slabs, cones, [slab, plane], row, [lit, faces]);
+        for (c, fluence) in self.fluence.iter_mut().enumerate() {
+            let to = &mut fluence[place * self.stride + row..][..TILE];
+            for v in 0..VECTORS {
+                let to = &mut to[v * LANES..][..LANES];
+                let mut light = tile[0][c][v];
+                if reversed {
+                    light += f32x16::from_slice(simd, to);
+                }
+                light.store_slice(to);
+            }
+        }
+        if faces == 0 {
+            return;
+        }
+        let mut onto = [[[[0.0; LANES]; VECTORS]; 3]; 3];
+        for (side, onto) in onto.iter_mut().enumerate() {
+            for c in 0..3 {
+                for v in 0..VECTORS {
+                    tile[1 + side][c][v].store_slice(&mut onto[c][v]);
+                }
+            }
+        }
+        let width = scene.cells.width() as usize;
         let normals = normals(self.axis, reversed);
-        for row in (0..self.slabs.rows).step_by(TILE) {
-            let [open, faces] = scene.fronts.bits(self.axis, place, row / TILE);
-            let [lit, faces] = match scene.all {
-                true => [open, faces],
-                false => [scene.fronts.surfaces(self.axis, place, row / TILE), faces],
-            };
-            if lit == 0 {
-                continue;
-            }
-            let (slabs, cones) = (&self.slabs, &self.cones);
-            let tile = self.hop.light::<S, K>(simd, slabs, cones, [slab, plane], row, [lit, faces]);
-            for (c, fluence) in self.fluence.iter_mut().enumerate() {
-                let to = &mut fluence[place * self.stride + row..][..TILE];
-                for v in 0..TILE / LANES {
-                    let to = &mut to[v * LANES..][..LANES];
-                    (tile[0][c][v] + f32x16::from_slice(simd, to)).store_slice(to);
-                }
-            }
-            let mut left = faces;
-            if left == 0 {
-                continue;
-            }
-            let mut values = [[[[0.0; LANES]; TILE / LANES]; 3]; 3];
-            for (side, values) in values.iter_mut().enumerate() {
+        let mut left = faces;
+        while left != 0 {
+            let bit = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let front = scene.fronts.slot(self.slabs.cell(self.axis, slab, row + bit, width));
+            for (side, normal) in onto.iter().zip(normals) {
                 for c in 0..3 {
-                    for v in 0..TILE / LANES {
-                        tile[1 + side][c][v].store_slice(&mut values[c][v]);
-                    }
-                }
-            }
-            while left != 0 {
-                let bit = left.trailing_zeros() as usize;
-                left &= left - 1;
-                let front = scene.fronts.slot(self.slabs.cell(self.axis, slab, row + bit, width));
-                let onto = &mut self.onto[front];
-                for (side, normal) in values.iter().zip(normals) {
-                    for c in 0..3 {
-                        onto[normal][c] += side[c][bit / LANES][bit % LANES];
-                    }
+                    self.onto[front][normal][c] += side[c][bit / LANES][bit % LANES];
                 }
             }
         }

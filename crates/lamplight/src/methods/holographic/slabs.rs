@@ -5,9 +5,9 @@
 //! neighbouring rows and one direction are one vector. The opposite quadrant takes the same slabs
 //! in reverse. Empty rows and slabs round the grid spare rays every test for its edge.
 
-use crate::Cells;
+use crate::{Cells, Rgb};
 use crate::stages::bounce::{NORMALS, Surfaces};
-use crate::stages::transmittance::log_transmittance;
+use crate::stages::transmittance::{LOG_OF_ZERO, log_transmittance};
 
 /// Rows of empty space on both sides of a slab: more than any ray of a last hop strays.
 pub const MARGIN: usize = 64;
@@ -68,6 +68,8 @@ pub struct Slabs {
     sent: [[Vec<f32>; 3]; 4],
     /// [`MATTER`], [`FRACTION`] and [`GLOWING`].
     pub kinds: Vec<u8>,
+    /// Where there is matter.
+    occupied: Vec<usize>,
 }
 
 impl Slabs {
@@ -88,60 +90,70 @@ impl Slabs {
         self.stride = self.rows.next_multiple_of(64) + 2 * MARGIN;
         self.beyond = beyond;
         self.reversed = false;
-        let tints = |i: usize| {
-            let [r, g, b] = cells.tint()[i];
-            r != g || g != b
-        };
-        self.channels = if (0..cells.len()).any(tints) { 3 } else { 1 };
+        let tinted = cells.tint().iter().any(|&tint| tint != [1.0; 3]);
+        let coloured = |&[r, g, b]: &Rgb| r != g || g != b;
+        self.channels = if tinted && cells.tint().iter().any(coloured) { 3 } else { 1 };
         self.faces = surfaces.is_some();
-        let size = (self.depth + 2 * beyond) * self.stride;
-        let fill = |to: &mut Vec<f32>, value: f32| {
-            to.clear();
-            to.resize(size, value);
+        self.empty();
+        for (i, &opacity) in cells.opacity().iter().enumerate() {
+            if opacity == 0.0 && !(tinted && cells.tint()[i] != [1.0; 3]) {
+                continue;
+            }
+            let (slab, row) = match axis {
+                Axis::X => (i % w, i / w),
+                Axis::Y => (i / w, i % w),
+            };
+            let at = self.start(slab) + row;
+            self.occupied.push(at);
+            let emission = cells.emission()[i];
+            let solid = opacity >= 1.0;
+            self.kinds[at] = MATTER
+                | if solid { 0 } else { FRACTION }
+                | if emission == [0.0; 3] { 0 } else { GLOWING };
+            let tint = cells.tint()[i];
+            let log = if solid { [LOG_OF_ZERO; 3] } else { log_transmittance(opacity, tint) };
+            for c in 0..3 {
+                self.source[c][at] = emission[c];
+                if c < self.channels {
+                    self.pass[c][at] = (1.0 - opacity) * tint[c];
+                    self.log_pass[c][at] = log[c];
+                }
+            }
+            if let Some((surfaces, slot)) = surfaces.and_then(|s| Some((s, s.slot(i)?))) {
+                self.kinds[at] |= GLOWING;
+                self.send(surfaces, slot, at, solid, axis);
+            }
+        }
+    }
+
+    /// Takes all matter out.
+    fn empty(&mut self) {
+        let size = (self.depth + 2 * self.beyond) * self.stride;
+        let occupied = std::mem::take(&mut self.occupied);
+        let clear = |to: &mut Vec<f32>, value: f32, used: bool| {
+            if to.len() != if used { size } else { 0 } {
+                to.clear();
+                to.resize(if used { size } else { 0 }, value);
+            } else if used {
+                occupied.iter().for_each(|&at| to[at] = value);
+            }
         };
         for c in 0..3 {
-            fill(&mut self.source[c], 0.0);
-            if c < self.channels {
-                fill(&mut self.pass[c], 1.0);
-                fill(&mut self.log_pass[c], 0.0);
-            }
-            if self.faces {
-                (0..4).for_each(|face| fill(&mut self.sent[face][c], 0.0));
+            clear(&mut self.source[c], 0.0, true);
+            clear(&mut self.pass[c], 1.0, c < self.channels);
+            clear(&mut self.log_pass[c], 0.0, c < self.channels);
+            for sent in &mut self.sent {
+                clear(&mut sent[c], 0.0, self.faces);
             }
         }
-        self.kinds.clear();
-        self.kinds.resize(size, 0);
-        for slab in 0..self.depth {
-            let start = self.start(slab);
-            for row in 0..self.rows {
-                let i = match axis {
-                    Axis::X => row * w + slab,
-                    Axis::Y => slab * w + row,
-                };
-                let opacity = cells.opacity()[i];
-                if opacity == 0.0 && cells.tint()[i] == [1.0; 3] {
-                    continue;
-                }
-                let at = start + row;
-                let glows = cells.emission()[i] != [0.0; 3];
-                self.kinds[at] = MATTER
-                    | if opacity < 1.0 { FRACTION } else { 0 }
-                    | if glows { GLOWING } else { 0 };
-                let tint = cells.tint()[i];
-                let log = log_transmittance(opacity, tint);
-                for c in 0..3 {
-                    self.source[c][at] = cells.emission()[i][c];
-                    if c < self.channels {
-                        self.pass[c][at] = (1.0 - opacity) * tint[c];
-                        self.log_pass[c][at] = log[c];
-                    }
-                }
-                if let Some((surfaces, slot)) = surfaces.and_then(|s| Some((s, s.slot(i)?))) {
-                    self.kinds[at] |= GLOWING;
-                    self.send(surfaces, slot, at, opacity >= 1.0, axis);
-                }
-            }
+        if self.kinds.len() == size {
+            occupied.iter().for_each(|&at| self.kinds[at] = 0);
+        } else {
+            self.kinds.clear();
+            self.kinds.resize(size, 0);
         }
+        self.occupied = occupied;
+        self.occupied.clear();
     }
 
     /// Adds what a surface sends on.
