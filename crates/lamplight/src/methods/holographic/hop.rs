@@ -14,7 +14,7 @@ use super::interval::LANES;
 use super::march::{march, meet, of_vector};
 use super::slabs::Slabs;
 use super::stencil::{Step, stencil};
-use fearless_simd::{f32x16, prelude::*};
+use fearless_simd::{f32x16, prelude::*, u8x64};
 
 /// Rows that are looked at together: a word of bits.
 pub const TILE: usize = 64;
@@ -87,13 +87,14 @@ impl Hop {
         let mut tile = [[[zero; VECTORS]; 3]; 4];
         let ahead = (plane << self.level) - slab;
         let start = slabs.start(slab) + row;
+        let empty = is_empty(simd, slabs, start, ahead);
         for ray in &self.rays[ahead - 1] {
             let far = cones.at(plane, ray.cone);
             let at = (cones.pad() + row).wrapping_add_signed(ray.row);
             let mut light = far.between(simd, at, ray.past, ray.share);
-            let met = meet(simd, &slabs.kinds, start, &ray.cells);
-            if met.matter & lit != 0 {
-                for v in 0..VECTORS {
+            if !empty {
+                let met = meet(simd, &slabs.kinds, start, &ray.cells);
+                for v in (0..VECTORS).filter(|_| met.matter & lit != 0) {
                     let first = v * LANES;
                     let Some(kinds) = met.kinds(first) else { continue };
                     let near = march::<S, K>(simd, slabs, start + first, &ray.steps, kinds);
@@ -128,6 +129,19 @@ impl Hop {
         }
         tile
     }
+}
+
+/// Whether 64 pixels have no matter between them and the plane.
+#[inline(always)]
+fn is_empty<S: Simd>(simd: S, slabs: &Slabs, start: usize, ahead: usize) -> bool {
+    let mut met = u8x64::splat(simd, 0);
+    for slab in 0..=ahead {
+        let start = start.wrapping_add_signed(slab as isize * slabs.step());
+        let around = &slabs.kinds[start - ahead - 1..start + TILE + ahead + 1];
+        met |= u8x64::from_slice(simd, &around[..TILE]);
+        met |= u8x64::from_slice(simd, &around[around.len() - TILE..]);
+    }
+    met.simd_gt(0).to_bitmask() == 0
 }
 
 /// The rays to a plane `ahead` slabs on, `stride` cells from one slab to the next.

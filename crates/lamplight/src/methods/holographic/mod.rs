@@ -87,8 +87,8 @@ impl Holographic {
     }
 
     fn fluence(&self, x: usize, y: usize) -> Rgb {
-        let [a, b] = self.pairs.each_ref().map(|pair| pair.fluence(x, y));
-        std::array::from_fn(|c| (a[c] + b[c]) / TAU)
+        let [a, b] = [self.pairs[0].fluence(x, y), self.pairs[1].fluence(x, y)];
+        [a[0] + b[0], a[1] + b[1], a[2] + b[2]].map(|v| v * (1.0 / TAU))
     }
 
     /// Light that the exposed faces of a wall receive.

@@ -160,13 +160,13 @@ impl Pair {
     }
 
     /// ∫ L dω at a cell.
-    #[inline]
+    #[inline(always)]
     pub fn fluence(&self, x: usize, y: usize) -> Rgb {
         let at = match self.axis {
             Axis::X => x * self.stride + y,
             Axis::Y => y * self.stride + x,
         };
-        std::array::from_fn(|c| self.fluence[c][at])
+        [self.fluence[0][at], self.fluence[1][at], self.fluence[2][at]]
     }
 
     /// ∫ L cosθ dω onto a face with a normal (by index) in front of which a cell lies.
