@@ -93,17 +93,10 @@ impl Far<'_> {
         light
     }
 
-    /// A share of the light of a tile from `at` on, `past` of the way to the row after.
+    /// Light of a tile from `at` on, `past` of the way to the row after.
     #[inline(always)]
-    pub fn between<S: Simd>(
-        &self,
-        simd: S,
-        at: usize,
-        past: f32,
-        share: f32,
-    ) -> [[f32x16<S>; VECTORS]; 3] {
+    pub fn between<S: Simd>(&self, simd: S, at: usize, past: f32) -> [[f32x16<S>; VECTORS]; 3] {
         let mut light = [[f32x16::splat(simd, 0.0); VECTORS]; 3];
-        let (low_share, high_share) = ((1.0 - past) * share, past * share);
         for c in 0..3 {
             match self {
                 Self::Rows(rows) => {
@@ -111,10 +104,10 @@ impl Far<'_> {
                     for v in 0..VECTORS {
                         let low = f32x16::from_slice(simd, &rows[v * LANES..][..LANES]);
                         let high = f32x16::from_slice(simd, &rows[v * LANES + 1..][..LANES]);
-                        light[c][v] = low * low_share + high * high_share;
+                        light[c][v] = low * (1.0 - past) + high * past;
                     }
                 }
-                Self::Sky(sky) => light[c] = [f32x16::splat(simd, sky[c] * share); VECTORS],
+                Self::Sky(sky) => light[c] = [f32x16::splat(simd, sky[c]); VECTORS],
             }
         }
         light

@@ -2,9 +2,9 @@
 
 use super::cones::Cones;
 use super::fronts::Fronts;
-use super::hop::{Hop, TILE, VECTORS};
+use super::hop::{Hop, Look, TILE, VECTORS};
 use super::interval::LANES;
-use super::pyramid::{Pyramid, planes};
+use super::pyramid::Pyramid;
 use super::slabs::{Axis, Slabs};
 use crate::settings::Holographic;
 use crate::stages::bounce::Surfaces;
@@ -57,10 +57,15 @@ impl Pair {
     /// Lights the grid from both sides.
     pub fn solve(&mut self, level: Level, scene: Scene) {
         let settings = scene.settings;
-        self.slabs.read(scene.cells, self.axis, 1 << settings.hop, scene.surfaces);
+        let look = Look {
+            level: settings.hop,
+            least: settings.least as usize,
+            rays: settings.rays,
+        };
+        self.slabs.read(scene.cells, self.axis, look.most(), scene.surfaces);
         self.pyramid.prepare(&self.slabs, settings.hop);
         let Slabs { depth, rows, .. } = self.slabs;
-        self.cones.prepare(depth, rows, &self.pyramid, Hop::reach(settings.hop));
+        self.cones.prepare(depth, rows, &self.pyramid, look.most());
         self.stride = rows.next_multiple_of(TILE);
         for fluence in &mut self.fluence {
             fluence.resize(depth * self.stride, 0.0);
@@ -69,10 +74,10 @@ impl Pair {
         self.onto.resize(scene.fronts.len(), [[0.0; 3]; 4]);
         for reversed in [false, true] {
             self.pyramid.aim(&self.slabs, settings.beams);
-            self.hop.aim(&self.slabs, settings.hop, settings.rays);
+            self.hop.aim(&self.slabs, look);
             match self.slabs.channels {
-                1 => dispatch!(level, simd => self.quadrant::<_, 1>(simd, scene, reversed)),
-                _ => dispatch!(level, simd => self.quadrant::<_, 3>(simd, scene, reversed)),
+                1 => dispatch!(level, simd => self.quadrant::<_, 1>(simd, scene, look, reversed)),
+                _ => dispatch!(level, simd => self.quadrant::<_, 3>(simd, scene, look, reversed)),
             }
             self.slabs.reverse();
         }
@@ -80,7 +85,13 @@ impl Pair {
 
     /// Light that arrives from ahead.
     #[inline(always)]
-    fn quadrant<S: Simd, const K: usize>(&mut self, simd: S, scene: Scene, reversed: bool) {
+    fn quadrant<S: Simd, const K: usize>(
+        &mut self,
+        simd: S,
+        scene: Scene,
+        look: Look,
+        reversed: bool,
+    ) {
         let t0=std::time::Instant::now(); self.pyramid.build::<S, K>(simd, &self.slabs); let t1=t0.elapsed(); let (mut td,mut tl)=(std::time::Duration::ZERO,std::time::Duration::ZERO);
         let sky = scene.cells.sky();
         self.cones.begin(|angle| {
@@ -90,12 +101,11 @@ impl Pair {
                 Axis::Y => ahead as f32,
             })
         });
-        let length = 1 << scene.settings.hop;
-        for plane in (1..=planes(self.slabs.depth, scene.settings.hop)).rev() {
+        for plane in (1..=look.last(self.slabs.depth)).rev() {
             let a=std::time::Instant::now(); self.cones.descend::<S, K>(simd, &self.pyramid, plane); td+=a.elapsed(); let a=std::time::Instant::now();
             // Tile by tile: the light of 64 rows of the plane stays close while all slabs look at it.
             for row in (0..self.slabs.rows).step_by(TILE) {
-                for slab in (plane - 1) * length..(plane * length).min(self.slabs.depth) {
+                for slab in look.slabs(plane, self.slabs.depth) {
                     self.light::<S, K>(simd, scene, [slab, plane], row, reversed);
                 }
             }
