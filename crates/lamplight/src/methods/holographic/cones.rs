@@ -93,24 +93,33 @@ impl Far<'_> {
         light
     }
 
-    /// Light of a tile from `at` on, `past` of the way to the row after.
+    /// Adds shares of the light of a tile of rows from `at` on, and of those one row on.
     #[inline(always)]
-    pub fn between<S: Simd>(&self, simd: S, at: usize, past: f32) -> [[f32x16<S>; VECTORS]; 3] {
-        let mut light = [[f32x16::splat(simd, 0.0); VECTORS]; 3];
+    pub fn add<S: Simd>(
+        &self,
+        simd: S,
+        at: usize,
+        shares: &[f32; 2],
+        light: &mut [[f32x16<S>; VECTORS]; 3],
+    ) {
         for c in 0..3 {
             match self {
                 Self::Rows(rows) => {
                     let rows = &rows[c][at..at + TILE + 1];
                     for v in 0..VECTORS {
-                        let low = f32x16::from_slice(simd, &rows[v * LANES..][..LANES]);
-                        let high = f32x16::from_slice(simd, &rows[v * LANES + 1..][..LANES]);
-                        light[c][v] = low * (1.0 - past) + high * past;
+                        for (i, &share) in shares.iter().enumerate() {
+                            let row = f32x16::from_slice(simd, &rows[v * LANES + i..][..LANES]);
+                            light[c][v] = row.mul_add(share, light[c][v]);
+                        }
                     }
                 }
-                Self::Sky(sky) => light[c] = [f32x16::splat(simd, sky[c]); VECTORS],
+                Self::Sky(sky) => {
+                    for v in 0..VECTORS {
+                        light[c][v] += sky[c];
+                    }
+                }
             }
         }
-        light
     }
 }
 
@@ -178,16 +187,10 @@ impl Cones {
         if plane >= planes(self.depth, self.first) {
             Far::Sky(self.levels[0].sky[cone])
         } else if plane.is_multiple_of(2) {
-            self.far(0, cone)
+            far(&self.levels[0], cone, self.stride)
         } else {
             Far::Rows(channels(&self.fine, cone, self.stride))
         }
-    }
-
-    /// Light of a cone at the plane that a level above the first holds.
-    #[inline(always)]
-    fn far(&self, level: usize, cone: usize) -> Far<'_> {
-        far(&self.levels[level], cone, self.stride)
     }
 
     /// Makes the light of the first level at a plane; planes come in falling order.
@@ -298,8 +301,8 @@ fn add_up<S: Simd, const K: usize>(
                 _ => Far::Sky(term.sky).load(simd, 0),
             };
             for c in 0..3 {
-                let light = near.light[c] * term.angle + near.through[c % K] * far[c];
-                sum[c] += light * term.share;
+                let light = near.light[c].mul_add(term.angle, near.through[c % K] * far[c]);
+                sum[c] = light.mul_add(term.share, sum[c]);
             }
         }
         for c in 0..3 {

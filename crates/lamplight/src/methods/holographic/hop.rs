@@ -5,13 +5,13 @@
 //! through each cone it sends a ray, traced exactly over the L = 1 … 2ᵐ px to the plane, and adds
 //! `A·r + t·R_m(X, y + L·slope)`, R_m linear between the two rows.
 //!
-//! Where one of those two rows is in matter and the ray is not, its light is that of the matter's
-//! own surface and would make it look up to a px fatter, so rows count by what their cells let
+//! Where one of the rows is in matter and the ray is not, its light is that of the matter's own
+//! surface and would make it look up to a px fatter, so rows count by what their cells let
 //! through.
 
 use super::cones::{Cones, Far, angle, slope};
 use super::interval::LANES;
-use super::march::{Kinds, march, meet, of_vector};
+use super::march::{Kinds, Met, march, meet, of_vector};
 use super::slabs::Slabs;
 use super::stencil::{Step, stencil};
 use fearless_simd::{f32x16, prelude::*, u8x64};
@@ -28,9 +28,10 @@ const CLOSED: f32 = 1e-6;
 /// One ray of a pixel.
 #[derive(Debug)]
 struct Ray {
-    /// Rows from the start to the row before its end on the plane; how far past it.
+    /// Rows from the start to the row before its end on the plane.
     row: isize,
-    past: f32,
+    /// Shares of that row and of the next in the light there.
+    shares: [f32; 2],
     /// Where that row's cell of the plane is.
     end: isize,
     steps: Vec<Step>,
@@ -124,33 +125,32 @@ impl Hop {
             let middle = &cone.middle;
             let row = light.pad() + row;
             let at = row.wrapping_add_signed(middle.row);
-            let mut light = far.between(simd, at, middle.past);
-            if !empty {
-                let met = meet(simd, &slabs.kinds, start, &cone.cells);
-                for v in (0..VECTORS).filter(|_| met.matter & lit != 0) {
-                    let first = v * LANES;
-                    let Some(kinds) = met.kinds(first) else { continue };
-                    let rays = match kinds.glowing {
-                        true => &cone.fan,
-                        false => std::slice::from_ref(&cone.middle),
-                    };
-                    let mut sum = [zero; 3];
-                    for ray in rays {
-                        let one = look::<S, K>(
-                            simd,
-                            slabs,
-                            [start + first, row + first],
-                            (ray, kinds, cone.angle),
-                            &far,
-                        );
-                        for c in 0..3 {
-                            sum[c] += one[c];
-                        }
-                    }
-                    let share = 1.0 / rays.len() as f32;
+            let met =
+                if empty { Met::NOTHING } else { meet(simd, &slabs.kinds, start, &cone.cells) };
+            if (met.matter & lit) | faces == 0 {
+                far.add(simd, at, &middle.shares, &mut tile[0]);
+                continue;
+            }
+            let mut light = [[zero; VECTORS]; 3];
+            far.add(simd, at, &middle.shares, &mut light);
+            for v in 0..VECTORS {
+                let first = v * LANES;
+                let Some(kinds) = met.kinds(first) else { continue };
+                let rays = match kinds.glowing {
+                    true => &cone.fan,
+                    false => std::slice::from_ref(&cone.middle),
+                };
+                let mut sum = [zero; 3];
+                for ray in rays {
+                    let from = [start + first, row + first];
+                    let one = look::<S, K>(simd, slabs, from, (ray, kinds, cone.angle), &far);
                     for c in 0..3 {
-                        light[c][v] = sum[c] * share;
+                        sum[c] += one[c];
                     }
+                }
+                let share = 1.0 / rays.len() as f32;
+                for c in 0..3 {
+                    light[c][v] = sum[c] * share;
                 }
             }
             for c in 0..3 {
@@ -163,8 +163,8 @@ impl Hop {
                 let side = if across > 0.0 { 2 } else { 3 };
                 for v in (0..VECTORS).filter(|v| of_vector(faces, v * LANES)) {
                     for c in 0..3 {
-                        tile[1][c][v] += light[c][v] * ahead;
-                        tile[side][c][v] += light[c][v] * across.abs();
+                        tile[1][c][v] = light[c][v].mul_add(ahead, tile[1][c][v]);
+                        tile[side][c][v] = light[c][v].mul_add(across.abs(), tile[side][c][v]);
                     }
                 }
             }
@@ -184,15 +184,19 @@ fn look<S: Simd, const K: usize>(
 ) -> [f32x16<S>; 3] {
     let near = march::<S, K>(simd, slabs, start, &ray.steps, kinds);
     let pass = &slabs.pass[0][start.wrapping_add_signed(ray.end)..];
-    let low_share = f32x16::from_slice(simd, &pass[..LANES]) * (1.0 - ray.past);
-    let high_share = f32x16::from_slice(simd, &pass[1..][..LANES]) * ray.past;
-    let both = (low_share + high_share).max(CLOSED);
     let at = row.wrapping_add_signed(ray.row);
-    let (low, high) = (far.load(simd, at), far.load(simd, at + 1));
+    let (mut all, mut far_light) = (f32x16::splat(simd, CLOSED), [f32x16::splat(simd, 0.0); 3]);
+    for (i, &share) in ray.shares.iter().enumerate() {
+        let share = f32x16::from_slice(simd, &pass[i..][..LANES]) * share;
+        let light = far.load(simd, at + i);
+        for c in 0..3 {
+            far_light[c] = share.mul_add(light[c], far_light[c]);
+        }
+        all += share;
+    }
     let mut light = near.light;
     for c in 0..3 {
-        let far = (low[c] * low_share + high[c] * high_share) / both;
-        light[c] = near.light[c] * angle + near.through[c % K] * far;
+        light[c] = near.light[c] * angle + near.through[c % K] * (far_light[c] / all);
     }
     light
 }
@@ -237,9 +241,10 @@ fn cones(look: Look, ahead: usize, stride: isize) -> Vec<Cone> {
 fn ray(ahead: usize, slope: f64, stride: isize) -> Ray {
     let shift = slope * ahead as f64;
     let row = shift.floor();
+    let past = (shift - row) as f32;
     Ray {
         row: row as isize,
-        past: (shift - row) as f32,
+        shares: [1.0 - past, past],
         end: ahead as isize * stride + row as isize,
         steps: stencil(ahead, slope, 0.0).iter().map(|c| c.place(stride)).collect(),
     }

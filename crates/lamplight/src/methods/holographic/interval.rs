@@ -48,7 +48,7 @@ impl<S: Simd, const K: usize> Interval<S, K> {
     #[inline(always)]
     pub fn then(mut self, behind: Self) -> Self {
         for c in 0..3 {
-            self.light[c] += self.through[c % K] * behind.light[c];
+            self.light[c] = self.through[c % K].mul_add(behind.light[c], self.light[c]);
         }
         for k in 0..K {
             self.through[k] *= behind.through[k];

@@ -36,7 +36,7 @@ pub fn march<S: Simd, const K: usize>(
                 if kinds.fraction {
                     source *= -through[c % K] + 1.0;
                 }
-                passed.light[c] += passed.through[c % K] * source;
+                passed.light[c] = passed.through[c % K].mul_add(source, passed.light[c]);
             }
         }
         for k in 0..K {
@@ -69,6 +69,9 @@ pub struct Met {
 }
 
 impl Met {
+    /// No matter.
+    pub const NOTHING: Self = Self { matter: 0, fraction: 0, glowing: 0 };
+
     /// The kinds that sixteen rays from the first on cross; none: they cross no matter.
     #[inline(always)]
     pub fn kinds(&self, first: usize) -> Option<Kinds> {
@@ -92,7 +95,7 @@ pub fn meet<S: Simd>(simd: S, kinds: &[u8], start: usize, cells: &[isize]) -> Me
     }
     let matter = met.simd_gt(0).to_bitmask();
     if matter == 0 {
-        return Met { matter, fraction: 0, glowing: 0 };
+        return Met::NOTHING;
     }
     let fraction = (met & FRACTION).simd_gt(0).to_bitmask();
     Met { matter, fraction, glowing: (met & GLOWING).simd_gt(0).to_bitmask() }

@@ -57,11 +57,8 @@ impl Pair {
     /// Lights the grid from both sides.
     pub fn solve(&mut self, level: Level, scene: Scene) {
         let settings = scene.settings;
-        let look = Look {
-            level: settings.hop,
-            least: settings.least as usize,
-            rays: settings.rays,
-        };
+        let look =
+            Look { level: settings.hop, least: settings.least as usize, rays: settings.rays };
         self.slabs.read(scene.cells, self.axis, look.most(), scene.surfaces);
         self.pyramid.prepare(&self.slabs, settings.hop);
         let Slabs { depth, rows, .. } = self.slabs;
@@ -92,7 +89,10 @@ impl Pair {
         look: Look,
         reversed: bool,
     ) {
-        let t0=std::time::Instant::now(); self.pyramid.build::<S, K>(simd, &self.slabs); let t1=t0.elapsed(); let (mut td,mut tl)=(std::time::Duration::ZERO,std::time::Duration::ZERO);
+        let t0 = std::time::Instant::now();
+        self.pyramid.build::<S, K>(simd, &self.slabs);
+        let t1 = t0.elapsed();
+        let (mut td, mut tl) = (std::time::Duration::ZERO, std::time::Duration::ZERO);
         let sky = scene.cells.sky();
         self.cones.begin(|angle| {
             let ahead = if reversed { -angle.cos() } else { angle.cos() };
@@ -102,16 +102,27 @@ impl Pair {
             })
         });
         for plane in (1..=look.last(self.slabs.depth)).rev() {
-            let a=std::time::Instant::now(); self.cones.descend::<S, K>(simd, &self.pyramid, plane); td+=a.elapsed(); let a=std::time::Instant::now();
+            let a = std::time::Instant::now();
+            self.cones.descend::<S, K>(simd, &self.pyramid, plane);
+            td += a.elapsed();
+            let a = std::time::Instant::now();
             // Tile by tile: the light of 64 rows of the plane stays close while all slabs look at it.
             for row in (0..self.slabs.rows).step_by(TILE) {
                 for slab in look.slabs(plane, self.slabs.depth) {
                     self.light::<S, K>(simd, scene, [slab, plane], row, reversed);
                 }
             }
-            tl+=a.elapsed();
+            tl += a.elapsed();
         }
-        if std::env::var("HT").is_ok() { eprintln!("build {:?} trace {:?} descend {:?} light {:?}", t1, super::pyramid::TRACE.with(|t|t.take()), td, tl); }
+        if std::env::var("HT").is_ok() {
+            eprintln!(
+                "build {:?} trace {:?} descend {:?} light {:?}",
+                t1,
+                super::pyramid::TRACE.with(|t| t.take()),
+                td,
+                tl
+            );
+        }
     }
 
     /// Lights 64 pixels of a slab that look to a plane.

@@ -124,8 +124,7 @@ impl Pyramid {
         let now = (self.first, width, slabs.step());
         if self.made_for != now {
             self.made_for = now;
-            self.beams =
-                (0..rays(self.first)).map(|k| beam(self.first, k, width, now.2)).collect();
+            self.beams = (0..rays(self.first)).map(|k| beam(self.first, k, width, now.2)).collect();
         }
     }
 
@@ -141,7 +140,7 @@ impl Pyramid {
             let from = if plane % 2 == 1 { plane / 2 * size } else { 0 };
             let to = &mut held[from..][..size];
             let ray_size = words(K) * self.stride;
-            let a=std::time::Instant::now();
+            let a = std::time::Instant::now();
             for (beam, to) in self.beams.iter().zip(to.chunks_exact_mut(ray_size)) {
                 trace::<S, K>(simd, slabs, plane << self.first, beam, self.stride, to);
             }
@@ -287,4 +286,4 @@ fn trace<S: Simd, const K: usize>(
     empty_tail::<K>(to, stride, slabs.rows);
 }
 
-thread_local!{pub static TRACE: std::cell::Cell<std::time::Duration> = const { std::cell::Cell::new(std::time::Duration::ZERO) };}
+thread_local! {pub static TRACE: std::cell::Cell<std::time::Duration> = const { std::cell::Cell::new(std::time::Duration::ZERO) };}

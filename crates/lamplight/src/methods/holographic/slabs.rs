@@ -5,9 +5,9 @@
 //! neighbouring rows and one direction are one vector. The opposite quadrant takes the same slabs
 //! in reverse. Empty rows and slabs round the grid spare rays every test for its edge.
 
-use crate::{Cells, Rgb};
 use crate::stages::bounce::{NORMALS, Surfaces};
 use crate::stages::transmittance::{LOG_OF_ZERO, log_transmittance};
+use crate::{Cells, Rgb};
 
 /// Rows of empty space on both sides of a slab: more than any ray of a last hop strays.
 pub const MARGIN: usize = 64;
@@ -75,13 +75,7 @@ pub struct Slabs {
 impl Slabs {
     /// Reads the grid along an axis, with empty slabs for rays of up to `beyond` px past its edges;
     /// `surfaces` add what they send on.
-    pub fn read(
-        &mut self,
-        cells: &Cells,
-        axis: Axis,
-        beyond: usize,
-        surfaces: Option<&Surfaces>,
-    ) {
+    pub fn read(&mut self, cells: &Cells, axis: Axis, beyond: usize, surfaces: Option<&Surfaces>) {
         let (w, h) = (cells.width() as usize, cells.height() as usize);
         (self.depth, self.rows) = match axis {
             Axis::X => (w, h),
