@@ -12,11 +12,9 @@ pub mod closed_forms;
 pub mod flip;
 mod measures;
 mod path_tracer;
-pub mod plain_holographic;
 pub mod random;
 pub mod scenes;
 mod traverse;
 
 pub use measures::Measures;
 pub use path_tracer::{Estimate, PathTracer};
-pub use plain_holographic::PlainHolographic;

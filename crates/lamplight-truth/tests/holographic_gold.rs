@@ -3,26 +3,21 @@
 mod common;
 
 use common::{GLOW, WALL, grid};
+use lamplight::methods::holographic::paper::{Interval, Paper, Quadrant};
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Sky};
 use lamplight_truth::closed_forms::{gradient_sky_fluence, medium_square_fluence};
-use lamplight_truth::plain_holographic::{Interval, Quadrant};
 use lamplight_truth::random::Random;
-use lamplight_truth::{Measures, PathTracer, PlainHolographic, scenes};
+use lamplight_truth::{Measures, PathTracer, scenes};
 
 /// f32 sums and products over ten levels, relative to a radiance of about 1: measured 1e-6.
 const SUMS: f64 = 1e-5;
 
-fn variants() -> [PlainHolographic; 4] {
-    [
-        PlainHolographic::yardstick(),
-        PlainHolographic::new(1, false),
-        PlainHolographic::new(2, false),
-        PlainHolographic::paper(),
-    ]
+fn variants() -> [Paper; 4] {
+    [Paper::yardstick(), Paper::new(1, false), Paper::new(2, false), Paper::published()]
 }
 
 fn solve(cells: &Cells) -> Vec<Rgb> {
-    PlainHolographic::paper().solve(cells).to_vec()
+    Paper::published().solve(cells).to_vec()
 }
 
 /// Walls, lights, fog, and glass where `tint`, from nearly empty to crowded.
@@ -303,15 +298,15 @@ fn fog_of_a_square_has_its_closed_form() {
         Matter { emission: [1.0; 3], opacity: (1.0 - (-sigma).exp()) as f32, ..Matter::EMPTY };
     let cells = grid(side, side, |_, _| fog);
     let expected = medium_square_fluence(1.0, sigma, f64::from(side) / 2.0);
-    let relative = |mut variant: PlainHolographic| {
+    let relative = |mut variant: Paper| {
         let middle = variant.solve(&cells)[cells.index(half, half)];
         let relative = f64::from(middle[1]) / expected - 1.0;
         println!("traced {}: {:+.2} %", variant.traced, 100.0 * relative);
         relative.abs()
     };
-    assert!(relative(PlainHolographic::paper()) < FOG);
+    assert!(relative(Paper::published()) < FOG);
     // Rays that only ever zigzag meet more fog, and the bound is sharp enough to see it.
-    assert!(relative(PlainHolographic::yardstick()) > FOG);
+    assert!(relative(Paper::yardstick()) > FOG);
 }
 
 #[test]
@@ -396,7 +391,7 @@ fn moves_along(
     cells: &Cells,
     moved: &Cells,
     from: impl Fn(u32, u32) -> (u32, u32),
-    variant: &mut PlainHolographic,
+    variant: &mut Paper,
 ) -> bool {
     let light = variant.solve(cells).to_vec();
     let moved_light = variant.solve(moved);
@@ -435,7 +430,7 @@ fn a_scene_that_changed_on_the_way_is_rejected() {
     let mut other = cells.clone();
     other.set(3, 5, Matter { opacity: 1e-3, ..Matter::EMPTY });
     let stay = |x, y| (x, y);
-    let mut variant = PlainHolographic::paper();
+    let mut variant = Paper::published();
     assert!(moves_along(&cells, &cells, stay, &mut variant));
     assert!(!moves_along(&cells, &other, stay, &mut variant));
 }
@@ -479,13 +474,12 @@ fn measure(kind: &str, make: impl Fn(u64) -> Cells, samples: u32) -> f64 {
         let tracer = PathTracer { samples, bounces: Bounces::Count(0), wall_depth: 0.0, seed };
         let (truth, error): (Vec<Rgb>, Vec<Rgb>) =
             tracer.at(&cells, &at).unwrap().into_iter().unzip();
-        let judge = |mut variant: PlainHolographic| {
+        let judge = |mut variant: Paper| {
             let light = variant.solve(&cells);
             let seen: Vec<Rgb> = at.iter().map(|&[x, y]| light[cells.index(x, y)]).collect();
             Measures::of(&seen, &truth, &vec![false; at.len()])
         };
-        let (paper, plain) =
-            (judge(PlainHolographic::paper()), judge(PlainHolographic::yardstick()));
+        let (paper, plain) = (judge(Paper::published()), judge(Paper::yardstick()));
         let own = error.as_flattened().iter().map(|&e| f64::from(e).powi(2)).sum::<f64>();
         let own = (own / (3 * at.len()) as f64).sqrt() / paper.mean;
         println!(

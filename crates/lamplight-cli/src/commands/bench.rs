@@ -8,8 +8,8 @@ use crate::progress::Progress;
 use crate::room::room;
 use crate::stage::{Stage, View};
 use crate::table::table;
+use lamplight::methods::holographic::paper::Paper;
 use lamplight::{Cells, Display, Method, Settings, SettingsTable, Solver};
-use lamplight_truth::PlainHolographic;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -173,7 +173,7 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) 
     let mut solver = Solver::new(settings)?;
     solver.solve(cells)?;
     let drawn = cells.drawn();
-    let mut plain = PlainHolographic::yardstick();
+    let mut plain = Paper::yardstick();
     if yardstick {
         plain.solve(&drawn);
     }

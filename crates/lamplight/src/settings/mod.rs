@@ -10,7 +10,7 @@ mod raymarch;
 mod table;
 
 pub use bounces::Bounces;
-pub use holographic::Holographic;
+pub use holographic::{Holographic, Variant};
 pub use raymarch::{BounceBy, Hit, Noise, Raymarch, Spacing};
 pub use table::SettingsTable;
 
@@ -25,9 +25,9 @@ use std::ops::RangeInclusive;
 #[serde(rename_all = "lowercase")]
 pub enum Method {
     /// Jump flood, distance field, rays from every pixel (Bigos 2020).
-    #[default]
     Raymarch,
     /// Rays made from shorter rays (Freeman, Sannikov and Margel 2025).
+    #[default]
     Holographic,
 }
 

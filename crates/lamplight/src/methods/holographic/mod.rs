@@ -1,4 +1,26 @@
 //! `holographic`: rays made from shorter rays, no noise (Freeman, Sannikov and Margel 2025).
+//!
+//! The light of a quarter of the circle, within 45° of an axis, is found in three steps:
+//!
+//! 1. **Intervals** ([`pyramid`]): what rays from plane to plane add to light and let through; the
+//!    shortest are traced, each longer level is made from the one before.
+//! 2. **Cones** ([`cones`]): light through cones, merged from the far end of the grid to the near.
+//! 3. **The last hop** ([`hop`]): pixels trace the few px to the next plane themselves.
+//!
+//! Four quadrants make the fluence: `φ = Σ ∫ L dω / 2π`. On every face of a wall the same rays give
+//! `B = ½ ∫ L cosθ dω`, taken at the centre of the cell in front, half a px off.
+//!
+//! What is better than published ([`paper`], which `variant = "paper"` runs): dense directions
+//! instead of even ones, which also do away with the checkerboard; beams instead of single rays;
+//! planes of even index taken over exactly; and the last hop, which takes away the stars round
+//! small lights. Lights of 1 to 6 px: 2.5 % of error instead of 15 %.
+//!
+//! A bounce solves the quadrants for the surfaces only, with what they sent the time before.
+//!
+//! Cost: about N² log N for an N×N grid, whatever is in it, less where space is empty; memory about
+//! N² (log N − hop) intervals of 8 bytes for each of two threads. Known failures: up to 4 % of
+//! error on a ring of 10 to 20 px round a light, faint stripes far from small lights; where a plane
+//! of the lattice cuts a light, its two halves together look up to a third of a px too wide.
 
 mod cones;
 mod fronts;
@@ -6,17 +28,20 @@ mod hop;
 mod interval;
 mod march;
 mod pair;
+pub mod paper;
+mod published;
 mod pyramid;
 mod slabs;
 mod stencil;
 
 use crate::clock::Clock;
-use crate::settings::{Bounces, Settings};
+use crate::settings::{Bounces, Settings, Variant};
 use crate::stages::bounce::{Faces, Surfaces, mean_over_faces};
 use crate::{Cells, Rgb};
 use fearless_simd::Level;
 use fronts::{Fronts, front};
 use pair::{Pair, Scene};
+use published::Published;
 use rayon::prelude::*;
 use slabs::Axis;
 use std::f32::consts::TAU;
@@ -28,6 +53,7 @@ pub struct Holographic {
     surfaces: Surfaces,
     fronts: Fronts,
     pairs: [Pair; 2],
+    published: Published,
 }
 
 impl Default for Holographic {
@@ -44,6 +70,7 @@ impl Holographic {
             surfaces: Surfaces::default(),
             fronts: Fronts::default(),
             pairs: [Axis::X, Axis::Y].map(Pair::new),
+            published: Published::default(),
         }
     }
 
@@ -55,6 +82,11 @@ impl Holographic {
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
+        if settings.holographic.variant == Variant::Paper {
+            self.published.solve(cells, settings.bounces, light);
+            clock.lap("holographic");
+            return;
+        }
         self.surfaces.collect(cells);
         self.fronts.collect(cells, &self.surfaces);
         clock.lap("surfaces");

@@ -89,10 +89,7 @@ impl Pair {
         look: Look,
         reversed: bool,
     ) {
-        let t0 = std::time::Instant::now();
         self.pyramid.build::<S, K>(simd, &self.slabs);
-        let t1 = t0.elapsed();
-        let (mut td, mut tl) = (std::time::Duration::ZERO, std::time::Duration::ZERO);
         let sky = scene.cells.sky();
         self.cones.begin(|angle| {
             let ahead = if reversed { -angle.cos() } else { angle.cos() };
@@ -102,26 +99,13 @@ impl Pair {
             })
         });
         for plane in (1..=look.last(self.slabs.depth)).rev() {
-            let a = std::time::Instant::now();
             self.cones.descend::<S, K>(simd, &self.pyramid, plane);
-            td += a.elapsed();
-            let a = std::time::Instant::now();
             // Tile by tile: the light of 64 rows of the plane stays close while all slabs look at it.
             for row in (0..self.slabs.rows).step_by(TILE) {
                 for slab in look.slabs(plane, self.slabs.depth) {
                     self.light::<S, K>(simd, scene, [slab, plane], row, reversed);
                 }
             }
-            tl += a.elapsed();
-        }
-        if std::env::var("HT").is_ok() {
-            eprintln!(
-                "build {:?} trace {:?} descend {:?} light {:?}",
-                t1,
-                super::pyramid::TRACE.with(|t| t.take()),
-                td,
-                tl
-            );
         }
     }
 

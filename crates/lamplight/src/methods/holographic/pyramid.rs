@@ -140,11 +140,9 @@ impl Pyramid {
             let from = if plane % 2 == 1 { plane / 2 * size } else { 0 };
             let to = &mut held[from..][..size];
             let ray_size = words(K) * self.stride;
-            let a = std::time::Instant::now();
             for (beam, to) in self.beams.iter().zip(to.chunks_exact_mut(ray_size)) {
                 trace::<S, K>(simd, slabs, plane << self.first, beam, self.stride, to);
             }
-            TRACE.with(|t| t.set(t.get() + a.elapsed()));
             self.ascend::<S, K>(simd, plane);
         }
     }
@@ -285,5 +283,3 @@ fn trace<S: Simd, const K: usize>(
     }
     empty_tail::<K>(to, stride, slabs.rows);
 }
-
-thread_local! {pub static TRACE: std::cell::Cell<std::time::Duration> = const { std::cell::Cell::new(std::time::Duration::ZERO) };}

@@ -2,7 +2,7 @@
 
 use super::grid::{Grid, pieces};
 use super::interval::{Interval, Through};
-use lamplight::{Cells, Rgb, Sky};
+use crate::{Cells, Rgb, Sky};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The grid turned so that light arrives from +x, between −45° and +45°; and the intervals `T_n` in

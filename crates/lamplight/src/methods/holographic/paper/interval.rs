@@ -1,6 +1,6 @@
 //! What a stretch of a ray adds, and what it lets through.
 
-use lamplight::Rgb;
+use crate::Rgb;
 use std::fmt::Debug;
 
 /// Share of light that gets through, the same for all channels (`f32`) or one each ([`Rgb`]), which

@@ -33,13 +33,13 @@ mod quadrant;
 pub use interval::{Interval, Through};
 pub use quadrant::Quadrant;
 
-use lamplight::{Cells, Rgb};
+use crate::{Cells, Rgb};
 use std::f32::consts::TAU;
 
 /// The plain implementation and its buffers, which it keeps from one solve to the next: about
 /// `2·W²·(log₂W + 2)` intervals of 16 B (24 B with tint) on a W×W grid, 100 MB at 512².
 #[derive(Debug)]
-pub struct PlainHolographic {
+pub struct Paper {
     /// Intervals are traced directly up to this level, at least level 0; longer ones are extended.
     pub traced: u32,
     /// Whether the cross blur smooths the result.
@@ -50,14 +50,14 @@ pub struct PlainHolographic {
     fluence: Vec<Rgb>,
 }
 
-impl PlainHolographic {
+impl Paper {
     /// The variant that methods are timed against: level 0 traced, no blur.
     pub fn yardstick() -> Self {
         Self::new(0, false)
     }
 
     /// The paper's: levels 0 to 2 traced, then the cross blur.
-    pub fn paper() -> Self {
+    pub fn published() -> Self {
         Self::new(2, true)
     }
 

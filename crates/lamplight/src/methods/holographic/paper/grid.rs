@@ -1,7 +1,7 @@
 //! The grid turned by quarters, and rays through it from cell centre to cell centre.
 
 use super::interval::{Interval, Through};
-use lamplight::{Cells, Rgb};
+use crate::{Cells, Rgb};
 
 /// What a cell is to a ray.
 #[derive(Clone, Copy, Debug)]
