@@ -2,14 +2,15 @@
 //!
 //! Nearly all of a ray's way leads through empty cells, fog or glass. A packet takes its rays along
 //! it in lockstep, from square to square of the same matter ([`crate::stages::clearance`]), until
-//! each has left the grid or come to a closed cell; what happens there is up to [`super::march`].
+//! each has left the grid, come to a closed cell or gone as far as it was to; what happens there is
+//! up to the method.
 //! Rays of neighbouring cells in about the same direction stay together, so few of them idle. The
 //! vector units are chosen at run time; no fused multiply-add is used, so the results are the same
 //! to the bit on every one.
 
+use super::clearance::MATTER;
 use super::optics::Optics;
-use crate::stages::clearance::MATTER;
-use crate::stages::transmittance::{OPAQUE, exp_negative_lanes};
+use super::transmittance::{OPAQUE, exp_negative_lanes};
 use fearless_simd::{f32x16, i32x16, mask32x16, prelude::*};
 
 /// Rays in a packet.
@@ -46,6 +47,8 @@ pub struct Stopped {
     left: u64,
     /// Rays whose steps ran out, or through which nothing gets any more.
     tired: u64,
+    /// Rays that went as far as they were to.
+    reached: u64,
     /// Rays whose last step went along x.
     by_x: u64,
 }
@@ -57,6 +60,8 @@ pub enum Why {
     Left,
     /// It ran out of steps or of light.
     Tired,
+    /// It went as far as it was to.
+    Reached,
     /// It entered a closed cell by a step along this axis.
     Closed(usize),
 }
@@ -69,6 +74,7 @@ impl Stopped {
         match () {
             () if is(self.left) => Why::Left,
             () if is(self.tired) => Why::Tired,
+            () if is(self.reached) => Why::Reached,
             () => Why::Closed(!is(self.by_x) as usize),
         }
     }
@@ -77,6 +83,31 @@ impl Stopped {
 /// Marches rays that start inside the grid until each has stopped or made `steps`.
 #[inline(always)]
 pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32) -> Stopped {
+    let anywhere = f32x16::splat(simd, f32::INFINITY);
+    march_up_to::<S, false>(simd, optics, ray, anywhere, steps)
+}
+
+/// Marches rays that start inside the grid until each has stopped, gone `reach` px or made `steps`.
+#[inline(always)]
+pub fn march_within<S: Simd>(
+    simd: S,
+    optics: &Optics,
+    ray: Ray<f32x16<S>>,
+    reach: f32x16<S>,
+    steps: u32,
+) -> Stopped {
+    march_up_to::<S, true>(simd, optics, ray, reach, steps)
+}
+
+/// Whether rays end before they stop is known when this is compiled: raymarch's never do.
+#[inline(always)]
+fn march_up_to<S: Simd, const ENDS: bool>(
+    simd: S,
+    optics: &Optics,
+    ray: Ray<f32x16<S>>,
+    reach: f32x16<S>,
+    steps: u32,
+) -> Stopped {
     let [zero, one] = [0.0, 1.0].map(|v| f32x16::splat(simd, v));
     let size = [optics.width as f32, optics.height as f32];
     let Ray { from: mut at, mut cell, direction: way } = ray;
@@ -95,7 +126,7 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
     let mut inside = mask32x16::splat(simd, true);
     let (mut square, mut index) = look_up(simd, optics, plane, cell);
     let mut going = square.simd_gt(0.0);
-    let mut spent = by_x;
+    let (mut spent, mut reached) = (by_x, by_x);
     let (mut light, mut through) = ([zero; 3], [one; 3]);
     for _ in 0..steps {
         let matter = going & square.simd_ge(f32::from(MATTER));
@@ -104,8 +135,15 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
         let edge: [_; 2] = std::array::from_fn(|a| next[a] + beyond[a]);
         let [tx, ty] = std::array::from_fn(|a| (edge[a] - at[a]) * inverse[a]);
         let x_first = tx.simd_lt(ty);
-        let t = tx.min(ty);
-        let crosses = [going & x_first, going & !x_first];
+        let mut t = tx.min(ty);
+        let mut crosses = [going & x_first, going & !x_first];
+        if ENDS {
+            let left = reach - travelled;
+            let ends = going & t.simd_ge(left);
+            t = t.min(left);
+            crosses = crosses.map(|c| c & !ends);
+            reached |= ends;
+        }
         for a in 0..2 {
             // Along the axis that it crosses a ray lands exactly on the edge; along the other it
             // stays within the square, whatever rounding says.
@@ -127,7 +165,7 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
         inside = in_x & in_y;
         let safe: [_; 2] = std::array::from_fn(|a| inside.select(cell[a], zero));
         (square, index) = look_up(simd, optics, plane, safe);
-        going = going & inside & !spent & square.simd_gt(0.0);
+        going = going & inside & !spent & !reached & square.simd_gt(0.0);
         if going.to_bitmask() == 0 {
             break;
         }
@@ -141,6 +179,7 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
         light: light.map(|v| v.to_array()),
         through: through.map(|v| v.to_array()),
         tired: (going | spent).to_bitmask(),
+        reached: reached.to_bitmask(),
         by_x: by_x.to_bitmask(),
     }
 }
