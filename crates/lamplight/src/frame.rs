@@ -1,6 +1,7 @@
 //! One frame, from cells to light, top to bottom.
 
 use crate::clock::Clock;
+use crate::methods::cascades::Cascades;
 use crate::methods::raymarch::{Input, Raymarch};
 use crate::settings::{BounceBy, Bounces, Hit, Method};
 use crate::stages::denoise::Denoise;
@@ -20,6 +21,7 @@ pub struct Solver {
     cells: Cells,
     fields: Fields,
     raymarch: Raymarch,
+    cascades: Cascades,
     traced: Traced,
     temporal: Temporal,
     denoise: Denoise,
@@ -62,6 +64,7 @@ impl Solver {
             cells: Cells::new(1, 1)?,
             fields: Fields::default(),
             raymarch: Raymarch::default(),
+            cascades: Cascades::default(),
             traced: Traced::default(),
             temporal: Temporal::default(),
             denoise: Denoise::default(),
@@ -87,6 +90,10 @@ impl Solver {
 
         match self.settings.method {
             Method::Raymarch => self.raymarch(),
+            Method::Cascades => {
+                let Self { cells, settings, light, clock, .. } = self;
+                self.cascades.solve(cells, settings, &mut light.rgb, clock);
+            }
         }
 
         self.light.width = self.cells.width();

@@ -1,3 +1,4 @@
 //! The ways to the same light, each chosen by name.
 
+pub mod cascades;
 pub mod raymarch;

@@ -5,10 +5,12 @@
 //! unknown or out of range, and gives typed [`Settings`].
 
 mod bounces;
+mod cascades;
 mod raymarch;
 mod table;
 
 pub use bounces::Bounces;
+pub use cascades::{Cascades, Merge};
 pub use raymarch::{BounceBy, Hit, Noise, Raymarch, Spacing};
 pub use table::SettingsTable;
 
@@ -25,16 +27,19 @@ pub enum Method {
     /// Jump flood, distance field, rays from every pixel (Bigos 2020).
     #[default]
     Raymarch,
+    /// Probes near with few rays, far with many (radiance cascades, Sannikov 2023).
+    Cascades,
 }
 
 impl Method {
     /// Every method, in the order in which lists show them.
-    pub const ALL: &'static [Self] = &[Self::Raymarch];
+    pub const ALL: &'static [Self] = &[Self::Raymarch, Self::Cascades];
 
     /// The name in files, flags and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Raymarch => "raymarch",
+            Self::Cascades => "cascades",
         }
     }
 }
@@ -59,6 +64,8 @@ pub struct Settings {
     pub denoise: Denoise,
     /// The settings of `raymarch`.
     pub raymarch: Raymarch,
+    /// The settings of `cascades`.
+    pub cascades: Cascades,
 }
 
 /// Mean over frames, with history dropped where what a pixel sees has changed.
@@ -105,7 +112,8 @@ impl Settings {
         within("temporal.frames", self.temporal.frames, 0..=4096)?;
         within("denoise.passes", self.denoise.passes, 0..=6)?;
         within("denoise.strength", self.denoise.strength, 0.0..=16.0)?;
-        self.raymarch.check()
+        self.raymarch.check()?;
+        self.cascades.check()
     }
 }
 
