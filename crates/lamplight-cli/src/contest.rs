@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use lamplight::settings::{BounceBy, Raymarch};
+use lamplight::settings::{BounceBy, Cascades, Raymarch};
 use lamplight::{Bounces, Cells, Display, Light, Method, Rgb, Settings, Solver};
 use lamplight_truth::Measures;
 use lamplight_truth::flip::{PIXELS_PER_DEGREE, flip};
@@ -95,6 +95,7 @@ pub fn run(
 fn entries(method: Method, settings: &Settings) -> Vec<Entry> {
     match method {
         Method::Raymarch => raymarch_entries(&Settings { method, ..settings.clone() }),
+        Method::Cascades => cascades_entries(&Settings { method, ..settings.clone() }),
     }
 }
 
@@ -139,6 +140,24 @@ fn raymarch_entries(settings: &Settings) -> Vec<Entry> {
     all.push(Entry { name, series: Series::Temporal, settings: temporal, after: FRAMES.into() });
     if all.iter().all(|entry| entry.settings != *settings) {
         all.insert(0, entry("raymarch, as set".into(), Series::AsSet, settings.clone()));
+    }
+    all
+}
+
+fn cascades_entries(settings: &Settings) -> Vec<Entry> {
+    let entry = |name: &str, series, settings| Entry {
+        name: name.into(),
+        series,
+        settings,
+        after: vec![1],
+    };
+    let presets = Cascades::PRESETS.iter().filter_map(|name| {
+        let settings = Settings { cascades: Cascades::preset(name)?, ..settings.clone() };
+        Some(entry(&format!("cascades, preset {name}"), Series::Preset, settings))
+    });
+    let mut all: Vec<Entry> = presets.collect();
+    if all.iter().all(|entry| entry.settings != *settings) {
+        all.insert(0, entry("cascades, as set", Series::AsSet, settings.clone()));
     }
     all
 }

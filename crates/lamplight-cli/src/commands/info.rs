@@ -24,7 +24,7 @@ pub fn run(args: Args) -> Outcome {
             "backends": { "cpu": { "threads": threads, "features": features } },
             "adapters": [],
             "methods": methods,
-            "presets": { "raymarch": presets },
+            "presets": { "raymarch": presets, "cascades": settings::Cascades::PRESETS },
             "limits": { "side": Cells::MAX_SIDE, "cells": Cells::MAX_CELLS },
         }));
     }
@@ -36,11 +36,13 @@ backends  cpu: {threads} threads, {arch} with {features}
           gpu: not in this build
 methods   {methods}
 presets   raymarch: {presets}
+          cascades: {cascades}
 limits    {side} cells a side, {cells} million cells in all",
         version = env!("CARGO_PKG_VERSION"),
         arch = std::env::consts::ARCH,
         methods = methods.join(", "),
         presets = presets.join(", "),
+        cascades = settings::Cascades::PRESETS.join(", "),
         side = Cells::MAX_SIDE,
         cells = Cells::MAX_CELLS / 1_000_000,
     ))
