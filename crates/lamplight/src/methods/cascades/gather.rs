@@ -1,7 +1,7 @@
 //! Where light is wanted: at the centres of cells and on the faces of walls.
 
 use super::ladder::edges;
-use super::merge::Caster;
+use super::merge::{Caster, Points};
 use crate::stages::bounce::{Faces, NORMALS, Surfaces};
 use crate::stages::packet::LANES;
 use crate::{Cells, Rgb};
@@ -15,6 +15,8 @@ const BEFORE: f32 = 1.0 / 64.0;
 /// circle.
 pub fn add_to_cells(level: Level, caster: &Caster, cells: &Cells, cone: u32, light: &mut [Rgb]) {
     let w = cells.width() as usize;
+    let (ray, share) = ([caster.ray(cone)], 1.0 / caster.cascade.rays as f32);
+    let in_row = caster.far.is_some_and(|far| far.cascade.lattice.spacing == 2.0);
     light.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
         for (packet, row) in row.chunks_mut(LANES).enumerate() {
             let x = packet * LANES;
@@ -22,10 +24,9 @@ pub fn add_to_cells(level: Level, caster: &Caster, cells: &Cells, cone: u32, lig
                 continue;
             }
             dispatch!(level, simd => {
-                // Lanes beyond the last column stand in it.
-                let at = |l: usize| (x + l.min(row.len() - 1)) as f32 + 0.5;
+                let at = |l: usize| (x + l) as f32 + 0.5;
                 let at = [f32x16::from_fn(simd, at), f32x16::splat(simd, y as f32 + 0.5)];
-                add(caster.see(simd, at, at, cone), 1.0 / caster.cascade.rays as f32, row);
+                add(caster.see(simd, Points { at, in_row }, &ray), share, row);
             });
         }
     });
@@ -40,6 +41,7 @@ pub fn add_to_some(
     cone: u32,
     light: &mut [Rgb],
 ) {
+    let (ray, share) = ([caster.ray(cone)], 1.0 / caster.cascade.rays as f32);
     light.par_chunks_mut(LANES).zip(some.par_chunks(LANES)).for_each(|(light, some)| {
         dispatch!(level, simd => {
             let place = |l: usize| some[l.min(some.len() - 1)];
@@ -47,14 +49,15 @@ pub fn add_to_some(
                 f32x16::from_fn(simd, |l| (place(l) % cells.width()) as f32 + 0.5),
                 f32x16::from_fn(simd, |l| (place(l) / cells.width()) as f32 + 0.5),
             ];
-            add(caster.see(simd, at, at, cone), 1.0 / caster.cascade.rays as f32, light);
+            add(caster.see(simd, Points { at, in_row: false }, &ray), share, light);
         });
     });
 }
 
 #[inline(always)]
 fn add<S: Simd>(seen: [f32x16<S>; 3], weight: f32, light: &mut [Rgb]) {
-    let seen = seen.map(|v| (v * weight).to_array());
+    let seen = [seen[0] * weight, seen[1] * weight, seen[2] * weight];
+    let seen = [seen[0].to_array(), seen[1].to_array(), seen[2].to_array()];
     for (l, light) in light.iter_mut().enumerate() {
         (0..3).for_each(|c| light[c] += seen[c][l]);
     }
@@ -91,6 +94,7 @@ impl OnFaces {
     /// Adds what arrives in one cone of the nearest cascade: `B = ½∫L cosθ dθ`, from the middle of
     /// each face.
     pub fn add(&mut self, level: Level, caster: &Caster, cells: &Cells, cone: u32) {
+        let ray = [caster.ray(cone)];
         let walls = &caster.field.surfaces.walls;
         for (face, (slots, light)) in self.slots.iter().zip(&mut self.light).enumerate() {
             let weight = cosine(face, edges(cone, caster.cascade.rays));
@@ -105,7 +109,7 @@ impl OnFaces {
                         f32x16::from_fn(simd, |l| (cell(l) % cells.width()) as f32 + before[0]),
                         f32x16::from_fn(simd, |l| (cell(l) / cells.width()) as f32 + before[1]),
                     ];
-                    add(caster.see(simd, at, at, cone), weight, light);
+                    add(caster.see(simd, Points { at, in_row: false }, &ray), weight, light);
                 });
             });
         }

@@ -30,11 +30,13 @@ use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use gather::OnFaces;
 use interval::{Field, Room};
 use ladder::{BRANCHES, Cascade};
-use merge::{Caster, Far, Padded};
+use merge::{Caster, Far, PADDING, Points, Ray};
 use rayon::prelude::*;
 
 /// Probes that are worked out in one go on one thread.
 const BLOCK: usize = 32 * LANES;
+/// Columns of probes from which on packets keep to one row.
+const WIDE: usize = 4 * LANES;
 
 /// The method with its buffers.
 #[derive(Debug)]
@@ -45,8 +47,8 @@ pub struct Cascades {
     room: Room,
     cascades: Vec<Cascade>,
     /// What the cascade at hand gathers, and what the next one has gathered.
-    near: Vec<Padded>,
-    far: Vec<Padded>,
+    near: Vec<f32>,
+    far: Vec<f32>,
     faces: OnFaces,
     fog: Vec<Rgb>,
 }
@@ -152,8 +154,9 @@ impl Cascades {
                 cones /= BRANCHES;
                 let first = cone * cones;
                 let caster = caster(field, settings, cascade, beyond, far);
-                near.resize(cones as usize * cascade.lattice.len(), Padded::default());
-                fill(*level, &caster, first, near);
+                let values = 3 * cones as usize * cascade.lattice.len();
+                near.resize(values + PADDING, 0.0);
+                fill(*level, &caster, first, &mut near[..values]);
                 std::mem::swap(near, far);
                 beyond = Some((cascade, first));
             }
@@ -170,7 +173,7 @@ fn caster<'a>(
     settings: &Settings,
     cascade: &'a Cascade,
     beyond: Option<(&'a Cascade, u32)>,
-    light: &'a [Padded],
+    light: &'a [f32],
 ) -> Caster<'a> {
     let far = beyond.map(|(cascade, first)| Far { cascade, light, first });
     let settings::Cascades { merge, overlap, .. } = settings.cascades;
@@ -178,29 +181,65 @@ fn caster<'a>(
 }
 
 /// Fills what a cascade gathers, cone by cone from `first` on.
-fn fill(level: Level, caster: &Caster, first: u32, light: &mut [Padded]) {
+fn fill(level: Level, caster: &Caster, first: u32, light: &mut [f32]) {
     let lattice = &caster.cascade.lattice;
-    light.par_chunks_mut(lattice.len()).enumerate().for_each(|(cone, plane)| {
-        let cone = first + cone as u32;
-        plane.par_chunks_mut(BLOCK).enumerate().for_each(|(block, light)| {
-            dispatch!(level, simd => fill_block(simd, caster, cone, block * BLOCK, light));
-        });
+    light.par_chunks_mut(3 * lattice.len()).enumerate().for_each(|(cone, planes)| {
+        let rays = caster.rays(first + cone as u32);
+        let (red, rest) = planes.split_at_mut(lattice.len());
+        let (green, blue) = rest.split_at_mut(lattice.len());
+        let columns = lattice.count[0] as usize;
+        // Wide rows go packet by packet, so that what lies beyond is read in one piece; packets
+        // of narrow ones would be half empty.
+        let in_row = columns >= WIDE && caster.far.is_some();
+        let block = if in_row { columns } else { BLOCK };
+        red.par_chunks_mut(block)
+            .zip(green.par_chunks_mut(block))
+            .zip(blue.par_chunks_mut(block))
+            .enumerate()
+            .for_each(|(i, ((red, green), blue))| {
+                let probes = Probes { first: i * block, in_row };
+                dispatch!(level, simd => {
+                    fill_block(simd, caster, probes, &rays, [red, green, blue]);
+                });
+            });
     });
 }
 
+/// Probes one after the other.
+#[derive(Clone, Copy)]
+struct Probes {
+    first: usize,
+    in_row: bool,
+}
+
 #[inline(always)]
-fn fill_block<S: Simd>(simd: S, caster: &Caster, cone: u32, first: usize, light: &mut [Padded]) {
+fn fill_block<S: Simd>(
+    simd: S,
+    caster: &Caster,
+    probes: Probes,
+    rays: &[Ray],
+    light: [&mut [f32]; 3],
+) {
     let lattice = &caster.cascade.lattice;
     let columns = lattice.count[0] as usize;
-    for (packet, light) in light.chunks_mut(LANES).enumerate() {
-        let place = |l: usize| first + packet * LANES + l.min(light.len() - 1);
-        let probe = [
-            lattice.position(0, f32x16::from_fn(simd, |l| (place(l) % columns) as f32)),
-            lattice.position(1, f32x16::from_fn(simd, |l| (place(l) / columns) as f32)),
-        ];
-        let mean = caster.mean(simd, probe, cone).map(|v| v.to_array());
-        for (l, light) in light.iter_mut().enumerate() {
-            *light = [mean[0][l], mean[1][l], mean[2][l], 0.0];
+    let count = light[0].len();
+    for packet in (0..count).step_by(LANES) {
+        let first = probes.first + packet;
+        let [column, row] = if probes.in_row {
+            let column = f32x16::from_fn(simd, |l| (first % columns + l) as f32);
+            [column, f32x16::splat(simd, (first / columns) as f32)]
+        } else {
+            let place = |l: usize| (first + l).min(lattice.len() - 1);
+            [
+                f32x16::from_fn(simd, |l| (place(l) % columns) as f32),
+                f32x16::from_fn(simd, |l| (place(l) / columns) as f32),
+            ]
+        };
+        let at = [lattice.position(0, column), lattice.position(1, row)];
+        let seen = caster.see(simd, Points { at, in_row: probes.in_row }, rays);
+        let end = count.min(packet + LANES);
+        for c in 0..3 {
+            light[c][packet..end].copy_from_slice(&seen[c].to_array()[..end - packet]);
         }
     }
 }
