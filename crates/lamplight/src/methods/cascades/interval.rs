@@ -7,7 +7,7 @@ use crate::Rgb;
 use crate::stages::bounce::Surfaces;
 use crate::stages::clearance::MATTER;
 use crate::stages::optics::{Kind, Optics};
-use crate::stages::packet::{self, LANES, NEVER, Ray, Why};
+use crate::stages::packet::{self, LANES, NEVER, Ray, Stopped, Why};
 use fearless_simd::{f32x16, i32x16, prelude::*};
 use rayon::prelude::*;
 
@@ -23,7 +23,7 @@ impl<S: Simd> Interval<S> {
     /// Nothing in the way.
     #[inline(always)]
     pub fn clear(simd: S) -> Self {
-        let [zero, one] = [0.0, 1.0].map(|v| f32x16::splat(simd, v));
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         Self { light: [zero; 3], through: [one; 3] }
     }
 }
@@ -48,6 +48,17 @@ impl Room {
     }
 }
 
+impl Room {
+    #[inline(always)]
+    fn least(&self, cells: &[i32; LANES]) -> u8 {
+        let mut least = u8::MAX;
+        for &i in cells {
+            least = least.min(self.0[i as usize]);
+        }
+        least
+    }
+}
+
 /// Everything that rays read.
 #[derive(Clone, Copy)]
 pub struct Field<'a> {
@@ -64,9 +75,9 @@ impl Field<'_> {
         if inside.to_bitmask() != u64::from(u16::MAX) {
             return false;
         }
-        let [x, y] = from.map(|v| v.floor());
+        let [x, y] = [from[0].floor(), from[1].floor()];
         let index = (y * self.optics.width as f32 + x).to_int::<i32x16<S>>().to_array();
-        let room = index.into_iter().fold(u8::MAX, |least, i| least.min(self.room.0[i as usize]));
+        let room = self.room.least(&index);
         f32::from(room) >= reach
     }
 
@@ -81,10 +92,10 @@ impl Field<'_> {
     ) -> Interval<S> {
         let inside = self.inside(from);
         if inside.to_bitmask() == u64::from(u16::MAX) {
-            let ray = Ray { from, cell: from.map(|v| v.floor()), direction };
+            let ray = Ray { from, cell: [from[0].floor(), from[1].floor()], direction };
             return self.march(simd, ray, reach);
         }
-        let [zero, one] = [0.0, 1.0].map(|v| f32x16::splat(simd, v));
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let size = self.size();
         let (mut enter, mut leave) = (zero, reach);
         for a in 0..2 {
@@ -99,61 +110,65 @@ impl Field<'_> {
             return Interval::clear(simd);
         }
         let enter = inside.select(zero, enter);
-        let at: [_; 2] = std::array::from_fn(|a| {
-            enters.select(from[a] + direction[a] * enter, f32x16::splat(simd, 0.5))
-        });
-        let cell = std::array::from_fn(|a| at[a].floor().max(0.0).min(size[a] - 1.0));
-        let reach = enters.select(reach - enter, zero);
-        let seen = self.march(simd, Ray { from: at, cell, direction }, reach);
-        Interval {
-            light: seen.light.map(|v| enters.select(v, zero)),
-            through: seen.through.map(|v| enters.select(v, one)),
+        let mut ray = Ray { from, cell: from, direction };
+        for a in 0..2 {
+            let at = from[a] + direction[a] * enter;
+            ray.from[a] = enters.select(at, f32x16::splat(simd, 0.5));
+            ray.cell[a] = ray.from[a].floor().max(0.0).min(size[a] - 1.0);
         }
+        let reach = enters.select(reach - enter, zero);
+        let mut seen = self.march(simd, ray, reach);
+        for c in 0..3 {
+            seen.light[c] = enters.select(seen.light[c], zero);
+            seen.through[c] = enters.select(seen.through[c], one);
+        }
+        seen
     }
 
     #[inline(always)]
     fn march<S: Simd>(&self, simd: S, ray: Ray<f32x16<S>>, reach: f32x16<S>) -> Interval<S> {
         let stopped = packet::march_within(simd, self.optics, ray, reach, u32::MAX);
         let (mut light, mut through) = (stopped.light, stopped.through);
-        for l in 0..LANES {
-            let Why::Closed(axis) = stopped.why(l) else { continue };
-            let cell = [stopped.cell[0][l] as i32, stopped.cell[1][l] as i32];
-            let direction = [stopped.direction[0][l], stopped.direction[1][l]];
-            let axis = if stopped.travelled[l] > 0.0 {
-                axis
-            } else {
-                way_in([stopped.at[0][l], stopped.at[1][l]], cell, direction)
-            };
-            let sent = self.sent(cell, axis, direction);
+        let mut closed = stopped.closed();
+        while closed != 0 {
+            let l = closed.trailing_zeros() as usize;
+            closed &= closed - 1;
+            let sent = self.sent(&stopped, l);
             for c in 0..3 {
                 light[c][l] += through[c][l] * sent[c];
                 through[c][l] = 0.0;
             }
         }
-        let load = |v: [[f32; LANES]; 3]| v.map(|v| f32x16::load_array(simd, v));
-        Interval { light: load(light), through: load(through) }
+        let mut seen = Interval::clear(simd);
+        for c in 0..3 {
+            seen.light[c] = f32x16::load_array(simd, light[c]);
+            seen.through[c] = f32x16::load_array(simd, through[c]);
+        }
+        seen
     }
 
-    /// What the face of a wall sends out by which a ray enters it along an axis.
+    /// What the face of the wall sends out at which a ray ended.
     #[inline(always)]
-    fn sent(&self, cell: [i32; 2], axis: usize, direction: [f32; 2]) -> Rgb {
+    fn sent(&self, stopped: &Stopped, lane: usize) -> Rgb {
+        let cell = [stopped.cell[0][lane] as i32, stopped.cell[1][lane] as i32];
         let index = (cell[1] * self.optics.width + cell[0]) as usize;
         debug_assert_eq!(self.optics.sites[index].kind, Kind::Solid);
         let emission = self.optics.source[index];
+        let Some(slot) = self.surfaces.slot(index) else { return emission };
+        let direction = [stopped.direction[0][lane], stopped.direction[1][lane]];
+        let axis = match stopped.why(lane) {
+            Why::Closed(axis) if stopped.travelled[lane] > 0.0 => axis,
+            _ => way_in([stopped.at[0][lane], stopped.at[1][lane]], cell, direction),
+        };
         let face = 2 * axis + (direction[axis] < 0.0) as usize;
-        match self.surfaces.slot(index) {
-            Some(slot) => {
-                let sent = self.surfaces.wall_sent[slot][face];
-                std::array::from_fn(|c| emission[c] + sent[c])
-            }
-            None => emission,
-        }
+        let sent = self.surfaces.wall_sent[slot][face];
+        [emission[0] + sent[0], emission[1] + sent[1], emission[2] + sent[2]]
     }
 
     #[inline(always)]
     fn inside<S: Simd>(&self, at: [f32x16<S>; 2]) -> fearless_simd::mask32x16<S> {
-        let [x, y] = [0, 1].map(|a| at[a].simd_ge(0.0) & at[a].simd_lt(self.size()[a]));
-        x & y
+        let [w, h] = self.size();
+        at[0].simd_ge(0.0) & at[0].simd_lt(w) & at[1].simd_ge(0.0) & at[1].simd_lt(h)
     }
 
     #[inline(always)]

@@ -97,7 +97,11 @@ impl Caster<'_> {
     #[inline(always)]
     pub fn see<S: Simd>(&self, simd: S, points: Points<S>, rays: &[Ray]) -> [f32x16<S>; 3] {
         let mut sum = [f32x16::splat(simd, 0.0); 3];
-        let around = self.far.map(|far| Around::of(far, points));
+        // Not by closures here and below: they are not compiled for the vector unit at hand.
+        let around = match self.far {
+            Some(far) => Some(Around::of(far, points)),
+            None => None,
+        };
         for ray in rays {
             let start = [points.at[0] + ray.start[0], points.at[1] + ray.start[1]];
             match &around {
