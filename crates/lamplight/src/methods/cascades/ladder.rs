@@ -32,7 +32,8 @@ pub struct Cascade {
 pub fn cascades(size: [u32; 2], settings: &settings::Cascades, cascades: &mut Vec<Cascade>) {
     cascades.clear();
     let diagonal = (size[0] as f32).hypot(size[1] as f32);
-    let (mut start, mut length, mut rays) = (0.0, settings.interval, settings.rays);
+    let (mut start, mut length, mut rays) =
+        (0.0, settings.nearest_interval(), settings.nearest_rays());
     let mut lattice = Lattice::over(size.map(|v| v as f32), size.map(|v| v as f32), 1.0);
     loop {
         let end = start + length;
