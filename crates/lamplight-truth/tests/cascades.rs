@@ -14,13 +14,15 @@ const QUALITY: f64 = 0.025;
 /// What the plain merge of 4 rays keeps to: other studies found 6 to 12 %, and these scenes have
 /// many narrow gaps between walls; measured at 8 to 12 %.
 const PLAIN: f64 = 0.15;
-/// With bounces, and in fog and behind glass: what surfaces receive is off as much as what cells
-/// receive.
+/// With bounces: what surfaces receive is off as much as what cells receive.
 const BOUNCED: f64 = 0.04;
+/// In fog and behind glass: paths that bend from probe to probe are longer than straight ones;
+/// measured at 2.5 to 4 %.
+const FOGGY: f64 = 0.06;
 /// Open cells looked at in each scene, at random.
-const LOOKS: usize = 300;
+const LOOKS: usize = 800;
 /// Paths of the reference a cell: its own error is about a tenth of what is allowed.
-const SAMPLES: u32 = 16_384;
+const SAMPLES: u32 = 8192;
 
 /// Numbers by chance (an LCG), the same for the same seed.
 struct Random(u64);
@@ -155,7 +157,7 @@ fn light_in_fog_and_behind_glass_is_right() {
     }
     let truth = Truth::of(&cells, 1, random);
     let light = solve(&cells, settings(Cascades::default(), 1));
-    assert!(truth.judge("fog and glass", &light) < BOUNCED);
+    assert!(truth.judge("fog and glass", &light) < FOGGY);
     let grey = settings(Cascades { merge: Merge::Plain, ..Cascades::default() }, 0);
-    assert!(truth.judge("plain, no bounce", &solve(&cells, grey)) > BOUNCED);
+    assert!(truth.judge("plain, no bounce", &solve(&cells, grey)) > FOGGY);
 }

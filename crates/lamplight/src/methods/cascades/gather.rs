@@ -26,7 +26,7 @@ pub fn add_to_cells(level: Level, caster: &Caster, cells: &Cells, cone: u32, lig
             dispatch!(level, simd => {
                 let at = |l: usize| (x + l) as f32 + 0.5;
                 let at = [f32x16::from_fn(simd, at), f32x16::splat(simd, y as f32 + 0.5)];
-                add(caster.see(simd, Points { at, in_row }, &ray), share, row);
+                add(caster.see(simd, Points { at, in_row, normal: None }, &ray), share, row);
             });
         }
     });
@@ -49,7 +49,8 @@ pub fn add_to_some(
                 f32x16::from_fn(simd, |l| (place(l) % cells.width()) as f32 + 0.5),
                 f32x16::from_fn(simd, |l| (place(l) / cells.width()) as f32 + 0.5),
             ];
-            add(caster.see(simd, Points { at, in_row: false }, &ray), share, light);
+            let points = Points { at, in_row: false, normal: None };
+            add(caster.see(simd, points, &ray), share, light);
         });
     });
 }
@@ -109,7 +110,9 @@ impl OnFaces {
                         f32x16::from_fn(simd, |l| (cell(l) % cells.width()) as f32 + before[0]),
                         f32x16::from_fn(simd, |l| (cell(l) / cells.width()) as f32 + before[1]),
                     ];
-                    add(caster.see(simd, Points { at, in_row: false }, &ray), weight, light);
+                    let normal = Some(NORMALS[face].map(|n| n as f32));
+                    let points = Points { at, in_row: false, normal };
+                    add(caster.see(simd, points, &ray), weight, light);
                 });
             });
         }

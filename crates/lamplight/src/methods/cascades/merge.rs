@@ -29,6 +29,9 @@ pub struct Points<S: Simd> {
     pub at: [f32x16<S>; 2],
     /// Whether they lie in a row, half as far apart as the probes of the next cascade.
     pub in_row: bool,
+    /// Where they lie on a face, its normal: with the bilinear fix, rays that would run into the
+    /// face itself are left out.
+    pub normal: Option<[f32; 2]>,
 }
 
 /// What stays the same while one cascade is filled.
@@ -113,7 +116,7 @@ impl Caster<'_> {
                     }
                 }
                 Some(around) => {
-                    let seen = self.merged(simd, points.at, start, ray, around);
+                    let seen = self.merged(simd, points, start, ray, around);
                     for c in 0..3 {
                         sum[c] += seen[c];
                     }
@@ -128,7 +131,7 @@ impl Caster<'_> {
     fn merged<S: Simd>(
         &self,
         simd: S,
-        at: [f32x16<S>; 2],
+        points: Points<S>,
         start: [f32x16<S>; 2],
         ray: &Ray,
         around: &Around<S>,
@@ -150,17 +153,30 @@ impl Caster<'_> {
             }
             return seen;
         }
+        let mut whole = f32x16::splat(simd, 0.0);
         for corner in 0..4 {
-            let shift = around.shift(at, corner);
+            let shift = around.shift(points.at, corner);
             let step =
                 [shift[0] + (ray.end[0] - ray.start[0]), shift[1] + (ray.end[1] - ray.start[1])];
             let length = (step[0] * step[0] + step[1] * step[1]).sqrt();
             let length = length.max(f32::MIN_POSITIVE);
+            let mut weight = around.weight[corner];
+            if let Some([x, y]) = points.normal {
+                let before = (step[0] * x + step[1] * y).simd_gt(0.0);
+                weight = before.select(weight, f32x16::splat(simd, 0.0));
+            }
+            whole += weight;
             let near = self.field.trace(simd, start, [step[0] / length, step[1] / length], length);
             let light = around.light(simd, ray.plane, corner);
             for c in 0..3 {
                 let sum = near.light[c] + near.through[c] * light[c];
-                seen[c] += around.weight[corner] * sum;
+                seen[c] += weight * sum;
+            }
+        }
+        if points.normal.is_some() {
+            // Of the four probes some stand in the direction of the ray or beside it.
+            for c in 0..3 {
+                seen[c] = seen[c] / whole;
             }
         }
         seen

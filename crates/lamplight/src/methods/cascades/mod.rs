@@ -236,7 +236,7 @@ fn fill_block<S: Simd>(
             ]
         };
         let at = [lattice.position(0, column), lattice.position(1, row)];
-        let seen = caster.see(simd, Points { at, in_row: probes.in_row }, rays);
+        let seen = caster.see(simd, Points { at, in_row: probes.in_row, normal: None }, rays);
         let end = count.min(packet + LANES);
         for c in 0..3 {
             light[c][packet..end].copy_from_slice(&seen[c].to_array()[..end - packet]);
