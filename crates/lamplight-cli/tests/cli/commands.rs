@@ -46,7 +46,7 @@ fn stages_writes_every_picture_and_a_sheet() {
 fn bench_prints_a_line_for_each_case() {
     let sandbox = Sandbox::small();
     let said = sandbox
-        .run("bench --size 12x7,9x9 --threads 2 --bounces 0 --set raymarch.rays=4 --json")
+        .run("bench --method raymarch --size 12x7,9x9 --threads 2 --bounces 0 --set raymarch.rays=4 --json")
         .done();
     let lines: Vec<Value> = said.lines().map(json).collect();
     assert_eq!(lines.len(), 2);

@@ -176,7 +176,7 @@ impl Caster<'_> {
         if points.normal.is_some() {
             // Of the four probes some stand in the direction of the ray or beside it.
             for c in 0..3 {
-                seen[c] = seen[c] / whole;
+                seen[c] /= whole;
             }
         }
         seen
