@@ -2,6 +2,7 @@
 //!
 //! Figures stand between `<!-- begin NAME: cargo xtask docs -->` and `<!-- end NAME -->`.
 
+use crate::frontier::{self, Scene};
 use crate::generated::{self, Mode, root};
 use crate::scenes;
 use crate::test::cargo;
@@ -25,8 +26,30 @@ pub fn run() -> Result<()> {
     pictures()?;
     let machine = machine()?;
     insert("docs/README.md", "times", &times(&machine)?)?;
-    insert("docs/raymarch.md", "errors", &errors("raymarch", &machine)?)?;
-    insert("docs/cascades.md", "errors", &errors("cascades", &machine)?)
+    insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)?;
+    insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
+    methods(&machine)
+}
+
+/// The page that sets all methods side by side.
+fn methods(machine: &str) -> Result<()> {
+    let mut judged = Vec::new();
+    for name in scenes::NAMES {
+        println!("compare {name}");
+        let flags = ["--bounces", "0", "--cells", frontier::CELLS, "--samples", frontier::SAMPLES];
+        let said = lamplight(&[&["compare", &file(name), "--json"], &flags[..]].concat())?;
+        judged.push(Scene::read(name, &said)?);
+    }
+    let plot = frontier::svg(&judged)?;
+    generated::bytes(Mode::Write, "docs/pictures/methods.svg", plot.as_bytes(), "docs")?;
+    let table = format!(
+        "{}\nRelative RMSE of direct light at {} open cells a scene, picked at random, against {} paths \
+         a cell; `mean` and `a frame` are geometric means over the scenes. Median times {machine}.\n",
+        frontier::table(&judged)?,
+        frontier::CELLS,
+        frontier::SAMPLES,
+    );
+    insert("docs/methods.md", "methods", &table)
 }
 
 fn pictures() -> Result<()> {
@@ -78,11 +101,13 @@ fn times(machine: &str) -> Result<String> {
     Ok(table)
 }
 
-fn errors(method: &str, machine: &str) -> Result<String> {
-    println!("compare {JUDGED} by {method}");
-    let arguments = ["--bounces", "0", "--samples", SAMPLES, "--json", "--methods", method];
-    let compared = lamplight(&[&["compare", &file(JUDGED)], &arguments[..]].concat())?;
-    let judged: Value = serde_json::from_str(&compared)?;
+fn errors(method: &[&str], machine: &str) -> Result<String> {
+    println!("compare {JUDGED} by {}", method[0]);
+    let direct = ["--bounces", "0", "--samples", SAMPLES, "--json"];
+    let scene = file(JUDGED);
+    let compare = ["compare", &scene, "--methods"];
+    let said = lamplight(&[&compare[..], method, &direct].concat())?;
+    let judged: Value = serde_json::from_str(&said)?;
     let percent = |row: &Value, key: &str| Ok::<_, anyhow::Error>(number(row, key)? * 100.0);
     let mut table = String::from(
         "| what | relative RMSE | bias | 99th percentile | FLIP | a frame |\n\

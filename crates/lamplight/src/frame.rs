@@ -2,6 +2,7 @@
 
 use crate::clock::Clock;
 use crate::methods::cascades::Cascades;
+use crate::methods::holographic::Holographic;
 use crate::methods::raymarch::{Input, Raymarch};
 use crate::settings::{BounceBy, Bounces, Hit, Method};
 use crate::stages::denoise::Denoise;
@@ -22,6 +23,7 @@ pub struct Solver {
     fields: Fields,
     raymarch: Raymarch,
     cascades: Cascades,
+    holographic: Holographic,
     traced: Traced,
     temporal: Temporal,
     denoise: Denoise,
@@ -65,6 +67,7 @@ impl Solver {
             fields: Fields::default(),
             raymarch: Raymarch::default(),
             cascades: Cascades::default(),
+            holographic: Holographic::default(),
             traced: Traced::default(),
             temporal: Temporal::default(),
             denoise: Denoise::default(),
@@ -94,6 +97,12 @@ impl Solver {
                 let Self { cells, settings, light, clock, .. } = self;
                 self.cascades.solve(cells, settings, &mut light.rgb, clock);
             }
+            Method::Holographic => self.holographic.solve(
+                &self.cells,
+                &self.settings,
+                &mut self.light.rgb,
+                &mut self.clock,
+            ),
         }
 
         self.light.width = self.cells.width();

@@ -6,11 +6,13 @@
 
 mod bounces;
 mod cascades;
+mod holographic;
 mod raymarch;
 mod table;
 
 pub use bounces::Bounces;
 pub use cascades::{Cascades, Merge};
+pub use holographic::Holographic;
 pub use raymarch::{BounceBy, Hit, Noise, Raymarch, Spacing};
 pub use table::SettingsTable;
 
@@ -29,17 +31,29 @@ pub enum Method {
     Raymarch,
     /// Probes near with few rays, far with many (radiance cascades, Sannikov 2023).
     Cascades,
+    /// Rays made from shorter rays (Freeman, Sannikov and Margel 2025).
+    Holographic,
 }
 
 impl Method {
     /// Every method, in the order in which lists show them.
-    pub const ALL: &'static [Self] = &[Self::Raymarch, Self::Cascades];
+    pub const ALL: &'static [Self] = &[Self::Raymarch, Self::Cascades, Self::Holographic];
 
     /// The name in files, flags and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Raymarch => "raymarch",
             Self::Cascades => "cascades",
+            Self::Holographic => "holographic",
+        }
+    }
+
+    /// Names of the method's presets, for its key `preset`; the first is its default.
+    pub fn presets(self) -> &'static [&'static str] {
+        match self {
+            Self::Raymarch => Raymarch::PRESETS,
+            Self::Cascades => Cascades::PRESETS,
+            Self::Holographic => Holographic::PRESETS,
         }
     }
 }
@@ -66,6 +80,8 @@ pub struct Settings {
     pub raymarch: Raymarch,
     /// The settings of `cascades`.
     pub cascades: Cascades,
+    /// The settings of `holographic`.
+    pub holographic: Holographic,
 }
 
 /// Mean over frames, with history dropped where what a pixel sees has changed.
@@ -113,7 +129,8 @@ impl Settings {
         within("denoise.passes", self.denoise.passes, 0..=6)?;
         within("denoise.strength", self.denoise.strength, 0.0..=16.0)?;
         self.raymarch.check()?;
-        self.cascades.check()
+        self.cascades.check()?;
+        self.holographic.check()
     }
 }
 
