@@ -26,7 +26,8 @@ pub fn run() -> Result<()> {
     pictures()?;
     let machine = machine()?;
     insert("docs/README.md", "times", &times(&machine)?)?;
-    insert("docs/raymarch.md", "errors", &errors(&machine)?)?;
+    insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)?;
+    insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
     methods(&machine)
 }
 
@@ -59,6 +60,16 @@ fn pictures() -> Result<()> {
     }
     let light = ["--stage", "light", "--scale", SCALE, "-o", "docs/pictures/cave-light.png"];
     lamplight(&[&["render", &file("cave")], &light[..]].concat())?;
+    for (preset, output) in [
+        ("default", "docs/pictures/grove-cascades.png"),
+        ("plain", "docs/pictures/grove-cascades-plain.png"),
+    ] {
+        let preset = format!("cascades.preset={preset}");
+        let direct = ["--bounces", "0", "--stage", "light", "--scale", SCALE, "-o", output];
+        let scene = file("grove");
+        let method = ["render", &scene, "--method", "cascades", "--set", &preset];
+        lamplight(&[&method, &direct[..]].concat())?;
+    }
     let folder = tempfile::tempdir()?;
     let path = folder.path().to_str().context("the temporary folder's name is text")?;
     lamplight(&["stages", &file("cave"), "-o", path])?;
@@ -90,11 +101,13 @@ fn times(machine: &str) -> Result<String> {
     Ok(table)
 }
 
-fn errors(machine: &str) -> Result<String> {
-    println!("compare {JUDGED}");
+fn errors(method: &[&str], machine: &str) -> Result<String> {
+    println!("compare {JUDGED} by {}", method[0]);
     let direct = ["--bounces", "0", "--samples", SAMPLES, "--json"];
-    let raymarch = ["compare", &file(JUDGED), "--methods", "raymarch", "--sweep"];
-    let judged: Value = serde_json::from_str(&lamplight(&[&raymarch[..], &direct].concat())?)?;
+    let scene = file(JUDGED);
+    let compare = ["compare", &scene, "--methods"];
+    let said = lamplight(&[&compare[..], method, &direct].concat())?;
+    let judged: Value = serde_json::from_str(&said)?;
     let percent = |row: &Value, key: &str| Ok::<_, anyhow::Error>(number(row, key)? * 100.0);
     let mut table = String::from(
         "| what | relative RMSE | bias | 99th percentile | FLIP | a frame |\n\

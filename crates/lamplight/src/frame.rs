@@ -1,6 +1,7 @@
 //! One frame, from cells to light, top to bottom.
 
 use crate::clock::Clock;
+use crate::methods::cascades::Cascades;
 use crate::methods::holographic::Holographic;
 use crate::methods::raymarch::{Input, Raymarch};
 use crate::settings::{BounceBy, Bounces, Hit, Method};
@@ -21,6 +22,7 @@ pub struct Solver {
     cells: Cells,
     fields: Fields,
     raymarch: Raymarch,
+    cascades: Cascades,
     holographic: Holographic,
     traced: Traced,
     temporal: Temporal,
@@ -64,6 +66,7 @@ impl Solver {
             cells: Cells::new(1, 1)?,
             fields: Fields::default(),
             raymarch: Raymarch::default(),
+            cascades: Cascades::default(),
             holographic: Holographic::default(),
             traced: Traced::default(),
             temporal: Temporal::default(),
@@ -90,6 +93,10 @@ impl Solver {
 
         match self.settings.method {
             Method::Raymarch => self.raymarch(),
+            Method::Cascades => {
+                let Self { cells, settings, light, clock, .. } = self;
+                self.cascades.solve(cells, settings, &mut light.rgb, clock);
+            }
             Method::Holographic => self.holographic.solve(
                 &self.cells,
                 &self.settings,

@@ -6,8 +6,8 @@
 mod common;
 
 use common::*;
-use lamplight::settings::{BounceBy, Hit, Noise, Temporal};
-use lamplight::{Bounces, Cells, Lamp, Matter, Settings, Sky, Solver};
+use lamplight::settings::{BounceBy, Hit, Merge, Noise, Temporal};
+use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky, Solver};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -101,6 +101,12 @@ fn ways() -> Vec<(&'static str, bool, Settings)> {
             }),
         ),
         ("hit by distance", true, way(|s| s.raymarch.hit = Hit::Distance)),
+        ("cascades", true, way(|s| (s.method, s.bounces) = (Method::Cascades, Bounces::Count(2)))),
+        (
+            "plain cascades",
+            false,
+            way(|s| (s.method, s.cascades.merge) = (Method::Cascades, Merge::Plain)),
+        ),
         ("wall depth", false, way(|s| s.wall_depth = 6.0)),
         (
             "temporal and denoise",

@@ -2,7 +2,7 @@
 
 use crate::failure::Outcome;
 use crate::output;
-use lamplight::{Cells, Method, settings};
+use lamplight::{Cells, Method};
 use serde_json::json;
 
 /// Show backends, limits and versions
@@ -17,14 +17,14 @@ pub fn run(args: Args) -> Outcome {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let features = vector_features();
     let methods: Vec<_> = Method::ALL.iter().map(|m| m.name()).chain(["reference"]).collect();
-    let presets = settings::Raymarch::PRESETS;
+    let presets = Method::Raymarch.presets();
     if args.json {
         return output::print(json!({
             "version": env!("CARGO_PKG_VERSION"),
             "backends": { "cpu": { "threads": threads, "features": features } },
             "adapters": [],
             "methods": methods,
-            "presets": { "raymarch": presets },
+            "presets": { "raymarch": presets, "cascades": Method::Cascades.presets() },
             "limits": { "side": Cells::MAX_SIDE, "cells": Cells::MAX_CELLS },
         }));
     }
@@ -36,11 +36,13 @@ backends  cpu: {threads} threads, {arch} with {features}
           gpu: not in this build
 methods   {methods}
 presets   raymarch: {presets}
+          cascades: {cascades}
 limits    {side} cells a side, {cells} million cells in all",
         version = env!("CARGO_PKG_VERSION"),
         arch = std::env::consts::ARCH,
         methods = methods.join(", "),
         presets = presets.join(", "),
+        cascades = Method::Cascades.presets().join(", "),
         side = Cells::MAX_SIDE,
         cells = Cells::MAX_CELLS / 1_000_000,
     ))

@@ -5,11 +5,13 @@
 //! unknown or out of range, and gives typed [`Settings`].
 
 mod bounces;
+mod cascades;
 mod holographic;
 mod raymarch;
 mod table;
 
 pub use bounces::Bounces;
+pub use cascades::{Cascades, Merge};
 pub use holographic::{Holographic, Variant};
 pub use raymarch::{BounceBy, Hit, Noise, Raymarch, Spacing};
 pub use table::SettingsTable;
@@ -26,6 +28,8 @@ use std::ops::RangeInclusive;
 pub enum Method {
     /// Jump flood, distance field, rays from every pixel (Bigos 2020).
     Raymarch,
+    /// Probes near with few rays, far with many (radiance cascades, Sannikov 2023).
+    Cascades,
     /// Rays made from shorter rays (Freeman, Sannikov and Margel 2025).
     #[default]
     Holographic,
@@ -33,12 +37,13 @@ pub enum Method {
 
 impl Method {
     /// Every method, in the order in which lists show them.
-    pub const ALL: &'static [Self] = &[Self::Raymarch, Self::Holographic];
+    pub const ALL: &'static [Self] = &[Self::Raymarch, Self::Cascades, Self::Holographic];
 
     /// The name in files, flags and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Raymarch => "raymarch",
+            Self::Cascades => "cascades",
             Self::Holographic => "holographic",
         }
     }
@@ -47,6 +52,7 @@ impl Method {
     pub fn presets(self) -> &'static [&'static str] {
         match self {
             Self::Raymarch => Raymarch::PRESETS,
+            Self::Cascades => Cascades::PRESETS,
             Self::Holographic => Holographic::PRESETS,
         }
     }
@@ -72,6 +78,8 @@ pub struct Settings {
     pub denoise: Denoise,
     /// The settings of `raymarch`.
     pub raymarch: Raymarch,
+    /// The settings of `cascades`.
+    pub cascades: Cascades,
     /// The settings of `holographic`.
     pub holographic: Holographic,
 }
@@ -121,6 +129,7 @@ impl Settings {
         within("denoise.passes", self.denoise.passes, 0..=6)?;
         within("denoise.strength", self.denoise.strength, 0.0..=16.0)?;
         self.raymarch.check()?;
+        self.cascades.check()?;
         self.holographic.check()
     }
 }

@@ -7,6 +7,8 @@ pub mod display;
 pub mod distance;
 pub mod jump_flood;
 pub mod noise;
+pub(crate) mod optics;
+pub(crate) mod packet;
 pub mod seed;
 pub mod temporal;
 pub mod traced;
