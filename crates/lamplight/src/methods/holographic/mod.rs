@@ -36,7 +36,7 @@ mod stencil;
 
 use crate::clock::Clock;
 use crate::settings::{Bounces, Settings, Variant};
-use crate::stages::bounce::{Faces, Surfaces, mean_over_faces};
+use crate::stages::bounce::{CONVERGED, Faces, Surfaces, Wall, mean_over_faces};
 use crate::{Cells, Rgb};
 use fearless_simd::Level;
 use fronts::{Fronts, front};
@@ -53,6 +53,8 @@ pub struct Holographic {
     surfaces: Surfaces,
     fronts: Fronts,
     pairs: [Pair; 2],
+    /// What walls and fog receive.
+    received: (Vec<Faces>, Vec<Rgb>),
     published: Published,
 }
 
@@ -70,6 +72,7 @@ impl Holographic {
             surfaces: Surfaces::default(),
             fronts: Fronts::default(),
             pairs: [Axis::X, Axis::Y].map(Pair::new),
+            received: Default::default(),
             published: Published::default(),
         }
     }
@@ -165,37 +168,19 @@ impl Holographic {
     /// the mean.
     fn send_on(&mut self, cells: &Cells) -> f32 {
         let w = cells.width() as usize;
-        let mut surfaces = std::mem::take(&mut self.surfaces);
-        let Surfaces { walls, fog, wall_sent, fog_sent, .. } = &mut surfaces;
-        let (mut largest, mut sum, mut count) = (0.0f32, 0.0f64, 0u32);
-        let mut update = |old: &mut Rgb, albedo: Rgb, received: Rgb| {
-            for c in 0..3 {
-                let new = albedo[c] * received[c];
-                largest = largest.max((new - old[c]).abs());
-                sum += f64::from(new);
-                count += 1;
-                old[c] = new;
-            }
-        };
-        for (wall, sent) in walls.iter().zip(wall_sent).filter(|(wall, _)| wall.reflects) {
-            let i = wall.cell as usize;
-            let faces = self.faces(i, wall.exposed, w);
-            for face in (0..4).filter(|&face| wall.exposed[face]) {
-                update(&mut sent[face], cells.albedo()[i], faces[face]);
-            }
-        }
-        for (&i, sent) in fog.iter().zip(fog_sent) {
-            let i = i as usize;
-            update(sent, cells.albedo()[i], self.fluence(i % w, i / w));
-        }
-        self.surfaces = surfaces;
-        let mean = (sum / f64::from(count.max(1))) as f32;
-        if largest == 0.0 { 0.0 } else { largest / mean }
+        let mut received = std::mem::take(&mut self.received);
+        let Surfaces { walls, fog, .. } = &self.surfaces;
+        let faces = |wall: &Wall| self.faces(wall.cell as usize, wall.exposed, w);
+        let fluence = |&i: &u32| self.fluence(i as usize % w, i as usize / w);
+        received.0.clear();
+        received.0.extend(walls.iter().map(faces));
+        received.1.clear();
+        received.1.extend(fog.iter().map(fluence));
+        let change = self.surfaces.send_on(cells, received.0.iter(), received.1.iter());
+        self.received = received;
+        change
     }
 }
-
-/// Change of what surfaces receive, relative to the mean, at which bounces have converged.
-const CONVERGED: f32 = 1e-3;
 
 /// Side of the blocks in which light is gathered, px: a few lines of the cache.
 const BLOCK: usize = 16;

@@ -6,7 +6,7 @@
 use super::fronts::front;
 use super::paper::Paper;
 use crate::settings::Bounces;
-use crate::stages::bounce::Surfaces;
+use crate::stages::bounce::{CONVERGED, Surfaces};
 use crate::{Cells, Rgb};
 
 /// The method with its buffers.
@@ -51,7 +51,7 @@ impl Published {
             }
             self.fluence(&lit, light);
             let count = 3 * (self.surfaces.walls.len() + self.surfaces.fog.len()).max(1);
-            if bounces == Bounces::Converged && largest <= super::CONVERGED * sum / count as f32 {
+            if bounces == Bounces::Converged && largest <= CONVERGED * sum / count as f32 {
                 break;
             }
         }
