@@ -59,9 +59,12 @@ impl Surfaces {
         for y in 0..h {
             for x in 0..w {
                 let i = (y * w + x) as usize;
+                if cells.opacity()[i] == 0.0 && cells.tint()[i] == [1.0; 3] {
+                    continue;
+                }
                 let reflects = cells.albedo()[i] != [0.0; 3];
                 if !cells.is_solid(i) {
-                    if reflects && (cells.opacity()[i] > 0.0 || cells.tint()[i] != [1.0; 3]) {
+                    if reflects {
                         self.slots[i] = self.fog.len() as u32;
                         self.fog.push(i as u32);
                     }

@@ -55,8 +55,12 @@ impl Fronts {
         for bits in [&mut self.open, &mut self.before_faces, &mut self.surfaces] {
             bits.clear([w, h]);
         }
-        for i in (0..cells.len()).filter(|&i| !cells.is_solid(i)) {
-            self.open.set(i % w, i / w);
+        for (y, row) in cells.opacity().chunks_exact(w).enumerate() {
+            for (x, &opacity) in row.iter().enumerate() {
+                if opacity < 1.0 {
+                    self.open.set(x, y);
+                }
+            }
         }
         for wall in &surfaces.walls {
             for face in (0..4).filter(|&face| wall.exposed[face]) {

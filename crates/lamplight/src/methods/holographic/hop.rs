@@ -194,9 +194,11 @@ fn look<S: Simd, const K: usize>(
         }
         all += share;
     }
+    let share = f32x16::splat(simd, 1.0) / all;
     let mut light = near.light;
     for c in 0..3 {
-        light[c] = near.light[c] * angle + near.through[c % K] * (far_light[c] / all);
+        let far = near.through[c % K] * (far_light[c] * share);
+        light[c] = near.light[c].mul_add(angle, far);
     }
     light
 }
@@ -207,6 +209,7 @@ fn is_empty<S: Simd>(simd: S, slabs: &Slabs, start: usize, ahead: usize) -> bool
     let mut met = u8x64::splat(simd, 0);
     for slab in 0..=ahead {
         let start = start.wrapping_add_signed(slab as isize * slabs.step());
+        // Two words of a tile cover what rays of up to 31 px can stray to.
         let around = &slabs.kinds[start - ahead - 1..start + TILE + ahead + 1];
         met |= u8x64::from_slice(simd, &around[..TILE]);
         met |= u8x64::from_slice(simd, &around[around.len() - TILE..]);
