@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use lamplight::settings::{BounceBy, Raymarch};
+use lamplight::settings::{BounceBy, Flood, Polar, Raymarch};
 use lamplight::{Bounces, Cells, Display, Light, Method, Rgb, Settings, Solver};
 use lamplight_truth::Measures;
 use lamplight_truth::flip::{PIXELS_PER_DEGREE, flip};
@@ -20,6 +20,8 @@ const FEW_RAYS: u32 = 32;
 const DENOISE_PASSES: u32 = 4;
 /// Frames after which accumulation is looked at.
 const FRAMES: [u32; 3] = [1, 8, 64];
+/// Frames after which `flood`, which keeps energy from frame to frame, is looked at.
+const FLOOD_FRAMES: [u32; 2] = [1, 32];
 
 /// Entries that belong together: a line in the plot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,7 +97,38 @@ pub fn run(
 fn entries(method: Method, settings: &Settings) -> Vec<Entry> {
     match method {
         Method::Raymarch => raymarch_entries(&Settings { method, ..settings.clone() }),
+        Method::Flood => {
+            preset_entries(&Settings { method, ..settings.clone() }, &FLOOD_FRAMES, |s, name| {
+                Some(Settings { flood: Flood::preset(name)?, ..s })
+            })
+        }
+        Method::Polar => {
+            preset_entries(&Settings { method, ..settings.clone() }, &[1], |s, name| {
+                Some(Settings { polar: Polar::preset(name)?, ..s })
+            })
+        }
     }
+}
+
+/// The settings as they are, and every preset.
+fn preset_entries(
+    settings: &Settings,
+    after: &[u32],
+    with: impl Fn(Settings, &str) -> Option<Settings>,
+) -> Vec<Entry> {
+    let method = settings.method;
+    let entry =
+        |name: String, series, settings| Entry { name, series, settings, after: after.into() };
+    let preset = |&name: &&str| {
+        let settings = with(settings.clone(), name)?;
+        Some(entry(format!("{}, preset {name}", method.name()), Series::Preset, settings))
+    };
+    let mut all: Vec<Entry> = method.presets().iter().filter_map(preset).collect();
+    if all.iter().all(|entry| entry.settings != *settings) {
+        let name = format!("{}, as set", method.name());
+        all.insert(0, entry(name, Series::AsSet, settings.clone()));
+    }
+    all
 }
 
 fn raymarch_entries(settings: &Settings) -> Vec<Entry> {

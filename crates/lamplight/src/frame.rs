@@ -1,8 +1,10 @@
 //! One frame, from cells to light, top to bottom.
 
 use crate::clock::Clock;
+use crate::methods::flood::Flood;
+use crate::methods::polar::Polar;
 use crate::methods::raymarch::{Input, Raymarch};
-use crate::settings::{BounceBy, Bounces, Hit, Method};
+use crate::settings::{BounceBy, Bounces, Hit, Method, Walk};
 use crate::stages::denoise::Denoise;
 use crate::stages::temporal::Temporal;
 use crate::stages::traced::Traced;
@@ -20,6 +22,8 @@ pub struct Solver {
     cells: Cells,
     fields: Fields,
     raymarch: Raymarch,
+    flood: Flood,
+    polar: Polar,
     traced: Traced,
     temporal: Temporal,
     denoise: Denoise,
@@ -42,7 +46,7 @@ struct Fields {
 /// A look at the intermediates of the last frame; each has one entry a cell, in row order.
 #[derive(Clone, Copy, Debug)]
 pub struct Stages<'a> {
-    /// The grid with its lamps drawn in.
+    /// The grid, with its lamps drawn in where the method sees them so.
     pub cells: &'a Cells,
     /// Seed map: the own position of occupied cells, packed ([`crate::stages::seed`]).
     pub seeds: &'a [u32],
@@ -62,6 +66,8 @@ impl Solver {
             cells: Cells::new(1, 1)?,
             fields: Fields::default(),
             raymarch: Raymarch::default(),
+            flood: Flood::default(),
+            polar: Polar::default(),
             traced: Traced::default(),
             temporal: Temporal::default(),
             denoise: Denoise::default(),
@@ -80,13 +86,18 @@ impl Solver {
     pub fn solve(&mut self, cells: &Cells) -> Result<&Light> {
         self.clock.start();
         cells.check()?;
+        self.settings.method.suits(cells)?;
         self.cells.clone_from(cells);
-        self.cells.draw_lamps();
+        if !self.settings.method.lights_lamps() {
+            self.cells.draw_lamps();
+        }
         self.fields.measured = false;
         self.clock.lap("cells");
 
         match self.settings.method {
             Method::Raymarch => self.raymarch(),
+            Method::Flood => self.flood(),
+            Method::Polar => self.polar(),
         }
 
         self.light.width = self.cells.width();
@@ -130,6 +141,19 @@ impl Solver {
         self.light.rgb.clone_from(&self.traced.light);
     }
 
+    fn flood(&mut self) {
+        self.flood.solve(&self.cells, &self.settings.flood, &mut self.light.rgb, &mut self.clock);
+    }
+
+    fn polar(&mut self) {
+        if self.settings.polar.walk == Walk::Distance {
+            self.measure();
+        }
+        let (fields, settings) = (&self.fields, &self.settings.polar);
+        let rgb = &mut self.light.rgb;
+        self.polar.solve(&self.cells, &fields.distance, settings, rgb, &mut self.clock);
+    }
+
     /// Seed map, jump flood, distance field.
     fn measure(&mut self) {
         let (cells, fields) = (&self.cells, &mut self.fields);
@@ -168,6 +192,7 @@ impl Solver {
     pub fn reset(&mut self) {
         self.frame = 0;
         self.raymarch = Raymarch::default();
+        self.flood = Flood::default();
         self.temporal = Temporal::default();
     }
 }

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 pub struct Args {
     /// The scene file (TOML or JSON)
     scene: PathBuf,
-    /// Methods to judge, with commas between them [default: all]
+    /// Methods to judge, with commas between them [default: all that can light the scene]
     #[arg(long, value_name = "METHOD", value_delimiter = ',',
           value_parser = by_name(Method::ALL, Method::name))]
     methods: Vec<Method>,
@@ -40,10 +40,15 @@ pub struct Args {
 
 pub fn run(args: Args) -> Outcome {
     let backend = args.machine.backend.choose()?;
-    let methods = if args.methods.is_empty() { Method::ALL } else { &args.methods };
     args.machine.run(|threads| {
         let quiet = args.machine.quiet;
         let (scene, cells) = lighting::open(&args.scene, quiet)?;
+        let methods = if args.methods.is_empty() {
+            Method::ALL.iter().copied().filter(|method| method.suits(&cells).is_ok()).collect()
+        } else {
+            args.methods.clone()
+        };
+        methods.iter().try_for_each(|method| method.suits(&cells))?;
         let settings = args.settings.over(&scene.light)?.resolve()?;
         let display = args.show.display(scene.display)?;
         if let Some(folder) = &args.report {
@@ -51,7 +56,7 @@ pub fn run(args: Args) -> Outcome {
         }
         let (estimate, time) = lighting::trace(&cells, &settings, args.samples, quiet)?;
         let judge = Judge { cells: &cells, truth: &estimate.light, display };
-        let rows = contest::run(&judge, methods, &settings, quiet)?;
+        let rows = contest::run(&judge, &methods, &settings, quiet)?;
         let reference = Reference {
             samples: args.samples,
             standard_error: lighting::relative_standard_error(&estimate),

@@ -5,14 +5,18 @@
 //! unknown or out of range, and gives typed [`Settings`].
 
 mod bounces;
+mod flood;
+mod polar;
 mod raymarch;
 mod table;
 
 pub use bounces::Bounces;
+pub use flood::{Fade, Flood, Sweeps};
+pub use polar::{Blend, Edges, Polar, Walk};
 pub use raymarch::{BounceBy, Hit, Noise, Raymarch, Spacing};
 pub use table::SettingsTable;
 
-use crate::{Error, Result};
+use crate::{Cells, Error, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -25,17 +29,49 @@ pub enum Method {
     /// Jump flood, distance field, rays from every pixel (Bigos 2020).
     #[default]
     Raymarch,
+    /// Rays drawn into a grid of energy, a bounce, many blurs; energy is kept between frames
+    /// (tmpvar 2019). A look, not physics.
+    Flood,
+    /// A fan of rays from every lamp, then every pixel looks its ray up (Griffis). Lamps only.
+    Polar,
 }
 
 impl Method {
     /// Every method, in the order in which lists show them.
-    pub const ALL: &'static [Self] = &[Self::Raymarch];
+    pub const ALL: &'static [Self] = &[Self::Raymarch, Self::Flood, Self::Polar];
 
     /// The name in files, flags and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Raymarch => "raymarch",
+            Self::Flood => "flood",
+            Self::Polar => "polar",
         }
+    }
+
+    /// The names of its presets.
+    pub fn presets(self) -> &'static [&'static str] {
+        match self {
+            Self::Raymarch => Raymarch::PRESETS,
+            Self::Flood => Flood::PRESETS,
+            Self::Polar => Polar::PRESETS,
+        }
+    }
+
+    /// Whether it lights lamps by rule, with range, falloff and cone; the others draw them as
+    /// glowing discs.
+    pub fn lights_lamps(self) -> bool {
+        matches!(self, Self::Flood | Self::Polar)
+    }
+
+    /// Refuses a scene that the method cannot light: `polar` needs a lamp.
+    pub fn suits(self, cells: &Cells) -> Result<()> {
+        if self != Self::Polar || !cells.lamps().is_empty() {
+            return Ok(());
+        }
+        let problem = "it lights lamps only, and there is none; add a [[lamp]], or choose another \
+                       method";
+        Err(Error::Unsuited { method: self.name(), problem })
     }
 }
 
@@ -46,7 +82,8 @@ pub struct Settings {
     /// How light is found.
     pub method: Method,
     /// How often light is sent on by walls and fog, 0 to 256 or `"converged"`. Each bounce costs
-    /// one more gather over the surfaces that reflect.
+    /// one more gather over the surfaces that reflect. `polar` makes none, `flood` has its own
+    /// (`flood.bounce_rays`).
     pub bounces: Bounces,
     /// px that light sinks into solid walls, 0 to 64, so that they are seen and not black; 0
     /// lights only the cells that touch open space. Costs next to nothing.
@@ -59,6 +96,10 @@ pub struct Settings {
     pub denoise: Denoise,
     /// The settings of `raymarch`.
     pub raymarch: Raymarch,
+    /// The settings of `flood`.
+    pub flood: Flood,
+    /// The settings of `polar`.
+    pub polar: Polar,
 }
 
 /// Mean over frames, with history dropped where what a pixel sees has changed.
@@ -105,7 +146,9 @@ impl Settings {
         within("temporal.frames", self.temporal.frames, 0..=4096)?;
         within("denoise.passes", self.denoise.passes, 0..=6)?;
         within("denoise.strength", self.denoise.strength, 0.0..=16.0)?;
-        self.raymarch.check()
+        self.raymarch.check()?;
+        self.flood.check()?;
+        self.polar.check()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Settings as they are written: layers of tables, with presets.
 
-use super::{Raymarch, Settings};
+use super::{Flood, Polar, Raymarch, Settings};
 use crate::explain::explain;
 use crate::{Error, Result};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -66,6 +66,8 @@ impl SettingsTable {
     pub fn resolve(&self) -> Result<Settings> {
         let mut table = self.0.clone();
         expand_preset(&mut table, "raymarch", Raymarch::PRESETS, Raymarch::preset)?;
+        expand_preset(&mut table, "flood", Flood::PRESETS, Flood::preset)?;
+        expand_preset(&mut table, "polar", Polar::PRESETS, Polar::preset)?;
         let value = Value::Object(table);
         let settings: Settings = serde_path_to_error::deserialize(&value).map_err(|e| {
             let path = e.path().to_string();

@@ -1,0 +1,278 @@
+//! Pass A: the fan of rays of one lamp, and what a pixel reads from it.
+//!
+//! Ray i leaves at the angle 2πi/count and keeps how far it comes. A pixel at distance d is lit by a
+//! ray that comes farther. For soft edges the neighbours count too: in the plane of angle and 1/r
+//! the lines from a pixel to the points of a lamp of radius s are straight, so a wall met at
+//! distance ℓ, Δ radians beside the pixel, hides the point at `β = Δ / (s·(1/ℓ − 1/d))` of the way
+//! from the lamp's middle to its rim. (The angles are taken for small: their sine for themselves.)
+//! The share of β from −1 to 1 that no ray hides is the share of the lamp that is seen.
+
+use super::ground::{Ground, Hit};
+use super::knots::Knots;
+use crate::settings::{Edges, Polar};
+use crate::{Lamp, Rgb};
+use rayon::prelude::*;
+use std::f32::consts::TAU;
+
+/// Fewest rays of a lamp.
+const FEWEST: f32 = 8.0;
+/// Most rays of a lamp: reached by ranges over 40 000 px only.
+const MOST: f32 = (1 << 18) as f32;
+/// Penumbrae are at most so many rays wide to either side, so that a pixel's cost is bounded.
+const WIDEST: f32 = 64.0;
+/// and at least so many, which makes an edge linear between two rays.
+const NARROWEST: f32 = 0.5;
+/// px under which a wall is not nearer, so that 1/length is finite.
+const NEAREST: f32 = 1e-3;
+/// Rays that a thread walks at a time.
+const TOGETHER: usize = 128;
+
+/// The rays of one lamp.
+#[derive(Debug, Default)]
+pub struct Fan {
+    pub lamp: Lamp,
+    /// px that its light comes within the grid.
+    pub reach: f32,
+    pub count: usize,
+    hits: Vec<Hit>,
+    /// 1/length of each ray, 0 where it met nothing.
+    inverse: Vec<f32>,
+    /// Whether this ray and the next hit what touches: a wall, without a gap between them.
+    joined: Vec<bool>,
+    /// A pixel nearer than the first is fully lit, one from the second on fully dark; one ray more
+    /// at the end, the first again.
+    pub bounds: Vec<[f32; 2]>,
+    /// How many rays to either side have a say between the bounds.
+    window: Vec<u8>,
+    /// Share of the cone at each ray, with two rays more; empty without a cone.
+    pub cone: Vec<f32>,
+    pub knots: Knots,
+    /// Rays over radians.
+    per_radian: f32,
+    /// Radius of the lamp in rays × px, 0 for edges that are not soft.
+    spread: f32,
+}
+
+/// How far and how dense the rays of a lamp are, within a grid.
+pub fn rays(lamp: &Lamp, ground: &Ground, settings: &Polar) -> (f32, usize) {
+    // A px more: the circle has to reach past the farthest corner's centre.
+    let reach = lamp.range.min(ground.farthest(lamp.position) + 1.0);
+    let count = (TAU * reach * settings.density).ceil().clamp(FEWEST, MOST);
+    (reach, count as usize)
+}
+
+impl Fan {
+    /// Bytes that the fan of a lamp may take.
+    pub fn most_bytes(lamp: &Lamp, ground: &Ground, settings: &Polar) -> usize {
+        const RAY: usize = size_of::<Hit>() + size_of::<[f32; 4]>() + size_of::<[u8; 2]>();
+        let (reach, count) = rays(lamp, ground, settings);
+        let media = if ground.has_media() { Knots::most_bytes(reach) } else { 0 };
+        count.saturating_mul(RAY + media)
+    }
+
+    /// Walks the rays of a lamp.
+    pub fn trace(&mut self, lamp: &Lamp, ground: &Ground, distance: &[f32], settings: &Polar) {
+        self.lamp = *lamp;
+        (self.reach, self.count) = rays(lamp, ground, settings);
+        self.per_radian = self.count as f32 / TAU;
+        let size = if settings.edges == Edges::Soft { lamp.size } else { 0.0 };
+        self.spread = size * self.per_radian;
+        let (count, reach) = (self.count, self.reach);
+        let angle = |ray: usize| (f64::from(TAU) * ray as f64 / count as f64) as f32;
+
+        self.cone.clear();
+        if let Some(cone) = lamp.cone {
+            self.cone.extend((0..count + 2).map(|ray| cone.share(angle(ray % count))));
+        }
+        self.knots.clear(reach);
+        let cone = &self.cone;
+        let walk = |ray: usize, knots: &mut Knots| {
+            if cone.get(ray) == Some(&0.0) {
+                return Hit::NONE;
+            }
+            let (sin, cos) = angle(ray).sin_cos();
+            ground.walk(settings.walk, distance, lamp.position, [cos, sin], reach, knots)
+        };
+        self.hits.resize(count, Hit::NONE);
+        if ground.has_media() {
+            for (ray, hit) in self.hits.iter_mut().enumerate() {
+                self.knots.next_ray();
+                *hit = walk(ray, &mut self.knots);
+            }
+            self.knots.next_ray();
+        } else {
+            self.hits.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, hits)| {
+                // Nothing is noted without fog and glass.
+                let mut none = Knots::default();
+                for (i, hit) in hits.iter_mut().enumerate() {
+                    *hit = walk(chunk * TOGETHER + i, &mut none);
+                }
+            });
+        }
+        self.inverse.clear();
+        self.inverse.extend(self.hits.iter().map(|hit| 1.0 / hit.length.max(NEAREST)));
+        self.bound(ground, settings.edges);
+    }
+
+    /// Works out between which distances a pixel on each ray has to look closer.
+    fn bound(&mut self, ground: &Ground, edges: Edges) {
+        let n = self.count;
+        self.bounds.clear();
+        self.bounds.extend(self.hits.iter().map(|hit| [hit.length; 2]));
+        if edges != Edges::Nearest {
+            let next = |ray: usize| if ray + 1 == n { 0 } else { ray + 1 };
+            self.joined.clear();
+            let hits = &self.hits;
+            self.joined.extend((0..n).map(|i| ground.touch(hits[i].cell, hits[next(i)].cell)));
+            self.window.clear();
+            self.window.resize(n, 0);
+            for ray in 0..n {
+                if self.inverse[ray] > 0.0 {
+                    self.shade(ray);
+                }
+                self.bounds[ray][1] = self.dark_from(ray);
+            }
+        }
+        self.bounds.push(self.bounds[0]);
+    }
+
+    /// Half width, in rays, of the penumbra that a ray's wall throws at 1/d.
+    #[inline(always)]
+    fn width(&self, ray: usize, inverse: f32) -> f32 {
+        (self.spread * (self.inverse[ray] - inverse)).clamp(NARROWEST, WIDEST)
+    }
+
+    /// Where the penumbra of this ray's wall is widest.
+    fn widest(&self, ray: usize) -> f32 {
+        self.width(ray, 1.0 / self.reach)
+    }
+
+    /// Tells the neighbours of a ray of its wall.
+    fn shade(&mut self, ray: usize) {
+        let n = self.count;
+        // Half a ray for the pixel beside its ray, half for the width of the ray itself.
+        let reach = ((self.widest(ray) + 1.0) as usize).min((n - 1) / 2);
+        let length = self.hits[ray].length;
+        let mut i = (ray + n - reach) % n;
+        for k in 0..=2 * reach {
+            self.bounds[i][0] = self.bounds[i][0].min(length);
+            self.window[i] = self.window[i].max(k.abs_diff(reach) as u8);
+            i = if i + 1 == n { 0 } else { i + 1 };
+        }
+    }
+
+    /// The distance from which a pixel on a ray sees nothing of the lamp: walls without a gap to
+    /// either side, as far as its penumbra reaches.
+    fn dark_from(&self, ray: usize) -> f32 {
+        let n = self.count;
+        let mut far = self.hits[ray].length;
+        for forward in [true, false] {
+            let mut i = ray;
+            for k in 0.. {
+                if self.inverse[i] == 0.0 {
+                    return f32::INFINITY;
+                }
+                far = far.max(self.hits[i].length);
+                if k as f32 >= self.widest(i) {
+                    break;
+                }
+                let link = if forward { i } else { (i + n - 1) % n };
+                if !self.joined[link] {
+                    return f32::INFINITY;
+                }
+                i = if forward { (i + 1) % n } else { link };
+            }
+        }
+        far
+    }
+
+    /// Share of the lamp that a pixel sees at a distance; `at` is its angle in rays, 0 to `count`.
+    #[inline(always)]
+    pub fn seen(&self, at: f32, distance: f32) -> f32 {
+        let nearest = (at + 0.5) as usize;
+        let [lit, dark] = self.bounds[nearest.min(self.count)];
+        match () {
+            () if distance < lit => 1.0,
+            () if distance >= dark => 0.0,
+            () => self.partly_seen(at, distance),
+        }
+    }
+
+    /// The same for a pixel between its ray's bounds.
+    #[inline]
+    pub fn partly_seen(&self, at: f32, distance: f32) -> f32 {
+        let n = self.count;
+        let nearest = (at + 0.5) as usize;
+        let own = if nearest >= n { nearest - n } else { nearest };
+        let inverse = 1.0 / distance;
+        let off = nearest as f32 - at;
+        let mut open = 0.0;
+        for forward in [true, false] {
+            // β up to which is settled.
+            let mut done = 0.0f32;
+            let mut wall = false;
+            let mut i = own;
+            for k in 0..=self.window[own] {
+                let link = if forward { (i + n - 1) % n } else { i };
+                if self.inverse[i] > inverse {
+                    let width = self.width(i, inverse);
+                    let middle = if forward { off } else { -off } + f32::from(k);
+                    if !(wall && self.joined[link]) {
+                        open += (((middle - 0.5) / width).min(1.0) - done).max(0.0);
+                    }
+                    done = done.max((middle + 0.5) / width);
+                    if done >= 1.0 {
+                        break;
+                    }
+                    wall = true;
+                } else {
+                    wall = false;
+                }
+                i = match forward {
+                    true if i + 1 == n => 0,
+                    true => i + 1,
+                    false if i == 0 => n - 1,
+                    false => i - 1,
+                };
+            }
+            open += (1.0 - done).max(0.0);
+        }
+        0.5 * open
+    }
+
+    /// Share of light that fog and glass let through to a pixel.
+    pub fn through(&self, at: f32, distance: f32, edges: Edges) -> Rgb {
+        let ray = |i: usize| {
+            self.knots.through(if i >= self.count { i - self.count } else { i }, distance)
+        };
+        if edges == Edges::Nearest {
+            return ray((at + 0.5) as usize);
+        }
+        let first = at as usize;
+        let (a, b, share) = (ray(first), ray(first + 1), at - first as f32);
+        std::array::from_fn(|c| a[c] + (b[c] - a[c]) * share)
+    }
+
+    /// Share of the cone at a pixel.
+    pub fn in_cone(&self, at: f32, edges: Edges) -> f32 {
+        if self.cone.is_empty() {
+            return 1.0;
+        }
+        if edges == Edges::Nearest {
+            return self.cone[(at + 0.5) as usize];
+        }
+        let first = at as usize;
+        self.cone[first] + (self.cone[first + 1] - self.cone[first]) * (at - first as f32)
+    }
+
+    /// The angle of a place beside the lamp, in rays, 0 to `count`.
+    pub fn at(&self, [dx, dy]: [f32; 2]) -> f32 {
+        let at = dy.atan2(dx) * self.per_radian;
+        if at < 0.0 { at + self.count as f32 } else { at }
+    }
+
+    /// Rays over radians.
+    pub fn per_radian(&self) -> f32 {
+        self.per_radian
+    }
+}

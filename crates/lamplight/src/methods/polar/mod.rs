@@ -1,0 +1,93 @@
+//! `polar`: a fan of rays from every lamp, then every pixel looks its ray up (Griffis, "Polar-Ray
+//! Traced Lighting").
+//!
+//! Pass A ([`fan`]): a lamp that reaches R px sends `⌈2πR⌉` rays, each of which keeps how far it
+//! comes. Pass B ([`canvas`]): a pixel within R finds its ray from atan2 and is lit if it is nearer
+//! than the ray comes, by `color · intensity · falloff(d)`.
+//!
+//! Beyond the seed: exact ray lengths, edges that are linear between rays or as soft as the lamp's
+//! size makes them, fog and glass that darken and tint, cones, blend modes, and lit walls.
+//!
+//! Cost: `2πR` walks of at most R px and `πR²` look-ups a lamp, whatever the scene holds. Known
+//! failures: glowing matter, the sky and bounces are not seen; a lamp inside a wall lights nothing;
+//! what stands behind a nearer wall throws no penumbra of its own.
+
+mod angle;
+mod canvas;
+mod fan;
+mod ground;
+mod knots;
+
+use crate::clock::Clock;
+use crate::settings::Polar as Settings;
+use crate::{Cells, Rgb};
+use canvas::Canvas;
+use fan::Fan;
+use fearless_simd::Level;
+use ground::Ground;
+use rayon::prelude::*;
+
+/// Lamps are taken in groups whose rays may need so much memory, bytes.
+const MOST_BYTES: usize = 128 << 20;
+
+/// The method with its buffers.
+#[derive(Debug)]
+pub struct Polar {
+    level: Level,
+    ground: Ground,
+    /// Rays of the lamps at hand; more than there are lamps when a frame before had more.
+    fans: Vec<Fan>,
+    canvas: Canvas,
+}
+
+impl Default for Polar {
+    fn default() -> Self {
+        Self::on(Level::new())
+    }
+}
+
+impl Polar {
+    /// On these vector units; which ones makes no difference but to the time.
+    fn on(level: Level) -> Self {
+        Self { level, ground: Ground::default(), fans: Vec::new(), canvas: Canvas::default() }
+    }
+
+    /// Lights the cells with their lamps, which are not drawn in. `distance` is the distance field,
+    /// empty unless `walk = "distance"`.
+    pub(crate) fn solve(
+        &mut self,
+        cells: &Cells,
+        distance: &[f32],
+        settings: &Settings,
+        light: &mut Vec<Rgb>,
+        clock: &mut Clock,
+    ) {
+        self.ground.prepare(cells, settings.translucent);
+        self.canvas.clear(cells);
+        clock.lap("ground");
+        let mut lamps = cells.lamps();
+        while !lamps.is_empty() {
+            let ground = &self.ground;
+            let bytes = |lamp| Fan::most_bytes(lamp, ground, settings);
+            let mut sum = 0usize;
+            let fit = lamps.iter().take_while(|&lamp| {
+                sum = sum.saturating_add(bytes(lamp));
+                sum <= MOST_BYTES
+            });
+            let (group, rest) = lamps.split_at(fit.count().max(1));
+            if self.fans.len() < group.len() {
+                self.fans.resize_with(group.len(), Fan::default);
+            }
+            let fans = &mut self.fans[..group.len()];
+            fans.par_iter_mut().zip(group).for_each(|(fan, lamp)| {
+                fan.trace(lamp, ground, distance, settings);
+            });
+            clock.lap("rays");
+            self.canvas.light(self.level, fans, settings);
+            clock.lap("polar");
+            lamps = rest;
+        }
+        self.canvas.write(light);
+        clock.lap("polar");
+    }
+}
