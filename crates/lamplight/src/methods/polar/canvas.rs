@@ -105,6 +105,7 @@ impl Band<'_> {
         let [x, y] = fan.lamp.position;
         let reach = fan.reach;
         let rows = self.rows.clone();
+        let lane = f32x16::from_fn(simd, |l| l as f32);
         // A px more on all sides: rounding must not cut the rim.
         let from = (y - reach - 1.5).max(rows.start as f32) as usize;
         let to = ((y + reach + 1.5).max(0.0) as usize).min(rows.end);
@@ -117,8 +118,9 @@ impl Band<'_> {
                 let place = (row - rows.start) * self.stride + chunk;
                 let open = f32x16::from_slice(simd, &self.open[place..place + LANES]);
                 if open.simd_gt(0.0).to_bitmask() != 0 {
-                    let dx = f32x16::from_fn(simd, |l| (chunk + l) as f32 + 0.5 - x);
-                    self.add_chunk(simd, fan, settings, place, [dx, open * 0.0 + dy], open);
+                    let dx = lane + (chunk as f32 + 0.5 - x);
+                    let off = [dx, f32x16::splat(simd, dy)];
+                    self.add_chunk(simd, fan, settings, place, off, open);
                 }
             }
         }
@@ -142,9 +144,12 @@ impl Band<'_> {
         let at = atan2(dy, dx) * fan.per_radian();
         let at = at.simd_lt(0.0).select(at + fan.count as f32, at);
         let nearest = (at + 0.5).to_int::<i32x16<S>>().to_array();
-        let bounds = nearest.map(|i| fan.bounds[i as usize]);
-        let lit = distance.simd_lt(f32x16::from_fn(simd, |l| bounds[l][0]));
-        let dark = distance.simd_ge(f32x16::from_fn(simd, |l| bounds[l][1]));
+        let mut bounds = [[0.0; LANES]; 2];
+        for l in 0..LANES {
+            [bounds[0][l], bounds[1][l]] = fan.bounds[nearest[l] as usize];
+        }
+        let [lit, dark] = bounds.map(|b| f32x16::load_array(simd, b));
+        let (lit, dark) = (distance.simd_lt(lit), distance.simd_ge(dark));
         let mut partly = (share.simd_gt(0.0) & !lit & !dark).to_bitmask();
         share = (!lit & dark).select(open * 0.0, share);
         if partly != 0 {

@@ -7,10 +7,11 @@
 //! from the lamp's middle to its rim. (The angles are taken for small: their sine for themselves.)
 //! The share of β from −1 to 1 that no ray hides is the share of the lamp that is seen.
 
-use super::ground::{Ground, Hit};
+use super::ground::{Ground, Hit, LANES};
 use super::knots::Knots;
-use crate::settings::{Edges, Polar};
+use crate::settings::{Edges, Polar, Walk};
 use crate::{Lamp, Rgb};
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use std::f32::consts::TAU;
 
@@ -34,6 +35,8 @@ pub struct Fan {
     /// px that its light comes within the grid.
     pub reach: f32,
     pub count: usize,
+    /// What rays that were walked together met; `None` for those that have to be walked alone.
+    walked: Vec<Option<Hit>>,
     hits: Vec<Hit>,
     /// 1/length of each ray, 0 where it met nothing.
     inverse: Vec<f32>,
@@ -61,17 +64,38 @@ pub fn rays(lamp: &Lamp, ground: &Ground, settings: &Polar) -> (f32, usize) {
     (reach, count as usize)
 }
 
+/// The next of n rays in a circle, forwards or backwards.
+#[inline(always)]
+fn beside(ray: usize, n: usize, forward: bool) -> usize {
+    match forward {
+        true if ray + 1 == n => 0,
+        true => ray + 1,
+        false if ray == 0 => n - 1,
+        false => ray - 1,
+    }
+}
+
 impl Fan {
     /// Bytes that the fan of a lamp may take.
     pub fn most_bytes(lamp: &Lamp, ground: &Ground, settings: &Polar) -> usize {
-        const RAY: usize = size_of::<Hit>() + size_of::<[f32; 4]>() + size_of::<[u8; 2]>();
+        const RAY: usize = size_of::<Hit>()
+            + size_of::<Option<Hit>>()
+            + size_of::<[f32; 4]>()
+            + size_of::<[u8; 2]>();
         let (reach, count) = rays(lamp, ground, settings);
         let media = if ground.has_media() { Knots::most_bytes(reach) } else { 0 };
         count.saturating_mul(RAY + media)
     }
 
     /// Walks the rays of a lamp.
-    pub fn trace(&mut self, lamp: &Lamp, ground: &Ground, distance: &[f32], settings: &Polar) {
+    pub fn trace(
+        &mut self,
+        level: Level,
+        lamp: &Lamp,
+        ground: &Ground,
+        distance: &[f32],
+        settings: &Polar,
+    ) {
         self.lamp = *lamp;
         (self.reach, self.count) = rays(lamp, ground, settings);
         self.per_radian = self.count as f32 / TAU;
@@ -84,31 +108,41 @@ impl Fan {
         if let Some(cone) = lamp.cone {
             self.cone.extend((0..count + 2).map(|ray| cone.share(angle(ray % count))));
         }
-        self.knots.clear(reach);
         let cone = &self.cone;
-        let walk = |ray: usize, knots: &mut Knots| {
-            if cone.get(ray) == Some(&0.0) {
-                return Hit::NONE;
-            }
+        let dark = |ray: usize| cone.get(ray) == Some(&0.0);
+        let direction = |ray: usize| {
             let (sin, cos) = angle(ray).sin_cos();
-            ground.walk(settings.walk, distance, lamp.position, [cos, sin], reach, knots)
+            [cos, sin]
         };
-        self.hits.resize(count, Hit::NONE);
-        if ground.has_media() {
-            for (ray, hit) in self.hits.iter_mut().enumerate() {
-                self.knots.next_ray();
-                *hit = walk(ray, &mut self.knots);
-            }
-            self.knots.next_ray();
-        } else {
-            self.hits.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, hits)| {
-                // Nothing is noted without fog and glass.
-                let mut none = Knots::default();
-                for (i, hit) in hits.iter_mut().enumerate() {
-                    *hit = walk(chunk * TOGETHER + i, &mut none);
+        self.walked.resize(count, None);
+        let together = settings.walk == Walk::Edge;
+        self.walked.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, hits)| {
+            let first = chunk * TOGETHER;
+            for (i, hits) in hits.chunks_mut(LANES).enumerate() {
+                let first = first + i * LANES;
+                if !together {
+                    hits.fill(None);
+                } else if !(first..first + hits.len()).all(dark) {
+                    let directions = std::array::from_fn(|l| direction(first + l));
+                    let walked = dispatch!(level, simd => {
+                        ground.walk_together(simd, lamp.position, &directions, reach)
+                    });
+                    hits.copy_from_slice(&walked[..hits.len()]);
                 }
+            }
+        });
+        self.knots.clear(reach);
+        self.hits.clear();
+        for (ray, walked) in self.walked.iter().enumerate() {
+            self.knots.next_ray();
+            let (walk, knots) = (settings.walk, &mut self.knots);
+            self.hits.push(match walked {
+                _ if dark(ray) => Hit::NONE,
+                Some(hit) => *hit,
+                None => ground.walk(walk, distance, lamp.position, direction(ray), reach, knots),
             });
         }
+        self.knots.next_ray();
         self.inverse.clear();
         self.inverse.extend(self.hits.iter().map(|hit| 1.0 / hit.length.max(NEAREST)));
         self.bound(ground, settings.edges);
@@ -120,10 +154,9 @@ impl Fan {
         self.bounds.clear();
         self.bounds.extend(self.hits.iter().map(|hit| [hit.length; 2]));
         if edges != Edges::Nearest {
-            let next = |ray: usize| if ray + 1 == n { 0 } else { ray + 1 };
             self.joined.clear();
-            let hits = &self.hits;
-            self.joined.extend((0..n).map(|i| ground.touch(hits[i].cell, hits[next(i)].cell)));
+            let cell = |ray: usize| self.hits[ray].cell;
+            self.joined.extend((0..n).map(|i| ground.touch(cell(i), cell(beside(i, n, true)))));
             self.window.clear();
             self.window.resize(n, 0);
             for ray in 0..n {
@@ -157,7 +190,7 @@ impl Fan {
         for k in 0..=2 * reach {
             self.bounds[i][0] = self.bounds[i][0].min(length);
             self.window[i] = self.window[i].max(k.abs_diff(reach) as u8);
-            i = if i + 1 == n { 0 } else { i + 1 };
+            i = beside(i, n, true);
         }
     }
 
@@ -176,11 +209,11 @@ impl Fan {
                 if k as f32 >= self.widest(i) {
                     break;
                 }
-                let link = if forward { i } else { (i + n - 1) % n };
-                if !self.joined[link] {
+                let next = beside(i, n, forward);
+                if !self.joined[if forward { i } else { next }] {
                     return f32::INFINITY;
                 }
-                i = if forward { (i + 1) % n } else { link };
+                i = next;
             }
         }
         far
@@ -211,9 +244,9 @@ impl Fan {
             // β up to which is settled.
             let mut done = 0.0f32;
             let mut wall = false;
-            let mut i = own;
+            let (mut i, mut before) = (own, own);
             for k in 0..=self.window[own] {
-                let link = if forward { (i + n - 1) % n } else { i };
+                let link = if forward { before } else { i };
                 if self.inverse[i] > inverse {
                     let width = self.width(i, inverse);
                     let middle = if forward { off } else { -off } + f32::from(k);
@@ -228,12 +261,7 @@ impl Fan {
                 } else {
                     wall = false;
                 }
-                i = match forward {
-                    true if i + 1 == n => 0,
-                    true => i + 1,
-                    false if i == 0 => n - 1,
-                    false => i - 1,
-                };
+                (before, i) = (i, beside(i, n, forward));
             }
             open += (1.0 - done).max(0.0);
         }

@@ -67,7 +67,7 @@ impl Polar {
         clock.lap("ground");
         let mut lamps = cells.lamps();
         while !lamps.is_empty() {
-            let ground = &self.ground;
+            let (level, ground) = (self.level, &self.ground);
             let bytes = |lamp| Fan::most_bytes(lamp, ground, settings);
             let mut sum = 0usize;
             let fit = lamps.iter().take_while(|&lamp| {
@@ -80,10 +80,10 @@ impl Polar {
             }
             let fans = &mut self.fans[..group.len()];
             fans.par_iter_mut().zip(group).for_each(|(fan, lamp)| {
-                fan.trace(lamp, ground, distance, settings);
+                fan.trace(level, lamp, ground, distance, settings);
             });
             clock.lap("rays");
-            self.canvas.light(self.level, fans, settings);
+            self.canvas.light(level, fans, settings);
             clock.lap("polar");
             lamps = rest;
         }
