@@ -2,7 +2,7 @@
 
 use super::table::preset_property;
 use super::within;
-use crate::Result;
+use crate::{Falloff, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -62,6 +62,9 @@ pub struct Polar {
     pub translucent: bool,
     /// How lamps come together.
     pub blend: Blend,
+    /// The curve by which all lamps fade; left out, each fades by its own `falloff`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub falloff: Option<Falloff>,
 }
 
 impl Default for Polar {
@@ -72,16 +75,18 @@ impl Default for Polar {
             edges: Edges::Soft,
             translucent: true,
             blend: Blend::Add,
+            falloff: None,
         }
     }
 }
 
 impl Polar {
     /// Names of the presets.
-    pub const PRESETS: &'static [&'static str] = &["default", "gamemaker"];
+    pub const PRESETS: &'static [&'static str] = &["default", "gamemaker", "disc"];
 
     /// A preset by name: `default`; `gamemaker`, as the seed does it (Griffis: 2πR rays, a px at a
-    /// time, the nearest ray, whatever is there ends a ray, lamps add up).
+    /// time, the nearest ray, whatever is there ends a ray, lamps add up); `disc`, in which
+    /// lamps give as much light as the glowing discs that other methods draw.
     pub fn preset(name: &str) -> Option<Self> {
         match name {
             "default" => Some(Self::default()),
@@ -91,6 +96,7 @@ impl Polar {
                 translucent: false,
                 ..Self::default()
             }),
+            "disc" => Some(Self { falloff: Some(Falloff::Inverse), ..Self::default() }),
             _ => None,
         }
     }

@@ -5,6 +5,7 @@
 
 use super::angle::atan2;
 use super::fan::Fan;
+use super::ground::Ground;
 use crate::settings::{Blend, Edges, Polar};
 use crate::stages::bounce::{NORMALS, Surfaces, Wall};
 use crate::{Cells, Falloff, Lamp, Rgb};
@@ -37,6 +38,7 @@ struct Band<'a> {
     planes: [&'a mut [f32]; 3],
     open: &'a [f32],
     walls: &'a [Wall],
+    ground: &'a Ground,
     width: usize,
     stride: usize,
 }
@@ -63,7 +65,7 @@ impl Canvas {
     }
 
     /// Lights it with lamps.
-    pub fn light(&mut self, level: Level, fans: &[Fan], settings: &Polar) {
+    pub fn light(&mut self, level: Level, ground: &Ground, fans: &[Fan], settings: &Polar) {
         let (width, stride) = (self.width, self.stride);
         let [red, green, blue] = &mut self.planes;
         let walls = &self.surfaces.walls;
@@ -77,7 +79,8 @@ impl Canvas {
             let rows = band * BAND..band * BAND + open.len() / stride;
             let wall = |y: usize| walls.partition_point(|wall| (wall.cell as usize) < y * width);
             let walls = &walls[wall(rows.start)..wall(rows.end)];
-            let mut band = Band { rows, planes: [red, green, blue], open, walls, width, stride };
+            let mut band =
+                Band { rows, planes: [red, green, blue], open, walls, width, stride, ground };
             for fan in fans {
                 dispatch!(level, simd => band.add(simd, fan, settings));
                 band.add_to_walls(fan, settings);
@@ -153,11 +156,11 @@ impl Band<'_> {
         let mut partly = (share.simd_gt(0.0) & !lit & !dark).to_bitmask();
         share = (!lit & dark).select(open * 0.0, share);
         if partly != 0 {
-            let (mut shares, distance) = (share.to_array(), distance.to_array());
+            let mut shares = share.to_array();
             while partly != 0 {
                 let l = partly.trailing_zeros() as usize;
                 partly &= partly - 1;
-                shares[l] *= fan.partly_seen(at[l], distance[l]);
+                shares[l] *= fan.partly_seen(self.ground, [dx[l], dy[l]], at[l]);
             }
             share = f32x16::load_array(simd, shares);
         }
@@ -208,7 +211,7 @@ impl Band<'_> {
             if off[0].abs() > reach || off[0] * off[0] + off[1] * off[1] > reach * reach {
                 continue;
             }
-            let new = on_wall(fan, wall, off, settings.edges);
+            let new = on_wall(fan, self.ground, wall, off, settings.edges);
             let place = (row - self.rows.start) * self.stride + column;
             for c in 0..3 {
                 let value = &mut self.planes[c][place];
@@ -226,7 +229,7 @@ impl Band<'_> {
 ///
 /// Light of fluence φ from one direction is `½∫L cosθ dθ = π·φ·cosθ` on a face. Whether it arrives is
 /// asked at the centre of the open cell before the face: at the face itself every ray ends.
-fn on_wall(fan: &Fan, wall: &Wall, off: [f32; 2], edges: Edges) -> Rgb {
+fn on_wall(fan: &Fan, ground: &Ground, wall: &Wall, off: [f32; 2], edges: Edges) -> Rgb {
     let (mut sum, mut faces) = ([0.0; 3], 0.0);
     for (normal, _) in NORMALS.iter().zip(wall.exposed).filter(|(_, exposed)| *exposed) {
         faces += 1.0;
@@ -240,7 +243,7 @@ fn on_wall(fan: &Fan, wall: &Wall, off: [f32; 2], edges: Edges) -> Rgb {
             continue;
         }
         let (at, distance) = (fan.at(before), before[0].hypot(before[1]));
-        let share = arrives * fan.seen(at, distance) * fan.in_cone(at, edges);
+        let share = arrives * fan.seen(ground, before, at) * fan.in_cone(at, edges);
         if share > 0.0 {
             let through =
                 if fan.knots.is_empty() { [1.0; 3] } else { fan.through(at, distance, edges) };

@@ -96,7 +96,7 @@ impl Fan {
         distance: &[f32],
         settings: &Polar,
     ) {
-        self.lamp = *lamp;
+        self.lamp = Lamp { falloff: settings.falloff.unwrap_or(lamp.falloff), ..*lamp };
         (self.reach, self.count) = rays(lamp, ground, settings);
         self.per_radian = self.count as f32 / TAU;
         let size = if settings.edges == Edges::Soft { lamp.size } else { 0.0 };
@@ -219,28 +219,38 @@ impl Fan {
         far
     }
 
-    /// Share of the lamp that a pixel sees at a distance; `at` is its angle in rays, 0 to `count`.
-    #[inline(always)]
-    pub fn seen(&self, at: f32, distance: f32) -> f32 {
-        let nearest = (at + 0.5) as usize;
-        let [lit, dark] = self.bounds[nearest.min(self.count)];
+    /// Share of the lamp that a pixel sees; `off` is its place beside the lamp, `at` its angle in
+    /// rays, 0 to `count`.
+    pub fn seen(&self, ground: &Ground, off: [f32; 2], at: f32) -> f32 {
+        let distance = off[0].hypot(off[1]);
+        let [lit, dark] = self.bounds[(at + 0.5) as usize];
         match () {
             () if distance < lit => 1.0,
             () if distance >= dark => 0.0,
-            () => self.partly_seen(at, distance),
+            () => self.partly_seen(ground, off, at),
         }
     }
 
     /// The same for a pixel between its ray's bounds.
-    #[inline]
-    pub fn partly_seen(&self, at: f32, distance: f32) -> f32 {
+    pub fn partly_seen(&self, ground: &Ground, off: [f32; 2], at: f32) -> f32 {
         let n = self.count;
         let nearest = (at + 0.5) as usize;
         let own = if nearest >= n { nearest - n } else { nearest };
-        let inverse = 1.0 / distance;
-        let off = nearest as f32 - at;
-        let mut open = 0.0;
+        let inverse = 1.0 / off[0].hypot(off[1]);
+        let beside_ray = nearest as f32 - at;
+        let shadowed = self.inverse[own] > inverse;
+        let mut seen = 0.0;
         for forward in [true, false] {
+            let mut gap = |from: f32, to: f32| {
+                let width = to.min(1.0) - from;
+                // Who is in the shadow of the lamp's middle has to look whether the light that gets
+                // past its wall is not stopped by another that the lamp's middle does not see.
+                if width > 0.0
+                    && (!shadowed || self.arrives(ground, off, from + 0.5 * width, forward))
+                {
+                    seen += width;
+                }
+            };
             // β up to which is settled.
             let mut done = 0.0f32;
             let mut wall = false;
@@ -249,9 +259,9 @@ impl Fan {
                 let link = if forward { before } else { i };
                 if self.inverse[i] > inverse {
                     let width = self.width(i, inverse);
-                    let middle = if forward { off } else { -off } + f32::from(k);
+                    let middle = if forward { beside_ray } else { -beside_ray } + f32::from(k);
                     if !(wall && self.joined[link]) {
-                        open += (((middle - 0.5) / width).min(1.0) - done).max(0.0);
+                        gap(done, (middle - 0.5) / width);
                     }
                     done = done.max((middle + 0.5) / width);
                     if done >= 1.0 {
@@ -263,9 +273,20 @@ impl Fan {
                 }
                 (before, i) = (i, beside(i, n, forward));
             }
-            open += (1.0 - done).max(0.0);
+            gap(done, 1.0);
         }
-        0.5 * open
+        0.5 * seen
+    }
+
+    /// Whether nothing stands between a pixel's side and the part β of the lamp.
+    fn arrives(&self, ground: &Ground, off: [f32; 2], part: f32, forward: bool) -> bool {
+        let turn = if forward { 1.0 } else { -1.0 } / off[0].hypot(off[1]);
+        let aside = [-off[1] * turn, off[0] * turn];
+        let [x, y] = self.lamp.position;
+        let part = part * self.spread / self.per_radian;
+        // Half a px aside is within the pixel, whatever the direction.
+        let from = [x + off[0] + 0.5 * aside[0], y + off[1] + 0.5 * aside[1]];
+        ground.sees(from, [x + part * aside[0], y + part * aside[1]])
     }
 
     /// Share of light that fog and glass let through to a pixel.

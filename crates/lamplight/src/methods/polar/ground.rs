@@ -241,7 +241,9 @@ impl Ground {
         };
         let within = [start.at, reach.min(start.leave)];
         match walk {
-            Walk::Edge => self.by_edges(from, start, reach, knots),
+            Walk::Edge => self.by_edges(from, start, reach, |span, cell| {
+                knots.medium(span, self.logs[cell]);
+            }),
             Walk::Step => self.by_steps(from, direction, within, knots, |_| 1.0),
             Walk::Distance => {
                 let leap = |cell: [usize; 2]| {
@@ -274,17 +276,25 @@ impl Ground {
     }
 
     /// From cell edge to cell edge (Amanatides and Woo 1987). Through the exact corner of four cells
-    /// light passes unless both cells beside it are walls.
-    fn by_edges(&self, from: [f32; 2], start: Start, reach: f32, knots: &mut Knots) -> Hit {
+    /// light passes unless both cells beside it are walls. `medium` is told of fog and glass: from
+    /// where to where, and in which cell of the frame.
+    #[inline(always)]
+    fn by_edges(
+        &self,
+        from: [f32; 2],
+        start: Start,
+        reach: f32,
+        mut medium: impl FnMut([f32; 2], usize),
+    ) -> Hit {
         let Start { mut at, mut index, mut edge, sign, step, inverse, .. } = start;
         let mut next: [f32; 2] = std::array::from_fn(|a| (edge[a] - from[a]) * inverse[a]);
         loop {
             let leave = next[0].min(next[1]);
             match self.kinds[index] {
+                Kind::Clear => (),
                 Kind::Wall => return Hit { length: at, cell: index as u32 },
                 Kind::Outside => return Hit::NONE,
-                Kind::Medium => knots.medium([at, leave.min(reach)], self.logs[index]),
-                Kind::Clear => (),
+                Kind::Medium => medium([at, leave.min(reach)], index),
             }
             if leave >= reach {
                 return Hit::NONE;
@@ -295,16 +305,24 @@ impl Ground {
                     return Hit { length: leave, cell: beside[0] as u32 };
                 }
             }
-            let both = [next[0] <= next[1], next[1] <= next[0]];
+            // Without branches: which edge comes next is as good as random.
+            let crosses = [next[0] <= next[1], next[1] <= next[0]];
             for a in 0..2 {
-                if both[a] {
-                    index = index.wrapping_add_signed(step[a]);
-                    edge[a] += sign[a];
-                    next[a] = (edge[a] - from[a]) * inverse[a];
-                }
+                index = index.wrapping_add_signed(step[a] * isize::from(crosses[a]));
+                edge[a] += sign[a] * f32::from(crosses[a]);
+                next[a] = (edge[a] - from[a]) * inverse[a];
             }
             at = leave;
         }
+    }
+
+    /// Whether no wall stands between two points.
+    pub fn sees(&self, from: [f32; 2], to: [f32; 2]) -> bool {
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let length = way[0].hypot(way[1]);
+        let direction = way.map(|v| v / length.max(f32::MIN_POSITIVE));
+        let start = Start::new(self, from, direction).filter(|start| start.at < length);
+        start.is_none_or(|start| self.by_edges(from, start, length, |_, _| ()) == Hit::NONE)
     }
 
     /// By samples, `leap(cell)` px apart, the first at the lamp.

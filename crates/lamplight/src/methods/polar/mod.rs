@@ -83,7 +83,7 @@ impl Polar {
                 fan.trace(level, lamp, ground, distance, settings);
             });
             clock.lap("rays");
-            self.canvas.light(level, fans, settings);
+            self.canvas.light(level, ground, fans, settings);
             clock.lap("polar");
             lamps = rest;
         }
