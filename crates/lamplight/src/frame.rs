@@ -39,6 +39,7 @@ struct Fields {
     nearest: Vec<u32>,
     scratch: Vec<u32>,
     distance: Vec<f32>,
+    energy: Vec<f32>,
     /// Whether they belong to the cells of the last frame.
     measured: bool,
 }
@@ -54,6 +55,8 @@ pub struct Stages<'a> {
     pub nearest: &'a [u32],
     /// px to the nearest occupied cell.
     pub distance: &'a [f32],
+    /// `flood`: the source's energy, which knows no colour; empty for other methods.
+    pub energy: &'a [f32],
 }
 
 impl Solver {
@@ -179,8 +182,12 @@ impl Solver {
         if !self.fields.measured {
             self.measure();
         }
-        let Fields { seeds, nearest, distance, .. } = &self.fields;
-        Stages { cells: &self.cells, seeds, nearest, distance }
+        self.fields.energy.clear();
+        if self.settings.method == Method::Flood {
+            self.flood.energy(&mut self.fields.energy);
+        }
+        let Fields { seeds, nearest, distance, energy, .. } = &self.fields;
+        Stages { cells: &self.cells, seeds, nearest, distance, energy }
     }
 
     /// What each stage of the last frame took.

@@ -35,9 +35,12 @@ pub enum Sweeps {
 #[serde(default, deny_unknown_fields)]
 #[schemars(extend("properties" = preset_property(Self::PRESETS)))]
 pub struct Flood {
-    /// Rays from each lamp and each glowing cell, 1 to 4096. Higher: less fingers far from lights;
-    /// time grows with rays × lights.
+    /// Rays from each lamp, 1 to 4096. Higher: fewer fingers far from lamps; time grows with rays ×
+    /// lamps.
     pub rays: u32,
+    /// Rays from each cell that glows, and from each at the border under a sky, 0 to 4096. Time grows
+    /// with it × cells that glow.
+    pub matter_rays: u32,
     /// Rays sent on from where a ray meets a wall, 0 to 64; 0 is no bounce.
     pub bounce_rays: u32,
     /// Rounds of blur a frame, 0 to 1024. Light flows about √(rounds/2) px a frame round corners and
@@ -56,6 +59,7 @@ impl Default for Flood {
     fn default() -> Self {
         Self {
             rays: 64,
+            matter_rays: 16,
             bounce_rays: 8,
             rounds: 20,
             sweeps: Sweeps::Even,
@@ -83,6 +87,7 @@ impl Flood {
 
     pub(super) fn check(&self) -> Result<()> {
         within("flood.rays", self.rays, 1..=4096)?;
+        within("flood.matter_rays", self.matter_rays, 0..=4096)?;
         within("flood.bounce_rays", self.bounce_rays, 0..=64)?;
         within("flood.rounds", self.rounds, 0..=1024)?;
         within("flood.decay", self.decay, 0.0..=1e6)

@@ -5,6 +5,7 @@ pub mod clearance;
 pub mod denoise;
 pub mod display;
 pub mod distance;
+pub mod ground;
 pub mod jump_flood;
 pub mod noise;
 pub mod seed;

@@ -5,17 +5,15 @@
 
 use super::angle::atan2;
 use super::fan::Fan;
-use super::ground::Ground;
 use crate::settings::{Blend, Edges, Polar};
 use crate::stages::bounce::{NORMALS, Surfaces, Wall};
+use crate::stages::ground::{Ground, LANES};
 use crate::{Cells, Falloff, Lamp, Rgb};
 use fearless_simd::{Level, dispatch, f32x16, i32x16, prelude::*};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_PI, PI};
 use std::ops::Range;
 
-/// Pixels at once.
-const LANES: usize = 16;
 /// Rows of a band.
 const BAND: usize = 16;
 

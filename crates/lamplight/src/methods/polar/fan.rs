@@ -7,9 +7,9 @@
 //! from the lamp's middle to its rim. (The angles are taken for small: their sine for themselves.)
 //! The share of β from −1 to 1 that no ray hides is the share of the lamp that is seen.
 
-use super::ground::{Ground, Hit, LANES};
 use super::knots::Knots;
 use crate::settings::{Edges, Polar, Walk};
+use crate::stages::ground::{Ground, Hit, Kind, LANES};
 use crate::{Lamp, Rgb};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -135,11 +135,21 @@ impl Fan {
         self.hits.clear();
         for (ray, walked) in self.walked.iter().enumerate() {
             self.knots.next_ray();
-            let (walk, knots) = (settings.walk, &mut self.knots);
-            self.hits.push(match walked {
+            let (from, way, knots) = (lamp.position, direction(ray), &mut self.knots);
+            let medium = |span, cell: usize| {
+                if ground.kinds()[cell] == Kind::Medium {
+                    knots.medium(span, ground.log(cell));
+                }
+            };
+            self.hits.push(match (walked, settings.walk) {
                 _ if dark(ray) => Hit::NONE,
-                Some(hit) => *hit,
-                None => ground.walk(walk, distance, lamp.position, direction(ray), reach, knots),
+                (Some(hit), _) => *hit,
+                (None, Walk::Edge) => ground.walk(from, way, reach, false, medium),
+                (None, Walk::Step) => ground.sample(from, way, reach, |_| 1.0, medium),
+                (None, Walk::Distance) => {
+                    let leap = |cell| ground.leap(distance, cell);
+                    ground.sample(from, way, reach, leap, medium)
+                }
             });
         }
         self.knots.next_ray();

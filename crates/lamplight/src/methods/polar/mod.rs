@@ -15,16 +15,15 @@
 mod angle;
 mod canvas;
 mod fan;
-mod ground;
 mod knots;
 
 use crate::clock::Clock;
 use crate::settings::Polar as Settings;
+use crate::stages::ground::Ground;
 use crate::{Cells, Rgb};
 use canvas::Canvas;
 use fan::Fan;
 use fearless_simd::Level;
-use ground::Ground;
 use rayon::prelude::*;
 
 /// Lamps are taken in groups whose rays may need so much memory, bytes.

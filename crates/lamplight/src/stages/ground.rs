@@ -1,13 +1,11 @@
-//! The grid as a lamp's rays see it, and their way through it.
+//! The grid as the rays of lamps see it, and their way through it from cell edge to cell edge.
 //!
 //! Cells lie in a frame of "outside", so that a ray knows where it leaves without comparing
-//! coordinates.
+//! coordinates. Rows are as long as whole vectors, a cell of the frame to either side.
 
-use super::knots::Knots;
-use crate::settings::Walk;
-use crate::stages::distance::MARGIN;
-use crate::stages::seed::is_occupied;
-use crate::stages::transmittance::log_transmittance;
+use super::distance::MARGIN;
+use super::seed::is_occupied;
+use super::transmittance::log_transmittance;
 use crate::{Cells, Rgb};
 use fearless_simd::{f32x16, i32x16, mask32x16, prelude::*};
 use rayon::prelude::*;
@@ -17,7 +15,8 @@ pub const LANES: usize = 16;
 
 /// What a cell is to a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Kind {
+pub enum Kind {
+    /// Nothing in the way.
     #[default]
     Clear,
     /// Fog or glass.
@@ -32,6 +31,7 @@ enum Kind {
 #[derive(Debug, Default)]
 pub struct Ground {
     size: [i32; 2],
+    stride: usize,
     kinds: Vec<Kind>,
     /// Natural logarithm of the transmittance of one px; empty without fog and glass.
     logs: Vec<Rgb>,
@@ -40,7 +40,9 @@ pub struct Ground {
 /// Where a ray ended: how far out, and in which cell of the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
+    /// px from its start, ∞ where it met nothing.
     pub length: f32,
+    /// Index of the wall in the frame, the largest number where it met nothing.
     pub cell: u32,
 }
 
@@ -74,7 +76,7 @@ impl Start {
         let [at, leave] = ground.span(from, inverse)?;
         let cell = ground.cell(std::array::from_fn(|a| from[a] + direction[a] * at));
         let ahead = inverse.map(|d| d > 0.0);
-        let stride = ground.size[0] as isize + 2;
+        let stride = ground.stride as isize;
         Some(Self {
             at,
             leave,
@@ -92,7 +94,8 @@ impl Ground {
     pub fn prepare(&mut self, cells: &Cells, translucent: bool) {
         let (w, h) = (cells.width() as usize, cells.height() as usize);
         self.size = [w as i32, h as i32];
-        let stride = w + 2;
+        let stride = w.next_multiple_of(LANES) + 2;
+        self.stride = stride;
         self.kinds.resize(stride * (h + 2), Kind::Outside);
         let media = self
             .kinds
@@ -153,8 +156,8 @@ impl Ground {
     }
 
     /// Walks sixteen rays from cell edge to cell edge, to the bit as [`Self::walk`] does; `None` for
-    /// those that meet fog or glass, which have to be walked alone. The rays start at one point, are
-    /// `ray(lane)` for each lane, and cost about as much as one of them alone.
+    /// those that meet fog or glass, which have to be walked alone. The rays start at one point;
+    /// together they take about as long as one of them alone.
     #[inline(always)]
     pub fn walk_together<S: Simd>(
         &self,
@@ -225,33 +228,60 @@ impl Ground {
         hits
     }
 
-    /// Walks a ray until a wall, the end of the grid or `reach`; fog and glass on the way are noted
-    /// in `knots`. `distance` is the distance field, for [`Walk::Distance`].
+    /// Walks a ray from cell edge to cell edge until a wall, the end of the grid or `reach`. `visit`
+    /// is told of each cell on the way: from where to where, and its index in the frame. With
+    /// `inside` the ray starts within the cell, even if that is a wall.
+    #[inline(always)]
     pub fn walk(
         &self,
-        walk: Walk,
-        distance: &[f32],
         from: [f32; 2],
         direction: [f32; 2],
         reach: f32,
-        knots: &mut Knots,
+        inside: bool,
+        visit: impl FnMut([f32; 2], usize),
     ) -> Hit {
-        let Some(start) = Start::new(self, from, direction).filter(|start| start.at < reach) else {
-            return Hit::NONE;
-        };
-        let within = [start.at, reach.min(start.leave)];
-        match walk {
-            Walk::Edge => self.by_edges(from, start, reach, |span, cell| {
-                knots.medium(span, self.logs[cell]);
-            }),
-            Walk::Step => self.by_steps(from, direction, within, knots, |_| 1.0),
-            Walk::Distance => {
-                let leap = |cell: [usize; 2]| {
-                    (distance[cell[1] * self.size[0] as usize + cell[0]] - MARGIN).max(1.0)
-                };
-                self.by_steps(from, direction, within, knots, leap)
-            }
+        match Start::new(self, from, direction).filter(|start| start.at < reach) {
+            Some(start) => self.by_edges(from, start, reach, inside, visit),
+            None => Hit::NONE,
         }
+    }
+
+    /// Walks a ray by samples, the first at its start, each `leap(cell)` px from the one before.
+    pub fn sample(
+        &self,
+        from: [f32; 2],
+        direction: [f32; 2],
+        reach: f32,
+        leap: impl Fn([usize; 2]) -> f32,
+        mut visit: impl FnMut([f32; 2], usize),
+    ) -> Hit {
+        let Some(start) = Start::new(self, from, direction) else { return Hit::NONE };
+        let (mut at, reach) = (start.at.ceil(), reach.min(start.leave));
+        while at < reach {
+            let cell = self.cell(std::array::from_fn(|a| from[a] + direction[a] * at));
+            let index = self.index(cell);
+            let next = at + leap(cell);
+            if self.kinds[index] == Kind::Wall {
+                return Hit { length: at, cell: index as u32 };
+            }
+            visit([at, next.min(reach)], index);
+            at = next;
+        }
+        Hit::NONE
+    }
+
+    /// How far a sample in a cell is from the next one by the distance field: px that are clear
+    /// whatever the direction, at least 1.
+    pub fn leap(&self, distance: &[f32], [x, y]: [usize; 2]) -> f32 {
+        (distance[y * self.size[0] as usize + x] - MARGIN).max(1.0)
+    }
+
+    /// Whether no wall stands between two points.
+    pub fn sees(&self, from: [f32; 2], to: [f32; 2]) -> bool {
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let length = way[0].hypot(way[1]);
+        let direction = way.map(|v| v / length.max(f32::MIN_POSITIVE));
+        self.walk(from, direction, length, false, |_, _| ()) == Hit::NONE
     }
 
     /// Where a ray enters the grid (0 when it starts inside) and leaves it; `None` when it misses.
@@ -271,31 +301,52 @@ impl Ground {
     }
 
     /// Index in the frame.
-    fn index(&self, [x, y]: [usize; 2]) -> usize {
-        (y + 1) * (self.size[0] as usize + 2) + x + 1
+    pub fn index(&self, [x, y]: [usize; 2]) -> usize {
+        (y + 1) * self.stride + x + 1
     }
 
-    /// From cell edge to cell edge (Amanatides and Woo 1987). Through the exact corner of four cells
-    /// light passes unless both cells beside it are walls. `medium` is told of fog and glass: from
-    /// where to where, and in which cell of the frame.
+    /// The cell at an index in the frame.
+    pub fn place(&self, index: usize) -> [usize; 2] {
+        [index % self.stride - 1, index / self.stride - 1]
+    }
+
+    /// Cells from a row of the frame to the next.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// What stands in every cell of the frame.
+    pub fn kinds(&self) -> &[Kind] {
+        &self.kinds
+    }
+
+    /// Natural logarithm of the transmittance of one px of a cell of fog or glass.
+    pub fn log(&self, index: usize) -> Rgb {
+        self.logs[index]
+    }
+
+    /// Amanatides and Woo (1987). Through the exact corner of four cells light passes unless both
+    /// cells beside it are walls.
     #[inline(always)]
     fn by_edges(
         &self,
         from: [f32; 2],
         start: Start,
         reach: f32,
-        mut medium: impl FnMut([f32; 2], usize),
+        mut inside: bool,
+        mut visit: impl FnMut([f32; 2], usize),
     ) -> Hit {
         let Start { mut at, mut index, mut edge, sign, step, inverse, .. } = start;
         let mut next: [f32; 2] = std::array::from_fn(|a| (edge[a] - from[a]) * inverse[a]);
         loop {
             let leave = next[0].min(next[1]);
             match self.kinds[index] {
-                Kind::Clear => (),
+                Kind::Wall if inside => (),
                 Kind::Wall => return Hit { length: at, cell: index as u32 },
                 Kind::Outside => return Hit::NONE,
-                Kind::Medium => medium([at, leave.min(reach)], index),
+                Kind::Clear | Kind::Medium => visit([at, leave.min(reach)], index),
             }
+            inside = false;
             if leave >= reach {
                 return Hit::NONE;
             }
@@ -314,38 +365,5 @@ impl Ground {
             }
             at = leave;
         }
-    }
-
-    /// Whether no wall stands between two points.
-    pub fn sees(&self, from: [f32; 2], to: [f32; 2]) -> bool {
-        let way = [to[0] - from[0], to[1] - from[1]];
-        let length = way[0].hypot(way[1]);
-        let direction = way.map(|v| v / length.max(f32::MIN_POSITIVE));
-        let start = Start::new(self, from, direction).filter(|start| start.at < length);
-        start.is_none_or(|start| self.by_edges(from, start, length, |_, _| ()) == Hit::NONE)
-    }
-
-    /// By samples, `leap(cell)` px apart, the first at the lamp.
-    fn by_steps(
-        &self,
-        from: [f32; 2],
-        direction: [f32; 2],
-        [enter, reach]: [f32; 2],
-        knots: &mut Knots,
-        leap: impl Fn([usize; 2]) -> f32,
-    ) -> Hit {
-        let mut at = enter.ceil();
-        while at < reach {
-            let cell = self.cell(std::array::from_fn(|a| from[a] + direction[a] * at));
-            let index = self.index(cell);
-            let next = at + leap(cell);
-            match self.kinds[index] {
-                Kind::Wall => return Hit { length: at, cell: index as u32 },
-                Kind::Medium => knots.medium([at, next.min(reach)], self.logs[index]),
-                Kind::Clear | Kind::Outside => (),
-            }
-            at = next;
-        }
-        Hit::NONE
     }
 }
