@@ -276,6 +276,11 @@ impl Ground {
         (distance[y * self.size[0] as usize + x] - MARGIN).max(1.0)
     }
 
+    /// Whether a point lies in the grid.
+    pub fn contains(&self, at: [f32; 2]) -> bool {
+        (0..2).all(|a| (0.0..self.size[a] as f32).contains(&at[a]))
+    }
+
     /// Whether no wall stands between two points.
     pub fn sees(&self, from: [f32; 2], to: [f32; 2]) -> bool {
         let way = [to[0] - from[0], to[1] - from[1]];

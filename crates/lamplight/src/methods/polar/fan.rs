@@ -288,15 +288,19 @@ impl Fan {
         0.5 * seen
     }
 
-    /// Whether nothing stands between a pixel's side and the part β of the lamp.
+    /// Whether nothing stands between a pixel's side and the part β of the lamp, or between that and
+    /// the lamp's middle: a lamp reaches neither through the wall that it stands at nor round the
+    /// grid.
     fn arrives(&self, ground: &Ground, off: [f32; 2], part: f32, forward: bool) -> bool {
         let turn = if forward { 1.0 } else { -1.0 } / off[0].hypot(off[1]);
         let aside = [-off[1] * turn, off[0] * turn];
-        let [x, y] = self.lamp.position;
+        let middle = self.lamp.position;
         let part = part * self.spread / self.per_radian;
+        let part = std::array::from_fn(|a| middle[a] + part * aside[a]);
         // Half a px aside is within the pixel, whatever the direction.
-        let from = [x + off[0] + 0.5 * aside[0], y + off[1] + 0.5 * aside[1]];
-        ground.sees(from, [x + part * aside[0], y + part * aside[1]])
+        let from = std::array::from_fn(|a| middle[a] + off[a] + 0.5 * aside[a]);
+        let round = ground.contains(middle) && !ground.contains(part);
+        !round && ground.sees(from, part) && ground.sees(middle, part)
     }
 
     /// Share of light that fog and glass let through to a pixel.
