@@ -145,14 +145,11 @@ impl Ground {
         x.hypot(y)
     }
 
-    /// Whether two cells of the frame touch by a side or a corner, or are one.
+    /// Whether two cells of the grid (indices in the frame) touch by a side or a corner, or are one.
     pub fn touch(&self, a: u32, b: u32) -> bool {
-        let stride = self.size[0] as u32 + 2;
-        let near = |a: u32, b: u32| a.abs_diff(b) <= 1;
-        a != u32::MAX
-            && b != u32::MAX
-            && near(a % stride, b % stride)
-            && near(a / stride, b / stride)
+        // Walls never lie in the frame's own columns, so no row runs over into the next.
+        let (stride, apart) = (self.stride as u32, a.abs_diff(b));
+        a != u32::MAX && b != u32::MAX && (apart <= 1 || apart.abs_diff(stride) <= 1)
     }
 
     /// Walks sixteen rays from cell edge to cell edge, to the bit as [`Self::walk`] does; `None` for
@@ -370,5 +367,89 @@ impl Ground {
             }
             at = leave;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Matter;
+    use crate::stages::circle;
+    use fearless_simd::{Level, dispatch};
+
+    /// Walls here and there, and a streak of fog.
+    fn ground() -> Ground {
+        let mut cells = Cells::new(45, 33).unwrap();
+        for i in (0..cells.len()).filter(|i| i * 7919 % 31 == 0) {
+            cells.set_matter(i, Matter { opacity: 1.0, ..Matter::EMPTY });
+        }
+        for x in 20..30 {
+            cells.set(x, 25, Matter { opacity: 0.1, ..Matter::EMPTY });
+        }
+        let mut ground = Ground::default();
+        ground.prepare(&cells, true);
+        ground
+    }
+
+    #[test]
+    fn rays_together_go_where_each_goes_alone() {
+        let ground = ground();
+        let (mut walls, mut fog) = (0, 0);
+        for from in [[22.5, 16.5], [0.3, 0.7], [-9.0, 40.0], [45.0, 33.0], [20.0, 10.0]] {
+            for first in (0..800).step_by(LANES) {
+                let ways: [_; LANES] =
+                    std::array::from_fn(|l| circle::direction(first + l as u32, 800));
+                let together = dispatch!(Level::new(), simd => {
+                    ground.walk_together(simd, from, &ways, 30.0)
+                });
+                for (way, together) in ways.into_iter().zip(together) {
+                    let mut met_fog = false;
+                    let alone = ground.walk(from, way, 30.0, false, |_, cell| {
+                        met_fog |= ground.kinds()[cell] == Kind::Medium;
+                    });
+                    walls += u32::from(alone != Hit::NONE);
+                    fog += u32::from(met_fog);
+                    match together {
+                        Some(hit) => assert!(hit == alone && !met_fog, "{from:?} {way:?}"),
+                        None => assert!(met_fog, "{from:?} {way:?}"),
+                    }
+                }
+            }
+        }
+        assert!(walls > 500 && fog > 50, "{walls} {fog}");
+    }
+
+    #[test]
+    fn a_ray_visits_its_cells_in_order_and_without_gaps() {
+        let ground = ground();
+        for i in 0..300 {
+            let (mut at, mut cells) = (0.0, Vec::new());
+            let hit =
+                ground.walk([22.5, 16.5], circle::direction(i, 300), 60.0, false, |span, cell| {
+                    assert!(span[0] == at && span[1] >= span[0]);
+                    at = span[1];
+                    cells.push(cell as u32);
+                });
+            assert!(
+                hit == Hit::NONE
+                    || (hit.length == at && ground.touch(hit.cell, cells[cells.len() - 1]))
+            );
+            assert!(
+                cells.windows(2).all(|pair| pair[0] != pair[1] && ground.touch(pair[0], pair[1]))
+            );
+        }
+    }
+
+    #[test]
+    fn between_two_walls_that_touch_by_a_corner_nothing_is_seen() {
+        let mut cells = Cells::new(2, 2).unwrap();
+        cells.set(0, 0, Matter { opacity: 1.0, ..Matter::EMPTY });
+        let mut ground = Ground::default();
+        ground.prepare(&cells, true);
+        let ends = ([0.5, 1.5], [1.5, 0.5]);
+        assert!(ground.sees(ends.0, ends.1), "past the corner of one");
+        cells.set(1, 1, Matter { opacity: 1.0, ..Matter::EMPTY });
+        ground.prepare(&cells, true);
+        assert!(!ground.sees(ends.0, ends.1) && !ground.sees(ends.1, ends.0));
     }
 }

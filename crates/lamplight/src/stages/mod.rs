@@ -1,6 +1,7 @@
 //! The steps that methods share, each with one stem across CPU, GPU, shaders, tests and docs.
 
 pub mod bounce;
+pub mod circle;
 pub mod clearance;
 pub mod denoise;
 pub mod display;

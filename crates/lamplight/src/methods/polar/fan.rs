@@ -9,6 +9,7 @@
 
 use super::knots::Knots;
 use crate::settings::{Edges, Polar, Walk};
+use crate::stages::circle;
 use crate::stages::ground::{Ground, Hit, Kind, LANES};
 use crate::{Lamp, Rgb};
 use fearless_simd::{Level, dispatch};
@@ -102,7 +103,8 @@ impl Fan {
         let size = if settings.edges == Edges::Soft { lamp.size } else { 0.0 };
         self.spread = size * self.per_radian;
         let (count, reach) = (self.count, self.reach);
-        let angle = |ray: usize| (f64::from(TAU) * ray as f64 / count as f64) as f32;
+        let angle = |ray: usize| circle::angle(ray as u32, count as u32);
+        let direction = |ray: usize| circle::direction(ray as u32, count as u32);
 
         self.cone.clear();
         if let Some(cone) = lamp.cone {
@@ -110,10 +112,6 @@ impl Fan {
         }
         let cone = &self.cone;
         let dark = |ray: usize| cone.get(ray) == Some(&0.0);
-        let direction = |ray: usize| {
-            let (sin, cos) = angle(ray).sin_cos();
-            [cos, sin]
-        };
         self.walked.resize(count, None);
         let together = settings.walk == Walk::Edge;
         self.walked.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, hits)| {
