@@ -46,6 +46,7 @@ impl Falloff {
 }
 
 /// 2π, rounded up as people write it.
+#[expect(clippy::approx_constant, reason = "who writes 6.2832 means all round")]
 const TURN: f32 = 6.2832;
 
 /// The part of the circle that a lamp lights, in the methods that light lamps by rule.

@@ -161,7 +161,7 @@ fn a_cone_fades_from_its_soft_edge_outwards() {
     }
     let hard = Cone { softness: 0.0, ..cone };
     assert_eq!((hard.share(1.09), hard.share(1.11)), (1.0, 0.0));
-    let all = Cone { direction: 3.0, angle: 6.2832, softness: 0.0 };
+    let all = Cone { direction: 3.0, angle: std::f32::consts::TAU, softness: 0.0 };
     assert!((0..100).all(|i| all.share(i as f32 * 0.1) == 1.0));
 }
 

@@ -20,7 +20,7 @@ pub fn atan2<S: Simd>(y: f32x16<S>, x: f32x16<S>) -> f32x16<S> {
     let z = t * t;
     let p = z * 8.053_744_5e-2 - 1.387_768_6e-1;
     let p = p * z + 1.997_771_1e-1;
-    let p = p * z - 3.333_294_9e-1;
+    let p = p * z - 3.333_295e-1;
     let a = p * z * t + t + turned.select(zero + FRAC_PI_4, zero);
     let a = ay.simd_gt(ax).select(-a + FRAC_PI_2, a);
     let a = x.simd_lt(0.0).select(-a + PI, a);
