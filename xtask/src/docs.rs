@@ -2,6 +2,7 @@
 //!
 //! Figures stand between `<!-- begin NAME: cargo xtask docs -->` and `<!-- end NAME -->`.
 
+use crate::frontier::{self, Scene};
 use crate::generated::{self, Mode, root};
 use crate::scenes;
 use crate::test::cargo;
@@ -20,7 +21,7 @@ const SAMPLES: &str = "4096";
 /// How much larger than its cells a scene is shown.
 const SCALE: &str = "2";
 
-/// The scene of the methods that light lamps by rule, its pictures, and how each is made.
+/// Pictures of [`scenes::BY_RULE`], and how each is made.
 const THEATRE: [(&str, &[&str]); 4] = [
     ("theatre", &["--method", "polar"]),
     ("theatre-gamemaker", &["--method", "polar", "--set", "polar.preset=gamemaker"]),
@@ -41,7 +42,30 @@ pub fn run() -> Result<()> {
     insert("docs/polar.md", "costs", &costs(Method::Polar, POLAR_SIZES, lamps, &machine)?)?;
     let lights = "walls and 36 glowing discs";
     insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, lights, &machine)?)?;
-    insert("docs/raymarch.md", "errors", &errors(&machine)?)
+    insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)?;
+    insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
+    methods(&machine)
+}
+
+/// The page that sets all methods side by side.
+fn methods(machine: &str) -> Result<()> {
+    let mut judged = Vec::new();
+    for name in scenes::NAMES {
+        println!("compare {name}");
+        let flags = ["--bounces", "0", "--cells", frontier::CELLS, "--samples", frontier::SAMPLES];
+        let said = lamplight(&[&["compare", &file(name), "--json"], &flags[..]].concat())?;
+        judged.push(Scene::read(name, &said)?);
+    }
+    let plot = frontier::svg(&judged)?;
+    generated::bytes(Mode::Write, "docs/pictures/methods.svg", plot.as_bytes(), "docs")?;
+    let table = format!(
+        "{}\nRelative RMSE of direct light at {} open cells a scene, picked at random, against {} paths \
+         a cell; `mean` and `a frame` are geometric means over the scenes. Median times {machine}.\n",
+        frontier::table(&judged)?,
+        frontier::CELLS,
+        frontier::SAMPLES,
+    );
+    insert("docs/methods.md", "methods", &table)
 }
 
 /// What a frame of a method takes in the built-in scene, by preset and size.
@@ -73,10 +97,20 @@ fn pictures() -> Result<()> {
         println!("render {name}");
         let output = format!("docs/pictures/{name}.png");
         let picture = ["--scale", SCALE, "-o", &output];
-        lamplight(&[&["render", &file("theatre")], method, &picture[..]].concat())?;
+        lamplight(&[&["render", &file(scenes::BY_RULE)], method, &picture[..]].concat())?;
     }
     let light = ["--stage", "light", "--scale", SCALE, "-o", "docs/pictures/cave-light.png"];
     lamplight(&[&["render", &file("cave")], &light[..]].concat())?;
+    for (preset, output) in [
+        ("default", "docs/pictures/grove-cascades.png"),
+        ("plain", "docs/pictures/grove-cascades-plain.png"),
+    ] {
+        let preset = format!("cascades.preset={preset}");
+        let direct = ["--bounces", "0", "--stage", "light", "--scale", SCALE, "-o", output];
+        let scene = file("grove");
+        let method = ["render", &scene, "--method", "cascades", "--set", &preset];
+        lamplight(&[&method, &direct[..]].concat())?;
+    }
     let folder = tempfile::tempdir()?;
     let path = folder.path().to_str().context("the temporary folder's name is text")?;
     lamplight(&["stages", &file("cave"), "-o", path])?;
@@ -108,10 +142,13 @@ fn times(machine: &str) -> Result<String> {
     Ok(table)
 }
 
-fn errors(machine: &str) -> Result<String> {
-    println!("compare {JUDGED}");
-    let arguments = ["compare", &file(JUDGED), "--bounces", "0", "--samples", SAMPLES, "--json"];
-    let judged: Value = serde_json::from_str(&lamplight(&arguments)?)?;
+fn errors(method: &[&str], machine: &str) -> Result<String> {
+    println!("compare {JUDGED} by {}", method[0]);
+    let direct = ["--bounces", "0", "--samples", SAMPLES, "--json"];
+    let scene = file(JUDGED);
+    let compare = ["compare", &scene, "--methods"];
+    let said = lamplight(&[&compare[..], method, &direct].concat())?;
+    let judged: Value = serde_json::from_str(&said)?;
     let percent = |row: &Value, key: &str| Ok::<_, anyhow::Error>(number(row, key)? * 100.0);
     let mut table = String::from(
         "| what | relative RMSE | bias | 99th percentile | FLIP | a frame |\n\

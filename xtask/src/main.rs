@@ -1,6 +1,7 @@
 //! The project's own chores: `cargo xtask <chore>`.
 
 mod docs;
+mod frontier;
 mod generated;
 mod noise;
 mod random;

@@ -1,9 +1,12 @@
 //! Methods against the path tracer: what runs, and what is measured of it.
+//!
+//! A method joins by its name and its presets ([`Method::presets`]): each preset is a row. One that
+//! cannot light the scene is named with its reason, and the others go on.
 
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use lamplight::settings::{BounceBy, Flood, Polar, Raymarch};
-use lamplight::{Bounces, Cells, Display, Light, Method, Rgb, Settings, Solver};
+use lamplight::settings::BounceBy;
+use lamplight::{Bounces, Cells, Display, Light, Method, Rgb, Settings, SettingsTable, Solver};
 use lamplight_truth::Measures;
 use lamplight_truth::flip::{PIXELS_PER_DEGREE, flip};
 use std::time::{Duration, Instant};
@@ -12,7 +15,7 @@ use std::time::{Duration, Instant};
 const TIME: Duration = Duration::from_millis(600);
 /// and at most so often.
 const MOST_RUNS: usize = 15;
-/// Rays a pixel of the plain entries.
+/// Rays a pixel of the sweep.
 const RAYS: [u32; 4] = [8, 32, 128, 512];
 /// Rays a pixel where something else is looked at.
 const FEW_RAYS: u32 = 32;
@@ -20,172 +23,221 @@ const FEW_RAYS: u32 = 32;
 const DENOISE_PASSES: u32 = 4;
 /// Frames after which accumulation is looked at.
 const FRAMES: [u32; 3] = [1, 8, 64];
-/// Frames after which `flood`, which keeps energy from frame to frame, is looked at.
-const FLOOD_FRAMES: [u32; 2] = [1, 32];
+/// Frames after which `flood`, which comes to rest over some, is looked at.
+const FLOOD_FRAMES: u32 = 32;
 
-/// Entries that belong together: a line in the plot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Series {
-    /// The settings of scene and flags, as they are.
-    AsSet,
-    /// More and more rays.
-    Rays,
-    /// Rays, then the edge-aware blur.
-    Denoise,
-    /// The presets of the seeds.
-    Preset,
-    /// Accumulation over more and more frames.
-    Temporal,
-}
-
-/// Something that takes part.
+/// Settings that take part.
 struct Entry {
-    name: String,
-    series: Series,
+    label: String,
+    preset: Option<&'static str>,
     settings: Settings,
     /// After which frames to measure.
     after: Vec<u32>,
 }
 
-/// How an entry did.
+/// How some settings did.
 pub struct Row {
-    /// What it is.
-    pub name: String,
-    /// The method it runs.
+    /// The method.
     pub method: Method,
-    /// What it belongs to.
-    pub series: Series,
+    /// What tells it from other rows of the method.
+    pub label: String,
+    /// The preset, where it is one.
+    pub preset: Option<&'static str>,
     /// Frames solved before it was looked at.
     pub frames: u32,
     /// Median time of a frame.
     pub time: Duration,
     /// Its errors.
     pub measures: Measures,
-    /// Mean FLIP error of the final picture.
-    pub flip: f64,
+    /// Mean FLIP error of the final picture, where all of the picture is judged.
+    pub flip: Option<f64>,
     /// Its light.
     pub light: Light,
+}
+
+impl Row {
+    /// Method and label.
+    pub fn name(&self) -> String {
+        format!("{}, {}", self.method.name(), self.label)
+    }
+}
+
+/// A method that cannot light the scene.
+pub struct Refusal {
+    /// The method.
+    pub method: Method,
+    /// Why not.
+    pub reason: String,
+}
+
+impl Refusal {
+    /// A line that says so.
+    pub fn words(&self) -> String {
+        format!("{} cannot light this scene: {}", self.method.name(), self.reason)
+    }
+}
+
+/// What came of it all; rows of a method stand together.
+pub struct Contest {
+    pub rows: Vec<Row>,
+    pub refusals: Vec<Refusal>,
+}
+
+/// What is right, and where it is known.
+pub enum Truth {
+    /// All of the picture.
+    Everywhere(Light),
+    /// Some open cells, and their light.
+    At(Vec<[u32; 2]>, Vec<Rgb>),
 }
 
 /// What the entries are judged by.
 pub struct Judge<'a> {
     pub cells: &'a Cells,
-    pub truth: &'a Light,
+    pub truth: &'a Truth,
     pub display: Display,
 }
 
-/// Runs every entry of the methods.
+impl Judge<'_> {
+    fn measures(&self, light: &Light) -> Measures {
+        match self.truth {
+            Truth::Everywhere(truth) => Measures::of(light.pixels(), truth.pixels(), truth.solid()),
+            Truth::At(cells, truth) => {
+                let seen: Vec<Rgb> = cells.iter().map(|&[x, y]| light.at(x, y)).collect();
+                Measures::of(&seen, truth, &vec![false; truth.len()])
+            }
+        }
+    }
+
+    /// The final picture as FLIP takes it: sRGB, 0 to 1.
+    fn picture(&self, light: &Light) -> Outcome<Vec<Rgb>> {
+        let picture = light.compose(self.cells, &self.display)?;
+        Ok(picture.pixels().map(|pixel| pixel.0.map(|v| f32::from(v) / 255.0)).collect())
+    }
+}
+
+/// Runs the presets of the methods, what the scene and the flags set where that is none of them, and
+/// with `sweep` more settings of each method.
 pub fn run(
     judge: &Judge,
     methods: &[Method],
-    settings: &Settings,
+    table: &SettingsTable,
+    sweep: bool,
     quiet: bool,
-) -> Outcome<Vec<Row>> {
-    let entries: Vec<Entry> = methods.iter().flat_map(|&m| entries(m, settings)).collect();
-    let progress = Progress::new("solving", entries.len() as u64, quiet);
-    let picture = srgb_pixels(judge.truth, judge)?;
-    let mut rows = Vec::new();
-    for entry in entries {
-        progress.say(&format!("solving: {}", entry.name));
-        rows.extend(measure(entry, judge, &picture)?);
-        progress.step();
+) -> Outcome<Contest> {
+    let mut entries = Vec::new();
+    for &method in methods {
+        entries.push((method, self::entries(method, table, sweep)?));
     }
-    Ok(rows)
+    let count: usize = entries.iter().map(|(_, entries)| entries.len()).sum();
+    let progress = Progress::new("solving", count as u64, quiet);
+    let picture = match judge.truth {
+        Truth::Everywhere(light) => Some(judge.picture(light)?),
+        Truth::At(..) => None,
+    };
+    let mut contest = Contest { rows: Vec::new(), refusals: Vec::new() };
+    for (method, entries) in entries {
+        for entry in entries {
+            progress.say(&format!("solving: {}, {}", method.name(), entry.label));
+            match lights(&entry, judge.cells) {
+                Ok(solved) => contest.rows.extend(rows(entry, solved, judge, picture.as_deref())?),
+                // The reference has been made from the same cells, so it is the method that cannot.
+                Err(error) => {
+                    contest.refusals.push(Refusal { method, reason: error.to_string() });
+                    break;
+                }
+            }
+            progress.step();
+        }
+    }
+    match contest.refusals.first() {
+        Some(refusal) if contest.rows.is_empty() => Err(Failure::bad_input(refusal.words())),
+        _ => Ok(contest),
+    }
 }
 
 /// What a method is looked at with.
-fn entries(method: Method, settings: &Settings) -> Vec<Entry> {
-    match method {
-        Method::Raymarch => raymarch_entries(&Settings { method, ..settings.clone() }),
-        Method::Flood => {
-            preset_entries(&Settings { method, ..settings.clone() }, &FLOOD_FRAMES, |s, name| {
-                Some(Settings { flood: Flood::preset(name)?, ..s })
-            })
-        }
-        Method::Polar => {
-            preset_entries(&Settings { method, ..settings.clone() }, &[1], |s, name| {
-                Some(Settings { polar: Polar::preset(name)?, ..s })
-            })
-        }
+fn entries(method: Method, table: &SettingsTable, sweep: bool) -> Outcome<Vec<Entry>> {
+    let mut table = table.clone();
+    table.set("method", method.name());
+    let as_set = table.resolve()?;
+    let mut all = Vec::new();
+    for &preset in method.presets() {
+        let mut table = table.clone();
+        table.set(&format!("{}.preset", method.name()), preset);
+        let settings = without_filters(table.resolve()?);
+        all.push(Entry { preset: Some(preset), ..Entry::of(preset.to_owned(), settings) });
     }
+    if sweep && method == Method::Raymarch {
+        all.extend(raymarch_sweep(&as_set));
+    }
+    if all.iter().all(|entry| entry.settings != as_set) {
+        all.insert(0, Entry::of("as set".into(), as_set));
+    }
+    Ok(all)
 }
 
-/// The settings as they are, and every preset.
-fn preset_entries(
-    settings: &Settings,
-    after: &[u32],
-    with: impl Fn(Settings, &str) -> Option<Settings>,
-) -> Vec<Entry> {
-    let method = settings.method;
-    let entry =
-        |name: String, series, settings| Entry { name, series, settings, after: after.into() };
-    let preset = |&name: &&str| {
-        let settings = with(settings.clone(), name)?;
-        Some(entry(format!("{}, preset {name}", method.name()), Series::Preset, settings))
-    };
-    let mut all: Vec<Entry> = method.presets().iter().filter_map(preset).collect();
-    if all.iter().all(|entry| entry.settings != *settings) {
-        let name = format!("{}, as set", method.name());
-        all.insert(0, entry(name, Series::AsSet, settings.clone()));
-    }
-    all
-}
-
-fn raymarch_entries(settings: &Settings) -> Vec<Entry> {
-    let entry = |name: String, series, settings: Settings| {
+impl Entry {
+    fn of(label: String, settings: Settings) -> Self {
         // With feedback each frame adds a bounce: what was asked for is there after that many.
+        let feedback =
+            settings.method == Method::Raymarch && settings.raymarch.bounce == BounceBy::Feedback;
         let bounces = match settings.bounces {
-            Bounces::Count(k) if settings.raymarch.bounce == BounceBy::Feedback => k,
-            Bounces::Converged if settings.raymarch.bounce == BounceBy::Feedback => 16,
+            Bounces::Count(k) if feedback => k,
+            Bounces::Converged if feedback => 16,
             _ => 0,
         };
-        Entry { name, series, settings, after: vec![bounces + 1] }
-    };
-    let mut plain = settings.clone();
-    plain.temporal.frames = 0;
-    plain.denoise.passes = 0;
+        let frames = if settings.method == Method::Flood { FLOOD_FRAMES } else { bounces + 1 };
+        Self { label, preset: None, settings, after: vec![frames] }
+    }
+}
+
+/// A method by itself: what makes up for noise is another row's business.
+fn without_filters(mut settings: Settings) -> Settings {
+    if settings.method == Method::Raymarch {
+        settings.temporal.frames = 0;
+        settings.denoise.passes = 0;
+    }
+    settings
+}
+
+/// More and more rays; the edge-aware blur; the mean over more and more frames.
+fn raymarch_sweep(settings: &Settings) -> Vec<Entry> {
+    let plain = without_filters(settings.clone());
     let with_rays = |rays| {
         let mut settings = plain.clone();
         settings.raymarch.rays = rays;
         settings
     };
-
-    let mut all = Vec::new();
-    for rays in RAYS {
-        all.push(entry(format!("raymarch, {rays} rays"), Series::Rays, with_rays(rays)));
-    }
+    let mut all: Vec<Entry> =
+        RAYS.iter().map(|&rays| Entry::of(format!("{rays} rays"), with_rays(rays))).collect();
     let mut denoised = with_rays(FEW_RAYS);
     denoised.denoise = settings.denoise.clone();
     if denoised.denoise.passes == 0 {
         denoised.denoise.passes = DENOISE_PASSES;
     }
-    all.push(entry(format!("raymarch, {FEW_RAYS} rays, denoised"), Series::Denoise, denoised));
-    for name in Raymarch::PRESETS.iter().filter(|&&name| name != "default") {
-        if let Some(raymarch) = Raymarch::preset(name) {
-            let settings = Settings { raymarch, ..plain.clone() };
-            all.push(entry(format!("raymarch, preset {name}"), Series::Preset, settings));
-        }
-    }
+    all.push(Entry::of(format!("{FEW_RAYS} rays, denoised"), denoised));
     let mut temporal = with_rays(FEW_RAYS);
     temporal.temporal.frames = FRAMES.into_iter().fold(settings.temporal.frames, u32::max);
-    let name = format!("raymarch, {FEW_RAYS} rays, temporal");
-    all.push(Entry { name, series: Series::Temporal, settings: temporal, after: FRAMES.into() });
-    if all.iter().all(|entry| entry.settings != *settings) {
-        all.insert(0, entry("raymarch, as set".into(), Series::AsSet, settings.clone()));
-    }
+    let label = format!("{FEW_RAYS} rays, temporal");
+    all.push(Entry { after: FRAMES.into(), ..Entry::of(label, temporal) });
     all
 }
 
-/// Solves frames, looks at the light after some of them, then times more of them.
-fn measure(entry: Entry, judge: &Judge, truth_picture: &[Rgb]) -> Outcome<Vec<Row>> {
-    let Entry { name, series, settings, after } = entry;
-    let method = settings.method;
-    let mut solver = Solver::new(settings)?;
+/// The light after some frames, and the median time of one.
+struct Solved {
+    lights: Vec<(u32, Light)>,
+    time: Duration,
+}
+
+/// Solves frames, keeps the light after some of them, then times more of them.
+fn lights(entry: &Entry, cells: &Cells) -> lamplight::Result<Solved> {
+    let mut solver = Solver::new(entry.settings.clone())?;
     let mut times = Vec::new();
     let mut lights = Vec::new();
-    for frame in 1..=after.iter().copied().max().unwrap_or(1) {
-        let light = timed(&mut solver, judge.cells, &mut times)?;
-        if after.contains(&frame) {
+    for frame in 1..=entry.after.iter().copied().max().unwrap_or(1) {
+        let light = timed(&mut solver, cells, &mut times)?;
+        if entry.after.contains(&frame) {
             lights.push((frame, light.clone()));
         }
     }
@@ -193,47 +245,109 @@ fn measure(entry: Entry, judge: &Judge, truth_picture: &[Rgb]) -> Outcome<Vec<Ro
     times.remove(0);
     let start = Instant::now();
     while times.is_empty() || (start.elapsed() < TIME && times.len() < MOST_RUNS) {
-        timed(&mut solver, judge.cells, &mut times)?;
+        timed(&mut solver, cells, &mut times)?;
     }
     times.sort_unstable();
-    let time = times[times.len() / 2];
-
-    let several = lights.len() > 1;
-    let row = |(frames, light): (u32, Light)| {
-        let (w, h) = (light.width() as usize, light.height() as usize);
-        let picture = srgb_pixels(&light, judge)?;
-        let measures = Measures::of(light.pixels(), judge.truth.pixels(), judge.truth.solid());
-        Ok(Row {
-            name: match frames {
-                _ if !several => name.clone(),
-                1 => format!("{name}, 1 frame"),
-                n => format!("{name}, {n} frames"),
-            },
-            method,
-            series,
-            frames,
-            time,
-            measures,
-            flip: flip(w, h, truth_picture, &picture, PIXELS_PER_DEGREE).mean,
-            light,
-        })
-    };
-    lights.into_iter().map(row).collect()
+    Ok(Solved { lights, time: times[times.len() / 2] })
 }
 
 fn timed<'s>(
     solver: &'s mut Solver,
     cells: &Cells,
     times: &mut Vec<Duration>,
-) -> Result<&'s Light, Failure> {
+) -> lamplight::Result<&'s Light> {
     let start = Instant::now();
     let light = solver.solve(cells)?;
     times.push(start.elapsed());
     Ok(light)
 }
 
-/// The final picture as FLIP takes it: sRGB, 0 to 1.
-fn srgb_pixels(light: &Light, judge: &Judge) -> Outcome<Vec<Rgb>> {
-    let picture = light.compose(judge.cells, &judge.display)?;
-    Ok(picture.pixels().map(|pixel| pixel.0.map(|v| f32::from(v) / 255.0)).collect())
+/// Judges what was solved; FLIP where there is a picture to compare with.
+fn rows(entry: Entry, solved: Solved, judge: &Judge, truth: Option<&[Rgb]>) -> Outcome<Vec<Row>> {
+    let Entry { label, preset, settings, .. } = entry;
+    let several = solved.lights.len() > 1;
+    let row = |(frames, light): (u32, Light)| {
+        let (w, h) = (light.width() as usize, light.height() as usize);
+        let flip = match truth {
+            Some(truth) => Some(flip(w, h, truth, &judge.picture(&light)?, PIXELS_PER_DEGREE).mean),
+            None => None,
+        };
+        Ok(Row {
+            method: settings.method,
+            label: match frames {
+                _ if !several => label.clone(),
+                1 => format!("{label}, 1 frame"),
+                n => format!("{label}, {n} frames"),
+            },
+            preset,
+            frames,
+            time: solved.time,
+            measures: judge.measures(&light),
+            flip,
+            light,
+        })
+    };
+    solved.lights.into_iter().map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(changes: &[&str]) -> SettingsTable {
+        let mut table = SettingsTable::default();
+        changes.iter().for_each(|text| table.set_from_text(text).unwrap());
+        table
+    }
+
+    fn labels(changes: &[&str], sweep: bool) -> Vec<String> {
+        let entries = entries(Method::Raymarch, &table(changes), sweep).unwrap();
+        entries.into_iter().map(|entry| entry.label).collect()
+    }
+
+    #[test]
+    fn presets_take_part_and_what_is_set_where_it_is_none() {
+        assert_eq!(labels(&[], false), ["default", "godot", "unity"]);
+        assert_eq!(labels(&["raymarch.rays=7"], false), ["as set", "default", "godot", "unity"]);
+        assert_eq!(labels(&["raymarch.preset=unity"], false), ["default", "godot", "unity"]);
+        assert_eq!(labels(&["denoise.passes=2"], false), ["as set", "default", "godot", "unity"]);
+        assert!(labels(&[], true).contains(&"512 rays".to_owned()));
+    }
+
+    #[test]
+    fn a_preset_is_itself_whatever_is_set_beside_it() {
+        let changes = ["raymarch.rays=7", "bounces=2"];
+        for entry in entries(Method::Raymarch, &table(&changes), false).unwrap() {
+            let rays = match &*entry.label {
+                "as set" => 7,
+                "unity" => 16,
+                _ => 32,
+            };
+            assert_eq!(entry.settings.raymarch.rays, rays, "{}", entry.label);
+            assert_eq!(entry.settings.bounces, Bounces::Count(2));
+        }
+    }
+
+    #[test]
+    fn a_method_that_cannot_is_named_with_its_reason() {
+        let mut cells = Cells::new(4, 3).unwrap();
+        let truth = Truth::Everywhere(Light::from_pixels(&cells, vec![[1.0; 3]; 12]).unwrap());
+        cells.emission_mut()[7] = [-1.0; 3];
+        let judge = Judge { cells: &cells, truth: &truth, display: Display::default() };
+        let told = run(&judge, &[Method::Raymarch], &table(&[]), false, true);
+        let failure = format!("{:?}", told.map(|_| "a light").unwrap_err());
+        assert!(failure.contains("raymarch cannot light this scene: cell (3, 1)"), "{failure}");
+    }
+
+    #[test]
+    fn a_judge_of_some_cells_sees_no_others() {
+        let cells = Cells::new(3, 1).unwrap();
+        let light = |rgb| Light::from_pixels(&cells, rgb).unwrap();
+        let truth = Truth::At(vec![[2, 0], [0, 0]], vec![[4.0; 3], [2.0; 3]]);
+        let judge = Judge { cells: &cells, truth: &truth, display: Display::default() };
+        let right = light(vec![[2.0; 3], [9.0; 3], [4.0; 3]]);
+        assert_eq!(judge.measures(&right).relative_rmse, 0.0);
+        let wrong = light(vec![[4.0; 3], [9.0; 3], [2.0; 3]]);
+        assert!(judge.measures(&wrong).relative_rmse > 0.5);
+    }
 }

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::failure::{Outcome, warn};
 use crate::progress::Progress;
 use lamplight::settings::BounceBy;
-use lamplight::{Bounces, Cells, Light, Scene, Settings, Solver};
+use lamplight::{Bounces, Cells, Light, Rgb, Scene, Settings, Solver};
 use lamplight_truth::{Estimate, PathTracer};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -119,24 +119,45 @@ pub fn trace(
     samples: u32,
     quiet: bool,
 ) -> Outcome<(Estimate, Duration)> {
-    let tracer = PathTracer {
-        samples,
-        bounces: settings.bounces,
-        wall_depth: settings.wall_depth,
-        seed: settings.seed,
-    };
+    let tracer = tracer(settings, samples);
     let progress = Progress::new("tracing the reference", 1000, quiet);
     let start = Instant::now();
     let estimate = tracer.render(cells, &|share| progress.at((share * 1000.0) as u64))?;
     Ok((estimate, start.elapsed()))
 }
 
+/// Means and standard errors of a few cells, and the time they took.
+pub fn trace_at(
+    cells: &Cells,
+    settings: &Settings,
+    samples: u32,
+    at: &[[u32; 2]],
+) -> Outcome<(Vec<(Rgb, Rgb)>, Duration)> {
+    let start = Instant::now();
+    Ok((tracer(settings, samples).at(cells, at)?, start.elapsed()))
+}
+
+fn tracer(settings: &Settings, samples: u32) -> PathTracer {
+    PathTracer {
+        samples,
+        bounces: settings.bounces,
+        wall_depth: settings.wall_depth,
+        seed: settings.seed,
+    }
+}
+
 /// The reference's own error: the root mean square of its standard error over the open cells,
 /// relative to their mean light, as the relative RMSE of a method is.
 pub fn relative_standard_error(estimate: &Estimate) -> f64 {
-    let (mut squares, mut sum, mut count) = (0.0, 0.0, 0.0);
     let cells = estimate.standard_error.iter().zip(estimate.light.pixels());
-    for ((error, light), _) in cells.zip(estimate.light.solid()).filter(|&(_, solid)| !solid) {
+    let open = cells.zip(estimate.light.solid()).filter(|&(_, solid)| !solid);
+    relative_error_of(open.map(|((error, light), _)| (*light, *error)))
+}
+
+/// The same over any means and their standard errors.
+pub fn relative_error_of(cells: impl Iterator<Item = (Rgb, Rgb)>) -> f64 {
+    let (mut squares, mut sum, mut count) = (0.0, 0.0, 0.0);
+    for (light, error) in cells {
         for c in 0..3 {
             squares += f64::from(error[c]).powi(2);
             sum += f64::from(light[c]);

@@ -4,6 +4,7 @@
 //!   standard error for every cell.
 //! - [`closed_forms`] are scenes whose light can be written down.
 //! - [`Measures`] and [`flip`] say how far a light, or a picture, is from the right one.
+//! - [`scenes`] are drawn by chance, of the kinds on which methods are judged.
 //!
 //! Nothing here shares tracing code with the methods: a mistake in theirs cannot hide in ours.
 
@@ -11,7 +12,8 @@ pub mod closed_forms;
 pub mod flip;
 mod measures;
 mod path_tracer;
-mod random;
+pub mod random;
+pub mod scenes;
 mod traverse;
 
 pub use measures::Measures;

@@ -152,8 +152,8 @@ impl<'c> Tracer<'c> {
         for batch in 0..BATCHES {
             // Keys that no path has: what the batch has for itself.
             let mut shift = Random::new(self.seed, id, u64::MAX - u64::from(batch));
-            let start = shift.next();
-            let shift = SPREAD.map(|_| shift.next());
+            let start = shift.unit();
+            let shift = SPREAD.map(|_| shift.unit());
             let mut total = [0.0; 3];
             for path in 0..self.paths {
                 let key = u64::from(batch) * u64::from(self.paths) + u64::from(path);
@@ -277,7 +277,7 @@ impl<'c> Tracer<'c> {
                         });
                         let (a, b) = (scatter.iter().sum::<f64>(), go_on.iter().sum::<f64>());
                         let p = if a > 0.0 { a / (a + b) } else { 0.0 };
-                        if chance.random.next() < p {
+                        if chance.random.unit() < p {
                             let px = if stretch.side > 1 {
                                 scatter_at(extinction, absorbed, &mut scatter, &mut chance.random)
                             } else {
@@ -321,7 +321,7 @@ impl Chance {
                 self.spent += 1;
                 u
             }
-            None => self.random.next(),
+            None => self.random.unit(),
         }
     }
 }
@@ -357,7 +357,7 @@ fn scatter_at(
     random: &mut Random,
 ) -> f64 {
     let sum: f64 = scatter.iter().sum();
-    let mut pick = random.next() * sum;
+    let mut pick = random.unit() * sum;
     // The last channel that scatters anything, in case rounding leaves a rest.
     let mut channel = 0;
     for c in (0..3).filter(|&c| scatter[c] > 0.0) {
@@ -367,7 +367,7 @@ fn scatter_at(
             break;
         }
     }
-    let px = -(-random.next() * absorbed[channel]).ln_1p() / extinction[channel];
+    let px = -(-random.unit() * absorbed[channel]).ln_1p() / extinction[channel];
     let density: [f64; 3] = std::array::from_fn(|c| {
         let e = extinction[c];
         if scatter[c] > 0.0 { e * (-e * px).exp() / absorbed[c] } else { 0.0 }
@@ -384,7 +384,7 @@ fn survives(sent: u32, weight: &mut [f64; 3], random: &mut Random) -> bool {
     if sent < ROULETTE_AFTER || most >= 1.0 {
         return most > 0.0;
     }
-    if random.next() >= most {
+    if random.unit() >= most {
         return false;
     }
     weight.iter_mut().for_each(|w| *w /= most);

@@ -14,7 +14,7 @@ impl Random {
 
     /// Uniform in [0, 1), in steps of 2⁻⁵³.
     #[inline]
-    pub fn next(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(STEP);
         (mix(self.0) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
@@ -41,7 +41,7 @@ mod tests {
             let (mut a, mut b) = (Random::new(a.0, a.1, a.2), Random::new(b.0, b.1, b.2));
             let (mut mean, mut product) = (0.0, 0.0);
             for _ in 0..N {
-                let (u, v) = (a.next(), b.next());
+                let (u, v) = (a.unit(), b.unit());
                 assert!((0.0..1.0).contains(&u));
                 mean += u / N as f64;
                 product += (u - 0.5) * (v - 0.5) / N as f64;
@@ -55,7 +55,7 @@ mod tests {
     fn first_numbers_of_neighbouring_keys_are_uniform() {
         const N: u64 = 100_000;
         let bound = 4.0 / (12.0 * N as f64).sqrt();
-        let mean = (0..N).map(|i| Random::new(3, i / 300, i % 300).next()).sum::<f64>() / N as f64;
+        let mean = (0..N).map(|i| Random::new(3, i / 300, i % 300).unit()).sum::<f64>() / N as f64;
         assert!((mean - 0.5).abs() < bound, "mean {mean}");
     }
 }

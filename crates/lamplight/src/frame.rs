@@ -1,7 +1,9 @@
 //! One frame, from cells to light, top to bottom.
 
 use crate::clock::Clock;
+use crate::methods::cascades::Cascades;
 use crate::methods::flood::Flood;
+use crate::methods::holographic::Holographic;
 use crate::methods::polar::Polar;
 use crate::methods::raymarch::{Input, Raymarch};
 use crate::settings::{BounceBy, Bounces, Hit, Method, Walk};
@@ -24,6 +26,8 @@ pub struct Solver {
     raymarch: Raymarch,
     flood: Flood,
     polar: Polar,
+    cascades: Cascades,
+    holographic: Holographic,
     traced: Traced,
     temporal: Temporal,
     denoise: Denoise,
@@ -71,6 +75,8 @@ impl Solver {
             raymarch: Raymarch::default(),
             flood: Flood::default(),
             polar: Polar::default(),
+            cascades: Cascades::default(),
+            holographic: Holographic::default(),
             traced: Traced::default(),
             temporal: Temporal::default(),
             denoise: Denoise::default(),
@@ -101,6 +107,16 @@ impl Solver {
             Method::Raymarch => self.raymarch(),
             Method::Flood => self.flood(),
             Method::Polar => self.polar(),
+            Method::Cascades => {
+                let Self { cells, settings, light, clock, .. } = self;
+                self.cascades.solve(cells, settings, &mut light.rgb, clock);
+            }
+            Method::Holographic => self.holographic.solve(
+                &self.cells,
+                &self.settings,
+                &mut self.light.rgb,
+                &mut self.clock,
+            ),
         }
 
         self.light.width = self.cells.width();

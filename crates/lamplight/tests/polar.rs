@@ -414,7 +414,7 @@ fn cones_light_their_part_of_the_circle() {
         }
     }
     // A cone all round is none.
-    let round = Cone { direction: -3.0, angle: std::f32::consts::TAU, softness: 0.0 };
+    let round = Cone { direction: -3.0, angle: TAU, softness: 0.0 };
     let light = solve(&polar(|_| ()), &with_lamp(open(), Lamp { cone: Some(round), ..bare }));
     assert_eq!(bits(&light), bits(&whole));
 }

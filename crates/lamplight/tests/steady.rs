@@ -6,7 +6,7 @@
 mod common;
 
 use common::*;
-use lamplight::settings::{BounceBy, Flood, Hit, Noise, Temporal};
+use lamplight::settings::{BounceBy, Flood, Hit, Merge, Noise, Temporal};
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky, Solver};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -111,6 +111,12 @@ fn ways() -> Vec<(&'static str, bool, Settings)> {
                 s.method = Method::Flood;
                 s.flood = Flood::preset("seed").unwrap();
             }),
+        ),
+        ("cascades", true, way(|s| (s.method, s.bounces) = (Method::Cascades, Bounces::Count(2)))),
+        (
+            "plain cascades",
+            false,
+            way(|s| (s.method, s.cascades.merge) = (Method::Cascades, Merge::Plain)),
         ),
         ("wall depth", false, way(|s| s.wall_depth = 6.0)),
         (

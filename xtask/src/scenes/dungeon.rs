@@ -277,7 +277,6 @@ albedo = "dungeon/albedo.png"
 color = "dungeon/color.png"
 
 [light]
-method = "raymarch"
 bounces = 3
 wall_depth = 3
 raymarch = { rays = 128 }

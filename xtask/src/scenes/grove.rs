@@ -96,7 +96,6 @@ sky = [0.01, 0.015, 0.03]
 color = "grove/color.png"
 
 [light]
-method = "raymarch"
 bounces = 2
 wall_depth = 5
 raymarch = { rays = 192 }

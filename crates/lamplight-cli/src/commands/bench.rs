@@ -8,6 +8,7 @@ use crate::progress::Progress;
 use crate::room::{lamp_room, room};
 use crate::stage::{Stage, View};
 use crate::table::table;
+use lamplight::methods::holographic::paper::Paper;
 use lamplight::{Cells, Display, Method, Settings, SettingsTable, Solver};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -38,6 +39,10 @@ pub struct Args {
     /// Time making the picture too, each cell as K × K pixels: `present_ms`, beside the time to solve
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=64))]
     scale: Option<u32>,
+    /// Time a plain implementation of the published holographic cascades (direct light) in turns with
+    /// the method, and give its time ÷ the method's: a ratio that depends little on the machine
+    #[arg(long)]
+    yardstick: bool,
     /// Print one JSON object a line, one for each case
     #[arg(long)]
     json: bool,
@@ -82,7 +87,7 @@ pub fn run(args: Args) -> Outcome {
             } else {
                 cells
             };
-            let times = time(cells, settings.resolve()?, args.scale)?;
+            let times = time(cells, settings.resolve()?, args.scale, args.yardstick)?;
             progress.step();
             if args.json {
                 let mut line = json!({
@@ -96,6 +101,10 @@ pub fn run(args: Args) -> Outcome {
                 if let Some(present) = times.present {
                     line["present_ms"] = ms(present).into();
                 }
+                if let Some(yardstick) = times.yardstick {
+                    line["yardstick_ms"] = ms(yardstick).into();
+                    line["yardstick_ratio"] = times.ratio(yardstick).into();
+                }
                 output::print(line)?;
                 continue;
             }
@@ -103,20 +112,28 @@ pub fn run(args: Args) -> Outcome {
             let stages = stages.map(|&(name, time)| (name, time));
             let stages = stages.chain(times.present.map(|time| ("present", time)));
             let stages: Vec<_> = stages.map(|(n, t)| format!("{n} {:.1}", ms(t))).collect();
-            rows.push(vec![
+            let mut row = vec![
                 method.name().to_owned(),
                 format!("{w}×{h}"),
                 format!("{:.2}", ms(times.median)),
                 format!("{:.2}", ms(times.least)),
                 times.runs.to_string(),
                 stages.join(", "),
-            ]);
+            ];
+            if let Some(yardstick) = times.yardstick {
+                row.push(format!("{:.2}", ms(yardstick)));
+                row.push(format!("{:.2}", times.ratio(yardstick)));
+            }
+            rows.push(row);
         }
         drop(progress);
         if args.json {
             return Ok(());
         }
-        let header = ["method", "size", "median ms", "least ms", "runs", "ms by stage"];
+        let mut header = vec!["method", "size", "median ms", "least ms", "runs", "ms by stage"];
+        if args.yardstick {
+            header.extend(["yardstick ms", "times faster"]);
+        }
         output::print(table(&header, &[0, 5], rows))?;
         output::print(format_args!("on the CPU, {}", threads_in_words(threads)))
     })
@@ -143,19 +160,33 @@ struct Times {
     stages: Vec<(&'static str, Duration)>,
     /// Median of making the picture, where asked for.
     present: Option<Duration>,
+    /// Median of the yardstick, where asked for.
+    yardstick: Option<Duration>,
 }
 
 impl Times {
+    /// How many times as long the yardstick takes.
+    fn ratio(&self, yardstick: Duration) -> f64 {
+        yardstick.as_secs_f64() / self.median.as_secs_f64()
+    }
+
     fn stages_json(&self) -> Map<String, Value> {
         self.stages.iter().map(|&(name, time)| (name.to_owned(), ms(time).into())).collect()
     }
 }
 
-/// Times `solve` from cells in memory; the first frame, which makes the buffers, does not count.
-fn time(cells: &Cells, settings: Settings, scale: Option<u32>) -> Outcome<Times> {
+/// Times `solve` from cells in memory; the first frame, which makes the buffers, does not count. The
+/// yardstick's frames lie between the method's, so that both see the same machine.
+fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) -> Outcome<Times> {
     let mut solver = Solver::new(settings)?;
     solver.solve(cells)?;
+    let drawn = cells.drawn();
+    let mut plain = Paper::yardstick();
+    if yardstick {
+        plain.solve(&drawn);
+    }
     let mut frames: Vec<Duration> = Vec::new();
+    let mut plain_frames: Vec<Duration> = Vec::new();
     let mut stages: Vec<(&'static str, Vec<Duration>)> = Vec::new();
     let start = Instant::now();
     while frames.len() < LEAST_RUNS || (start.elapsed() < TIME && frames.len() < MOST_RUNS) {
@@ -168,10 +199,14 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>) -> Outcome<Times>
                 None => stages.push((name, vec![time])),
             }
         }
+        if yardstick {
+            let frame = Instant::now();
+            plain.solve(&drawn);
+            plain_frames.push(frame.elapsed());
+        }
     }
     let mut presents = Vec::new();
     if let Some(scale) = scale {
-        let drawn = cells.drawn();
         let view = View::new(&drawn, Display::default()).lit(solver.light());
         for _ in 0..LEAST_RUNS {
             let present = Instant::now();
@@ -185,6 +220,7 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>) -> Outcome<Times>
         least: least.ok_or_else(|| Failure::failed("nothing was timed"))?,
         median: median(&mut frames),
         present: scale.map(|_| median(&mut presents)),
+        yardstick: yardstick.then(|| median(&mut plain_frames)),
         stages: stages.into_iter().map(|(name, mut times)| (name, median(&mut times))).collect(),
     })
 }

@@ -1,22 +1,23 @@
 //! `lamplight compare`: the methods against the path tracer.
 
 use crate::args::{Machine, SettingFlags, Show, by_name, threads_in_words};
-use crate::contest::{self, Judge, Row};
-use crate::failure::Outcome;
+use crate::contest::{self, Contest, Judge, Row, Truth};
+use crate::failure::{Failure, Outcome};
 use crate::lighting::{self, ms};
 use crate::output;
 use crate::report::{self, Reference};
-use crate::table::table;
-use lamplight::Method;
+use crate::table;
+use lamplight::{Cells, Method, Rgb, Settings};
+use lamplight_truth::scenes::open_cells;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Judge methods by the path tracer: errors, and the time they take
+/// Judge methods by the path tracer: a row for each preset, its errors and the time it takes
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// The scene file (TOML or JSON)
     scene: PathBuf,
-    /// Methods to judge, with commas between them [default: all that can light the scene]
+    /// Methods to judge, with commas between them [default: all]
     #[arg(long, value_name = "METHOD", value_delimiter = ',',
           value_parser = by_name(Method::ALL, Method::name))]
     methods: Vec<Method>,
@@ -24,6 +25,13 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 4096,
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     samples: u32,
+    /// Judge more settings of each method beside its presets, such as more and more rays
+    #[arg(long)]
+    sweep: bool,
+    /// Judge by so many open cells, picked at random, and not by all: quicker
+    #[arg(long, value_name = "N", conflicts_with = "report",
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    cells: Option<u32>,
     /// Write a page with pictures, error maps and a plot into this directory
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
@@ -40,53 +48,49 @@ pub struct Args {
 
 pub fn run(args: Args) -> Outcome {
     let backend = args.machine.backend.choose()?;
+    let methods = if args.methods.is_empty() { Method::ALL } else { &args.methods };
     args.machine.run(|threads| {
         let quiet = args.machine.quiet;
         let (scene, cells) = lighting::open(&args.scene, quiet)?;
-        let methods = if args.methods.is_empty() {
-            Method::ALL.iter().copied().filter(|method| method.suits(&cells).is_ok()).collect()
-        } else {
-            args.methods.clone()
-        };
-        methods.iter().try_for_each(|method| method.suits(&cells))?;
-        let settings = args.settings.over(&scene.light)?.resolve()?;
+        let table_of_scene = args.settings.over(&scene.light)?;
+        let settings = table_of_scene.resolve()?;
         let display = args.show.display(scene.display)?;
         if let Some(folder) = &args.report {
             output::make_directory(folder)?;
         }
-        let (estimate, time) = lighting::trace(&cells, &settings, args.samples, quiet)?;
-        let judge = Judge { cells: &cells, truth: &estimate.light, display };
-        let rows = contest::run(&judge, &methods, &settings, quiet)?;
-        let reference = Reference {
-            samples: args.samples,
-            standard_error: lighting::relative_standard_error(&estimate),
-            time,
-        };
+        let (truth, reference) = truth(&args, &cells, &settings)?;
+        let judge = Judge { cells: &cells, truth: &truth, display };
+        let Contest { rows, refusals } =
+            contest::run(&judge, methods, &table_of_scene, args.sweep, quiet)?;
 
         let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
         let bounces = lighting::to_json(&settings.bounces)?;
         let bounces = bounces.as_str().map_or_else(|| bounces.to_string(), str::to_owned);
-        if let Some(folder) = &args.report {
-            report::write(
-                folder,
-                &report::Subject {
-                    name: &name,
-                    bounces: &bounces,
-                    threads,
-                    judge: &judge,
-                    reference: &reference,
-                    rows: &rows,
-                    scale: args.show.scale,
-                },
-            )?;
+        if let (Some(folder), Truth::Everywhere(light)) = (&args.report, &truth) {
+            let subject = report::Subject {
+                name: &name,
+                bounces: &bounces,
+                threads,
+                judge: &judge,
+                truth: light,
+                reference: &reference,
+                rows: &rows,
+                refusals: &refusals,
+                scale: args.show.scale,
+            };
+            report::write(folder, &subject)?;
         }
         if args.json {
             return output::print(json!({
                 "scene": args.scene, "width": cells.width(), "height": cells.height(),
                 "bounces": settings.bounces, "backend": backend, "threads": threads,
-                "reference": { "samples": reference.samples, "ms": ms(reference.time),
+                "reference": { "samples": reference.samples, "cells": args.cells,
+                               "ms": ms(reference.time),
                                "relative_standard_error": reference.standard_error },
                 "rows": rows.iter().map(row_json).collect::<Vec<_>>(),
+                "refused": refusals.iter().map(|refusal| json!({
+                    "method": refusal.method.name(), "reason": refusal.reason,
+                })).collect::<Vec<_>>(),
             }));
         }
         output::print(format_args!(
@@ -96,7 +100,10 @@ pub fn run(args: Args) -> Outcome {
             threads_in_words(threads),
         ))?;
         let header = ["", "rel. RMSE %", "bias %", "p99 %", "FLIP", "ms a frame"];
-        output::print(table(&header, &[0], rows.iter().map(row_cells)))?;
+        output::print(table::table(&header, &[0], rows.iter().map(row_cells)))?;
+        for refusal in &refusals {
+            output::print(format_args!("{}", refusal.words()))?;
+        }
         output::print(format_args!("\n{}", reference.words(&rows)))?;
         match &args.report {
             Some(folder) if !quiet => {
@@ -107,15 +114,36 @@ pub fn run(args: Args) -> Outcome {
     })
 }
 
+/// Traces the whole picture, or some cells of it.
+fn truth(args: &Args, cells: &Cells, settings: &Settings) -> Outcome<(Truth, Reference)> {
+    let samples = args.samples;
+    let Some(count) = args.cells else {
+        let (estimate, time) = lighting::trace(cells, settings, samples, args.machine.quiet)?;
+        let standard_error = lighting::relative_standard_error(&estimate);
+        return Ok((
+            Truth::Everywhere(estimate.light),
+            Reference { samples, cells: None, standard_error, time },
+        ));
+    };
+    let at = open_cells(cells, count as usize, settings.seed);
+    if at.is_empty() {
+        return Err(Failure::bad_input("the scene has no open cell to judge by"));
+    }
+    let (seen, time) = lighting::trace_at(cells, settings, samples, &at)?;
+    let standard_error = lighting::relative_error_of(seen.iter().copied());
+    let light: Vec<Rgb> = seen.into_iter().map(|(light, _)| light).collect();
+    Ok((Truth::At(at, light), Reference { samples, cells: Some(count), standard_error, time }))
+}
+
 fn row_cells(row: &Row) -> Vec<String> {
     let percent = |v: f64| format!("{:.2}", v * 100.0);
     let m = &row.measures;
     vec![
-        row.name.clone(),
+        row.name(),
         percent(m.relative_rmse),
         format!("{:+.2}", m.bias * 100.0),
         percent(m.p99),
-        format!("{:.4}", row.flip),
+        row.flip.map_or_else(String::new, |flip| format!("{flip:.4}")),
         format!("{:.1}", ms(row.time)),
     ]
 }
@@ -123,7 +151,7 @@ fn row_cells(row: &Row) -> Vec<String> {
 fn row_json(row: &Row) -> Value {
     let m = &row.measures;
     json!({
-        "name": row.name, "method": row.method.name(), "frames": row.frames,
+        "name": row.name(), "method": row.method.name(), "preset": row.preset, "frames": row.frames,
         "relative_rmse": m.relative_rmse, "bias": m.bias, "median": m.median, "p99": m.p99,
         "flip": row.flip, "ms": ms(row.time),
     })

@@ -2,14 +2,14 @@
 
 mod heat;
 mod page;
-mod plot;
 
-use crate::contest::{Judge, Row};
-use crate::failure::Outcome;
+use crate::contest::{Judge, Refusal, Row};
+use crate::failure::{Failure, Outcome};
 use crate::lighting::ms;
 use crate::output;
 use crate::stage::enlarge;
-use lamplight::Light;
+use lamplight::{Light, Method};
+use lamplight_cli::plot::{self, Point, Series};
 use std::path::Path;
 use std::time::Duration;
 
@@ -20,6 +20,8 @@ pub const PAGE: &str = "index.html";
 pub struct Reference {
     /// Paths a pixel.
     pub samples: u32,
+    /// Cells that were traced, where not all were.
+    pub cells: Option<u32>,
     /// Its own standard error, relative as the relative RMSE is.
     pub standard_error: f64,
     /// What it took.
@@ -33,10 +35,11 @@ impl Reference {
 
     /// What it is, and which rows it can judge.
     pub fn words(&self, rows: &[Row]) -> String {
-        let Self { samples, standard_error, time } = self;
+        let Self { samples, cells, standard_error, time } = self;
+        let of_cells = cells.map_or_else(String::new, |count| format!(" at {count} open cells"));
         let mut words = format!(
-            "reference: path tracer, {samples} paths a pixel, {:.0} ms; its own standard error is \
-             {:.2} % of the mean light",
+            "reference: path tracer, {samples} paths a pixel{of_cells}, {:.0} ms; its own standard \
+             error is {:.2} % of the mean light",
             ms(*time),
             standard_error * 100.0
         );
@@ -59,8 +62,11 @@ pub struct Subject<'a> {
     pub bounces: &'a str,
     pub threads: usize,
     pub judge: &'a Judge<'a>,
+    /// The light of the reference.
+    pub truth: &'a Light,
     pub reference: &'a Reference,
     pub rows: &'a [Row],
+    pub refusals: &'a [Refusal],
     /// Pictures show each cell so large.
     pub scale: u32,
 }
@@ -72,19 +78,36 @@ pub fn write(folder: &Path, subject: &Subject) -> Outcome {
         output::png(&enlarge(&picture, subject.scale)?)
     };
     let mut files = vec![
-        ("reference.png".to_owned(), final_picture(subject.judge.truth)?),
-        (
-            PAGE.to_owned(),
-            page::page(subject, &plot::plot(subject.rows, subject.reference.standard_error)?)
-                .into_bytes(),
-        ),
+        ("reference.png".to_owned(), final_picture(subject.truth)?),
+        (PAGE.to_owned(), page::page(subject, &error_against_time(subject)?).into_bytes()),
     ];
     for (i, row) in subject.rows.iter().enumerate() {
-        let heat = heat::map(&row.light, subject.judge.truth, row.measures.mean);
+        let heat = heat::map(&row.light, subject.truth, row.measures.mean);
         files.push((page::picture_file(i), final_picture(&row.light)?));
         files.push((page::error_file(i), output::png(&enlarge(&heat, subject.scale)?)?));
     }
     // The page last: while it is missing, its pictures are not complete.
     files.sort_by_key(|(name, _)| name == PAGE);
     files.iter().try_for_each(|(name, bytes)| output::write(&folder.join(name), bytes))
+}
+
+/// The plot, as an SVG that takes its width from the page.
+fn error_against_time(subject: &Subject) -> Outcome<String> {
+    let mut series: Vec<Series> = Vec::new();
+    for method in Method::ALL {
+        let rows = subject.rows.iter().filter(|row| row.method == *method);
+        let point = |row: &Row| Point {
+            label: row.label.clone(),
+            ms: ms(row.time),
+            error: row.measures.relative_rmse,
+            parts: Vec::new(),
+        };
+        let points: Vec<Point> = rows.map(point).collect();
+        if !points.is_empty() {
+            series.push(Series { name: method.name(), color: plot::color(*method), points });
+        }
+    }
+    let svg = plot::plot(&series, subject.reference.standard_error)
+        .map_err(|e| Failure::failed(format_args!("cannot draw the plot: {e}")))?;
+    Ok(plot::scalable(&svg))
 }

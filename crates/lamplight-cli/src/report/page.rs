@@ -1,11 +1,11 @@
 //! The page of the report: HTML with its style inside, pictures beside it.
 
 use super::heat;
-use super::plot;
 use super::{Reference, Subject};
 use crate::args::threads_in_words;
-use crate::contest::{Row, Series};
+use crate::contest::{Refusal, Row};
 use crate::lighting::ms;
+use lamplight_cli::plot;
 use std::fmt::Write;
 
 /// File name of the final picture of a row.
@@ -20,10 +20,10 @@ pub fn error_file(row: usize) -> String {
 
 /// The page; `plot` is an SVG.
 pub fn page(subject: &Subject, plot: &str) -> String {
-    let Subject { name, bounces, threads, judge, reference, rows, .. } = subject;
+    let Subject { name, bounces, threads, judge, reference, rows, refusals, .. } = subject;
     let name = escape(name);
     let (w, h) = (judge.cells.width(), judge.cells.height());
-    let Reference { samples, standard_error, time } = reference;
+    let Reference { samples, standard_error, time, .. } = reference;
     format!(
         r#"<!doctype html>
 <html lang="en">
@@ -53,7 +53,7 @@ standard error is {own:.2} % of the mean light.</figcaption>
 {table}</tbody>
 </table>
 </div>
-<p class="dim">Errors are over the open cells, each ÷ the mean of the reference. Bias above 0 is too
+{refused}<p class="dim">Errors are over the open cells, each ÷ the mean of the reference. Bias above 0 is too
 bright; 99 of 100 values are off by less than p99; FLIP compares the final pictures as an eye
 does, 0 to 1. A time is the median of a frame.</p>
 
@@ -61,7 +61,8 @@ does, 0 to 1. A time is the median of a frame.</p>
 <div class="plot">
 {plot}
 </div>
-<p class="dim">Both axes are logarithmic: lower left is better. What lies near the dashed line may be better than
+<p class="dim">Both axes are logarithmic: lower left is better. A line joins what nothing else of a method
+beats in both. What lies near the dashed line may be better than
 it looks: more <code>--samples</code> would show.</p>
 
 <h2>Pictures and where they are wrong</h2>
@@ -81,6 +82,7 @@ cell's error ÷ the mean light:</p>
         seconds = time.as_secs_f64(),
         own = standard_error * 100.0,
         table = table(rows),
+        refused = refused(refusals),
         wall = css(heat::WALL),
         least = heat::LEAST * 100.0,
         gradient = gradient(),
@@ -97,14 +99,14 @@ fn table(rows: &[Row]) -> String {
             html,
             "<tr><td><a href=\"#row{i}\">{}</a></td><td>{:.2} %</td>\
              <td class=\"bar\"><i style=\"width: {:.1}%; background: {}\"></i></td>\
-             <td>{:+.2} %</td><td>{:.2} %</td><td>{:.4}</td><td>{:.1}</td></tr>",
-            escape(&row.name),
+             <td>{:+.2} %</td><td>{:.2} %</td><td>{}</td><td>{:.1}</td></tr>",
+            escape(&row.name()),
             m.relative_rmse * 100.0,
             if worst > 0.0 { (m.relative_rmse / worst * 100.0).max(0.5) } else { 0.5 },
-            series_color(row.series),
+            css(plot::color(row.method)),
             m.bias * 100.0,
             m.p99 * 100.0,
-            row.flip,
+            row.flip.map_or_else(String::new, |flip| format!("{flip:.4}")),
             ms(row.time),
         );
     }
@@ -114,7 +116,7 @@ fn table(rows: &[Row]) -> String {
 fn cards(rows: &[Row], w: u32, h: u32) -> String {
     let mut html = String::new();
     for (i, row) in rows.iter().enumerate() {
-        let name = escape(&row.name);
+        let name = escape(&row.name());
         let _ = writeln!(
             html,
             "<section class=\"card\" id=\"row{i}\">\n\
@@ -134,9 +136,10 @@ fn cards(rows: &[Row], w: u32, h: u32) -> String {
     html
 }
 
-fn series_color(series: Series) -> String {
-    let color = plot::color(series);
-    css([color.0, color.1, color.2])
+/// Methods that could not light the scene.
+fn refused(refusals: &[Refusal]) -> String {
+    let line = |refusal: &Refusal| format!("<p>{}</p>\n", escape(&refusal.words()));
+    refusals.iter().map(line).collect()
 }
 
 fn css([r, g, b]: [u8; 3]) -> String {

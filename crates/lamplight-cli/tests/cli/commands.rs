@@ -47,7 +47,7 @@ fn stages_writes_every_picture_and_a_sheet() {
 fn bench_prints_a_line_for_each_case() {
     let sandbox = Sandbox::small();
     let said = sandbox
-        .run("bench --size 12x7,9x9 --threads 2 --bounces 0 --set raymarch.rays=4 --json")
+        .run("bench --method raymarch --size 12x7,9x9 --threads 2 --bounces 0 --set raymarch.rays=4 --json")
         .done();
     let lines: Vec<Value> = said.lines().map(json).collect();
     assert_eq!(lines.len(), 2 * Method::ALL.len());
@@ -60,6 +60,7 @@ fn bench_prints_a_line_for_each_case() {
         assert!(0.0 < number("min_ms") && number("min_ms") <= number("median_ms"), "{line}");
         assert!(line["stages_ms"][method.name()].as_f64().unwrap() <= number("median_ms") * 1.5);
     }
+    assert!(lines[0]["yardstick_ratio"].is_null(), "nobody asked for it");
     let scene = json(&sandbox.run("bench --scene small.toml --json --method raymarch").done());
     assert_eq!((&scene["width"], &scene["scene"]), (&32.into(), &"small.toml".into()));
     let table = sandbox.run("bench --scene small.toml").done();
@@ -67,9 +68,47 @@ fn bench_prints_a_line_for_each_case() {
 }
 
 #[test]
+fn bench_times_the_yardstick_in_the_same_run() {
+    let sandbox = Sandbox::small();
+    let line = json(&sandbox.run("bench --size 64x48 --method raymarch --yardstick --json").done());
+    let number = |key: &str| line[key].as_f64().unwrap_or_else(|| panic!("{key} in {line}"));
+    let ratio = number("yardstick_ms") / number("median_ms");
+    // Times are rounded to the microsecond.
+    assert!((number("yardstick_ratio") / ratio - 1.0).abs() < 0.01, "{line}");
+    let table = sandbox.run("bench --scene small.toml --yardstick").done();
+    assert!(table.contains("yardstick ms") && table.contains("times faster"), "{table}");
+}
+
+#[test]
+fn compare_has_a_row_for_each_preset() {
+    let sandbox = Sandbox::small();
+    let answer = json(&sandbox.run("compare small.toml --samples 64 --cells 50 --json").done());
+    let rows = answer["rows"].as_array().unwrap();
+    for method in Method::ALL {
+        let refused = answer["refused"].as_array().unwrap();
+        if refused.iter().any(|refusal| refusal["method"] == method.name()) {
+            continue;
+        }
+        let of_method = rows.iter().filter(|row| row["method"] == method.name());
+        let presets: Vec<_> = of_method.filter_map(|row| row["preset"].as_str()).collect();
+        assert_eq!(presets, method.presets());
+    }
+    assert!(rows.iter().all(|row| row["flip"].is_null()), "there is no picture to compare");
+    assert_eq!(answer["reference"]["cells"], 50);
+    let said = sandbox
+        .run("compare small.toml --methods raymarch --set raymarch.rays=5 --samples 64 --cells 50")
+        .done();
+    for words in ["raymarch, as set", "raymarch, default", "raymarch, godot", "at 50 open cells"] {
+        assert!(said.contains(words), "`{words}` is missing in {said}");
+    }
+}
+
+#[test]
 fn compare_judges_every_row() {
     let sandbox = Sandbox::small();
-    let said = sandbox.run("compare small.toml --samples 256 --report report").done();
+    let said = sandbox
+        .run("compare small.toml --methods raymarch --sweep --samples 256 --report report")
+        .done();
     for words in ["8 rays", "512 rays", "denoised", "godot", "unity", "1 frame", "64 frames"] {
         assert!(said.contains(words), "`{words}` is missing in {said}");
     }
@@ -84,7 +123,9 @@ fn compare_judges_every_row() {
         assert!(!page.contains(link), "the page leans on the net: {link}");
     }
 
-    let answer = json(&sandbox.run("compare small.toml --samples 256 --json").done());
+    let answer = json(
+        &sandbox.run("compare small.toml --methods raymarch --sweep --samples 256 --json").done(),
+    );
     let rows = answer["rows"].as_array().unwrap();
     let error = |name: &str| {
         let row = rows.iter().find(|row| row["name"] == name).unwrap_or_else(|| panic!("{name}"));

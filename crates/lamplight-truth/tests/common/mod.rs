@@ -28,7 +28,7 @@ pub fn direct(samples: u32) -> PathTracer {
 }
 
 /// A grid in which `matter` says what each cell holds.
-pub fn grid(width: u32, height: u32, matter: impl Fn(u32, u32) -> Matter) -> Cells {
+pub fn grid(width: u32, height: u32, mut matter: impl FnMut(u32, u32) -> Matter) -> Cells {
     let mut cells = Cells::new(width, height).unwrap();
     for y in 0..height {
         for x in 0..width {

@@ -5,13 +5,17 @@
 //! unknown or out of range, and gives typed [`Settings`].
 
 mod bounces;
+mod cascades;
 mod flood;
+mod holographic;
 mod polar;
 mod raymarch;
 mod table;
 
 pub use bounces::Bounces;
+pub use cascades::{Cascades, Merge};
 pub use flood::{Fade, Flood, Sweeps};
+pub use holographic::{Holographic, Variant};
 pub use polar::{Blend, Edges, Polar, Walk};
 pub use raymarch::{BounceBy, Hit, Noise, Raymarch, Spacing};
 pub use table::SettingsTable;
@@ -27,18 +31,23 @@ use std::ops::RangeInclusive;
 #[serde(rename_all = "lowercase")]
 pub enum Method {
     /// Jump flood, distance field, rays from every pixel (Bigos 2020).
-    #[default]
     Raymarch,
     /// Rays drawn into a grid of energy, a bounce, many blurs; energy is kept between frames
     /// (tmpvar 2019). A look, not physics.
     Flood,
     /// A fan of rays from every lamp, then every pixel looks its ray up (Griffis). Lamps only.
     Polar,
+    /// Probes near with few rays, far with many (radiance cascades, Sannikov 2023).
+    Cascades,
+    /// Rays made from shorter rays (Freeman, Sannikov and Margel 2025).
+    #[default]
+    Holographic,
 }
 
 impl Method {
     /// Every method, in the order in which lists show them.
-    pub const ALL: &'static [Self] = &[Self::Raymarch, Self::Flood, Self::Polar];
+    pub const ALL: &'static [Self] =
+        &[Self::Raymarch, Self::Flood, Self::Polar, Self::Cascades, Self::Holographic];
 
     /// The name in files, flags and tables.
     pub fn name(self) -> &'static str {
@@ -46,15 +55,19 @@ impl Method {
             Self::Raymarch => "raymarch",
             Self::Flood => "flood",
             Self::Polar => "polar",
+            Self::Cascades => "cascades",
+            Self::Holographic => "holographic",
         }
     }
 
-    /// The names of its presets.
+    /// Names of the method's presets, for its key `preset`; the first is its default.
     pub fn presets(self) -> &'static [&'static str] {
         match self {
             Self::Raymarch => Raymarch::PRESETS,
             Self::Flood => Flood::PRESETS,
             Self::Polar => Polar::PRESETS,
+            Self::Cascades => Cascades::PRESETS,
+            Self::Holographic => Holographic::PRESETS,
         }
     }
 
@@ -100,6 +113,10 @@ pub struct Settings {
     pub flood: Flood,
     /// The settings of `polar`.
     pub polar: Polar,
+    /// The settings of `cascades`.
+    pub cascades: Cascades,
+    /// The settings of `holographic`.
+    pub holographic: Holographic,
 }
 
 /// Mean over frames, with history dropped where what a pixel sees has changed.
@@ -148,7 +165,9 @@ impl Settings {
         within("denoise.strength", self.denoise.strength, 0.0..=16.0)?;
         self.raymarch.check()?;
         self.flood.check()?;
-        self.polar.check()
+        self.polar.check()?;
+        self.cascades.check()?;
+        self.holographic.check()
     }
 }
 

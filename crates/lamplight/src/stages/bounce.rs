@@ -10,6 +10,9 @@ use crate::{Cells, Rgb};
 /// Unit normals of a cell's faces: left, right, top, bottom.
 pub const NORMALS: [[i32; 2]; 4] = [[-1, 0], [1, 0], [0, -1], [0, 1]];
 
+/// Change of what surfaces receive, relative to the mean, at which bounces have converged.
+pub const CONVERGED: f32 = 1e-3;
+
 /// No surface: what [`Surfaces::slot`] holds for most cells.
 const NONE: u32 = u32::MAX;
 
@@ -107,6 +110,41 @@ impl Surfaces {
     pub fn slot(&self, cell: usize) -> Option<usize> {
         let slot = self.slots[cell];
         (slot != NONE).then_some(slot as usize)
+    }
+
+    /// Turns what the surfaces received into what they send out, in the order of `walls` and `fog`;
+    /// what walls that do not reflect received is not read. Returns the largest change relative to
+    /// the mean.
+    pub fn send_on<'a>(
+        &mut self,
+        cells: &Cells,
+        walls: impl Iterator<Item = &'a Faces>,
+        fog: impl Iterator<Item = &'a Rgb>,
+    ) -> f32 {
+        let (mut largest, mut sum, mut count) = (0.0f32, 0.0f64, 0u32);
+        let mut update = |old: &mut f32, new: f32| {
+            largest = largest.max((new - *old).abs());
+            sum += f64::from(new);
+            count += 1;
+            *old = new;
+        };
+        for ((wall, faces), sent) in self.walls.iter().zip(walls).zip(&mut self.wall_sent) {
+            if !wall.reflects {
+                continue;
+            }
+            let albedo = cells.albedo()[wall.cell as usize];
+            for (face, sent) in
+                faces.iter().zip(sent).zip(wall.exposed).filter(|f| f.1).map(|f| f.0)
+            {
+                (0..3).for_each(|c| update(&mut sent[c], albedo[c] * face[c]));
+            }
+        }
+        for ((&i, light), sent) in self.fog.iter().zip(fog).zip(&mut self.fog_sent) {
+            let albedo = cells.albedo()[i as usize];
+            (0..3).for_each(|c| update(&mut sent[c], albedo[c] * light[c]));
+        }
+        let mean = (sum / f64::from(count.max(1))) as f32;
+        if largest == 0.0 { 0.0 } else { largest / mean }
     }
 
     /// Whether anything sends light on.

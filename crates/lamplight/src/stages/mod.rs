@@ -9,6 +9,8 @@ pub mod distance;
 pub mod ground;
 pub mod jump_flood;
 pub mod noise;
+pub(crate) mod optics;
+pub(crate) mod packet;
 pub mod seed;
 pub mod temporal;
 pub mod traced;

@@ -1,12 +1,12 @@
 //! Means over rays: the fluence at a cell's centre, and what the faces of a wall receive.
 
 use super::march::{Field, Seen};
-use super::packet::{LANES, Lanes, Ray};
 use crate::Rgb;
 use crate::settings::{Raymarch, Spacing};
 use crate::srgb::luminance;
 use crate::stages::bounce::{Faces, NORMALS, Wall};
 use crate::stages::noise;
+use crate::stages::packet::{LANES, Lanes, Ray};
 use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use std::f32::consts::TAU;
 

@@ -1,6 +1,6 @@
 //! What rays meet on their way, and what they bring back.
 //!
-//! With `hit = "edge"` a ray goes from clear square to clear square ([`super::packet`]) and from
+//! With `hit = "edge"` a ray goes from clear square to clear square ([`packet`]) and from
 //! cell edge to cell edge through fog and glass (Amanatides and Woo 1987): lengths are exact, it
 //! ends exactly at the face of a wall, and no cell is ever stepped over. A ray through the exact
 //! corner of four cells goes by way of one of the two cells beside it; where both are solid it ends
@@ -10,13 +10,13 @@
 //! seeds. What it meets is then the face of the nearest cell that looks its way: a wall never shows
 //! the light of its other side.
 
-use super::optics::{Kind, Optics};
-use super::packet::{self, LANES, Lanes, NEVER, Ray, Why};
 use crate::Rgb;
 use crate::settings::{Hit, Raymarch};
 use crate::stages::bounce::Surfaces;
 use crate::stages::clearance::{quadrant, side};
 use crate::stages::distance::MARGIN;
+use crate::stages::optics::{Kind, Optics};
+use crate::stages::packet::{self, LANES, Lanes, NEVER, Ray, Why};
 use crate::stages::seed::{NONE, unpack};
 use crate::stages::transmittance::{OPAQUE, exp_negative};
 use fearless_simd::{Simd, f32x16};
@@ -83,7 +83,7 @@ impl Field<'_> {
             };
             *seen = match stopped.why(l) {
                 Why::Left => self.leave(&mut path, direction),
-                Why::Tired => path.seen,
+                Why::Tired | Why::Reached => path.seen,
                 Why::Closed(axis) => {
                     let cell = [stopped.cell[0][l] as i32, stopped.cell[1][l] as i32];
                     let index = (cell[1] * self.optics.width + cell[0]) as usize;

@@ -13,23 +13,18 @@
 
 mod gather;
 mod march;
-mod optics;
-mod packet;
 
 use crate::Cells;
 use crate::clock::Clock;
 use crate::settings::{BounceBy, Bounces, Hit, Settings};
-use crate::stages::bounce::{Faces, Surfaces, mean_over_faces};
+use crate::stages::bounce::{CONVERGED, Faces, Surfaces, mean_over_faces};
+use crate::stages::optics::{Optics, Reading};
+use crate::stages::packet::LANES;
 use crate::stages::traced::Traced;
 use fearless_simd::Level;
 use gather::{Directions, Gather, Mean};
 use march::Field;
-use optics::Optics;
-use packet::LANES;
 use rayon::prelude::*;
-
-/// Change of what surfaces receive, relative to the mean, at which bounces have converged.
-const CONVERGED: f32 = 1e-3;
 
 /// The fields that rays march through, from the stages before.
 #[derive(Clone, Copy)]
@@ -93,7 +88,7 @@ impl Raymarch {
     ) {
         let Input { cells, changed, .. } = input;
         self.directions.prepare(&settings.raymarch);
-        self.optics.prepare(cells, &settings.raymarch, changed);
+        self.optics.prepare(cells, reading(settings), changed);
         std::mem::swap(&mut self.surfaces, &mut self.before);
         self.surfaces.collect(cells);
         clock.lap("clearance");
@@ -117,7 +112,7 @@ impl Raymarch {
             BounceBy::Frame => settings.bounces.limit(),
             BounceBy::Feedback => {
                 self.surfaces.take_over(&self.before);
-                self.optics.light_fog(input.cells, &settings.raymarch, &self.surfaces);
+                self.optics.light_fog(input.cells, reading(settings), &self.surfaces);
                 1
             }
         };
@@ -153,39 +148,24 @@ impl Raymarch {
     /// Turns what surfaces received into what they send out; returns the largest change relative
     /// to the mean.
     fn send_on(&mut self, cells: &Cells, settings: &Settings) -> f32 {
-        let (mut largest, mut sum, mut count) = (0.0f32, 0.0f64, 0u32);
-        let mut update = |old: &mut f32, new: f32| {
-            largest = largest.max((new - *old).abs());
-            sum += f64::from(new);
-            count += 1;
-            *old = new;
-        };
-        let Surfaces { walls, fog, wall_sent, fog_sent, wall_changed, .. } = &mut self.surfaces;
-        for (((wall, (faces, changed)), sent), wall_changed) in
-            walls.iter().zip(&self.received.walls).zip(wall_sent).zip(wall_changed)
-        {
-            if !wall.reflects {
-                continue;
-            }
-            let albedo = cells.albedo()[wall.cell as usize];
-            for (face, sent) in
-                faces.iter().zip(sent).zip(wall.exposed).filter(|f| f.1).map(|f| f.0)
-            {
-                (0..3).for_each(|c| update(&mut sent[c], albedo[c] * face[c]));
-            }
-            // Face by face: one side of a wall does not know what the other sees.
-            (0..4).for_each(|face| wall_changed[face] |= changed[face]);
-        }
-        for ((&i, seen), sent) in fog.iter().zip(&self.received.fog).zip(fog_sent) {
-            let albedo = cells.albedo()[i as usize];
-            (0..3).for_each(|c| update(&mut sent[c], albedo[c] * seen.light[c]));
-            if seen.changed {
-                self.optics.mark_changed(i as usize);
+        let Received { walls, fog } = &self.received;
+        let change = self.surfaces.send_on(
+            cells,
+            walls.iter().map(|(faces, _)| faces),
+            fog.iter().map(|seen| &seen.light),
+        );
+        let Surfaces { walls: surfaces, wall_changed, .. } = &mut self.surfaces;
+        for ((wall, (_, changed)), before) in surfaces.iter().zip(walls).zip(wall_changed) {
+            if wall.reflects {
+                // Face by face: one side of a wall does not know what the other sees.
+                (0..4).for_each(|face| before[face] |= changed[face]);
             }
         }
-        self.optics.light_fog(cells, &settings.raymarch, &self.surfaces);
-        let mean = (sum / f64::from(count.max(1))) as f32;
-        if largest == 0.0 { 0.0 } else { largest / mean }
+        for (&i, _) in self.surfaces.fog.iter().zip(fog).filter(|(_, seen)| seen.changed) {
+            self.optics.mark_changed(i as usize);
+        }
+        self.optics.light_fog(cells, reading(settings), &self.surfaces);
+        change
     }
 
     /// The last gather: what every cell receives.
@@ -247,6 +227,16 @@ impl Raymarch {
             seed: settings.seed,
             level: self.level,
         }
+    }
+}
+
+/// How rays read the grid.
+fn reading(settings: &Settings) -> Reading {
+    let Settings { raymarch, .. } = settings;
+    Reading {
+        threshold: raymarch.threshold,
+        multiplier: raymarch.emission_multiplier,
+        fades: raymarch.attenuation,
     }
 }
 

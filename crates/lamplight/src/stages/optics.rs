@@ -1,10 +1,9 @@
 //! What a ray meets, cell by cell: the grid of matter made ready for marching.
 
-use crate::settings::Raymarch;
-use crate::stages::bounce::Surfaces;
-use crate::stages::clearance::{Ground, clearance};
-use crate::stages::seed::is_occupied;
-use crate::stages::transmittance::log_transmittance;
+use super::bounce::Surfaces;
+use super::clearance::{Ground, clearance};
+use super::seed::is_occupied;
+use super::transmittance::log_transmittance;
 use crate::{Cells, Rgb, Sky};
 use rayon::prelude::*;
 
@@ -29,6 +28,23 @@ pub struct Site {
     pub changed: bool,
 }
 
+/// How the grid is read.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Opacity up to which a cell counts as empty.
+    pub threshold: f32,
+    /// Multiplies all emission.
+    pub multiplier: f32,
+    /// Whether emission fades with distance, which is worked out ray by ray.
+    pub fades: bool,
+}
+
+impl Default for Reading {
+    fn default() -> Self {
+        Self { threshold: 0.0, multiplier: 1.0, fades: false }
+    }
+}
+
 /// The grid as rays see it.
 #[derive(Debug, Default)]
 pub struct Optics {
@@ -49,7 +65,7 @@ pub struct Optics {
 
 impl Optics {
     /// Reads the grid; `changed` is empty or marks the cells that changed since the last frame.
-    pub fn prepare(&mut self, cells: &Cells, settings: &Raymarch, changed: &[bool]) {
+    pub fn prepare(&mut self, cells: &Cells, reading: Reading, changed: &[bool]) {
         self.width = cells.width() as i32;
         self.height = cells.height() as i32;
         self.sky = cells.sky();
@@ -69,7 +85,7 @@ impl Optics {
                     let i = y * w + x;
                     let kind = match () {
                         () if cells.is_solid(i) => Kind::Solid,
-                        () if is_occupied(cells, i, settings.threshold) => Kind::Medium,
+                        () if is_occupied(cells, i, reading.threshold) => Kind::Medium,
                         () => Kind::Clear,
                     };
                     let changed = changed.get(i).copied().unwrap_or(false);
@@ -77,12 +93,11 @@ impl Optics {
                     ground[x] = match kind {
                         _ if changed => Ground::Closed,
                         Kind::Solid => Ground::Closed,
-                        // Fading with distance is worked out ray by ray.
-                        Kind::Medium if settings.attenuation => Ground::Closed,
+                        Kind::Medium if reading.fades => Ground::Closed,
                         Kind::Medium => Ground::Matter,
                         Kind::Clear => Ground::Clear,
                     };
-                    sources[x] = cells.emission()[i].map(|e| e * settings.emission_multiplier);
+                    sources[x] = cells.emission()[i].map(|e| e * reading.multiplier);
                     if kind == Kind::Medium {
                         logs[x] = log_transmittance(cells.opacity()[i], cells.tint()[i]);
                     }
@@ -107,9 +122,9 @@ impl Optics {
     }
 
     /// Sets what fog sends out: emission and what it sends on.
-    pub fn light_fog(&mut self, cells: &Cells, settings: &Raymarch, surfaces: &Surfaces) {
+    pub fn light_fog(&mut self, cells: &Cells, reading: Reading, surfaces: &Surfaces) {
         for (&i, sent) in surfaces.fog.iter().zip(&surfaces.fog_sent) {
-            let (i, m) = (i as usize, settings.emission_multiplier);
+            let (i, m) = (i as usize, reading.multiplier);
             self.source[i] = std::array::from_fn(|c| cells.emission()[i][c] * m + sent[c]);
         }
         if !surfaces.fog.is_empty() {

@@ -2,14 +2,15 @@
 //!
 //! Nearly all of a ray's way leads through empty cells, fog or glass. A packet takes its rays along
 //! it in lockstep, from square to square of the same matter ([`crate::stages::clearance`]), until
-//! each has left the grid or come to a closed cell; what happens there is up to [`super::march`].
+//! each has left the grid, come to a closed cell or gone as far as it was to; what happens there is
+//! up to the method.
 //! Rays of neighbouring cells in about the same direction stay together, so few of them idle. The
 //! vector units are chosen at run time; no fused multiply-add is used, so the results are the same
 //! to the bit on every one.
 
+use super::clearance::MATTER;
 use super::optics::Optics;
-use crate::stages::clearance::MATTER;
-use crate::stages::transmittance::{OPAQUE, exp_negative_lanes};
+use super::transmittance::{OPAQUE, exp_negative_lanes};
 use fearless_simd::{f32x16, i32x16, mask32x16, prelude::*};
 
 /// Rays in a packet.
@@ -46,6 +47,8 @@ pub struct Stopped {
     left: u64,
     /// Rays whose steps ran out, or through which nothing gets any more.
     tired: u64,
+    /// Rays that went as far as they were to.
+    reached: u64,
     /// Rays whose last step went along x.
     by_x: u64,
 }
@@ -57,11 +60,19 @@ pub enum Why {
     Left,
     /// It ran out of steps or of light.
     Tired,
+    /// It went as far as it was to.
+    Reached,
     /// It entered a closed cell by a step along this axis.
     Closed(usize),
 }
 
 impl Stopped {
+    /// Rays that ended at a closed cell, bit by bit.
+    #[inline(always)]
+    pub fn closed(&self) -> u64 {
+        !(self.left | self.tired | self.reached) & u64::from(u16::MAX)
+    }
+
     /// Why a ray stopped.
     #[inline(always)]
     pub fn why(&self, lane: usize) -> Why {
@@ -69,6 +80,7 @@ impl Stopped {
         match () {
             () if is(self.left) => Why::Left,
             () if is(self.tired) => Why::Tired,
+            () if is(self.reached) => Why::Reached,
             () => Why::Closed(!is(self.by_x) as usize),
         }
     }
@@ -77,16 +89,44 @@ impl Stopped {
 /// Marches rays that start inside the grid until each has stopped or made `steps`.
 #[inline(always)]
 pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32) -> Stopped {
-    let [zero, one] = [0.0, 1.0].map(|v| f32x16::splat(simd, v));
+    let anywhere = f32x16::splat(simd, f32::INFINITY);
+    march_up_to::<S, false>(simd, optics, ray, anywhere, steps)
+}
+
+/// Marches rays that start inside the grid until each has stopped, gone `reach` px or made `steps`.
+#[inline(always)]
+pub fn march_within<S: Simd>(
+    simd: S,
+    optics: &Optics,
+    ray: Ray<f32x16<S>>,
+    reach: f32x16<S>,
+    steps: u32,
+) -> Stopped {
+    march_up_to::<S, true>(simd, optics, ray, reach, steps)
+}
+
+/// Whether rays end before they stop is known when this is compiled: raymarch's never do.
+#[inline(always)]
+fn march_up_to<S: Simd, const ENDS: bool>(
+    simd: S,
+    optics: &Optics,
+    ray: Ray<f32x16<S>>,
+    reach: f32x16<S>,
+    steps: u32,
+) -> Stopped {
+    // Written out by axis, not by closures: those are not always compiled for the vector unit.
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let size = [optics.width as f32, optics.height as f32];
     let Ray { from: mut at, mut cell, direction: way } = ray;
-    let inverse: [_; 2] = std::array::from_fn(|a| {
-        one / way[a].abs().simd_lt(NEVER).select(f32x16::splat(simd, NEVER), way[a])
-    });
-    let back = way.map(|d| d.simd_lt(0.0));
-    let sign = back.map(|b| b.select(-one, one));
+    let never = f32x16::splat(simd, NEVER);
+    let inverse = [
+        one / way[0].abs().simd_lt(NEVER).select(never, way[0]),
+        one / way[1].abs().simd_lt(NEVER).select(never, way[1]),
+    ];
+    let back = [way[0].simd_lt(0.0), way[1].simd_lt(0.0)];
+    let sign = [back[0].select(-one, one), back[1].select(-one, one)];
     // An edge has the coordinate of the cell behind it, seen from the left or from above.
-    let beyond = back.map(|b| b.select(one, zero));
+    let beyond = [back[0].select(one, zero), back[1].select(one, zero)];
     let plane = back[0].select(one, zero) + back[1].select(one + one, zero);
     let plane = plane.to_int::<i32x16<S>>() * (optics.sites.len() as i32);
 
@@ -95,17 +135,25 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
     let mut inside = mask32x16::splat(simd, true);
     let (mut square, mut index) = look_up(simd, optics, plane, cell);
     let mut going = square.simd_gt(0.0);
-    let mut spent = by_x;
+    let (mut spent, mut reached) = (by_x, by_x);
     let (mut light, mut through) = ([zero; 3], [one; 3]);
     for _ in 0..steps {
         let matter = going & square.simd_ge(f32::from(MATTER));
         let side = matter.select(square - f32::from(MATTER), square);
-        let next: [_; 2] = std::array::from_fn(|a| cell[a] + sign[a] * side);
-        let edge: [_; 2] = std::array::from_fn(|a| next[a] + beyond[a]);
-        let [tx, ty] = std::array::from_fn(|a| (edge[a] - at[a]) * inverse[a]);
+        let next = [cell[0] + sign[0] * side, cell[1] + sign[1] * side];
+        let edge = [next[0] + beyond[0], next[1] + beyond[1]];
+        let tx = (edge[0] - at[0]) * inverse[0];
+        let ty = (edge[1] - at[1]) * inverse[1];
         let x_first = tx.simd_lt(ty);
-        let t = tx.min(ty);
-        let crosses = [going & x_first, going & !x_first];
+        let mut t = tx.min(ty);
+        let mut crosses = [going & x_first, going & !x_first];
+        if ENDS {
+            let left = reach - travelled;
+            let ends = going & t.simd_ge(left);
+            t = t.min(left);
+            crosses = [crosses[0] & !ends, crosses[1] & !ends];
+            reached |= ends;
+        }
         for a in 0..2 {
             // Along the axis that it crosses a ray lands exactly on the edge; along the other it
             // stays within the square, whatever rounding says.
@@ -123,24 +171,26 @@ pub fn march<S: Simd>(simd: S, optics: &Optics, ray: Ray<f32x16<S>>, steps: u32)
         }
         travelled = going.select(travelled + t, travelled);
         by_x = crosses[0] | (!going & by_x);
-        let [in_x, in_y] = std::array::from_fn(|a| cell[a].simd_ge(0.0) & cell[a].simd_lt(size[a]));
+        let in_x = cell[0].simd_ge(0.0) & cell[0].simd_lt(size[0]);
+        let in_y = cell[1].simd_ge(0.0) & cell[1].simd_lt(size[1]);
         inside = in_x & in_y;
-        let safe: [_; 2] = std::array::from_fn(|a| inside.select(cell[a], zero));
+        let safe = [inside.select(cell[0], zero), inside.select(cell[1], zero)];
         (square, index) = look_up(simd, optics, plane, safe);
-        going = going & inside & !spent & square.simd_gt(0.0);
+        going = going & inside & !spent & !reached & square.simd_gt(0.0);
         if going.to_bitmask() == 0 {
             break;
         }
     }
     Stopped {
-        at: at.map(|v| v.to_array()),
-        cell: cell.map(|v| v.to_array()),
-        direction: way.map(|v| v.to_array()),
+        at: [at[0].to_array(), at[1].to_array()],
+        cell: [cell[0].to_array(), cell[1].to_array()],
+        direction: [way[0].to_array(), way[1].to_array()],
         travelled: travelled.to_array(),
         left: !inside.to_bitmask(),
-        light: light.map(|v| v.to_array()),
-        through: through.map(|v| v.to_array()),
+        light: [light[0].to_array(), light[1].to_array(), light[2].to_array()],
+        through: [through[0].to_array(), through[1].to_array(), through[2].to_array()],
         tired: (going | spent).to_bitmask(),
+        reached: reached.to_bitmask(),
         by_x: by_x.to_bitmask(),
     }
 }

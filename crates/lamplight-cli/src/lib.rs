@@ -1,0 +1,3 @@
+//! What the command `lamplight` shares with the project's chores: how results are drawn.
+
+pub mod plot;

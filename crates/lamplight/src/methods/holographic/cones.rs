@@ -1,0 +1,345 @@
+//! Light by cones, merged down from the far end of the grid.
+//!
+//! `R_n(p, i)` is the light that reaches p through cone i of level n, between the rays i and i + 1:
+//! an integral of radiance over the angle `A_n(i)`. Level by level, down from the sky (Freeman,
+//! Sannikov and Margel 2025), with s ∈ {0, 1}, j = 2i + s, k = i + s:
+//!
+//! * planes of odd index: `R_n(p, i) = Σ_s A_{n+1}(j)·r(T_n(p, k)) + t(T_n(p, k))·R_{n+1}(p + v_n(k), j)`;
+//! * planes of even index are planes of the level above: `R_n(p, i) = Σ_s R_{n+1}(p, j)`, exactly.
+//!   (The paper takes the mean of this and of a way over the next plane, which blurs.)
+//!
+//! The last level m, which pixels look at, has cones half as wide, those of the level above, for
+//! else a pixel would take the light of a whole cone from one place of the plane: with the angle of
+//! its edge fixed, a far edge would jump by the spread of a cone over the last hop. There
+//! `R_m(p, j) = Σ_κ w_κ [A_{m+1}(j)·r(T_m(p, κ)) + t(T_m(p, κ))·R_{m+1}(p + v_m(κ), j)]`, κ the two
+//! rays on both sides of cone j and w ¾ and ¼, as its middle lies at a quarter between them.
+//!
+//! Pixels are lit from the far end to the near one, so one plane a level is held at any time.
+
+use super::hop::{TILE, VECTORS};
+use super::interval::{Interval, LANES, PAD};
+use super::pyramid::{Pyramid, planes};
+use crate::Rgb;
+use fearless_simd::{f32x16, prelude::*};
+
+/// Cones of a level.
+const fn cones(level: u32) -> usize {
+    2 << level
+}
+
+/// Slope of the lower edge of a cone of a level.
+pub fn slope(level: u32, cone: usize) -> f64 {
+    cone as f64 / f64::from(1u32 << level) - 1.0
+}
+
+/// Angle of a cone of a level.
+pub fn angle(level: u32, cone: usize) -> f64 {
+    slope(level, cone + 1).atan() - slope(level, cone).atan()
+}
+
+/// One plane of a level.
+#[derive(Debug, Default)]
+struct Level {
+    /// Cone by cone, channel by channel, all rows.
+    rows: Vec<f32>,
+    /// Which plane it holds; none: the sky.
+    plane: Option<usize>,
+    /// Light of the sky by cone.
+    sky: Vec<Rgb>,
+    angles: Vec<f32>,
+}
+
+/// The held planes.
+#[derive(Debug, Default)]
+pub struct Cones {
+    depth: usize,
+    rows: usize,
+    first: u32,
+    /// Rows of sky at both ends of a row.
+    pad: usize,
+    stride: usize,
+    /// Those above the first, then the sky.
+    levels: Vec<Level>,
+    /// The first, where it is not a plane of the level above.
+    fine: Vec<f32>,
+}
+
+/// Light of a cone at the rows of a plane.
+#[derive(Clone, Copy)]
+pub enum Far<'a> {
+    /// Row by row, by channel.
+    Rows([&'a [f32]; 3]),
+    /// The same everywhere.
+    Sky(Rgb),
+}
+
+impl Far<'_> {
+    /// Sixteen rows from `at` on, counted with the pad.
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S, at: usize) -> [f32x16<S>; 3] {
+        let mut light = [f32x16::splat(simd, 0.0); 3];
+        match self {
+            Self::Rows(rows) => {
+                for c in 0..3 {
+                    light[c] = f32x16::from_slice(simd, &rows[c][at..][..LANES]);
+                }
+            }
+            Self::Sky(sky) => {
+                for c in 0..3 {
+                    light[c] = f32x16::splat(simd, sky[c]);
+                }
+            }
+        }
+        light
+    }
+
+    /// Adds shares of the light of a tile of rows from `at` on, and of those one row on.
+    #[inline(always)]
+    pub fn add<S: Simd>(
+        &self,
+        simd: S,
+        at: usize,
+        shares: &[f32; 2],
+        light: &mut [[f32x16<S>; VECTORS]; 3],
+    ) {
+        for c in 0..3 {
+            match self {
+                Self::Rows(rows) => {
+                    let rows = &rows[c][at..at + TILE + 1];
+                    for v in 0..VECTORS {
+                        for (i, &share) in shares.iter().enumerate() {
+                            let row = f32x16::from_slice(simd, &rows[v * LANES + i..][..LANES]);
+                            light[c][v] = row.mul_add(share, light[c][v]);
+                        }
+                    }
+                }
+                Self::Sky(sky) => {
+                    for v in 0..VECTORS {
+                        light[c][v] += sky[c];
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Cones {
+    /// Makes room above level `first`, for rays of a last hop that stray up to `reach` rows.
+    pub fn prepare(&mut self, depth: usize, rows: usize, pyramid: &Pyramid, reach: usize) {
+        let pad = TILE + (reach + 1).next_multiple_of(LANES);
+        let now = (depth, rows, pyramid.first, pad);
+        if now == (self.depth, self.rows, self.first, self.pad) {
+            return;
+        }
+        (self.depth, self.rows, self.first, self.pad) = now;
+        self.stride = rows.next_multiple_of(LANES) + 2 * pad;
+        self.levels.clear();
+        for level in self.first + 1..=pyramid.end {
+            let cones = cones(level);
+            // The topmost is the sky, which has no rows.
+            let held = if level < pyramid.end { cones * 3 * self.stride } else { 0 };
+            self.levels.push(Level {
+                rows: vec![0.0; held],
+                plane: None,
+                sky: vec![[0.0; 3]; cones],
+                angles: (0..cones).map(|i| angle(level, i) as f32).collect(),
+            });
+        }
+        self.fine = vec![0.0; cones(self.first + 1) * 3 * self.stride];
+    }
+
+    /// Begins at the far end, under the sky whose radiance from an angle (0 straight ahead) is
+    /// given.
+    pub fn begin(&mut self, sky: impl Fn(f64) -> Rgb) {
+        let top = self.levels.len() - 1;
+        let mut changed = false;
+        for at in (0..=top).rev() {
+            let level = self.first + 1 + at as u32;
+            for cone in 0..cones(level) {
+                let light = if at == top {
+                    let [from, to] = [cone, cone + 1].map(|i| slope(level, i).atan());
+                    sky(0.5 * (from + to)).map(|v| v * (to - from) as f32)
+                } else {
+                    let above = &self.levels[at + 1].sky;
+                    std::array::from_fn(|c| above[2 * cone][c] + above[2 * cone + 1][c])
+                };
+                changed |= std::mem::replace(&mut self.levels[at].sky[cone], light) != light;
+            }
+            let Level { rows, plane, sky, .. } = &mut self.levels[at];
+            *plane = None;
+            if changed {
+                sky_beyond(rows, self.stride, self.pad, self.rows, sky);
+            }
+        }
+        if changed {
+            sky_beyond(&mut self.fine, self.stride, self.pad, self.rows, &self.levels[0].sky);
+        }
+    }
+
+    /// Rows before those of the grid.
+    pub fn pad(&self) -> usize {
+        self.pad
+    }
+
+    /// Light of a cone at the plane last made by [`Self::descend`].
+    #[inline(always)]
+    pub fn at(&self, plane: usize, cone: usize) -> Far<'_> {
+        if plane >= planes(self.depth, self.first) {
+            Far::Sky(self.levels[0].sky[cone])
+        } else if plane.is_multiple_of(2) {
+            far(&self.levels[0], cone, self.stride)
+        } else {
+            Far::Rows(channels(&self.fine, cone, self.stride))
+        }
+    }
+
+    /// Makes the light of the first level at a plane; planes come in falling order.
+    #[inline(always)]
+    pub fn descend<S: Simd, const K: usize>(&mut self, simd: S, pyramid: &Pyramid, plane: usize) {
+        let wanted = |at: usize| plane.div_ceil(2 << at);
+        let present = |cones: &Self, at: usize| {
+            let level = cones.first + 1 + at as u32;
+            let sky = wanted(at) >= planes(cones.depth, level);
+            cones.levels[at].plane == (!sky).then(|| wanted(at))
+        };
+        let missing = (0..self.levels.len()).find(|&at| present(self, at));
+        for at in (0..missing.unwrap_or(self.levels.len())).rev() {
+            self.merge::<S, K>(simd, pyramid, at, wanted(at));
+        }
+        if !plane.is_multiple_of(2) && plane < planes(self.depth, self.first) {
+            self.refine::<S, K>(simd, pyramid, plane);
+        }
+    }
+
+    /// Makes a plane of a level from the one that the level above holds.
+    #[inline(always)]
+    fn merge<S: Simd, const K: usize>(
+        &mut self,
+        simd: S,
+        pyramid: &Pyramid,
+        at: usize,
+        plane: usize,
+    ) {
+        let level = self.first + 1 + at as u32;
+        let (stride, pad, count) = (self.stride, self.pad, self.rows);
+        let [made, above, ..] = &mut self.levels[at..] else { return };
+        made.plane = Some(plane);
+        let Level { rows, sky, .. } = made;
+        for (cone, (rows, sky)) in rows.chunks_exact_mut(3 * stride).zip(sky).enumerate() {
+            let pair = [0, 1].map(|s| far(above, 2 * cone + s, stride));
+            if plane.is_multiple_of(2) {
+                for y in (0..count).step_by(LANES) {
+                    let (a, b) = (pair[0].load(simd, pad + y), pair[1].load(simd, pad + y));
+                    for c in 0..3 {
+                        (a[c] + b[c]).store_slice(&mut rows[c * stride + pad + y..][..LANES]);
+                    }
+                }
+            } else {
+                let near = pyramid.plane(level, plane);
+                let terms = [0, 1].map(|s| Term {
+                    near: &near[(cone + s) * pyramid.ray_size()..][..pyramid.ray_size()],
+                    shift: (cone + s) as isize - (1 << level),
+                    angle: above.angles[2 * cone + s],
+                    share: 1.0,
+                    far: pair[s],
+                    sky: above.sky[2 * cone + s],
+                });
+                add_up::<S, K>(simd, &terms, rows, [pyramid.stride, stride, pad, count]);
+            }
+            sky_tail(rows, stride, pad + count, sky);
+        }
+    }
+
+    /// Makes a plane of odd index of the first level, with the cones of the level above.
+    #[inline(always)]
+    fn refine<S: Simd, const K: usize>(&mut self, simd: S, pyramid: &Pyramid, plane: usize) {
+        let (stride, pad, count) = (self.stride, self.pad, self.rows);
+        let above = &self.levels[0];
+        let near = pyramid.plane(self.first, plane);
+        for (cone, rows) in self.fine.chunks_exact_mut(3 * stride).enumerate() {
+            let terms = [0, 1].map(|s| Term {
+                near: &near[(cone / 2 + s) * pyramid.ray_size()..][..pyramid.ray_size()],
+                shift: (cone / 2 + s) as isize - (1 << self.first),
+                angle: above.angles[cone],
+                share: if cone % 2 == s { 0.75 } else { 0.25 },
+                far: far(above, cone, stride),
+                sky: above.sky[cone],
+            });
+            add_up::<S, K>(simd, &terms, rows, [pyramid.stride, stride, pad, count]);
+            sky_tail(rows, stride, pad + count, &above.sky[cone]);
+        }
+    }
+}
+
+/// One of the ways that light takes from the next plane.
+struct Term<'a> {
+    near: &'a [u32],
+    /// Rows from the start of the near ray to its end.
+    shift: isize,
+    angle: f32,
+    share: f32,
+    far: Far<'a>,
+    sky: Rgb,
+}
+
+/// Adds up two ways, row by row.
+#[inline(always)]
+fn add_up<S: Simd, const K: usize>(
+    simd: S,
+    terms: &[Term; 2],
+    rows: &mut [f32],
+    [near_stride, stride, pad, count]: [usize; 4],
+) {
+    let last = (stride - LANES) as isize;
+    for y in (0..count).step_by(LANES) {
+        let mut sum = [f32x16::splat(simd, 0.0); 3];
+        for term in terms {
+            let near = Interval::<S, K>::load(simd, term.near, near_stride, PAD + y);
+            let from = pad as isize + y as isize + term.shift;
+            let far = match from {
+                0.. if from <= last => term.far.load(simd, from as usize),
+                _ => Far::Sky(term.sky).load(simd, 0),
+            };
+            for c in 0..3 {
+                let light = near.light[c].mul_add(term.angle, near.through[c % K] * far[c]);
+                sum[c] = light.mul_add(term.share, sum[c]);
+            }
+        }
+        for c in 0..3 {
+            sum[c].store_slice(&mut rows[c * stride + pad + y..][..LANES]);
+        }
+    }
+}
+
+#[inline(always)]
+fn far(level: &Level, cone: usize, stride: usize) -> Far<'_> {
+    match level.plane {
+        Some(_) => Far::Rows(channels(&level.rows, cone, stride)),
+        None => Far::Sky(level.sky[cone]),
+    }
+}
+
+/// The rows of a cone by channel.
+#[inline(always)]
+fn channels(rows: &[f32], cone: usize, stride: usize) -> [&[f32]; 3] {
+    std::array::from_fn(|c| &rows[(3 * cone + c) * stride..][..stride])
+}
+
+/// Puts sky into the rows beyond both edges of the grid.
+fn sky_beyond(rows: &mut [f32], stride: usize, pad: usize, count: usize, sky: &[Rgb]) {
+    for (rows, sky) in rows.chunks_exact_mut(3 * stride).zip(sky) {
+        for (rows, sky) in rows.chunks_exact_mut(stride).zip(sky) {
+            rows[..pad].fill(*sky);
+            rows[pad + count..].fill(*sky);
+        }
+    }
+}
+
+/// Puts sky back where whole vectors ran over the last row.
+#[inline(always)]
+fn sky_tail(rows: &mut [f32], stride: usize, end: usize, sky: &Rgb) {
+    for (rows, sky) in rows.chunks_exact_mut(stride).zip(sky) {
+        let round = (end + LANES).min(stride);
+        rows[end..round].fill(*sky);
+    }
+}

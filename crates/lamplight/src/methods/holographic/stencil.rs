@@ -1,0 +1,70 @@
+//! Rays that are the same from every cell: the cells that they cross, in order.
+//!
+//! Rays of a quadrant run from the centre line of one slab to that of another. From every row of a
+//! slab a ray of one direction crosses the same cells relative to its start, over the same
+//! lengths, so that they are found once for all of them.
+
+use super::slabs::Face;
+
+/// One cell on the way of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Slabs from the start.
+    pub slab: usize,
+    /// Rows from the start.
+    pub row: isize,
+    /// px of the way that lie in the cell.
+    pub length: f32,
+    /// How the ray enters it.
+    pub face: Face,
+}
+
+/// A crossing where the distance from one slab to the next is known.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// From the cell in which the ray starts.
+    pub offset: isize,
+    /// px of the way that lie in the cell.
+    pub length: f32,
+    /// How the ray enters it.
+    pub face: Face,
+}
+
+impl Crossing {
+    /// Its place, `stride` cells from one slab to the next.
+    pub fn place(&self, stride: isize) -> Step {
+        let offset = self.slab as isize * stride + self.row;
+        Step { offset, length: self.length, face: self.face }
+    }
+}
+
+/// The cells that a ray crosses on its way from the centre of a slab, `offset` px above the centre
+/// of a row, to the centre of the slab `slabs` further on; `slope` is rows per slab.
+///
+/// A ray through the very corner of cells would have to choose a side; callers keep rays off them.
+pub fn stencil(slabs: usize, slope: f64, offset: f64) -> Vec<Crossing> {
+    let stretch = slope.hypot(1.0);
+    let (mut at, mut slab, mut row) = (0.0, 0usize, (offset + 0.5).floor() as isize);
+    let mut face = Face::Front;
+    let mut crossings = Vec::new();
+    loop {
+        // Distances from the start, in slabs, at which the ray leaves the cell.
+        let next_slab = (slab as f64 + 0.5).min(slabs as f64);
+        let edge = row as f64 + if slope > 0.0 { 0.5 } else { -0.5 };
+        let next_row = if slope == 0.0 { f64::INFINITY } else { (edge - offset) / slope };
+        let next = next_slab.min(next_row);
+        let length = ((next - at) * stretch) as f32;
+        crossings.push(Crossing { slab, row, length, face });
+        if next >= slabs as f64 {
+            return crossings;
+        }
+        at = next;
+        if next_row < next_slab {
+            row += if slope > 0.0 { 1 } else { -1 };
+            face = if slope > 0.0 { Face::Low } else { Face::High };
+        } else {
+            slab += 1;
+            face = Face::Front;
+        }
+    }
+}
