@@ -107,11 +107,11 @@ pub enum Error {
         height: u64,
     },
     /// A method cannot use what the scene has: its picture would be black.
-    #[error("{method} cannot light this scene: {problem}")]
+    #[error("{method} {problem}")]
     Unsuited {
         /// The method's name.
         method: &'static str,
-        /// What is missing, and what would be right.
+        /// What it needs, what is missing, and what would be right.
         problem: &'static str,
     },
 }

@@ -82,7 +82,7 @@ impl Method {
         if self != Self::Polar || !cells.lamps().is_empty() {
             return Ok(());
         }
-        let problem = "it lights lamps only, and there is none; add a [[lamp]], or choose another \
+        let problem = "lights lamps only, and this scene has none; add a [[lamp]], or choose another \
                        method";
         Err(Error::Unsuited { method: self.name(), problem })
     }
