@@ -7,6 +7,7 @@ use crate::generated::{self, Mode, root};
 use crate::scenes;
 use crate::test::cargo;
 use anyhow::{Context, Result, ensure};
+use lamplight::Method;
 use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
@@ -20,12 +21,27 @@ const SAMPLES: &str = "4096";
 /// How much larger than its cells a scene is shown.
 const SCALE: &str = "2";
 
+/// Pictures of [`scenes::BY_RULE`], and how each is made.
+const THEATRE: [(&str, &[&str]); 4] = [
+    ("theatre", &["--method", "polar"]),
+    ("theatre-gamemaker", &["--method", "polar", "--set", "polar.preset=gamemaker"]),
+    ("theatre-flood", &["--method", "flood", "--frames", "16"]),
+    ("theatre-flood-seed", &["--method", "flood", "--frames", "16", "--set", "flood.preset=seed"]),
+];
+/// Sizes at which their cost is measured.
+const POLAR_SIZES: &str = "320x180,640x360,1280x720";
+const FLOOD_SIZES: &str = "64x64,128x128,320x180";
+
 pub fn run() -> Result<()> {
     cargo(&["build", "--release", "--package", "lamplight-cli"])?;
     fs::create_dir_all(root().join("docs/pictures"))?;
     pictures()?;
     let machine = machine()?;
     insert("docs/README.md", "times", &times(&machine)?)?;
+    let lamps = "one of range 64 to 922 cells: 1000 at 1280×720";
+    insert("docs/polar.md", "costs", &costs(Method::Polar, POLAR_SIZES, lamps, &machine)?)?;
+    let lights = "walls and 36 glowing discs";
+    insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, lights, &machine)?)?;
     insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)?;
     insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
     methods(&machine)
@@ -52,11 +68,36 @@ fn methods(machine: &str) -> Result<()> {
     insert("docs/methods.md", "methods", &table)
 }
 
+/// What a frame of a method takes in the built-in scene, by preset and size.
+fn costs(method: Method, sizes: &str, scene: &str, machine: &str) -> Result<String> {
+    let mut table = String::from("| preset | cells | a frame |\n| --- | --- | --- |\n");
+    for preset in method.presets() {
+        println!("time {}, {preset}", method.name());
+        let set = format!("{}.preset={preset}", method.name());
+        let arguments =
+            ["bench", "--method", method.name(), "--size", sizes, "--set", &set, "--json"];
+        for line in lamplight(&arguments)?.lines() {
+            let case: Value = serde_json::from_str(line)?;
+            let (width, height) = (&case["width"], &case["height"]);
+            let median = number(&case, "median_ms")?;
+            writeln!(table, "| `{preset}` | {width}×{height} | {median:.1} ms |")?;
+        }
+    }
+    writeln!(table, "\nMedian of several frames of the scene of `bench` ({scene}) {machine}.")?;
+    Ok(table)
+}
+
 fn pictures() -> Result<()> {
     for name in scenes::NAMES {
         println!("render {name}");
         let output = format!("docs/pictures/{name}.png");
         lamplight(&["render", &file(name), "--scale", SCALE, "-o", &output])?;
+    }
+    for (name, method) in THEATRE {
+        println!("render {name}");
+        let output = format!("docs/pictures/{name}.png");
+        let picture = ["--scale", SCALE, "-o", &output];
+        lamplight(&[&["render", &file(scenes::BY_RULE)], method, &picture[..]].concat())?;
     }
     let light = ["--stage", "light", "--scale", SCALE, "-o", "docs/pictures/cave-light.png"];
     lamplight(&[&["render", &file("cave")], &light[..]].concat())?;

@@ -23,6 +23,8 @@ const FEW_RAYS: u32 = 32;
 const DENOISE_PASSES: u32 = 4;
 /// Frames after which accumulation is looked at.
 const FRAMES: [u32; 3] = [1, 8, 64];
+/// Frames after which `flood`, which comes to rest over some, is looked at.
+const FLOOD_FRAMES: u32 = 32;
 
 /// Settings that take part.
 struct Entry {
@@ -185,7 +187,8 @@ impl Entry {
             Bounces::Converged if feedback => 16,
             _ => 0,
         };
-        Self { label, preset: None, settings, after: vec![bounces + 1] }
+        let frames = if settings.method == Method::Flood { FLOOD_FRAMES } else { bounces + 1 };
+        Self { label, preset: None, settings, after: vec![frames] }
     }
 }
 

@@ -52,6 +52,13 @@ pub fn ms(time: Duration) -> f64 {
 /// Lights cells as the flags say.
 pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit> {
     let answer = flags.answer(&settings);
+    let by_rule = matches!(answer, Answer::By(method) if method.lights_lamps());
+    if !by_rule && !flags.machine.quiet && cells.lamps().iter().any(|lamp| lamp.cone.is_some()) {
+        warn(&format!(
+            "{} draws lamps as discs that glow all round: cones are not seen",
+            answer.name()
+        ));
+    }
     match answer {
         Answer::By(_) => solve(cells, settings, flags.frames, flags.machine.quiet),
         Answer::Reference => reference(cells, &settings, flags.samples, flags.machine.quiet),

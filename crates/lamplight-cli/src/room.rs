@@ -1,27 +1,37 @@
 //! The scene that `lamplight bench` times: the same at every size, made in code.
 
 use crate::failure::Outcome;
-use lamplight::{Cells, Matter, Rgb};
+use lamplight::{Cells, Lamp, Matter, Rgb};
 
+/// Cells to a lamp in the scene of lamps: a thousand at 1280×720.
+const CELLS_TO_A_LAMP: f64 = 921.6;
+/// How far those lamps reach, px.
+const RANGE: f32 = 64.0;
 /// Walls in the scene.
 const WALLS: u32 = 26;
 /// Glowing discs in the scene.
 const EMITTERS: u32 = 36;
 
+/// The same walls with lamps in the place of emitters, for methods that light nothing else: the
+/// same number to an area at every size, all of one range.
+pub fn lamp_room(width: u32, height: u32) -> Outcome<Cells> {
+    let mut cells = walls(width, height)?;
+    let (w, h) = (width as f32, height as f32);
+    let lamps = (cells.len() as f64 / CELLS_TO_A_LAMP).ceil() as u32;
+    cells.lamps_mut().extend((0..lamps).map(|k| {
+        let [x, y] = spread(k, 0.81);
+        let color = hue(k as f32 * 0.137, 0.7, 1.0);
+        Lamp { position: [x * w, y * h], color, range: RANGE, ..Lamp::default() }
+    }));
+    Ok(cells)
+}
+
 /// Walls and a few dozen emitters, spread over a grid of any size: the same places and the same
 /// shares of the sides, so that larger grids show the same scene in more cells.
 pub fn room(width: u32, height: u32) -> Outcome<Cells> {
-    let mut cells = Cells::new(width, height)?;
+    let mut cells = walls(width, height)?;
     let (w, h) = (width as f32, height as f32);
-    let unit = w.min(h) / 180.0;
-    for k in 0..WALLS {
-        let [x, y] = spread(k, 0.37);
-        let (long, thin) = ((14.0 + 3.0 * (k % 9) as f32) * unit, 2.0 * unit.max(0.5));
-        let half = if k % 2 == 0 { [long, thin] } else { [thin, long] };
-        let wall =
-            Matter { opacity: 1.0, albedo: hue(k as f32 * 0.19, 0.35, 0.8), ..Matter::EMPTY };
-        fill(&mut cells, [x * w, y * h], half, wall, |_| true);
-    }
+    let unit = unit(w, h);
     for k in 0..EMITTERS {
         let [x, y] = spread(k, 0.81);
         let radius = ((1.5 + (k % 4) as f32) * unit).max(0.75);
@@ -30,6 +40,27 @@ pub fn room(width: u32, height: u32) -> Outcome<Cells> {
         fill(&mut cells, [x * w, y * h], [radius; 2], glow, |[dx, dy]| {
             dx * dx + dy * dy <= radius * radius
         });
+    }
+    Ok(cells)
+}
+
+/// What everything is measured in, px.
+fn unit(w: f32, h: f32) -> f32 {
+    w.min(h) / 180.0
+}
+
+/// The walls alone.
+fn walls(width: u32, height: u32) -> Outcome<Cells> {
+    let mut cells = Cells::new(width, height)?;
+    let (w, h) = (width as f32, height as f32);
+    let unit = unit(w, h);
+    for k in 0..WALLS {
+        let [x, y] = spread(k, 0.37);
+        let (long, thin) = ((14.0 + 3.0 * (k % 9) as f32) * unit, 2.0 * unit.max(0.5));
+        let half = if k % 2 == 0 { [long, thin] } else { [thin, long] };
+        let wall =
+            Matter { opacity: 1.0, albedo: hue(k as f32 * 0.19, 0.35, 0.8), ..Matter::EMPTY };
+        fill(&mut cells, [x * w, y * h], half, wall, |_| true);
     }
     Ok(cells)
 }
@@ -81,6 +112,14 @@ mod tests {
             cells.check().unwrap();
             assert_eq!((cells.width(), cells.height()), (w, h));
         }
+    }
+
+    #[test]
+    fn a_thousand_lamps_stand_in_the_large_scene_of_lamps() {
+        let cells = lamp_room(1280, 720).unwrap();
+        cells.check().unwrap();
+        assert_eq!(cells.lamps().len(), 1000);
+        assert_eq!(lamp_room(1, 1).unwrap().lamps().len(), 1);
     }
 
     #[test]

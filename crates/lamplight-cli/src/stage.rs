@@ -107,7 +107,8 @@ impl<'a> View<'a> {
 
     /// With the stages before the rays.
     pub fn with_fields(mut self, mut settings: Settings) -> Outcome<Self> {
-        // They do not depend on the rays: one each is the least that a frame can have.
+        // They do not depend on the light: one ray each is the least that a frame can have.
+        settings.method = lamplight::Method::Raymarch;
         settings.raymarch.rays = 1;
         settings.bounces = lamplight::Bounces::Count(0);
         let mut solver = Solver::new(settings)?;

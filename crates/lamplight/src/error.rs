@@ -106,6 +106,14 @@ pub enum Error {
         /// Rows asked for.
         height: u64,
     },
+    /// A method cannot use what the scene has: its picture would be black.
+    #[error("{method} {problem}")]
+    Unsuited {
+        /// The method's name.
+        method: &'static str,
+        /// What it needs, what is missing, and what would be right.
+        problem: &'static str,
+    },
 }
 
 impl Error {

@@ -2,9 +2,11 @@
 
 use crate::clock::Clock;
 use crate::methods::cascades::Cascades;
+use crate::methods::flood::Flood;
 use crate::methods::holographic::Holographic;
+use crate::methods::polar::Polar;
 use crate::methods::raymarch::{Input, Raymarch};
-use crate::settings::{BounceBy, Bounces, Hit, Method};
+use crate::settings::{BounceBy, Bounces, Hit, Method, Walk};
 use crate::stages::denoise::Denoise;
 use crate::stages::temporal::Temporal;
 use crate::stages::traced::Traced;
@@ -22,6 +24,8 @@ pub struct Solver {
     cells: Cells,
     fields: Fields,
     raymarch: Raymarch,
+    flood: Flood,
+    polar: Polar,
     cascades: Cascades,
     holographic: Holographic,
     traced: Traced,
@@ -39,6 +43,7 @@ struct Fields {
     nearest: Vec<u32>,
     scratch: Vec<u32>,
     distance: Vec<f32>,
+    energy: Vec<f32>,
     /// Whether they belong to the cells of the last frame.
     measured: bool,
 }
@@ -46,7 +51,7 @@ struct Fields {
 /// A look at the intermediates of the last frame; each has one entry a cell, in row order.
 #[derive(Clone, Copy, Debug)]
 pub struct Stages<'a> {
-    /// The grid with its lamps drawn in.
+    /// The grid, with its lamps drawn in where the method sees them so.
     pub cells: &'a Cells,
     /// Seed map: the own position of occupied cells, packed ([`crate::stages::seed`]).
     pub seeds: &'a [u32],
@@ -54,6 +59,8 @@ pub struct Stages<'a> {
     pub nearest: &'a [u32],
     /// px to the nearest occupied cell.
     pub distance: &'a [f32],
+    /// `flood`: the source's energy, which knows no colour; empty for other methods.
+    pub energy: &'a [f32],
 }
 
 impl Solver {
@@ -66,6 +73,8 @@ impl Solver {
             cells: Cells::new(1, 1)?,
             fields: Fields::default(),
             raymarch: Raymarch::default(),
+            flood: Flood::default(),
+            polar: Polar::default(),
             cascades: Cascades::default(),
             holographic: Holographic::default(),
             traced: Traced::default(),
@@ -86,13 +95,18 @@ impl Solver {
     pub fn solve(&mut self, cells: &Cells) -> Result<&Light> {
         self.clock.start();
         cells.check()?;
+        self.settings.method.suits(cells)?;
         self.cells.clone_from(cells);
-        self.cells.draw_lamps();
+        if !self.settings.method.lights_lamps() {
+            self.cells.draw_lamps();
+        }
         self.fields.measured = false;
         self.clock.lap("cells");
 
         match self.settings.method {
             Method::Raymarch => self.raymarch(),
+            Method::Flood => self.flood(),
+            Method::Polar => self.polar(),
             Method::Cascades => {
                 let Self { cells, settings, light, clock, .. } = self;
                 self.cascades.solve(cells, settings, &mut light.rgb, clock);
@@ -146,6 +160,19 @@ impl Solver {
         self.light.rgb.clone_from(&self.traced.light);
     }
 
+    fn flood(&mut self) {
+        self.flood.solve(&self.cells, &self.settings.flood, &mut self.light.rgb, &mut self.clock);
+    }
+
+    fn polar(&mut self) {
+        if self.settings.polar.walk == Walk::Distance {
+            self.measure();
+        }
+        let (fields, settings) = (&self.fields, &self.settings.polar);
+        let rgb = &mut self.light.rgb;
+        self.polar.solve(&self.cells, &fields.distance, settings, rgb, &mut self.clock);
+    }
+
     /// Seed map, jump flood, distance field.
     fn measure(&mut self) {
         let (cells, fields) = (&self.cells, &mut self.fields);
@@ -171,8 +198,12 @@ impl Solver {
         if !self.fields.measured {
             self.measure();
         }
-        let Fields { seeds, nearest, distance, .. } = &self.fields;
-        Stages { cells: &self.cells, seeds, nearest, distance }
+        self.fields.energy.clear();
+        if self.settings.method == Method::Flood {
+            self.flood.energy(&mut self.fields.energy);
+        }
+        let Fields { seeds, nearest, distance, energy, .. } = &self.fields;
+        Stages { cells: &self.cells, seeds, nearest, distance, energy }
     }
 
     /// What each stage of the last frame took.
@@ -184,6 +215,7 @@ impl Solver {
     pub fn reset(&mut self) {
         self.frame = 0;
         self.raymarch = Raymarch::default();
+        self.flood = Flood::default();
         self.temporal = Temporal::default();
     }
 }

@@ -1,9 +1,15 @@
 //! Lamps: point-like lights with a range, and how they are drawn as glowing discs.
+//!
+//! Two kinds of method see them. `polar` and `flood` light them by rule, with range, falloff and
+//! cone. The others see only matter, so for them a lamp is drawn as a glowing disc: it reaches as
+//! far as light does, falls off as light does, and **glows all round**, because no matter gives off
+//! light in a cone.
 
 use crate::scene::coverage::{self, Window};
 use crate::{Cells, Matter, Result, Rgb, check, exact, lamp_gain};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::f32::consts::{PI, TAU};
 use std::fmt::Display;
 
 /// How the light of a lamp fades with distance in the methods that light lamps by rule.
@@ -15,8 +21,72 @@ pub enum Falloff {
     Linear,
     /// `(1 − (d/range)²)²`.
     Smooth,
-    /// About `1/d`, brought to 0 at the range.
+    /// `asin(size/d)/π · (1 − (d/range)⁴)²`: the light of a glowing disc in two dimensions, which
+    /// is about `size/(π·d)`, brought to 0 at the range by the window of Karis (2013, "Real Shading
+    /// in Unreal Engine 4", equation 9). Far from the range it agrees with the drawn disc.
     Inverse,
+}
+
+impl Falloff {
+    /// Share of `color · intensity` that arrives in the open, `distance` px from the lamp's centre.
+    pub fn at(self, distance: f32, lamp: &Lamp) -> f32 {
+        let u = distance / lamp.range;
+        if u >= 1.0 {
+            return 0.0;
+        }
+        match self {
+            Self::Linear => 1.0 - u,
+            Self::Smooth => (1.0 - u * u).powi(2),
+            Self::Inverse => {
+                let seen = (lamp.size / distance.max(lamp.size)).asin() / PI;
+                seen * (1.0 - (u * u).powi(2)).powi(2)
+            }
+        }
+    }
+}
+
+/// 2π, rounded up as people write it.
+#[expect(clippy::approx_constant, reason = "who writes 6.2832 means all round")]
+const TURN: f32 = 6.2832;
+
+/// The part of the circle that a lamp lights, in the methods that light lamps by rule.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Cone {
+    /// Direction of the middle, radians from +x towards +y (down), −2π to 2π.
+    pub direction: f32,
+    /// Angle from edge to edge, radians, 0.001 to 2π.
+    pub angle: f32,
+    /// Share of the way from the middle to either edge over which light fades, 0 to 1: 0 is a hard
+    /// edge, 1 fades from the middle on.
+    #[serde(default)]
+    pub softness: f32,
+}
+
+impl Cone {
+    /// Share of the lamp's light that leaves at an angle (radians): 1 inside, 0 outside, smoothstep
+    /// over the soft edge.
+    pub fn share(&self, angle: f32) -> f32 {
+        let turned = (angle - self.direction).rem_euclid(TAU);
+        let off = turned.min(TAU - turned);
+        let half = 0.5 * self.angle;
+        let inside = half - off;
+        if inside < 0.0 {
+            return 0.0;
+        }
+        let soft = self.softness * half;
+        if inside >= soft {
+            return 1.0;
+        }
+        let t = inside / soft;
+        t * t * (3.0 - 2.0 * t)
+    }
+
+    fn check(&self, key: &dyn Display) -> Result<()> {
+        check::number(format_args!("{key}.direction"), self.direction, -TURN..=TURN)?;
+        check::number(format_args!("{key}.angle"), self.angle, 1e-3..=TURN)?;
+        check::number(format_args!("{key}.softness"), self.softness, 0.0..=1.0)
+    }
 }
 
 /// A lamp.
@@ -42,6 +112,11 @@ pub struct Lamp {
     /// How the light fades, in the methods that light lamps by rule.
     #[serde(default)]
     pub falloff: Falloff,
+    /// The part of the circle that it lights, such as `{ direction = 1.57, angle = 0.8, softness =
+    /// 0.3 }`; all of it where this is left out. Only for the methods that light lamps by rule: the
+    /// others draw a disc that glows all round.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cone: Option<Cone>,
 }
 
 fn default_color() -> Rgb {
@@ -69,6 +144,7 @@ impl Default for Lamp {
             range: 128.0,
             size: 2.0,
             falloff: Falloff::Linear,
+            cone: None,
         }
     }
 }
@@ -80,7 +156,13 @@ impl Lamp {
         check::radiance(format_args!("{key}.color"), self.color)?;
         check::number(format_args!("{key}.intensity"), self.intensity, 0.0..=1e6)?;
         check::number(format_args!("{key}.range"), self.range, 1.0..=1e5)?;
-        check::number(format_args!("{key}.size"), self.size, 0.05..=512.0)
+        check::number(format_args!("{key}.size"), self.size, 0.05..=512.0)?;
+        self.cone.map_or(Ok(()), |cone| cone.check(&format_args!("{key}.cone")))
+    }
+
+    /// Whether it gives off no light at all.
+    pub fn is_off(&self) -> bool {
+        self.intensity == 0.0 || self.color == [0.0; 3]
     }
 
     /// Draws the lamp into the matter: a solid disc of radius `size`, by the share of each cell
@@ -93,8 +175,7 @@ impl Lamp {
         let grid = Window::grid(cells.width(), cells.height());
         let disc = Window::around(center.map(|v| v - radius), center.map(|v| v + radius));
         let seen = disc.and(&grid);
-        let off = self.intensity == 0.0 || self.color == [0.0; 3];
-        if off || seen.x.is_empty() || seen.y.is_empty() {
+        if self.is_off() || seen.x.is_empty() || seen.y.is_empty() {
             return;
         }
         let strength = self.intensity * lamp_gain::gain(center, radius);

@@ -31,7 +31,7 @@ pub use error::{Error, Result};
 pub use frame::Solver;
 /// The crate of the pictures that [`Light::compose`] returns.
 pub use image;
-pub use lamp::{Falloff, Lamp};
+pub use lamp::{Cone, Falloff, Lamp};
 pub use light::Light;
 pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Settings, SettingsTable};

@@ -1,6 +1,6 @@
 //! A lamp keeps its light wherever between the cells it stands.
 
-use lamplight::{Cells, Lamp};
+use lamplight::{Cells, Cone, Lamp, Scene};
 use std::f64::consts::PI;
 
 /// What the specification allows over all positions, and as distance from the ideal disc.
@@ -119,6 +119,10 @@ fn a_lamp_that_is_off_is_not_there() {
 #[test]
 fn bad_lamps_are_refused_by_key() {
     let good = Lamp { position: [1.0, 1.0], ..Lamp::default() };
+    let cone = |direction, angle, softness| Lamp {
+        cone: Some(Cone { direction, angle, softness }),
+        ..good
+    };
     let bad = [
         (Lamp { position: [f32::NAN, 1.0], ..good }, "`lamp[0].position` is [NaN, 1]"),
         (Lamp { color: [-1.0, 0.0, 0.0], ..good }, "`lamp[0].color` is [-1, 0, 0]"),
@@ -126,11 +130,61 @@ fn bad_lamps_are_refused_by_key() {
         (Lamp { range: 0.0, ..good }, "`lamp[0].range` is 0"),
         (Lamp { size: 0.0, ..good }, "`lamp[0].size` is 0, but must be a number from 0.05 to 512"),
         (Lamp { size: 513.0, ..good }, "`lamp[0].size` is 513"),
+        (cone(90.0, 1.0, 0.0), "`lamp[0].cone.direction` is 90, but must be a number from -6.2832"),
+        (cone(f32::NAN, 1.0, 0.0), "`lamp[0].cone.direction` is NaN"),
+        (
+            cone(0.0, 0.0, 0.0),
+            "`lamp[0].cone.angle` is 0, but must be a number from 0.001 to 6.2832",
+        ),
+        (cone(0.0, 7.0, 0.0), "`lamp[0].cone.angle` is 7"),
+        (cone(0.0, 1.0, 1.5), "`lamp[0].cone.softness` is 1.5, but must be a number from 0 to 1"),
     ];
     for (lamp, message) in bad {
         let mut cells = Cells::new(4, 4).unwrap();
         cells.lamps_mut().push(lamp);
         let error = cells.check().unwrap_err().to_string();
         assert!(error.starts_with(message), "{error}");
+    }
+}
+
+#[test]
+fn a_cone_fades_from_its_soft_edge_outwards() {
+    let cone = Cone { direction: 0.5, angle: 1.2, softness: 0.5 };
+    for turn in [-2.0, -1.0, 0.0, 1.0, 2.0] {
+        for side in [-1.0, 1.0] {
+            let share = |off: f32| cone.share(0.5 + side * off + turn * std::f32::consts::TAU);
+            assert_eq!((share(0.0), share(0.29), share(0.61), share(3.0)), (1.0, 1.0, 0.0, 0.0));
+            // Half way over the edge, by the smoothstep.
+            assert!((share(0.45) - 0.5).abs() < 1e-4, "{}", share(0.45));
+            assert!(share(0.4) > share(0.5) && share(0.5) > share(0.59));
+        }
+    }
+    let hard = Cone { softness: 0.0, ..cone };
+    assert_eq!((hard.share(1.09), hard.share(1.11)), (1.0, 0.0));
+    let all = Cone { direction: 3.0, angle: std::f32::consts::TAU, softness: 0.0 };
+    assert!((0..100).all(|i| all.share(i as f32 * 0.1) == 1.0));
+}
+
+#[test]
+fn scene_files_say_cones_and_drawn_lamps_glow_all_round() {
+    let text = "size = [32, 32]\n[[lamp]]\nposition = [16.0, 16.0]\n\
+                cone = { direction = 1.57, angle = 0.8, softness = 0.25 }\n";
+    let scene = Scene::from_toml(text).unwrap();
+    let lamp = scene.lamps[0];
+    assert_eq!(lamp.cone, Some(Cone { direction: 1.57, angle: 0.8, softness: 0.25 }));
+    assert_eq!(Scene::from_toml(&scene.to_toml().unwrap()).unwrap(), scene);
+    assert_eq!(Scene::from_json(&scene.to_json().unwrap()).unwrap(), scene);
+    let round = Scene::new(32, 32).lamp(Lamp { cone: None, ..lamp });
+    assert!(!round.to_toml().unwrap().contains("cone"));
+    assert!(scene.cells().unwrap().drawn() == round.cells().unwrap().drawn());
+
+    for (cone, message) in [
+        ("{ angle = 0.8 }", "`lamp[0].cone.direction` is missing"),
+        ("{ direction = 0.0, angle = 9.0 }", "`lamp[0].cone.angle` is 9, but must be"),
+        ("{ direction = 0.0, angle = 1.0, soft = 1.0 }", "`lamp[0].cone.soft` is not a known key"),
+    ] {
+        let text = format!("size = [8, 8]\n[[lamp]]\nposition = [4.0, 4.0]\ncone = {cone}\n");
+        let error = Scene::from_toml(&text).unwrap_err().to_string();
+        assert!(error.starts_with("line 4: ") && error.contains(message), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 use lamplight::scene::Layers;
 use lamplight::sky::Gradient;
-use lamplight::{Bounces, Display, Falloff, Lamp, Scene, Shape, Sky, ToneMap};
+use lamplight::{Bounces, Cone, Display, Falloff, Lamp, Scene, Shape, Sky, ToneMap};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -41,6 +41,7 @@ fn whole() -> Scene {
             range: 64.0,
             size: 1.5,
             falloff: Falloff::Smooth,
+            cone: Some(Cone { direction: 1.5, angle: 0.75, softness: 0.25 }),
         });
     scene.layers = Layers {
         emission: Some("emission.png".into()),

@@ -1,7 +1,9 @@
 //! Settings: defaults, presets, layers, text, and every refusal's message.
 
-use lamplight::settings::{BounceBy, Denoise, Hit, Noise, Raymarch, Spacing, Temporal};
-use lamplight::{Bounces, Method, Settings, SettingsTable, Solver};
+use lamplight::settings::{
+    Blend, BounceBy, Denoise, Edges, Fade, Hit, Noise, Raymarch, Spacing, Sweeps, Temporal, Walk,
+};
+use lamplight::{Bounces, Falloff, Method, Settings, SettingsTable, Solver};
 use serde_json::{Value, json};
 
 /// A table with these texts set one after the other, as flags do.
@@ -52,6 +54,22 @@ fn presets_have_their_seeds_numbers() {
     assert_eq!(resolved(&["raymarch.preset=default"]), Settings::default());
     assert!(Raymarch::PRESETS.iter().all(|name| Raymarch::preset(name).is_some()));
     assert_eq!(Raymarch::preset("unreal"), None);
+}
+
+#[test]
+fn presets_of_polar_and_flood_have_their_seeds_numbers() {
+    let p = resolved(&["polar.preset=gamemaker"]).polar;
+    assert_eq!((p.walk, p.edges, p.blend), (Walk::Step, Edges::Nearest, Blend::Add));
+    assert_eq!((p.density, p.translucent, p.falloff), (1.0, false, None));
+    assert_eq!(resolved(&["polar.preset=disc"]).polar.falloff, Some(Falloff::Inverse));
+    let f = resolved(&["flood.preset=seed"]).flood;
+    assert_eq!((f.rays, f.matter_rays, f.bounce_rays, f.rounds), (16, 16, 8, 20));
+    assert_eq!((f.decay, f.sweeps, f.fade), (0.125, Sweeps::Seed, Fade::Seed));
+    for method in Method::ALL {
+        for preset in method.presets() {
+            resolved(&[&format!("{}.preset={preset}", method.name())]);
+        }
+    }
 }
 
 #[test]
@@ -136,7 +154,7 @@ fn text_that_is_no_setting_is_refused() {
 }
 
 /// Every setting that has a range, with what lies just outside and what the message says.
-const OUT_OF_RANGE: [(&str, &str, &str, &str); 13] = [
+const OUT_OF_RANGE: [(&str, &str, &str, &str); 19] = [
     ("wall_depth", "-0.5", "64.5", "from 0 to 64"),
     ("temporal.frames", "-1", "4097", "from 0 to 4096"),
     ("denoise.passes", "-1", "7", "from 0 to 6"),
@@ -149,6 +167,12 @@ const OUT_OF_RANGE: [(&str, &str, &str, &str); 13] = [
     ("raymarch.emission_range", "0", "1001", "from 0.001 to 1000"),
     ("raymarch.emission_dropoff", "-1", "16.5", "from 0 to 16"),
     ("raymarch.threshold", "-0.1", "1", "from 0 to 0.999"),
+    ("flood.rays", "0", "4097", "from 1 to 4096"),
+    ("flood.matter_rays", "-1", "4097", "from 0 to 4096"),
+    ("flood.bounce_rays", "-1", "65", "from 0 to 64"),
+    ("flood.rounds", "-1", "1025", "from 0 to 1024"),
+    ("flood.decay", "-0.1", "1000001", "from 0 to 1000000"),
+    ("polar.density", "0.2", "8.5", "from 0.25 to 8"),
     ("bounces", "-1", "257", "a whole number from 0 to 256, or \"converged\""),
 ];
 
@@ -188,7 +212,7 @@ fn what_is_not_understood_is_refused_with_what_would_be_right() {
             "denoise.pases=1",
             "`denoise.pases` is not a known key; did you mean `passes`? (known here: passes, strength)",
         ),
-        ("method=magic", "`method` is \"magic\", but must be raymarch"),
+        ("method=magic", "`method` is \"magic\", but must be one of raymarch, flood, polar"),
         ("method=5", "`method` is "),
         (
             "bounces=often",
@@ -221,6 +245,20 @@ fn what_is_not_understood_is_refused_with_what_would_be_right() {
             "raymarch.preset=unreal",
             "`raymarch.preset` is \"unreal\", but must be one of default, godot, unity",
         ),
+        // A setting of another method.
+        ("polar.rays=64", "`polar.rays` is not a known key"),
+        ("flood.blend=max", "`flood.blend` is not a known key"),
+        ("polar.walk=run", "`polar.walk` is \"run\", but must be one of edge, step, distance"),
+        (
+            "polar.edges=round",
+            "`polar.edges` is \"round\", but must be one of soft, linear, nearest",
+        ),
+        ("polar.blend=over", "`polar.blend` is \"over\", but must be one of add, max, screen"),
+        ("polar.falloff=flat", "`polar.falloff` is \"flat\", but must be one of linear, smooth"),
+        ("flood.sweeps=odd", "`flood.sweeps` is \"odd\", but must be even or seed"),
+        ("flood.fade=out", "`flood.fade` is \"out\", but must be lamp or seed"),
+        ("flood.preset=x", "`flood.preset` is \"x\", but must be one of default, seed"),
+        ("polar.preset=x", "`polar.preset` is \"x\", but must be one of default, gamemaker, disc"),
         ("raymarch.preset=5", "`raymarch.preset` is 5, but must be one of default, godot, unity"),
     ];
     for (text, message) in cases {
@@ -253,6 +291,8 @@ fn settings_survive_json_and_toml() {
         "raymarch.preset=unity",
         "raymarch.hit_distance=0.7",
         "raymarch.emission_range=0.333333",
+        "polar.preset=disc",
+        "flood.preset=seed",
     ]);
     for bounces in [Bounces::Converged, Bounces::Count(0), Bounces::Count(256)] {
         odd.bounces = bounces;

@@ -6,7 +6,7 @@
 mod common;
 
 use common::*;
-use lamplight::settings::{BounceBy, Hit, Merge, Noise, Temporal};
+use lamplight::settings::{BounceBy, Flood, Hit, Merge, Noise, Temporal};
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky, Solver};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -101,6 +101,17 @@ fn ways() -> Vec<(&'static str, bool, Settings)> {
             }),
         ),
         ("hit by distance", true, way(|s| s.raymarch.hit = Hit::Distance)),
+        ("polar", false, way(|s| s.method = Method::Polar)),
+        ("polar through fog", true, way(|s| s.method = Method::Polar)),
+        ("flood", true, way(|s| s.method = Method::Flood)),
+        (
+            "flood in order",
+            true,
+            way(|s| {
+                s.method = Method::Flood;
+                s.flood = Flood::preset("seed").unwrap();
+            }),
+        ),
         ("cascades", true, way(|s| (s.method, s.bounces) = (Method::Cascades, Bounces::Count(2)))),
         (
             "plain cascades",

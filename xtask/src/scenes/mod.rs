@@ -35,6 +35,10 @@ pub const NAMES: [&str; 9] = [
     "odd",
 ];
 
+/// The scene of the methods that light lamps by rule. It stands apart: its cones are nothing that the
+/// path tracer could judge.
+pub const BY_RULE: &str = "theatre";
+
 const CHORE: &str = "scenes";
 
 pub fn run(mode: Mode) -> Result<()> {
@@ -80,6 +84,7 @@ mod tests {
             .collect();
         found.sort();
         let mut names = NAMES.to_vec();
+        names.push(BY_RULE);
         names.sort();
         assert_eq!(found, names);
         for name in NAMES {

@@ -5,7 +5,7 @@ use crate::failure::{Failure, Outcome};
 use crate::lighting::{self, ms};
 use crate::output;
 use crate::progress::Progress;
-use crate::room::room;
+use crate::room::{lamp_room, room};
 use crate::stage::{Stage, View};
 use crate::table::table;
 use lamplight::methods::holographic::paper::Paper;
@@ -29,7 +29,8 @@ pub struct Args {
     #[arg(long, value_name = "METHOD", value_delimiter = ',',
           value_parser = by_name(Method::ALL, Method::name))]
     method: Vec<Method>,
-    /// Sizes of the built-in scene, such as 320x180,512x512 [default: 320x180,640x360,1280x720]
+    /// Sizes of the built-in scene, such as 320x180,512x512 [default: 320x180,640x360,1280x720];
+    /// for polar it has lamps of range 64, 1000 of them at 1280x720
     #[arg(long, value_name = "WxH", value_delimiter = ',', conflicts_with = "scene")]
     size: Vec<Size>,
     /// Time this scene instead of the built-in one
@@ -79,6 +80,13 @@ pub fn run(args: Args) -> Outcome {
             progress.say(&format!("timing {} at {w}×{h}", method.name()));
             let mut settings = table_of_scene.clone();
             settings.set("method", method.name());
+            let lamps;
+            let cells = if args.scene.is_none() && method.suits(cells).is_err() {
+                lamps = lamp_room(w, h)?;
+                &lamps
+            } else {
+                cells
+            };
             let times = time(cells, settings.resolve()?, args.scale, args.yardstick)?;
             progress.step();
             if args.json {

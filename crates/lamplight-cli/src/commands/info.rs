@@ -3,7 +3,7 @@
 use crate::failure::Outcome;
 use crate::output;
 use lamplight::{Cells, Method};
-use serde_json::json;
+use serde_json::{Map, json};
 
 /// Show backends, limits and versions
 #[derive(clap::Args, Debug)]
@@ -17,32 +17,32 @@ pub fn run(args: Args) -> Outcome {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let features = vector_features();
     let methods: Vec<_> = Method::ALL.iter().map(|m| m.name()).chain(["reference"]).collect();
-    let presets = Method::Raymarch.presets();
     if args.json {
         return output::print(json!({
             "version": env!("CARGO_PKG_VERSION"),
             "backends": { "cpu": { "threads": threads, "features": features } },
             "adapters": [],
             "methods": methods,
-            "presets": { "raymarch": presets, "cascades": Method::Cascades.presets() },
+            "presets": Method::ALL.iter().map(|m| (m.name().to_owned(), json!(m.presets())))
+                .collect::<Map<_, _>>(),
             "limits": { "side": Cells::MAX_SIDE, "cells": Cells::MAX_CELLS },
         }));
     }
     let features =
         if features.is_empty() { "no vector units known".into() } else { features.join(", ") };
+    let presets: Vec<_> =
+        Method::ALL.iter().map(|m| format!("{}: {}", m.name(), m.presets().join(", "))).collect();
     output::print(format_args!(
         "lamplight {version}
 backends  cpu: {threads} threads, {arch} with {features}
           gpu: not in this build
 methods   {methods}
-presets   raymarch: {presets}
-          cascades: {cascades}
+presets   {presets}
 limits    {side} cells a side, {cells} million cells in all",
         version = env!("CARGO_PKG_VERSION"),
         arch = std::env::consts::ARCH,
         methods = methods.join(", "),
-        presets = presets.join(", "),
-        cascades = Method::Cascades.presets().join(", "),
+        presets = presets.join("\n          "),
         side = Cells::MAX_SIDE,
         cells = Cells::MAX_CELLS / 1_000_000,
     ))

@@ -45,6 +45,14 @@ const CASES: &[Case] = &[
     ("render small.toml --set raymarch.rays=0", 2, &["raymarch.rays", "0", "from 1 to 65536"]),
     ("render small.toml --set raymarch.rays=many", 2, &["raymarch.rays", "many"]),
     ("render small.toml --set raymarch.preset=godo", 2, &["raymarch.preset", "godo", "unity"]),
+    ("render small.toml --set polar.rays=64", 2, &["polar.rays", "not a known key", "density"]),
+    ("render small.toml --set polar.density=9", 2, &["polar.density", "9", "from 0.25 to 8"]),
+    ("render small.toml --set flood.rounds=1025", 2, &["flood.rounds", "1025", "from 0 to 1024"]),
+    ("render dark.toml --method polar", 2, &["polar lights lamps only", "add a [[lamp]]"]),
+    ("probe dark.toml 1,1 --method polar", 2, &["polar lights lamps only"]),
+    ("stages dark.toml -o there --method polar", 2, &["polar lights lamps only"]),
+    ("compare dark.toml --methods polar", 2, &["polar lights lamps only"]),
+    ("bench --scene dark.toml --method polar", 2, &["polar lights lamps only"]),
     ("compare small.toml --methods raymarch,magic", 2, &["'magic'", "raymarch"]),
     ("compare small.toml --samples 0", 2, &["'0'", "--samples"]),
     ("probe small.toml", 2, &["<X,Y>"]),
@@ -66,6 +74,7 @@ fn is_answered_by_what_is_wrong_and_leaves_nothing() {
     let sandbox = Sandbox::small();
     sandbox.write("not.toml", "this is no scene\n");
     sandbox.write("huge.toml", "size = [40000, 40000]\n");
+    sandbox.write("dark.toml", "size = [8, 8]\n");
     sandbox.write("wide.toml", "size = [1000, 1000]\n");
     sandbox.write("typo.toml", "size = [4, 4]\n[[lamps]]\n");
     for folder in ["folder", "folder.png"] {

@@ -1,6 +1,7 @@
 //! Every other command, from the outside.
 
 use super::sandbox::Sandbox;
+use lamplight::Method;
 use serde_json::Value;
 
 fn json(text: &str) -> Value {
@@ -46,18 +47,19 @@ fn stages_writes_every_picture_and_a_sheet() {
 fn bench_prints_a_line_for_each_case() {
     let sandbox = Sandbox::small();
     let said = sandbox
-        .run("bench --method raymarch --size 12x7,9x9 --threads 2 --bounces 0 --set raymarch.rays=4 --json")
+        .run("bench --method raymarch,polar --size 12x7,9x9 --threads 2 --bounces 0 --set raymarch.rays=4 --json")
         .done();
     let lines: Vec<Value> = said.lines().map(json).collect();
-    assert_eq!(lines.len(), 2);
+    assert_eq!(lines.len(), 4);
     assert_eq!((&lines[0]["width"], &lines[1]["height"]), (&12.into(), &9.into()));
-    for line in &lines {
-        assert_eq!((&line["method"], &line["backend"]), (&"raymarch".into(), &"cpu".into()));
+    let methods = [Method::Raymarch, Method::Polar].into_iter().flat_map(|method| [method; 2]);
+    for (line, method) in lines.iter().zip(methods) {
+        assert_eq!((&line["method"], &line["backend"]), (&method.name().into(), &"cpu".into()));
         assert_eq!(line["threads"], 2);
         let number = |key: &str| line[key].as_f64().unwrap_or_else(|| panic!("{key} in {line}"));
         assert!(number("runs") >= 5.0);
         assert!(0.0 < number("min_ms") && number("min_ms") <= number("median_ms"), "{line}");
-        assert!(line["stages_ms"]["raymarch"].as_f64().unwrap() <= number("median_ms") * 1.5);
+        assert!(line["stages_ms"][method.name()].as_f64().unwrap() <= number("median_ms") * 1.5);
     }
     assert!(lines[0]["yardstick_ratio"].is_null(), "nobody asked for it");
     let scene = json(&sandbox.run("bench --scene small.toml --json --method raymarch").done());
@@ -83,7 +85,7 @@ fn compare_has_a_row_for_each_preset() {
     let sandbox = Sandbox::small();
     let answer = json(&sandbox.run("compare small.toml --samples 64 --cells 50 --json").done());
     let rows = answer["rows"].as_array().unwrap();
-    for method in lamplight::Method::ALL {
+    for method in Method::ALL {
         let refused = answer["refused"].as_array().unwrap();
         if refused.iter().any(|refusal| refusal["method"] == method.name()) {
             continue;
@@ -135,6 +137,41 @@ fn compare_judges_every_row() {
     // No method's errors are under the noise of what judges them: that is counted in.
     let own = answer["reference"]["relative_standard_error"].as_f64().unwrap();
     assert!(own > 0.0 && error("raymarch, 512 rays") > 0.5 * own, "{own}");
+}
+
+#[test]
+fn compare_names_what_cannot_light_the_scene() {
+    let sandbox = Sandbox::new();
+    sandbox.write("sky.toml", "size = [8, 8]\nsky = [1.0, 1.0, 1.0]\n");
+    let said = sandbox.run("compare sky.toml --methods raymarch,polar --samples 16").done();
+    assert!(said.contains("raymarch, default") && !said.contains("polar, default"), "{said}");
+    assert!(said.contains("polar lights lamps only, and this scene has none"), "{said}");
+}
+
+#[test]
+fn cones_are_seen_where_lamps_are_lit_by_rule_and_warned_of_elsewhere() {
+    let sandbox = Sandbox::new();
+    let lamp = "[[lamp]]\nposition = [8.5, 8.5]\ncone = { direction = 0.0, angle = 1.0 }\n";
+    sandbox.write("cone.toml", format!("size = [17, 17]\n{lamp}"));
+    let left = |method: &str| {
+        let run = sandbox.run(&format!("probe cone.toml 2.5,8.5 --json --method {method}"));
+        let light = json(&run.out)["points"][0]["luminance"].as_f64().unwrap();
+        (light, run.err)
+    };
+    assert_eq!(left("polar"), (0.0, String::new()));
+    let (light, warning) = left("raymarch");
+    assert!(light > 0.0 && warning.contains("raymarch draws lamps as discs that glow all round"));
+    assert!(left("reference").1.contains("reference draws lamps"));
+}
+
+#[test]
+fn flood_keeps_its_light_from_frame_to_frame() {
+    let sandbox = Sandbox::small();
+    let light = |frames: u32| {
+        let command = format!("probe small.toml 22.5,1.5 --json --method flood --frames {frames}");
+        json(&sandbox.run(&command).done())["points"][0]["luminance"].as_f64().unwrap()
+    };
+    assert!(light(8) > light(1));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! The ways to the same light, each chosen by name.
 
 pub mod cascades;
+pub mod flood;
 pub mod holographic;
+pub mod polar;
 pub mod raymarch;

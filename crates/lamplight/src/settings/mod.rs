@@ -6,17 +6,21 @@
 
 mod bounces;
 mod cascades;
+mod flood;
 mod holographic;
+mod polar;
 mod raymarch;
 mod table;
 
 pub use bounces::Bounces;
 pub use cascades::{Cascades, Merge};
+pub use flood::{Fade, Flood, Sweeps};
 pub use holographic::{Holographic, Variant};
+pub use polar::{Blend, Edges, Polar, Walk};
 pub use raymarch::{BounceBy, Hit, Noise, Raymarch, Spacing};
 pub use table::SettingsTable;
 
-use crate::{Error, Result};
+use crate::{Cells, Error, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -28,6 +32,11 @@ use std::ops::RangeInclusive;
 pub enum Method {
     /// Jump flood, distance field, rays from every pixel (Bigos 2020).
     Raymarch,
+    /// Rays drawn into a grid of energy, a bounce, many blurs; energy is kept between frames
+    /// (tmpvar 2019). A look, not physics.
+    Flood,
+    /// A fan of rays from every lamp, then every pixel looks its ray up (Griffis). Lamps only.
+    Polar,
     /// Probes near with few rays, far with many (radiance cascades, Sannikov 2023).
     Cascades,
     /// Rays made from shorter rays (Freeman, Sannikov and Margel 2025).
@@ -37,12 +46,15 @@ pub enum Method {
 
 impl Method {
     /// Every method, in the order in which lists show them.
-    pub const ALL: &'static [Self] = &[Self::Raymarch, Self::Cascades, Self::Holographic];
+    pub const ALL: &'static [Self] =
+        &[Self::Raymarch, Self::Flood, Self::Polar, Self::Cascades, Self::Holographic];
 
     /// The name in files, flags and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Raymarch => "raymarch",
+            Self::Flood => "flood",
+            Self::Polar => "polar",
             Self::Cascades => "cascades",
             Self::Holographic => "holographic",
         }
@@ -52,9 +64,27 @@ impl Method {
     pub fn presets(self) -> &'static [&'static str] {
         match self {
             Self::Raymarch => Raymarch::PRESETS,
+            Self::Flood => Flood::PRESETS,
+            Self::Polar => Polar::PRESETS,
             Self::Cascades => Cascades::PRESETS,
             Self::Holographic => Holographic::PRESETS,
         }
+    }
+
+    /// Whether it lights lamps by rule, with range, falloff and cone; the others draw them as
+    /// glowing discs.
+    pub fn lights_lamps(self) -> bool {
+        matches!(self, Self::Flood | Self::Polar)
+    }
+
+    /// Refuses a scene that the method cannot light: `polar` needs a lamp.
+    pub fn suits(self, cells: &Cells) -> Result<()> {
+        if self != Self::Polar || !cells.lamps().is_empty() {
+            return Ok(());
+        }
+        let problem = "lights lamps only, and this scene has none; add a [[lamp]], or choose another \
+                       method";
+        Err(Error::Unsuited { method: self.name(), problem })
     }
 }
 
@@ -65,7 +95,8 @@ pub struct Settings {
     /// How light is found.
     pub method: Method,
     /// How often light is sent on by walls and fog, 0 to 256 or `"converged"`. Each bounce costs
-    /// one more gather over the surfaces that reflect.
+    /// one more gather over the surfaces that reflect. `polar` makes none, `flood` has its own
+    /// (`flood.bounce_rays`).
     pub bounces: Bounces,
     /// px that light sinks into solid walls, 0 to 64, so that they are seen and not black; 0
     /// lights only the cells that touch open space. Costs next to nothing.
@@ -78,6 +109,10 @@ pub struct Settings {
     pub denoise: Denoise,
     /// The settings of `raymarch`.
     pub raymarch: Raymarch,
+    /// The settings of `flood`.
+    pub flood: Flood,
+    /// The settings of `polar`.
+    pub polar: Polar,
     /// The settings of `cascades`.
     pub cascades: Cascades,
     /// The settings of `holographic`.
@@ -129,6 +164,8 @@ impl Settings {
         within("denoise.passes", self.denoise.passes, 0..=6)?;
         within("denoise.strength", self.denoise.strength, 0.0..=16.0)?;
         self.raymarch.check()?;
+        self.flood.check()?;
+        self.polar.check()?;
         self.cascades.check()?;
         self.holographic.check()
     }

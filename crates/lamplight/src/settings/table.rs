@@ -1,6 +1,6 @@
 //! Settings as they are written: layers of tables, with presets.
 
-use super::{Cascades, Holographic, Raymarch, Settings};
+use super::{Cascades, Flood, Holographic, Polar, Raymarch, Settings};
 use crate::explain::explain;
 use crate::{Error, Result};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -66,6 +66,8 @@ impl SettingsTable {
     pub fn resolve(&self) -> Result<Settings> {
         let mut table = self.0.clone();
         expand_preset(&mut table, "raymarch", Raymarch::PRESETS, Raymarch::preset)?;
+        expand_preset(&mut table, "flood", Flood::PRESETS, Flood::preset)?;
+        expand_preset(&mut table, "polar", Polar::PRESETS, Polar::preset)?;
         expand_preset(&mut table, "cascades", Cascades::PRESETS, Cascades::preset)?;
         expand_preset(&mut table, "holographic", Holographic::PRESETS, Holographic::preset)?;
         let value = Value::Object(table);
