@@ -343,3 +343,16 @@ fn sky_tail(rows: &mut [f32], stride: usize, end: usize, sky: &Rgb) {
         rows[end..round].fill(*sky);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cones_of_a_level_fill_the_quadrant() {
+        for level in 0..10 {
+            let sum: f64 = (0..cones(level)).map(|cone| angle(level, cone)).sum();
+            assert!((sum - std::f64::consts::FRAC_PI_2).abs() < 1e-12, "level {level}: {sum}");
+        }
+    }
+}

@@ -122,3 +122,47 @@ fn low<S: Simd>(word: u32x16<S>) -> f32x16<S> {
 fn fixed<S: Simd>(word: u32x16<S>) -> f32x16<S> {
     word.to_float::<f32x16<S>>() * (1.0 / ONE as f32)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    /// Half of the last of 8 bits; and of the last of 15 after the point.
+    const LIGHT: f32 = 1.0 / 256.0;
+    const THROUGH: f32 = 1.0 / 32768.0;
+
+    fn stored<const K: usize>(light: [f32; 3], through: [f32; K]) -> ([f32; 3], [f32; K]) {
+        let mut words = vec![0; words(K) * LANES];
+        dispatch!(Level::new(), simd => {
+            let light = light.map(|v| f32x16::splat(simd, v));
+            let through = through.map(|v| f32x16::splat(simd, v));
+            Interval { light, through }.store(&mut words, LANES, 0);
+            let read = Interval::<_, K>::load(simd, &words, LANES, 0);
+            (read.light.map(|v| v.to_array()[7]), read.through.map(|v| v.to_array()[7]))
+        })
+    }
+
+    #[test]
+    fn what_is_stored_is_kept_to_rounding() {
+        let light = [0.0, 3.456_789, 7.89e4];
+        for through in [[0.0, 0.123_45, 0.999_97], [1.0, 0.5, 1.0 / 3.0]] {
+            let (l, t) = stored(light, through);
+            for c in 0..3 {
+                assert!((l[c] - light[c]).abs() <= LIGHT * light[c], "{l:?}");
+                assert!((t[c] - through[c]).abs() <= THROUGH, "{t:?}");
+            }
+            let (l, t) = stored(light, [through[0]]);
+            assert!((l[2] - light[2]).abs() <= LIGHT * light[2], "{l:?}");
+            assert!((t[0] - through[0]).abs() <= THROUGH, "{t:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_and_everything_are_kept_exactly() {
+        for v in [0.0, 1.0] {
+            assert_eq!(stored([v; 3], [v; 3]), ([v; 3], [v; 3]));
+            assert_eq!(stored([v; 3], [v]), ([v; 3], [v]));
+        }
+    }
+}

@@ -283,3 +283,154 @@ fn trace<S: Simd, const K: usize>(
     }
     empty_tail::<K>(to, stride, slabs.rows);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::slabs::Axis;
+    use super::*;
+    use crate::{Cells, Matter};
+    use fearless_simd::{Level, dispatch};
+
+    /// Rays in a beam.
+    const BEAM: u32 = 4;
+    /// 8 bits of light and 15 of transmittance, rounded at each of up to four levels.
+    const ROUNDING: f64 = 0.012;
+
+    /// Walls, fog that glows, and glass, by chance.
+    fn cells(tint: bool) -> Cells {
+        let mut cells = Cells::new(37, 21).unwrap();
+        let mut state = 5u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as f32 / (1u32 << 24) as f32
+        };
+        for i in 0..cells.len() {
+            let matter = match random() {
+                v if v < 0.05 => {
+                    Matter { emission: [2.0, 1.0, 0.5], opacity: 1.0, ..Matter::EMPTY }
+                }
+                v if v < 0.2 => Matter { emission: [0.3; 3], opacity: random(), ..Matter::EMPTY },
+                v if v < 0.25 && tint => Matter { tint: [0.9, 0.5, 0.1], ..Matter::EMPTY },
+                _ => Matter::EMPTY,
+            };
+            cells.set_matter(i, matter);
+        }
+        cells
+    }
+
+    /// Light and transmittance of one channel.
+    type Of = (f64, f64);
+
+    fn then(a: Of, b: Of) -> Of {
+        (a.0 + a.1 * b.0, a.1 * b.1)
+    }
+
+    fn mean(of: &[Of]) -> Of {
+        let sum = of.iter().fold((0.0, 0.0), |s, v| (s.0 + v.0, s.1 + v.1));
+        (sum.0 / of.len() as f64, sum.1 / of.len() as f64)
+    }
+
+    /// A ray by all the grid lines that it crosses, found at once and sorted.
+    fn line(cells: &Cells, channel: usize, [x, y]: [f64; 2], length: f64, slope: f64) -> Of {
+        let mut at: Vec<f64> = (0..200)
+            .flat_map(|i| [f64::from(i) - x, (f64::from(i) - 60.0 - y) / slope])
+            .filter(|t| (0.0..length).contains(t))
+            .chain([0.0, length])
+            .collect();
+        at.sort_by(f64::total_cmp);
+        let mut passed = (0.0, 1.0);
+        for pair in at.windows(2) {
+            let t = 0.5 * (pair[0] + pair[1]);
+            let cell = [(x + t).floor(), (y + slope * t).floor()];
+            if cell[0] < 0.0 || cell[1] < 0.0 {
+                continue;
+            }
+            let Some(matter) = cells.get(cell[0] as u32, cell[1] as u32) else { continue };
+            let px = (pair[1] - pair[0]) * slope.hypot(1.0);
+            let through =
+                ((1.0 - f64::from(matter.opacity)) * f64::from(matter.tint[channel])).powf(px);
+            passed = then(passed, ((1.0 - through) * f64::from(matter.emission[channel]), through));
+        }
+        passed
+    }
+
+    /// `T_level(p, ray)` by the mean over all bent ways that it stands for.
+    fn brute(cells: &Cells, channel: usize, level: u32, [x, y]: [i64; 2], ray: i64) -> Of {
+        let outside = x >= i64::from(cells.width()) || !(0..i64::from(cells.height())).contains(&y);
+        if level > 1 && outside {
+            return (0.0, 1.0);
+        }
+        let length = 1i64 << level;
+        if level == 1 {
+            let slope = ray as f64 / length as f64 - 1.0;
+            let rays: Vec<Of> = (0..BEAM)
+                .map(|i| OFF_CORNERS * ((f64::from(i) + 0.5) / f64::from(BEAM) - 0.5))
+                .map(|across| [x as f64 + 0.5, y as f64 + 0.5 + across])
+                .map(|from| {
+                    if outside {
+                        (0.0, 1.0)
+                    } else {
+                        line(cells, channel, from, length as f64, slope)
+                    }
+                })
+                .collect();
+            return mean(&rays);
+        }
+        let half = length / 2;
+        let way = |first: i64, second: i64| {
+            let near = brute(cells, channel, level - 1, [x, y], first);
+            let end = [x + half, y + first - half];
+            then(near, brute(cells, channel, level - 1, end, second))
+        };
+        match ray % 2 {
+            0 => way(ray / 2, ray / 2),
+            _ => mean(&[way(ray / 2, ray / 2 + 1), way(ray / 2 + 1, ray / 2)]),
+        }
+    }
+
+    /// The worst difference over all kept intervals from level 1 to 4, from cells that may not be
+    /// those that the intervals were made of.
+    fn worst<const K: usize>(cells: &Cells, compared: &Cells) -> f64 {
+        let mut slabs = Slabs::default();
+        slabs.read(cells, Axis::X, 4, None);
+        assert_eq!(slabs.channels, K);
+        let mut pyramid = Pyramid::default();
+        pyramid.prepare(&slabs, 1);
+        pyramid.aim(&slabs, BEAM);
+        dispatch!(Level::new(), simd => pyramid.build::<_, K>(simd, &slabs));
+        let mut worst = 0.0f64;
+        for level in 1..5 {
+            for plane in (1..planes(37, level)).step_by(2) {
+                for ray in 0..rays(level) {
+                    let words = &pyramid.plane(level, plane)[ray * pyramid.ray_size()..];
+                    for row in (0..21).step_by(3) {
+                        let (light, through) = dispatch!(Level::new(), simd => {
+                            let read =
+                                Interval::<_, K>::load(simd, words, pyramid.stride, PAD + row);
+                            (read.light.map(|v| v.to_array()[0]), read.through.map(|v| v.to_array()[0]))
+                        });
+                        for c in 0..3 {
+                            let from = [(plane << level) as i64, row as i64];
+                            let want = brute(compared, c, level, from, ray as i64);
+                            worst = worst
+                                .max((f64::from(light[c]) - want.0).abs() / (1.0 + want.0))
+                                .max((f64::from(through[c % K]) - want.1).abs());
+                        }
+                    }
+                }
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn every_level_is_the_mean_over_the_ways_it_stands_for() {
+        let (plain, tinted) = (cells(false), cells(true));
+        let found = [worst::<1>(&plain, &plain), worst::<3>(&tinted, &tinted)];
+        println!("{found:?}");
+        assert!(found.iter().all(|&v| v < ROUNDING), "{found:?}");
+        let mut other = plain.clone();
+        other.set(20, 10, Matter { emission: [1.0; 3], opacity: 1.0, ..Matter::EMPTY });
+        assert!(worst::<1>(&plain, &other) > ROUNDING, "one cell more is not noticed");
+    }
+}

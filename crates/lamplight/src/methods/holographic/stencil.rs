@@ -68,3 +68,38 @@ pub fn stencil(slabs: usize, slope: f64, offset: f64) -> Vec<Crossing> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crossings_are_the_cells_under_the_ray_in_order() {
+        for (slabs, slope, offset) in
+            [(1, 0.0, 0.0), (3, 0.31, 0.0), (8, -0.97, 0.44), (8, 0.999, -0.49), (5, -0.125, 0.061)]
+        {
+            let crossings = stencil(slabs, slope, offset);
+            let stretch = slope.hypot(1.0);
+            let mut along = 0.0;
+            for crossing in &crossings {
+                let length = f64::from(crossing.length);
+                let middle = (along + 0.5 * length) / stretch;
+                along += length;
+                assert_eq!((middle + 0.5).floor() as usize, crossing.slab);
+                assert_eq!((offset + slope * middle + 0.5).floor() as isize, crossing.row);
+            }
+            assert!((along - slabs as f64 * stretch).abs() < 1e-5, "{along} px of {slabs}");
+            assert_eq!(crossings[0].face, Face::Front);
+            for pair in crossings.windows(2) {
+                let step = (pair[1].slab - pair[0].slab, pair[1].row - pair[0].row);
+                let face = match step {
+                    (1, 0) => Face::Front,
+                    (0, 1) => Face::Low,
+                    (0, -1) => Face::High,
+                    _ => panic!("a ray jumps by {step:?}"),
+                };
+                assert_eq!(pair[1].face, face);
+            }
+        }
+    }
+}
