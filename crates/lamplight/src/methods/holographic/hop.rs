@@ -86,20 +86,22 @@ impl Look {
 pub struct Hop {
     look: Look,
     stride: isize,
-    /// By px to the plane, less the least.
-    cones: Vec<Vec<Cone>>,
+    /// Ahead and, for reversed slabs, back; by px to the plane, less the least.
+    cones: [Vec<Vec<Cone>>; 2],
 }
 
 /// Light on the tile's pixels, and on faces that look ahead, to higher rows and to lower rows.
 pub type Tile<S> = [[[f32x16<S>; VECTORS]; 3]; 4];
 
 impl Hop {
-    /// Aims the rays the way that the slabs go.
+    /// Aims the rays both ways that the slabs may go.
     pub fn aim(&mut self, slabs: &Slabs, look: Look) {
-        if (self.look, self.stride) != (look, slabs.step()) {
-            (self.look, self.stride) = (look, slabs.step());
-            let distances = look.least..=look.most();
-            self.cones = distances.map(|ahead| cones(look, ahead, self.stride)).collect();
+        let stride = slabs.stride as isize;
+        if (self.look, self.stride) != (look, stride) {
+            (self.look, self.stride) = (look, stride);
+            self.cones = [stride, -stride].map(|stride| {
+                (look.least..=look.most()).map(|ahead| cones(look, ahead, stride)).collect()
+            });
         }
     }
 
@@ -120,7 +122,7 @@ impl Hop {
         let ahead = (plane << self.look.level) - slab;
         let start = slabs.start(slab) + row;
         let empty = is_empty(simd, slabs, start, ahead);
-        for cone in &self.cones[ahead - self.look.least] {
+        for cone in &self.cones[slabs.reversed as usize][ahead - self.look.least] {
             let far = light.at(plane, cone.number);
             let middle = &cone.middle;
             let row = light.pad() + row;

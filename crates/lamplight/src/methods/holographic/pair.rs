@@ -69,9 +69,9 @@ impl Pair {
         }
         self.onto.clear();
         self.onto.resize(scene.fronts.len(), [[0.0; 3]; 4]);
+        self.pyramid.aim(&self.slabs, settings.beams);
+        self.hop.aim(&self.slabs, look);
         for reversed in [false, true] {
-            self.pyramid.aim(&self.slabs, settings.beams);
-            self.hop.aim(&self.slabs, look);
             match self.slabs.channels {
                 1 => dispatch!(level, simd => self.quadrant::<_, 1>(simd, scene, look, reversed)),
                 _ => dispatch!(level, simd => self.quadrant::<_, 3>(simd, scene, look, reversed)),

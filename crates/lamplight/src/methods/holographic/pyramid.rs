@@ -37,8 +37,8 @@ pub struct Pyramid {
     channels: usize,
     /// From one word to the next in a row of intervals.
     pub stride: usize,
-    /// The rays of the first level, and what they were made for.
-    beams: Vec<Beam>,
+    /// The rays of the first level, ahead and, for reversed slabs, back; what they were made for.
+    beams: [Vec<Beam>; 2],
     made_for: (u32, u32, isize),
     odd: Vec<Vec<u32>>,
     even: Vec<Vec<u32>>,
@@ -119,12 +119,14 @@ impl Pyramid {
         &self.odd[(level - self.first) as usize][plane / 2 * size..][..size]
     }
 
-    /// Aims the beams, each of `width` rays, the way that the slabs go.
+    /// Aims the beams, each of `width` rays, both ways that the slabs may go.
     pub fn aim(&mut self, slabs: &Slabs, width: u32) {
-        let now = (self.first, width, slabs.step());
-        if self.made_for != now {
-            self.made_for = now;
-            self.beams = (0..rays(self.first)).map(|k| beam(self.first, k, width, now.2)).collect();
+        let (level, stride) = (self.first, slabs.stride as isize);
+        if self.made_for != (level, width, stride) {
+            self.made_for = (level, width, stride);
+            self.beams = [stride, -stride].map(|stride| {
+                (0..rays(level)).map(|ray| beam(level, ray, width, stride)).collect()
+            });
         }
     }
 
@@ -140,7 +142,9 @@ impl Pyramid {
             let from = if plane % 2 == 1 { plane / 2 * size } else { 0 };
             let to = &mut held[from..][..size];
             let ray_size = words(K) * self.stride;
-            for (beam, to) in self.beams.iter().zip(to.chunks_exact_mut(ray_size)) {
+            for (beam, to) in
+                self.beams[slabs.reversed as usize].iter().zip(to.chunks_exact_mut(ray_size))
+            {
                 trace::<S, K>(simd, slabs, plane << self.first, beam, self.stride, to);
             }
             self.ascend::<S, K>(simd, plane);

@@ -53,7 +53,8 @@ pub struct Slabs {
     pub stride: usize,
     /// Empty slabs before the first and after the last.
     beyond: usize,
-    reversed: bool,
+    /// Whether it looks the other way.
+    pub reversed: bool,
     /// Channels of transmittance that differ: 1, or 3 where matter tints.
     pub channels: usize,
     /// Whether walls send out different light by face.
