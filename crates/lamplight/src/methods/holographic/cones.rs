@@ -8,9 +8,9 @@
 //! * planes of even index are planes of the level above: `R_n(p, i) = Σ_s R_{n+1}(p, j)`, exactly.
 //!   (The paper takes the mean of this and of a way over the next plane, which blurs.)
 //!
-//! The last level m, which pixels look at, has cones half as wide, those of the level above, for
-//! else a pixel would take the light of a whole cone from one place of the plane: with the angle of
-//! its edge fixed, a far edge would jump by the spread of a cone over the last hop. There
+//! The first level m, which pixels look at, has cones half as wide, those of the level above: else
+//! the light of a whole cone would be taken from one place of the plane, and far edges would jump
+//! by the spread of a cone over the last hop. There
 //! `R_m(p, j) = Σ_κ w_κ [A_{m+1}(j)·r(T_m(p, κ)) + t(T_m(p, κ))·R_{m+1}(p + v_m(κ), j)]`, κ the two
 //! rays on both sides of cone j and w ¾ and ¼, as its middle lies at a quarter between them.
 //!
@@ -21,11 +21,6 @@ use super::interval::{Interval, LANES, PAD};
 use super::pyramid::{Pyramid, planes};
 use crate::Rgb;
 use fearless_simd::{f32x16, prelude::*};
-
-/// Cones of a level.
-const fn cones(level: u32) -> usize {
-    2 << level
-}
 
 /// Slope of the lower edge of a cone of a level.
 pub fn slope(level: u32, cone: usize) -> f64 {
@@ -49,6 +44,19 @@ struct Level {
     angles: Vec<f32>,
 }
 
+impl Level {
+    /// Light of a cone at the plane that it holds.
+    #[inline(always)]
+    fn far(&self, cone: usize, stride: usize) -> Far<'_> {
+        match self.plane {
+            Some(_) => {
+                Far::Rows([0, 1, 2].map(|c| &self.rows[(3 * cone + c) * stride..][..stride]))
+            }
+            None => Far::Sky(self.sky[cone]),
+        }
+    }
+}
+
 /// The held planes.
 #[derive(Debug, Default)]
 pub struct Cones {
@@ -58,10 +66,8 @@ pub struct Cones {
     /// Rows of sky at both ends of a row.
     pad: usize,
     stride: usize,
-    /// Those above the first, then the sky.
+    /// From the first on; the last is the sky.
     levels: Vec<Level>,
-    /// The first, where it is not a plane of the level above.
-    fine: Vec<f32>,
 }
 
 /// Light of a cone at the rows of a plane.
@@ -134,45 +140,42 @@ impl Cones {
         (self.depth, self.rows, self.first, self.pad) = now;
         self.stride = rows.next_multiple_of(LANES) + 2 * pad;
         self.levels.clear();
-        for level in self.first + 1..=pyramid.end {
-            let cones = cones(level);
+        for level in self.first..=pyramid.end {
+            let width = if level == self.first { level + 1 } else { level };
+            let cones = 2 << width;
             // The topmost is the sky, which has no rows.
             let held = if level < pyramid.end { cones * 3 * self.stride } else { 0 };
             self.levels.push(Level {
                 rows: vec![0.0; held],
                 plane: None,
                 sky: vec![[0.0; 3]; cones],
-                angles: (0..cones).map(|i| angle(level, i) as f32).collect(),
+                angles: (0..cones).map(|cone| angle(width, cone) as f32).collect(),
             });
         }
-        self.fine = vec![0.0; cones(self.first + 1) * 3 * self.stride];
     }
 
     /// Begins at the far end, under the sky whose radiance from an angle (0 straight ahead) is
     /// given.
     pub fn begin(&mut self, sky: impl Fn(f64) -> Rgb) {
         let top = self.levels.len() - 1;
+        let level = self.first + top as u32;
         let mut changed = false;
+        for (cone, held) in self.levels[top].sky.iter_mut().enumerate() {
+            let [from, to] = [cone, cone + 1].map(|cone| slope(level, cone).atan());
+            let light = sky(0.5 * (from + to)).map(|v| v * (to - from) as f32);
+            changed |= std::mem::replace(held, light) != light;
+        }
         for at in (0..=top).rev() {
-            let level = self.first + 1 + at as u32;
-            for cone in 0..cones(level) {
-                let light = if at == top {
-                    let [from, to] = [cone, cone + 1].map(|i| slope(level, i).atan());
-                    sky(0.5 * (from + to)).map(|v| v * (to - from) as f32)
-                } else {
-                    let above = &self.levels[at + 1].sky;
-                    std::array::from_fn(|c| above[2 * cone][c] + above[2 * cone + 1][c])
-                };
-                changed |= std::mem::replace(&mut self.levels[at].sky[cone], light) != light;
-            }
-            let Level { rows, plane, sky, .. } = &mut self.levels[at];
+            let (below, above) = self.levels.split_at_mut(at + 1);
+            let Some(Level { rows, plane, sky, .. }) = below.last_mut() else { return };
             *plane = None;
-            if changed {
+            if let (true, Some(above)) = (changed, above.first()) {
+                let parts = above.sky.len() / sky.len();
+                for (sky, above) in sky.iter_mut().zip(above.sky.chunks_exact(parts)) {
+                    *sky = [0, 1, 2].map(|c| above.iter().map(|part| part[c]).sum());
+                }
                 sky_beyond(rows, self.stride, self.pad, self.rows, sky);
             }
-        }
-        if changed {
-            sky_beyond(&mut self.fine, self.stride, self.pad, self.rows, &self.levels[0].sky);
         }
     }
 
@@ -183,32 +186,29 @@ impl Cones {
 
     /// Light of a cone at the plane last made by [`Self::descend`].
     #[inline(always)]
-    pub fn at(&self, plane: usize, cone: usize) -> Far<'_> {
-        if plane >= planes(self.depth, self.first) {
-            Far::Sky(self.levels[0].sky[cone])
-        } else if plane.is_multiple_of(2) {
-            far(&self.levels[0], cone, self.stride)
-        } else {
-            Far::Rows(channels(&self.fine, cone, self.stride))
-        }
+    pub fn at(&self, cone: usize) -> Far<'_> {
+        self.levels[0].far(cone, self.stride)
     }
 
     /// Makes the light of the first level at a plane; planes come in falling order.
     #[inline(always)]
     pub fn descend<S: Simd, const K: usize>(&mut self, simd: S, pyramid: &Pyramid, plane: usize) {
-        let wanted = |at: usize| plane.div_ceil(2 << at);
-        let present = |cones: &Self, at: usize| {
-            let level = cones.first + 1 + at as u32;
-            let sky = wanted(at) >= planes(cones.depth, level);
-            cones.levels[at].plane == (!sky).then(|| wanted(at))
-        };
-        let missing = (0..self.levels.len()).find(|&at| present(self, at));
-        for at in (0..missing.unwrap_or(self.levels.len())).rev() {
-            self.merge::<S, K>(simd, pyramid, at, wanted(at));
+        // A plane is made from the next one of the level above that is not before it.
+        let mut missing = 0;
+        while self.levels[missing].plane != self.wanted(missing, plane) {
+            missing += 1;
         }
-        if !plane.is_multiple_of(2) && plane < planes(self.depth, self.first) {
-            self.refine::<S, K>(simd, pyramid, plane);
+        for at in (0..missing).rev() {
+            self.merge::<S, K>(simd, pyramid, at, plane.div_ceil(1 << at));
         }
+    }
+
+    /// The plane of a level that light comes through on its way to one of the first; none: it comes
+    /// from the sky.
+    #[inline(always)]
+    fn wanted(&self, at: usize, plane: usize) -> Option<usize> {
+        let plane = plane.div_ceil(1 << at);
+        (plane < planes(self.depth, self.first + at as u32)).then_some(plane)
     }
 
     /// Makes a plane of a level from the one that the level above holds.
@@ -220,53 +220,47 @@ impl Cones {
         at: usize,
         plane: usize,
     ) {
-        let level = self.first + 1 + at as u32;
+        let level = self.first + at as u32;
         let (stride, pad, count) = (self.stride, self.pad, self.rows);
         let [made, above, ..] = &mut self.levels[at..] else { return };
         made.plane = Some(plane);
         let Level { rows, sky, .. } = made;
+        let parts = above.sky.len() / sky.len();
         for (cone, (rows, sky)) in rows.chunks_exact_mut(3 * stride).zip(sky).enumerate() {
-            let pair = [0, 1].map(|s| far(above, 2 * cone + s, stride));
+            let part = |s: usize| above.far(parts * cone + s, stride);
             if plane.is_multiple_of(2) {
+                let (first, last) = (part(0), part(parts - 1));
                 for y in (0..count).step_by(LANES) {
-                    let (a, b) = (pair[0].load(simd, pad + y), pair[1].load(simd, pad + y));
+                    let mut sum = first.load(simd, pad + y);
+                    if parts > 1 {
+                        let last = last.load(simd, pad + y);
+                        for c in 0..3 {
+                            sum[c] += last[c];
+                        }
+                    }
                     for c in 0..3 {
-                        (a[c] + b[c]).store_slice(&mut rows[c * stride + pad + y..][..LANES]);
+                        sum[c].store_slice(&mut rows[c * stride + pad + y..][..LANES]);
                     }
                 }
             } else {
                 let near = pyramid.plane(level, plane);
-                let terms = [0, 1].map(|s| Term {
-                    near: &near[(cone + s) * pyramid.ray_size()..][..pyramid.ray_size()],
-                    shift: (cone + s) as isize - (1 << level),
-                    angle: above.angles[2 * cone + s],
-                    share: 1.0,
-                    far: pair[s],
-                    sky: above.sky[2 * cone + s],
-                });
+                let term = |s: usize, ray: usize, share: f32| Term {
+                    near: &near[ray * pyramid.ray_size()..][..pyramid.ray_size()],
+                    shift: ray as isize - (1 << level),
+                    angle: above.angles[parts * cone + s],
+                    share,
+                    far: part(s),
+                    sky: above.sky[parts * cone + s],
+                };
+                let terms = if parts > 1 {
+                    [term(0, cone, 1.0), term(1, cone + 1, 1.0)]
+                } else {
+                    let past = if cone.is_multiple_of(2) { 0.25 } else { 0.75 };
+                    [term(0, cone / 2, 1.0 - past), term(0, cone / 2 + 1, past)]
+                };
                 add_up::<S, K>(simd, &terms, rows, [pyramid.stride, stride, pad, count]);
             }
             sky_tail(rows, stride, pad + count, sky);
-        }
-    }
-
-    /// Makes a plane of odd index of the first level, with the cones of the level above.
-    #[inline(always)]
-    fn refine<S: Simd, const K: usize>(&mut self, simd: S, pyramid: &Pyramid, plane: usize) {
-        let (stride, pad, count) = (self.stride, self.pad, self.rows);
-        let above = &self.levels[0];
-        let near = pyramid.plane(self.first, plane);
-        for (cone, rows) in self.fine.chunks_exact_mut(3 * stride).enumerate() {
-            let terms = [0, 1].map(|s| Term {
-                near: &near[(cone / 2 + s) * pyramid.ray_size()..][..pyramid.ray_size()],
-                shift: (cone / 2 + s) as isize - (1 << self.first),
-                angle: above.angles[cone],
-                share: if cone % 2 == s { 0.75 } else { 0.25 },
-                far: far(above, cone, stride),
-                sky: above.sky[cone],
-            });
-            add_up::<S, K>(simd, &terms, rows, [pyramid.stride, stride, pad, count]);
-            sky_tail(rows, stride, pad + count, &above.sky[cone]);
         }
     }
 }
@@ -311,20 +305,6 @@ fn add_up<S: Simd, const K: usize>(
     }
 }
 
-#[inline(always)]
-fn far(level: &Level, cone: usize, stride: usize) -> Far<'_> {
-    match level.plane {
-        Some(_) => Far::Rows(channels(&level.rows, cone, stride)),
-        None => Far::Sky(level.sky[cone]),
-    }
-}
-
-/// The rows of a cone by channel.
-#[inline(always)]
-fn channels(rows: &[f32], cone: usize, stride: usize) -> [&[f32]; 3] {
-    std::array::from_fn(|c| &rows[(3 * cone + c) * stride..][..stride])
-}
-
 /// Puts sky into the rows beyond both edges of the grid.
 fn sky_beyond(rows: &mut [f32], stride: usize, pad: usize, count: usize, sky: &[Rgb]) {
     for (rows, sky) in rows.chunks_exact_mut(3 * stride).zip(sky) {
@@ -351,7 +331,7 @@ mod tests {
     #[test]
     fn the_cones_of_a_level_fill_the_quadrant() {
         for level in 0..10 {
-            let sum: f64 = (0..cones(level)).map(|cone| angle(level, cone)).sum();
+            let sum: f64 = (0..2 << level).map(|cone| angle(level, cone)).sum();
             assert!((sum - std::f64::consts::FRAC_PI_2).abs() < 1e-12, "level {level}: {sum}");
         }
     }

@@ -123,7 +123,7 @@ impl Hop {
         let start = slabs.start(slab) + row;
         let empty = is_empty(simd, slabs, start, ahead);
         for cone in &self.cones[slabs.reversed as usize][ahead - self.look.least] {
-            let far = light.at(plane, cone.number);
+            let far = light.at(cone.number);
             let middle = &cone.middle;
             let row = light.pad() + row;
             let at = row.wrapping_add_signed(middle.row);
