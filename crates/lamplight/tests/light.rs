@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use lamplight::{Light, Matter, Rgb, Settings, Sky};
+use lamplight::{Light, Matter, Rgb, Sky};
 
 /// Sums of a few f32 in another order.
 const ROUNDING: f32 = 1e-6;
@@ -115,7 +115,7 @@ fn block(wall: Matter, depth: f32) -> Light {
         if solid { wall } else { Matter::EMPTY }
     });
     cells.set_sky(Sky::Uniform([0.5; 3]));
-    solve(&Settings { wall_depth: depth, ..Settings::default() }, &cells)
+    solve(&settings(|s| s.wall_depth = depth), &cells)
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn emission_shows_on_top_of_what_walls_receive() {
 #[test]
 fn a_grid_of_nothing_but_walls_shows_its_emission() {
     let cells = grid(5, 4, |x, y| Matter { emission: [x as f32, y as f32, 0.0], ..WALL });
-    let light = solve(&Settings { wall_depth: 8.0, ..Settings::default() }, &cells);
+    let light = solve(&settings(|s| s.wall_depth = 8.0), &cells);
     for (x, y) in (0..5).flat_map(|x| (0..4).map(move |y| (x, y))) {
         assert_eq!(light.at(x, y), [x as f32, y as f32, 0.0]);
     }

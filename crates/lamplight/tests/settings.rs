@@ -28,7 +28,7 @@ fn defaults_are_direct_light_to_the_edge() {
     let settings = defaults.resolve().unwrap();
     assert_eq!(settings, Settings::default());
     settings.check().unwrap();
-    assert_eq!(settings.method, Method::Raymarch);
+    assert_eq!(settings.method, Method::Holographic);
     assert_eq!(settings.bounces, Bounces::Count(0));
     assert_eq!(settings.wall_depth, 0.0);
     assert_eq!(settings.temporal, Temporal { frames: 0, reject: true });

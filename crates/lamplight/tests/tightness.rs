@@ -8,8 +8,8 @@
 mod common;
 
 use common::*;
-use lamplight::settings::{BounceBy, Hit, Noise, Raymarch, Spacing, Temporal};
-use lamplight::{Bounces, Cells, Matter, Rgb, Settings, Solver};
+use lamplight::settings::{BounceBy, Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
+use lamplight::{Bounces, Cells, Matter, Method, Rgb, Settings, Solver};
 use proptest::prelude::*;
 
 const BRIGHT: Rgb = [1000.0, 800.0, 1e6];
@@ -152,6 +152,31 @@ fn every_setting_lights_the_inside_and_nothing_else() {
             let (leaks, inside) = lit(&sealed, &cells, &frames(&settings, &cells));
             assert!(leaks.is_empty(), "{contact:?}, {settings:?}: lit outside: {leaks:?}");
             assert!(inside > 0, "{contact:?}, {settings:?}: dark inside");
+        }
+    }
+}
+
+#[test]
+fn no_preset_of_holographic_lets_light_out() {
+    let random = &mut Random::fresh();
+    for contact in [Contact::Sides, Contact::Corners] {
+        for preset in ["default", "fast", "quality"] {
+            for bounces in [0, 2] {
+                for _ in 0..8 {
+                    let holographic = Holographic::preset(preset).unwrap();
+                    let settings = Settings {
+                        bounces: Bounces::Count(bounces),
+                        method: Method::Holographic,
+                        holographic,
+                        ..Settings::default()
+                    };
+                    let sealed = Sealed::new(random, [71, 37], 300, contact);
+                    let cells = world(&sealed, [71, 37], random);
+                    let (leaks, inside) = lit(&sealed, &cells, &frames(&settings, &cells));
+                    assert!(leaks.is_empty(), "{contact:?}, {preset}: lit outside: {leaks:?}");
+                    assert!(inside > 0, "{contact:?}, {preset}: dark inside");
+                }
+            }
         }
     }
 }

@@ -8,7 +8,10 @@ use serde_json::Value;
 fn writes_a_picture_and_one_line() {
     let sandbox = Sandbox::small();
     let said = sandbox.run("render small.toml --threads 1").done();
-    assert!(said.starts_with("wrote small.png: 32×20 cells lit by raymarch on the CPU"), "{said}");
+    assert!(
+        said.starts_with("wrote small.png: 32×20 cells lit by holographic on the CPU"),
+        "{said}"
+    );
     assert!(said.ends_with(" ms on 1 thread\n") && said.lines().count() == 1, "{said}");
     assert_eq!(sandbox.files(), ["small.png", "small.toml"]);
     let picture = sandbox.picture("small.png");
@@ -23,7 +26,7 @@ fn quiet_says_nothing_and_json_says_everything() {
     let sandbox = Sandbox::small();
     assert_eq!(sandbox.run("render small.toml --quiet").done(), "");
     let said = sandbox
-        .run("render small.toml --json --threads 2 --bounces 1 --set raymarch.rays=7 -o x.png")
+        .run("render small.toml --json --threads 2 --bounces 1 --method raymarch --set raymarch.rays=7 -o x.png")
         .done();
     assert_eq!(said.lines().count(), 1, "{said}");
     let json: Value = serde_json::from_str(&said).unwrap();
@@ -84,10 +87,14 @@ fn the_same_bytes_with_any_number_of_threads() {
             .done();
         sandbox.read("l.exr")
     };
-    let one = bytes("--threads 1");
-    assert!(one == bytes("--threads 3"), "threads change the result");
-    assert!(one == bytes("--seed 0"), "another run changes the result");
-    assert!(one != bytes("--seed 1"), "the comparison sees no difference, or the seed makes none");
+    for method in ["raymarch", "cascades", "holographic"] {
+        let one = bytes(&format!("--method {method} --threads 1"));
+        let more = bytes(&format!("--method {method} --threads 3"));
+        assert!(one == more, "threads change the light of {method}");
+    }
+    let one = bytes("--method raymarch --threads 1");
+    assert!(one == bytes("--method raymarch --seed 0"), "another run changes the result");
+    assert!(one != bytes("--method raymarch --seed 1"), "the comparison sees no difference");
 }
 
 #[test]
@@ -137,12 +144,15 @@ fn frames_average_the_noise_out() {
         sandbox.run(&format!("render small.toml --stage light -o l.exr {flags}")).done();
         image::load_from_memory(&sandbox.read("l.exr")).unwrap().to_rgb32f()
     };
-    let truth = light("--set raymarch.rays=4096");
+    let truth = light("--method raymarch --set raymarch.rays=4096");
     let error = |flags: &str| {
         let found = light(flags);
         found.iter().zip(truth.iter()).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
     };
-    let (one, many) = (error("--set raymarch.rays=8"), error("--set raymarch.rays=8 --frames 16"));
+    let (one, many) = (
+        error("--method raymarch --set raymarch.rays=8"),
+        error("--method raymarch --set raymarch.rays=8 --frames 16"),
+    );
     // Independent noise would fall to a quarter.
     assert!(many < 0.5 * one, "the error of one frame is {one}, of sixteen {many}");
 }

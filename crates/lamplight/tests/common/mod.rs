@@ -3,7 +3,7 @@
 // Each test program uses its own part of this.
 #![allow(dead_code)]
 
-use lamplight::{Cells, Light, Matter, Rgb, Settings, Solver};
+use lamplight::{Cells, Light, Matter, Method, Rgb, Settings, Solver};
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 
@@ -70,7 +70,7 @@ pub fn room(width: u32, height: u32, wall: Matter) -> Cells {
 
 /// Settings that differ from the defaults in a few keys.
 pub fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
-    let mut settings = Settings::default();
+    let mut settings = Settings { method: Method::Raymarch, ..Settings::default() };
     change(&mut settings);
     settings
 }

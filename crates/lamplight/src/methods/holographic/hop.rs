@@ -37,6 +37,19 @@ struct Ray {
     steps: Vec<Step>,
 }
 
+impl Ray {
+    /// The row from which the ray ends on the one side of the grid's edge and would take part of
+    /// its light from the other, and which of its two shares that is: it has left the grid, perhaps
+    /// over the end of a wall, and is not to come in again.
+    #[inline(always)]
+    fn strays(&self, rows: usize) -> (isize, usize) {
+        match self.shares[1] < 0.5 {
+            true => (-1 - self.row, 1),
+            false => (rows as isize - 1 - self.row, 0),
+        }
+    }
+}
+
 /// A cone, as a pixel at a distance from the plane looks through it.
 #[derive(Debug)]
 struct Cone {
@@ -125,26 +138,29 @@ impl Hop {
         for cone in &self.cones[slabs.reversed as usize][ahead - self.look.least] {
             let far = light.at(cone.number);
             let middle = &cone.middle;
-            let row = light.pad() + row;
-            let at = row.wrapping_add_signed(middle.row);
+            let strays = middle.strays(slabs.rows).0 - row as isize;
+            let at = (light.pad() + row).wrapping_add_signed(middle.row);
             let met =
                 if empty { Met::NOTHING } else { meet(simd, &slabs.kinds, start, &cone.cells) };
-            if (met.matter & lit) | faces == 0 {
+            if (met.matter & lit) | faces == 0 && !(0..TILE as isize).contains(&strays) {
                 far.add(simd, at, &middle.shares, &mut tile[0]);
                 continue;
             }
+            let pad = light.pad();
             let mut light = [[zero; VECTORS]; 3];
             far.add(simd, at, &middle.shares, &mut light);
             for v in 0..VECTORS {
                 let first = v * LANES;
-                let Some(kinds) = met.kinds(first) else { continue };
+                let alone = (first..first + LANES).contains(&(strays as usize));
+                let kinds = met.kinds(first).or(alone.then_some(Kinds::NONE));
+                let Some(kinds) = kinds else { continue };
                 let rays = match kinds.glowing {
                     true => &cone.fan,
                     false => std::slice::from_ref(&cone.middle),
                 };
                 let mut sum = [zero; 3];
                 for ray in rays {
-                    let from = [start + first, row + first];
+                    let from = [start + first, row + first, pad];
                     let one = look::<S, K>(simd, slabs, from, (ray, kinds, cone.angle), &far);
                     for c in 0..3 {
                         sum[c] += one[c];
@@ -180,16 +196,24 @@ impl Hop {
 fn look<S: Simd, const K: usize>(
     simd: S,
     slabs: &Slabs,
-    [start, row]: [usize; 2],
+    [start, row, pad]: [usize; 3],
     (ray, kinds, angle): (&Ray, Kinds, f32),
     far: &Far,
 ) -> [f32x16<S>; 3] {
     let near = march::<S, K>(simd, slabs, start, &ray.steps, kinds);
     let pass = &slabs.pass[0][start.wrapping_add_signed(ray.end)..];
-    let at = row.wrapping_add_signed(ray.row);
+    let at = (pad + row).wrapping_add_signed(ray.row);
+    let (strays, lost) = ray.strays(slabs.rows);
+    let lane = (strays - row as isize) as usize;
     let (mut all, mut far_light) = (f32x16::splat(simd, CLOSED), [f32x16::splat(simd, 0.0); 3]);
     for (i, &share) in ray.shares.iter().enumerate() {
-        let share = f32x16::from_slice(simd, &pass[i..][..LANES]) * share;
+        let mut share = f32x16::from_slice(simd, &pass[i..][..LANES]) * share;
+        if i == lost && lane < LANES {
+            let mut shares = [0.0; LANES];
+            share.store_slice(&mut shares);
+            shares[lane] = 0.0;
+            share = f32x16::from_slice(simd, &shares);
+        }
         let light = far.load(simd, at + i);
         for c in 0..3 {
             far_light[c] = share.mul_add(light[c], far_light[c]);

@@ -6,6 +6,9 @@ use super::stencil::Step;
 use crate::stages::transmittance::exp_negative_lanes;
 use fearless_simd::{f32x16, prelude::*, u8x64};
 
+/// Transmittance that counts as none: walls among fog let exactly nothing through.
+const VANISHED: f32 = 1e-30;
+
 /// The interval of a ray from sixteen cells of a slab, which crosses only matter of these kinds.
 #[inline(always)]
 pub fn march<S: Simd, const K: usize>(
@@ -21,7 +24,8 @@ pub fn march<S: Simd, const K: usize>(
         let mut through = [f32x16::splat(simd, 1.0); K];
         for k in 0..K {
             through[k] = if kinds.fraction {
-                exp_negative_lanes(load(simd, &slabs.log_pass[k], at) * step.length)
+                let t = exp_negative_lanes(load(simd, &slabs.log_pass[k], at) * step.length);
+                t.simd_gt(VANISHED).select(t, f32x16::splat(simd, 0.0))
             } else {
                 load(simd, &slabs.pass[k], at)
             };
@@ -58,6 +62,11 @@ pub struct Kinds {
     pub fraction: bool,
     /// Some gives off light.
     pub glowing: bool,
+}
+
+impl Kinds {
+    /// Nothing whose length or light counts.
+    pub const NONE: Self = Self { fraction: false, glowing: false };
 }
 
 /// Which of 64 rays cross which kinds of matter, bit by bit.

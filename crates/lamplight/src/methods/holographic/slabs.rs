@@ -6,7 +6,7 @@
 //! in reverse. Empty rows and slabs round the grid spare rays every test for its edge.
 
 use crate::stages::bounce::{NORMALS, Surfaces};
-use crate::stages::transmittance::{LOG_OF_ZERO, log_transmittance};
+use crate::stages::transmittance::log_transmittance;
 use crate::{Cells, Rgb};
 
 /// Rows of empty space on both sides of a slab: more than any ray of a last hop strays.
@@ -20,6 +20,10 @@ pub const FRACTION: u8 = 2;
 
 /// Bit of [`Slabs::kinds`]: the cell gives off light, or sends it on.
 pub const GLOWING: u8 = 4;
+
+/// Logarithm of what a px of wall lets through: so low that not even the corner of a wall lets
+/// anything through, over however short a way.
+const LOG_OF_SOLID: f32 = -1e30;
 
 /// The axis that a pair of quadrants looks along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +110,7 @@ impl Slabs {
                 | if solid { 0 } else { FRACTION }
                 | if emission == [0.0; 3] { 0 } else { GLOWING };
             let tint = cells.tint()[i];
-            let log = if solid { [LOG_OF_ZERO; 3] } else { log_transmittance(opacity, tint) };
+            let log = if solid { [LOG_OF_SOLID; 3] } else { log_transmittance(opacity, tint) };
             for c in 0..3 {
                 self.source[c][at] = emission[c];
                 if c < self.channels {
