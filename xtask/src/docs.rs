@@ -31,6 +31,7 @@ const THEATRE: [(&str, &[&str]); 4] = [
 /// Sizes at which their cost is measured.
 const POLAR_SIZES: &str = "320x180,640x360,1280x720";
 const FLOOD_SIZES: &str = "64x64,128x128,320x180";
+const HOLOGRAPHIC_SIZES: &str = "128x128,256x256,320x180,512x512,1024x1024";
 
 pub fn run() -> Result<()> {
     cargo(&["build", "--release", "--package", "lamplight-cli"])?;
@@ -44,6 +45,9 @@ pub fn run() -> Result<()> {
     insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, lights, &machine)?)?;
     insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)?;
     insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
+    insert("docs/holographic.md", "errors", &errors(&["holographic"], &machine)?)?;
+    let holographic = costs(Method::Holographic, HOLOGRAPHIC_SIZES, lights, &machine)?;
+    insert("docs/holographic.md", "costs", &holographic)?;
     methods(&machine)
 }
 
@@ -101,14 +105,16 @@ fn pictures() -> Result<()> {
     }
     let light = ["--stage", "light", "--scale", SCALE, "-o", "docs/pictures/cave-light.png"];
     lamplight(&[&["render", &file("cave")], &light[..]].concat())?;
-    for (preset, output) in [
-        ("default", "docs/pictures/grove-cascades.png"),
-        ("plain", "docs/pictures/grove-cascades-plain.png"),
+    for (name, preset, output) in [
+        ("cascades", "default", "docs/pictures/grove-cascades.png"),
+        ("cascades", "plain", "docs/pictures/grove-cascades-plain.png"),
+        ("holographic", "default", "docs/pictures/grove-holographic.png"),
+        ("holographic", "paper", "docs/pictures/grove-holographic-paper.png"),
     ] {
-        let preset = format!("cascades.preset={preset}");
+        let preset = format!("{name}.preset={preset}");
         let direct = ["--bounces", "0", "--stage", "light", "--scale", SCALE, "-o", output];
         let scene = file("grove");
-        let method = ["render", &scene, "--method", "cascades", "--set", &preset];
+        let method = ["render", &scene, "--method", name, "--set", &preset];
         lamplight(&[&method, &direct[..]].concat())?;
     }
     let folder = tempfile::tempdir()?;
@@ -120,20 +126,21 @@ fn pictures() -> Result<()> {
 
 fn times(machine: &str) -> Result<String> {
     let mut table = String::from(
-        "| scene | cells | rays a pixel | bounces | a frame |\n| --- | --- | --- | --- | --- |\n",
+        "| scene | cells | method | bounces | a frame |\n| --- | --- | --- | --- | --- |\n",
     );
     for name in scenes::NAMES {
         println!("time {name}");
         let scene = lamplight::Scene::load(root().join(file(name)))?;
         let settings = scene.settings()?;
-        let case: Value =
-            serde_json::from_str(&lamplight(&["bench", "--scene", &file(name), "--json"])?)?;
+        let method = settings.method.name();
+        let bench = ["bench", "--method", method, "--scene", &file(name), "--json"];
+        let case: Value = serde_json::from_str(&lamplight(&bench)?)?;
         writeln!(
             table,
             "| [{name}](../scenes/{name}.toml) | {}×{} | {} | {} | {:.0} ms |",
             scene.size[0],
             scene.size[1],
-            settings.raymarch.rays,
+            method,
             settings.bounces.limit(),
             number(&case, "median_ms")?
         )?;
