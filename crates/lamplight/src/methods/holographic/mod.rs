@@ -18,7 +18,7 @@
 //! A bounce solves the quadrants for the surfaces only, with what they sent the time before.
 //!
 //! Cost: about N² log N for an N×N grid, whatever is in it, less where space is empty; memory about
-//! N² (log N − hop) intervals of 8 bytes for each of two threads. Known failures: up to 4 % of
+//! N² (log N − hop) intervals of 8 bytes for each of two threads. Known failures: up to 8 % of
 //! error on a ring of 10 to 20 px round a light, faint stripes far from small lights; where a plane
 //! of the lattice cuts a light, its two halves together look up to a third of a px too wide.
 
