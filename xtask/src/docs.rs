@@ -39,16 +39,16 @@ pub fn run() -> Result<()> {
     pictures()?;
     let machine = machine()?;
     insert("docs/README.md", "times", &times(&machine)?)?;
-    let lamps = "one of range 64 to 922 cells: 1000 at 1280×720";
-    insert("docs/polar.md", "costs", &costs(Method::Polar, POLAR_SIZES, lamps, &machine)?)?;
     let lights = "walls and 36 glowing discs";
-    insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, lights, &machine)?)?;
-    insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)?;
-    insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
-    insert("docs/holographic.md", "errors", &errors(&["holographic"], &machine)?)?;
     let holographic = costs(Method::Holographic, HOLOGRAPHIC_SIZES, lights, &machine)?;
     insert("docs/holographic.md", "costs", &holographic)?;
-    methods(&machine)
+    let lamps = "one of range 64 to 922 cells: 1000 at 1280×720";
+    insert("docs/polar.md", "costs", &costs(Method::Polar, POLAR_SIZES, lamps, &machine)?)?;
+    insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, lights, &machine)?)?;
+    methods(&machine)?;
+    insert("docs/holographic.md", "errors", &errors(&["holographic"], &machine)?)?;
+    insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
+    insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)
 }
 
 /// The page that sets all methods side by side.
