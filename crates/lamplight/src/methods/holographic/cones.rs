@@ -16,8 +16,8 @@
 //!
 //! Pixels are lit from the far end to the near one, so one plane a level is held at any time.
 
-use super::hop::{TILE, VECTORS};
 use super::interval::{Interval, LANES, PAD};
+use super::march::{Light, TILE, VECTORS, mask, of_vector};
 use super::pyramid::{Pyramid, planes};
 use crate::Rgb;
 use fearless_simd::{f32x16, prelude::*};
@@ -99,30 +99,59 @@ impl Far<'_> {
         light
     }
 
-    /// Adds shares of the light of a tile of rows from `at` on, and of those one row on.
+    /// Adds shares of the light of a tile of rows from `at` on, and of those one row on, in the
+    /// vectors of which `lit` has bits.
     #[inline(always)]
     pub fn add<S: Simd>(
         &self,
         simd: S,
         at: usize,
         shares: &[f32; 2],
-        light: &mut [[f32x16<S>; VECTORS]; 3],
+        lit: u64,
+        light: &mut Light<S>,
     ) {
         for c in 0..3 {
-            match self {
-                Self::Rows(rows) => {
-                    let rows = &rows[c][at..at + TILE + 1];
-                    for v in 0..VECTORS {
+            for v in 0..VECTORS {
+                if !of_vector(lit, v * LANES) {
+                    continue;
+                }
+                match self {
+                    Self::Rows(rows) => {
+                        let rows = &rows[c][at + v * LANES..][..LANES + 1];
                         for (i, &share) in shares.iter().enumerate() {
-                            let row = f32x16::from_slice(simd, &rows[v * LANES + i..][..LANES]);
+                            let row = f32x16::from_slice(simd, &rows[i..][..LANES]);
                             light[c][v] = row.mul_add(share, light[c][v]);
                         }
                     }
+                    Self::Sky(sky) => light[c][v] += sky[c],
                 }
-                Self::Sky(sky) => {
-                    for v in 0..VECTORS {
-                        light[c][v] += sky[c];
-                    }
+            }
+        }
+    }
+
+    /// The same where rows are open: `open` has bits for the one row and for the other. Where only
+    /// one of them is, it counts for both; all of it counts a `share`.
+    #[inline(always)]
+    pub fn add_where<S: Simd>(
+        &self,
+        simd: S,
+        at: usize,
+        shares: &[f32; 2],
+        open: [u64; 2],
+        share: f32,
+        light: &mut Light<S>,
+    ) {
+        let both = open[0] & open[1];
+        for v in 0..VECTORS {
+            if !of_vector(open[0] | open[1], v * LANES) {
+                continue;
+            }
+            for (i, &part) in shares.iter().enumerate() {
+                let part = mask(simd, both, v).select(f32x16::splat(simd, part * share), f32x16::splat(simd, share));
+                let part = mask(simd, open[i], v).select(part, f32x16::splat(simd, 0.0));
+                let row = self.load(simd, at + v * LANES + i);
+                for c in 0..3 {
+                    light[c][v] = row[c].mul_add(part, light[c][v]);
                 }
             }
         }

@@ -10,42 +10,42 @@
 //! through.
 
 use super::cones::{Cones, Far, angle, slope};
-use super::interval::LANES;
-use super::march::{Kinds, Met, march, meet, of_vector};
+use super::interval::{Interval, LANES};
+use super::march::{
+    Kinds, Light, Met, TILE, VECTORS, kinds_of, march, march_solid, mask, meet, of_vector,
+    solid, whole_vectors,
+};
 use super::slabs::Slabs;
-use super::stencil::{Step, stencil};
+use super::stencil::{Bundle, Step, stencil};
 use fearless_simd::{f32x16, prelude::*, u8x64};
-
-/// Rows that are looked at together: a word of bits.
-pub const TILE: usize = 64;
-
-/// Vectors in a tile.
-pub const VECTORS: usize = TILE / LANES;
 
 /// Share of light under which a cell counts as closed.
 const CLOSED: f32 = 1e-6;
 
-/// One ray of a pixel.
-#[derive(Debug)]
+/// Where one ray of a pixel ends.
+#[derive(Clone, Copy, Debug)]
 struct Ray {
     /// Rows from the start to the row before its end on the plane.
     row: isize,
     /// Shares of that row and of the next in the light there.
     shares: [f32; 2],
-    /// Where that row's cell of the plane is.
-    end: isize,
-    steps: Vec<Step>,
+    /// Which of its cone's cells is that row's on the plane; the next row's comes next.
+    end: usize,
 }
 
 impl Ray {
-    /// The row from which the ray ends on the one side of the grid's edge and would take part of
-    /// its light from the other, and which of its two shares that is: it has left the grid, perhaps
-    /// over the end of a wall, and is not to come in again.
+    /// Of 64 rows that from which the ray ends on the one side of the grid's edge and would take
+    /// part of its light from the other, as a bit, and which of its two shares that is: it has left
+    /// the grid, perhaps over the end of a wall, and is not to come in again.
     #[inline(always)]
-    fn strays(&self, rows: usize) -> (isize, usize) {
-        match self.shares[1] < 0.5 {
+    fn strays(&self, rows: usize, first: usize) -> (u64, usize) {
+        let (row, share) = match self.shares[1] < 0.5 {
             true => (-1 - self.row, 1),
             false => (rows as isize - 1 - self.row, 0),
+        };
+        match row - first as isize {
+            row @ 0..64 => (1 << row, share),
+            _ => (0, share),
         }
     }
 }
@@ -57,12 +57,19 @@ struct Cone {
     angle: f32,
     /// Cosines to the normals of the faces that it lights: ahead, towards higher rows.
     cosines: [f32; 2],
-    /// The ray along its middle.
-    middle: Ray,
-    /// Several rays, for where something glows.
-    fan: Vec<Ray>,
-    /// The cells that any of them crosses, and those of the plane whose light it takes.
-    cells: Vec<isize>,
+    /// Where its rays end: first that along its middle, then several for where something glows.
+    ends: Vec<Ray>,
+    /// Their ways, and the cells of the plane whose light they take.
+    bundle: Bundle,
+}
+
+impl Cone {
+    /// Several rays where something glows, else one.
+    #[inline(always)]
+    fn rays(&self, glowing: bool) -> (&[Ray], &[Vec<Step>]) {
+        let (ends, rays) = (&self.ends[..], &self.bundle.rays[..]);
+        if glowing { (&ends[1..], &rays[1..]) } else { (&ends[..1], &rays[..1]) }
+    }
 }
 
 /// How pixels look ahead.
@@ -101,10 +108,14 @@ pub struct Hop {
     stride: isize,
     /// Ahead and, for reversed slabs, back; by px to the plane, less the least.
     cones: [Vec<Vec<Cone>>; 2],
+    /// Where the cells of a cone are solid.
+    solid: Vec<u64>,
+    /// Light of a tile through all cones up to one, cone by cone, by channel.
+    sums: Vec<[[f32; TILE]; 3]>,
 }
 
-/// Light on the tile's pixels, and on faces that look ahead, to higher rows and to lower rows.
-pub type Tile<S> = [[[f32x16<S>; VECTORS]; 3]; 4];
+/// Light onto faces that look ahead, to higher rows and to lower rows, by channel, in sixteen rows.
+pub type Onto = [[[f32; LANES]; 3]; 3];
 
 impl Hop {
     /// Aims the rays both ways that the slabs may go.
@@ -115,104 +126,145 @@ impl Hop {
             self.cones = [stride, -stride].map(|stride| {
                 (look.least..=look.most()).map(|ahead| cones(look, ahead, stride)).collect()
             });
+            let all = self.cones.iter().flatten().flatten();
+            self.solid.resize(all.map(|cone| cone.bundle.cells.len()).max().unwrap_or(0), 0);
+            self.sums.resize(4 << look.level, [[0.0; TILE]; 3]);
         }
     }
 
     /// Light of 64 pixels of a slab from the plane ahead. `lit`: bits of pixels that count;
-    /// `faces`: of those whose faces count too.
+    /// `faces`: of those whose faces count too ([`Self::onto`]).
     #[inline(always)]
     pub fn light<S: Simd, const K: usize>(
-        &self,
+        &mut self,
         simd: S,
         slabs: &Slabs,
         light: &Cones,
         [slab, plane]: [usize; 2],
         row: usize,
         [lit, faces]: [u64; 2],
-    ) -> Tile<S> {
-        let zero = f32x16::splat(simd, 0.0);
-        let mut tile = [[[zero; VECTORS]; 3]; 4];
+    ) -> Light<S> {
+        let mut sum = [[f32x16::splat(simd, 0.0); VECTORS]; 3];
         let ahead = (plane << self.look.level) - slab;
         let start = slabs.start(slab) + row;
-        let empty = is_empty(simd, slabs, start, ahead);
-        for cone in &self.cones[slabs.reversed as usize][ahead - self.look.least] {
+        let near = near(simd, slabs, start, ahead);
+        let cones = &self.cones[slabs.reversed as usize][ahead - self.look.least];
+        for (cone, sums) in cones.iter().zip(&mut self.sums) {
             let far = light.at(cone.number);
-            let middle = &cone.middle;
-            let strays = middle.strays(slabs.rows).0 - row as isize;
+            let [middle, ..] = &cone.ends[..] else { continue };
+            let met = match near.matter {
+                0 => Met::NOTHING,
+                _ => meet(simd, &slabs.kinds, start, &cone.bundle.cells),
+            };
+            let strays = middle.strays(slabs.rows, row).0;
+            let busy = whole_vectors(met.matter & lit | strays);
             let at = (light.pad() + row).wrapping_add_signed(middle.row);
-            let met =
-                if empty { Met::NOTHING } else { meet(simd, &slabs.kinds, start, &cone.cells) };
-            if (met.matter & lit) | faces == 0 && !(0..TILE as isize).contains(&strays) {
-                far.add(simd, at, &middle.shares, &mut tile[0]);
-                continue;
-            }
-            let pad = light.pad();
-            let mut light = [[zero; VECTORS]; 3];
-            far.add(simd, at, &middle.shares, &mut light);
-            for v in 0..VECTORS {
-                let first = v * LANES;
-                let alone = (first..first + LANES).contains(&(strays as usize));
-                let kinds = met.kinds(first).or(alone.then_some(Kinds::NONE));
-                let Some(kinds) = kinds else { continue };
-                let rays = match kinds.glowing {
-                    true => &cone.fan,
-                    false => std::slice::from_ref(&cone.middle),
-                };
-                let mut sum = [zero; 3];
-                for ray in rays {
-                    let from = [start + first, row + first, pad];
-                    let one = look::<S, K>(simd, slabs, from, (ray, kinds, cone.angle), &far);
-                    for c in 0..3 {
-                        sum[c] += one[c];
+            far.add(simd, at, &middle.shares, !busy, &mut sum);
+            if busy != 0 && near.fraction == 0 {
+                solid(simd, &slabs.kinds, start, &cone.bundle.cells, &mut self.solid);
+                let from = ([start, row, light.pad()], &self.solid[..]);
+                look_solid(simd, slabs, from, (cone, met, busy & lit), &far, &mut sum);
+            } else if busy != 0 {
+                for v in (0..VECTORS).filter(|v| of_vector(busy, v * LANES)) {
+                    let first = v * LANES;
+                    let kinds = met.kinds(first).unwrap_or(Kinds::NONE);
+                    let (ends, rays) = cone.rays(kinds.glowing);
+                    let share = 1.0 / rays.len() as f32;
+                    for (end, steps) in ends.iter().zip(rays) {
+                        let near =
+                            march::<S, K>(simd, slabs, start + first, steps, kinds);
+                        let place = cone.bundle.cells[end.end];
+                        let from = ([start, row, light.pad()], v, place);
+                        let one = look::<S, K>(simd, slabs, from, (end, near, cone.angle), &far);
+                        for c in 0..3 {
+                            sum[c][v] = one[c].mul_add(share, sum[c][v]);
+                        }
                     }
                 }
-                let share = 1.0 / rays.len() as f32;
+            }
+            for v in (0..VECTORS).filter(|v| of_vector(faces, v * LANES)) {
                 for c in 0..3 {
-                    light[c][v] = sum[c] * share;
-                }
-            }
-            for c in 0..3 {
-                for v in 0..VECTORS {
-                    tile[0][c][v] += light[c][v];
-                }
-            }
-            if faces != 0 {
-                let [ahead, across] = cone.cosines;
-                let side = if across > 0.0 { 2 } else { 3 };
-                for v in (0..VECTORS).filter(|v| of_vector(faces, v * LANES)) {
-                    for c in 0..3 {
-                        tile[1][c][v] = light[c][v].mul_add(ahead, tile[1][c][v]);
-                        tile[side][c][v] = light[c][v].mul_add(across.abs(), tile[side][c][v]);
-                    }
+                    sum[c][v].store_slice(&mut sums[c][v * LANES..][..LANES]);
                 }
             }
         }
-        tile
+        sum
+    }
+
+    /// Light onto the faces of the tile that [`Self::light`] was last given, by one of its vectors.
+    #[inline(always)]
+    pub fn onto<S: Simd>(&self, simd: S, v: usize) -> Onto {
+        let zero = f32x16::splat(simd, 0.0);
+        let (mut onto, mut before) = ([[zero; 3]; 3], [zero; 3]);
+        // Cosines are the same from any distance.
+        for (cone, sums) in self.cones[0][0].iter().zip(&self.sums) {
+            let [ahead, across] = cone.cosines;
+            let side = if across > 0.0 { 1 } else { 2 };
+            for c in 0..3 {
+                let sum = f32x16::from_slice(simd, &sums[c][v * LANES..][..LANES]);
+                let light = sum - before[c];
+                before[c] = sum;
+                onto[0][c] = light.mul_add(ahead, onto[0][c]);
+                onto[side][c] = light.mul_add(across.abs(), onto[side][c]);
+            }
+        }
+        let mut stored = [[[0.0; LANES]; 3]; 3];
+        for side in 0..3 {
+            for c in 0..3 {
+                onto[side][c].store_slice(&mut stored[side][c]);
+            }
+        }
+        stored
     }
 }
 
-/// Light along a ray from sixteen pixels, as if it filled its cone.
+/// Adds light through a cone to those of 64 pixels that are given as bits, through matter that is
+/// solid only.
+#[inline(always)]
+fn look_solid<S: Simd>(
+    simd: S,
+    slabs: &Slabs,
+    ([start, row, pad], solid): ([usize; 3], &[u64]),
+    (cone, met, lit): (&Cone, Met, u64),
+    far: &Far,
+    light: &mut Light<S>,
+) {
+    let glowing = met.glowing & lit != 0;
+    let (ends, rays) = cone.rays(glowing);
+    let share = 1.0 / rays.len() as f32;
+    for (end, steps) in ends.iter().zip(rays) {
+        let source = glowing.then_some(share * cone.angle);
+        // A pixel that is lit is not solid itself.
+        let open = march_solid(simd, slabs, (start, solid), &steps[1..], (lit, source), light);
+        if open == 0 {
+            continue;
+        }
+        let (strays, lost) = end.strays(slabs.rows, row);
+        let mut rows = [open & !solid[end.end], open & !solid[end.end + 1]];
+        rows[lost] &= !strays;
+        let at = (pad + row).wrapping_add_signed(end.row);
+        far.add_where(simd, at, &end.shares, rows, share, light);
+    }
+}
+
+/// Light along a ray from the sixteen pixels of a vector, as if it filled its cone.
 #[inline(always)]
 fn look<S: Simd, const K: usize>(
     simd: S,
     slabs: &Slabs,
-    [start, row, pad]: [usize; 3],
-    (ray, kinds, angle): (&Ray, Kinds, f32),
+    ([start, row, pad], v, place): ([usize; 3], usize, isize),
+    (end, near, angle): (&Ray, Interval<S, K>, f32),
     far: &Far,
 ) -> [f32x16<S>; 3] {
-    let near = march::<S, K>(simd, slabs, start, &ray.steps, kinds);
-    let pass = &slabs.pass[0][start.wrapping_add_signed(ray.end)..];
-    let at = (pad + row).wrapping_add_signed(ray.row);
-    let (strays, lost) = ray.strays(slabs.rows);
-    let lane = (strays - row as isize) as usize;
-    let (mut all, mut far_light) = (f32x16::splat(simd, CLOSED), [f32x16::splat(simd, 0.0); 3]);
-    for (i, &share) in ray.shares.iter().enumerate() {
+    let zero = f32x16::splat(simd, 0.0);
+    let pass = &slabs.pass[0][(start + v * LANES).wrapping_add_signed(place)..];
+    let at = (pad + row + v * LANES).wrapping_add_signed(end.row);
+    let (strays, lost) = end.strays(slabs.rows, row);
+    let (mut all, mut far_light) = (f32x16::splat(simd, CLOSED), [zero; 3]);
+    for (i, &share) in end.shares.iter().enumerate() {
         let mut share = f32x16::from_slice(simd, &pass[i..][..LANES]) * share;
-        if i == lost && lane < LANES {
-            let mut shares = [0.0; LANES];
-            share.store_slice(&mut shares);
-            shares[lane] = 0.0;
-            share = f32x16::from_slice(simd, &shares);
+        if i == lost {
+            share = mask(simd, strays, v).select(zero, share);
         }
         let light = far.load(simd, at + i);
         for c in 0..3 {
@@ -229,9 +281,9 @@ fn look<S: Simd, const K: usize>(
     light
 }
 
-/// Whether 64 pixels have no matter between them and the plane.
+/// What lies between 64 pixels and the plane; which of them is near it is not told.
 #[inline(always)]
-fn is_empty<S: Simd>(simd: S, slabs: &Slabs, start: usize, ahead: usize) -> bool {
+fn near<S: Simd>(simd: S, slabs: &Slabs, start: usize, ahead: usize) -> Met {
     let mut met = u8x64::splat(simd, 0);
     for slab in 0..=ahead {
         let start = start.wrapping_add_signed(slab as isize * slabs.step());
@@ -240,7 +292,7 @@ fn is_empty<S: Simd>(simd: S, slabs: &Slabs, start: usize, ahead: usize) -> bool
         met |= u8x64::from_slice(simd, &around[..TILE]);
         met |= u8x64::from_slice(simd, &around[around.len() - TILE..]);
     }
-    met.simd_gt(0).to_bitmask() == 0
+    kinds_of(met)
 }
 
 /// The cones of pixels `ahead` slabs before a plane, `stride` cells from one slab to the next.
@@ -249,32 +301,25 @@ fn cones(look: Look, ahead: usize, stride: isize) -> Vec<Cone> {
     let cone = |number| {
         let from = slope(fine, number).atan();
         let angle = angle(fine, number);
-        let ray = |share: f64| ray(ahead, (from + share * angle).tan(), stride);
-        let count = look.rays;
-        let fan: Vec<_> =
-            (0..count).map(|i| ray((f64::from(i) + 0.5) / f64::from(count))).collect();
-        let middle = ray(0.5);
-        let rays = || fan.iter().chain([&middle]);
-        let mut cells: Vec<_> = rays().flat_map(|ray| &ray.steps).map(|s| s.offset).collect();
-        cells.extend(rays().flat_map(|ray| [ray.end, ray.end + 1]));
-        cells.sort_unstable();
-        cells.dedup();
+        let fan = (0..look.rays).map(|i| (f64::from(i) + 0.5) / f64::from(look.rays));
+        let slopes: Vec<_> =
+            std::iter::once(0.5).chain(fan).map(|share| (from + share * angle).tan()).collect();
+        let ways: Vec<_> = slopes.iter().map(|&slope| stencil(ahead, slope, 0.0)).collect();
+        let place = |slope: f64| {
+            ahead as isize * stride + (slope * ahead as f64).floor() as isize
+        };
+        let others: Vec<_> = slopes.iter().flat_map(|&s| [place(s), place(s) + 1]).collect();
+        let bundle = Bundle::new(&ways, &others, stride);
+        let end = |&slope: &f64| {
+            let shift = slope * ahead as f64;
+            let past = (shift - shift.floor()) as f32;
+            let end = bundle.cells.partition_point(|&cell| cell < place(slope));
+            Ray { row: shift.floor() as isize, shares: [1.0 - past, past], end }
+        };
+        let ends = slopes.iter().map(end).collect();
         let theta = from + 0.5 * angle;
         let cosines = [theta.cos() as f32, theta.sin() as f32];
-        Cone { number, angle: angle as f32, cosines, middle, fan, cells }
+        Cone { number, angle: angle as f32, cosines, ends, bundle }
     };
     (0..2 << fine).map(cone).collect()
-}
-
-/// A ray from a pixel to the plane `ahead` slabs on.
-fn ray(ahead: usize, slope: f64, stride: isize) -> Ray {
-    let shift = slope * ahead as f64;
-    let row = shift.floor();
-    let past = (shift - row) as f32;
-    Ray {
-        row: row as isize,
-        shares: [1.0 - past, past],
-        end: ahead as isize * stride + row as isize,
-        steps: stencil(ahead, slope, 0.0).iter().map(|c| c.place(stride)).collect(),
-    }
 }

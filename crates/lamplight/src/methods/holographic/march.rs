@@ -1,10 +1,22 @@
-//! Sixteen rays of one direction through the cells on their way.
+//! Rays of one direction from neighbouring rows through the cells on their way.
+//!
+//! Sixteen at once, with vectors of transmittance, where matter lets part of the light through;
+//! where all of it is solid 64 at once, with a bit each: open or not.
 
 use super::interval::{Interval, LANES};
 use super::slabs::{FRACTION, GLOWING, Slabs};
 use super::stencil::Step;
 use crate::stages::transmittance::exp_negative_lanes;
-use fearless_simd::{f32x16, prelude::*, u8x64};
+use fearless_simd::{f32x16, mask32x16, prelude::*, u8x64};
+
+/// Rows that are looked at together: a word of bits.
+pub const TILE: usize = 64;
+
+/// Vectors in a tile.
+pub const VECTORS: usize = TILE / LANES;
+
+/// Light of a tile by channel.
+pub type Light<S> = [[f32x16<S>; VECTORS]; 3];
 
 /// Transmittance that counts as none: walls among fog let exactly nothing through.
 const VANISHED: f32 = 1e-30;
@@ -50,6 +62,59 @@ pub fn march<S: Simd, const K: usize>(
     passed
 }
 
+/// Sends on the rays of 64 cells of a slab that are `open` through matter that is solid only, by
+/// the bits of their bundle ([`solid`]); returns those that are open still, and adds a share of the
+/// light that the others meet.
+#[inline(always)]
+pub fn march_solid<S: Simd>(
+    simd: S,
+    slabs: &Slabs,
+    (start, solid): (usize, &[u64]),
+    steps: &[Step],
+    (mut open, share): (u64, Option<f32>),
+    light: &mut Light<S>,
+) -> u64 {
+    for step in steps {
+        let hit = open & solid[step.cell];
+        if hit == 0 {
+            continue;
+        }
+        open ^= hit;
+        let Some(share) = share else { continue };
+        let at = start.wrapping_add_signed(step.offset);
+        let sent = slabs.sent(step.face);
+        for v in 0..VECTORS {
+            if !of_vector(hit, v * LANES) {
+                continue;
+            }
+            let hit = mask(simd, hit, v);
+            for c in 0..3 {
+                let mut source = load(simd, &slabs.source[c], at + v * LANES);
+                if let Some(sent) = sent {
+                    source += load(simd, &sent[c], at + v * LANES);
+                }
+                light[c][v] = hit.select(source.mul_add(share, light[c][v]), light[c][v]);
+            }
+        }
+    }
+    open
+}
+
+/// Where each of the cells at these places is matter, for 64 rows.
+#[inline(always)]
+pub fn solid<S: Simd>(simd: S, kinds: &[u8], start: usize, cells: &[isize], bits: &mut [u64]) {
+    for (&offset, bits) in cells.iter().zip(bits) {
+        let at = start.wrapping_add_signed(offset);
+        *bits = u8x64::from_slice(simd, &kinds[at..at + TILE]).simd_gt(0).to_bitmask();
+    }
+}
+
+/// A vector of 64 bits.
+#[inline(always)]
+pub fn mask<S: Simd>(simd: S, bits: u64, vector: usize) -> mask32x16<S> {
+    mask32x16::from_bitmask(simd, bits >> (vector * LANES) & 0xffff)
+}
+
 #[inline(always)]
 fn load<S: Simd>(simd: S, from: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &from[at..at + LANES])
@@ -73,8 +138,8 @@ impl Kinds {
 #[derive(Clone, Copy, Debug)]
 pub struct Met {
     pub matter: u64,
-    fraction: u64,
-    glowing: u64,
+    pub fraction: u64,
+    pub glowing: u64,
 }
 
 impl Met {
@@ -100,14 +165,32 @@ pub fn meet<S: Simd>(simd: S, kinds: &[u8], start: usize, cells: &[isize]) -> Me
     let mut met = u8x64::splat(simd, 0);
     for &offset in cells {
         let at = start.wrapping_add_signed(offset);
-        met |= u8x64::from_slice(simd, &kinds[at..at + 64]);
+        met |= u8x64::from_slice(simd, &kinds[at..at + TILE]);
     }
+    kinds_of(met)
+}
+
+/// Which of 64 rays are on their way through which kinds of matter.
+#[inline(always)]
+pub fn kinds_of<S: Simd>(met: u8x64<S>) -> Met {
     let matter = met.simd_gt(0).to_bitmask();
     if matter == 0 {
         return Met::NOTHING;
     }
     let fraction = (met & FRACTION).simd_gt(0).to_bitmask();
     Met { matter, fraction, glowing: (met & GLOWING).simd_gt(0).to_bitmask() }
+}
+
+/// All bits of the vectors that have any.
+#[inline(always)]
+pub fn whole_vectors(bits: u64) -> u64 {
+    let mut whole = 0;
+    for v in 0..VECTORS {
+        if of_vector(bits, v * LANES) {
+            whole |= 0xffff << (v * LANES);
+        }
+    }
+    whole
 }
 
 /// Whether any of sixteen bits is set.

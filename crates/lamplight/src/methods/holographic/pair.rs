@@ -2,8 +2,9 @@
 
 use super::cones::Cones;
 use super::fronts::Fronts;
-use super::hop::{Hop, Look, TILE, VECTORS};
+use super::hop::{Hop, Look};
 use super::interval::LANES;
+use super::march::{TILE, VECTORS, of_vector};
 use super::pyramid::Pyramid;
 use super::slabs::{Axis, Slabs};
 use crate::settings::Holographic;
@@ -126,39 +127,32 @@ impl Pair {
             return;
         }
         let (slabs, cones) = (&self.slabs, &self.cones);
-        let tile = self.hop.light::<S, K>(simd, slabs, cones, [slab, plane], row, [lit, faces]);
+        let light = self.hop.light::<S, K>(simd, slabs, cones, [slab, plane], row, [lit, faces]);
         for (c, fluence) in self.fluence.iter_mut().enumerate() {
             let to = &mut fluence[place * self.stride + row..][..TILE];
             for v in 0..VECTORS {
                 let to = &mut to[v * LANES..][..LANES];
-                let mut light = tile[0][c][v];
+                let mut light = light[c][v];
                 if reversed {
                     light += f32x16::from_slice(simd, to);
                 }
                 light.store_slice(to);
             }
         }
-        if faces == 0 {
-            return;
-        }
-        let mut onto = [[[[0.0; LANES]; VECTORS]; 3]; 3];
-        for (side, onto) in onto.iter_mut().enumerate() {
-            for c in 0..3 {
-                for v in 0..VECTORS {
-                    tile[1 + side][c][v].store_slice(&mut onto[c][v]);
-                }
-            }
-        }
         let width = scene.cells.width() as usize;
         let normals = normals(self.axis, reversed);
-        let mut left = faces;
-        while left != 0 {
-            let bit = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let front = scene.fronts.slot(self.slabs.cell(self.axis, slab, row + bit, width));
-            for (side, normal) in onto.iter().zip(normals) {
-                for c in 0..3 {
-                    self.onto[front][normal][c] += side[c][bit / LANES][bit % LANES];
+        for v in (0..VECTORS).filter(|v| of_vector(faces, v * LANES)) {
+            let onto = self.hop.onto(simd, v);
+            let mut left = faces >> (v * LANES) & 0xffff;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let row = row + v * LANES + lane;
+                let front = scene.fronts.slot(self.slabs.cell(self.axis, slab, row, width));
+                for (side, normal) in onto.iter().zip(normals) {
+                    for c in 0..3 {
+                        self.onto[front][normal][c] += side[c][lane];
+                    }
                 }
             }
         }

@@ -11,20 +11,13 @@
 //! until the level above has taken it. About 1 interval a cell and level.
 
 use super::interval::{Interval, LANES, PAD, empty, words};
-use super::march::{march, meet};
+use super::march::{TILE, VECTORS, march, march_solid, mask, meet, solid, whole_vectors};
 use super::slabs::Slabs;
-use super::stencil::{Step, stencil};
+use super::stencil::{Bundle, stencil};
 use fearless_simd::{f32x16, prelude::*};
 
 /// Keeps the rays of a beam off the corners of cells.
 const OFF_CORNERS: f64 = 0.999;
-
-/// A ray of the first level: parallel rays, and all cells that any of them crosses.
-#[derive(Debug)]
-struct Beam {
-    rays: Vec<Vec<Step>>,
-    cells: Vec<isize>,
-}
 
 /// The kept intervals.
 #[derive(Debug, Default)]
@@ -38,8 +31,10 @@ pub struct Pyramid {
     /// From one word to the next in a row of intervals.
     pub stride: usize,
     /// The rays of the first level, ahead and, for reversed slabs, back; what they were made for.
-    beams: [Vec<Beam>; 2],
+    beams: [Vec<Bundle>; 2],
     made_for: (u32, u32, isize),
+    /// Where the cells of a beam are solid.
+    solid: Vec<u64>,
     odd: Vec<Vec<u32>>,
     even: Vec<Vec<u32>>,
 }
@@ -127,6 +122,8 @@ impl Pyramid {
             self.beams = [stride, -stride].map(|stride| {
                 (0..rays(level)).map(|ray| beam(level, ray, width, stride)).collect()
             });
+            let most = self.beams.iter().flatten().map(|beam| beam.cells.len()).max();
+            self.solid.resize(most.unwrap_or(0), 0);
         }
     }
 
@@ -145,7 +142,8 @@ impl Pyramid {
             for (beam, to) in
                 self.beams[slabs.reversed as usize].iter().zip(to.chunks_exact_mut(ray_size))
             {
-                trace::<S, K>(simd, slabs, plane << self.first, beam, self.stride, to);
+                let from = (plane << self.first, &mut self.solid[..]);
+                trace::<S, K>(simd, slabs, from, beam, self.stride, to);
             }
             self.ascend::<S, K>(simd, plane);
         }
@@ -236,16 +234,12 @@ fn empty_tail<const K: usize>(to: &mut [u32], stride: usize, rows: usize) {
 }
 
 /// A ray of the first level, of `width` parallel rays.
-fn beam(level: u32, ray: usize, width: u32, stride: isize) -> Beam {
+fn beam(level: u32, ray: usize, width: u32, stride: isize) -> Bundle {
     let length = 1usize << level;
     let slope = ray as f64 / length as f64 - 1.0;
     let across = |i: u32| OFF_CORNERS * ((f64::from(i) + 0.5) / f64::from(width) - 0.5);
-    let steps = |i| stencil(length, slope, across(i)).iter().map(|c| c.place(stride)).collect();
-    let rays: Vec<Vec<Step>> = (0..width).map(steps).collect();
-    let mut cells: Vec<_> = rays.iter().flatten().map(|step| step.offset).collect();
-    cells.sort_unstable();
-    cells.dedup();
-    Beam { rays, cells }
+    let rays: Vec<_> = (0..width).map(|i| stencil(length, slope, across(i))).collect();
+    Bundle::new(&rays, &[], stride)
 }
 
 /// Traces one beam from every row of a slab.
@@ -253,36 +247,55 @@ fn beam(level: u32, ray: usize, width: u32, stride: isize) -> Beam {
 fn trace<S: Simd, const K: usize>(
     simd: S,
     slabs: &Slabs,
-    slab: usize,
-    beam: &Beam,
+    (slab, bits): (usize, &mut [u64]),
+    beam: &Bundle,
     stride: usize,
     to: &mut [u32],
 ) {
     let share = 1.0 / beam.rays.len() as f32;
-    for tile in (0..slabs.rows).step_by(64) {
-        let start = slabs.start(slab) + tile;
+    let zero = f32x16::splat(simd, 0.0);
+    for row in (0..slabs.rows).step_by(TILE) {
+        let start = slabs.start(slab) + row;
         let met = meet(simd, &slabs.kinds, start, &beam.cells);
-        for first in (0..64.min(slabs.rows - tile)).step_by(LANES) {
-            let mut interval = Interval::<S, K>::empty(simd);
-            if let Some(kinds) = met.kinds(first) {
-                interval.through = [f32x16::splat(simd, 0.0); K];
-                for ray in &beam.rays {
-                    let one = march::<S, K>(simd, slabs, start + first, ray, kinds);
-                    for c in 0..3 {
-                        interval.light[c] += one.light[c];
-                    }
+        let mut light = [[zero; VECTORS]; 3];
+        let mut through = [[zero; VECTORS]; K];
+        if met.fraction == 0 && met.matter != 0 {
+            let source = (met.glowing != 0).then_some(share);
+            solid(simd, &slabs.kinds, start, &beam.cells, bits);
+            for ray in &beam.rays {
+                let open = (whole_vectors(met.matter), source);
+                let open = march_solid(simd, slabs, (start, bits), ray, open, &mut light);
+                for v in 0..VECTORS {
+                    let past = mask(simd, open, v).select(f32x16::splat(simd, share), zero);
                     for k in 0..K {
-                        interval.through[k] += one.through[k];
+                        through[k][v] += past;
                     }
-                }
-                for c in 0..3 {
-                    interval.light[c] *= share;
-                }
-                for k in 0..K {
-                    interval.through[k] *= share;
                 }
             }
-            interval.store(to, stride, PAD + tile + first);
+        }
+        for v in 0..VECTORS.min((slabs.rows - row).div_ceil(LANES)) {
+            let first = v * LANES;
+            let mut interval = Interval::<S, K>::empty(simd);
+            if let Some(kinds) = met.kinds(first) {
+                for k in 0..K {
+                    interval.through[k] = through[k][v];
+                }
+                for c in 0..3 {
+                    interval.light[c] = light[c][v];
+                }
+                if met.fraction != 0 {
+                    for ray in &beam.rays {
+                        let one = march::<S, K>(simd, slabs, start + first, ray, kinds);
+                        for c in 0..3 {
+                            interval.light[c] = one.light[c].mul_add(share, interval.light[c]);
+                        }
+                        for k in 0..K {
+                            interval.through[k] = one.through[k].mul_add(share, interval.through[k]);
+                        }
+                    }
+                }
+            }
+            interval.store(to, stride, PAD + row + first);
         }
     }
     empty_tail::<K>(to, stride, slabs.rows);

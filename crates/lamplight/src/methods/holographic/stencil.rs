@@ -19,22 +19,49 @@ pub struct Crossing {
     pub face: Face,
 }
 
+impl Crossing {
+    /// Where its cell is relative to the first one, `stride` cells from one slab to the next.
+    fn offset(&self, stride: isize) -> isize {
+        self.slab as isize * stride + self.row
+    }
+}
+
 /// A crossing where the distance from one slab to the next is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// From the cell in which the ray starts.
     pub offset: isize,
+    /// Which of the cells of its bundle that is.
+    pub cell: usize,
     /// px of the way that lie in the cell.
     pub length: f32,
     /// How the ray enters it.
     pub face: Face,
 }
 
-impl Crossing {
-    /// Its place, `stride` cells from one slab to the next.
-    pub fn place(&self, stride: isize) -> Step {
-        let offset = self.slab as isize * stride + self.row;
-        Step { offset, length: self.length, face: self.face }
+/// Rays that are followed together.
+#[derive(Debug)]
+pub struct Bundle {
+    pub rays: Vec<Vec<Step>>,
+    /// All cells that any of them crosses, from where the first starts, in rising order.
+    pub cells: Vec<isize>,
+}
+
+impl Bundle {
+    /// Rays by the cells that they cross, `stride` cells from one slab to the next; with other
+    /// cells that count.
+    pub fn new(rays: &[Vec<Crossing>], others: &[isize], stride: isize) -> Self {
+        let mut cells: Vec<_> = rays.iter().flatten().map(|c| c.offset(stride)).collect();
+        cells.extend(others);
+        cells.sort_unstable();
+        cells.dedup();
+        let step = |crossing: &Crossing| {
+            let offset = crossing.offset(stride);
+            let cell = cells.partition_point(|&cell| cell < offset);
+            Step { offset, cell, length: crossing.length, face: crossing.face }
+        };
+        let rays = rays.iter().map(|ray| ray.iter().map(step).collect()).collect();
+        Self { rays, cells }
     }
 }
 
