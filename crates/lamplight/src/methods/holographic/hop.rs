@@ -109,7 +109,7 @@ pub struct Hop {
     /// Ahead and, for reversed slabs, back; by px to the plane, less the least.
     cones: [Vec<Vec<Cone>>; 2],
     /// Where the cells of a cone are solid.
-    solid: Vec<u64>,
+    solid: Vec<[u64; 2]>,
     /// Light of a tile through all cones up to one, cone by cone, by channel.
     sums: Vec<[[f32; TILE]; 3]>,
 }
@@ -127,7 +127,7 @@ impl Hop {
                 (look.least..=look.most()).map(|ahead| cones(look, ahead, stride)).collect()
             });
             let all = self.cones.iter().flatten().flatten();
-            self.solid.resize(all.map(|cone| cone.bundle.cells.len()).max().unwrap_or(0), 0);
+            self.solid.resize(all.map(|cone| cone.bundle.cells.len()).max().unwrap_or(0), [0; 2]);
             self.sums.resize(4 << look.level, [[0.0; TILE]; 3]);
         }
     }
@@ -224,7 +224,7 @@ impl Hop {
 fn look_solid<S: Simd>(
     simd: S,
     slabs: &Slabs,
-    ([start, row, pad], solid): ([usize; 3], &[u64]),
+    ([start, row, pad], solid): ([usize; 3], &[[u64; 2]]),
     (cone, met, lit): (&Cone, Met, u64),
     far: &Far,
     light: &mut Light<S>,
@@ -240,7 +240,7 @@ fn look_solid<S: Simd>(
             continue;
         }
         let (strays, lost) = end.strays(slabs.rows, row);
-        let mut rows = [open & !solid[end.end], open & !solid[end.end + 1]];
+        let mut rows = [open & !solid[end.end][0], open & !solid[end.end + 1][0]];
         rows[lost] &= !strays;
         let at = (pad + row).wrapping_add_signed(end.row);
         far.add_where(simd, at, &end.shares, rows, share, light);

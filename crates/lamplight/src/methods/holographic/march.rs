@@ -69,17 +69,18 @@ pub fn march<S: Simd, const K: usize>(
 pub fn march_solid<S: Simd>(
     simd: S,
     slabs: &Slabs,
-    (start, solid): (usize, &[u64]),
+    (start, solid): (usize, &[[u64; 2]]),
     steps: &[Step],
     (mut open, share): (u64, Option<f32>),
     light: &mut Light<S>,
 ) -> u64 {
     for step in steps {
-        let hit = open & solid[step.cell];
+        let [solid, glowing] = solid[step.cell];
+        let hit = open & glowing;
+        open &= !solid;
         if hit == 0 {
             continue;
         }
-        open ^= hit;
         let Some(share) = share else { continue };
         let at = start.wrapping_add_signed(step.offset);
         let sent = slabs.sent(step.face);
@@ -102,10 +103,12 @@ pub fn march_solid<S: Simd>(
 
 /// Where each of the cells at these places is matter, for 64 rows.
 #[inline(always)]
-pub fn solid<S: Simd>(simd: S, kinds: &[u8], start: usize, cells: &[isize], bits: &mut [u64]) {
+pub fn solid<S: Simd>(simd: S, kinds: &[u8], start: usize, cells: &[isize], bits: &mut [[u64; 2]]) {
     for (&offset, bits) in cells.iter().zip(bits) {
         let at = start.wrapping_add_signed(offset);
-        *bits = u8x64::from_slice(simd, &kinds[at..at + TILE]).simd_gt(0).to_bitmask();
+        let kinds = u8x64::from_slice(simd, &kinds[at..at + TILE]);
+        let glowing = (kinds & GLOWING).simd_gt(0).to_bitmask();
+        *bits = [kinds.simd_gt(0).to_bitmask(), glowing];
     }
 }
 

@@ -34,7 +34,7 @@ pub struct Pyramid {
     beams: [Vec<Bundle>; 2],
     made_for: (u32, u32, isize),
     /// Where the cells of a beam are solid.
-    solid: Vec<u64>,
+    solid: Vec<[u64; 2]>,
     odd: Vec<Vec<u32>>,
     even: Vec<Vec<u32>>,
 }
@@ -123,7 +123,7 @@ impl Pyramid {
                 (0..rays(level)).map(|ray| beam(level, ray, width, stride)).collect()
             });
             let most = self.beams.iter().flatten().map(|beam| beam.cells.len()).max();
-            self.solid.resize(most.unwrap_or(0), 0);
+            self.solid.resize(most.unwrap_or(0), [0; 2]);
         }
     }
 
@@ -247,7 +247,7 @@ fn beam(level: u32, ray: usize, width: u32, stride: isize) -> Bundle {
 fn trace<S: Simd, const K: usize>(
     simd: S,
     slabs: &Slabs,
-    (slab, bits): (usize, &mut [u64]),
+    (slab, bits): (usize, &mut [[u64; 2]]),
     beam: &Bundle,
     stride: usize,
     to: &mut [u32],
