@@ -219,7 +219,8 @@ impl Cones {
         self.levels[0].far(cone, self.stride)
     }
 
-    /// Makes the light of the first level at a plane; planes come in falling order.
+    /// Makes the light of the first level at a plane whose intervals were just made; planes come in
+    /// falling order.
     #[inline(always)]
     pub fn descend<S: Simd, const K: usize>(&mut self, simd: S, pyramid: &Pyramid, plane: usize) {
         // A plane is made from the next one of the level above that is not before it.
@@ -272,7 +273,7 @@ impl Cones {
                     }
                 }
             } else {
-                let near = pyramid.plane(level, plane);
+                let near = pyramid.odd(level);
                 let term = |s: usize, ray: usize, share: f32| Term {
                     near: &near[ray * pyramid.ray_size()..][..pyramid.ray_size()],
                     shift: ray as isize - (1 << level),

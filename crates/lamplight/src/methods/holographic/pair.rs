@@ -5,7 +5,7 @@ use super::fronts::Fronts;
 use super::hop::{Hop, Look};
 use super::interval::LANES;
 use super::march::{TILE, VECTORS, of_vector};
-use super::pyramid::Pyramid;
+use super::pyramid::{Pyramid, planes};
 use super::slabs::{Axis, Slabs};
 use crate::settings::Holographic;
 use crate::stages::bounce::Surfaces;
@@ -90,7 +90,6 @@ impl Pair {
         look: Look,
         reversed: bool,
     ) {
-        self.pyramid.build::<S, K>(simd, &self.slabs);
         let sky = scene.cells.sky();
         self.cones.begin(|angle| {
             let ahead = if reversed { -angle.cos() } else { angle.cos() };
@@ -100,6 +99,9 @@ impl Pair {
             })
         });
         for plane in (1..=look.last(self.slabs.depth)).rev() {
+            if plane < planes(self.slabs.depth, look.level) {
+                self.pyramid.make::<S, K>(simd, &self.slabs, plane);
+            }
             self.cones.descend::<S, K>(simd, &self.pyramid, plane);
             // Tile by tile: the light of 64 rows of the plane stays close while all slabs look at it.
             for row in (0..self.slabs.rows).step_by(TILE) {

@@ -7,8 +7,12 @@
 //! `T_{n+1}(p, 2k) = T_n(p, k) ⊕ T_n(p + v_n(k), k)`, and the rays between are the mean of the two
 //! bent ways, `T_n(p, k) ⊕ T_n(p + v_n(k), k+1)` and `T_n(p, k+1) ⊕ T_n(p + v_n(k+1), k)`.
 //!
-//! Merging reads planes of odd index only, so only they are kept; one even plane a level is held
-//! until the level above has taken it. About 1 interval a cell and level.
+//! All is made plane by plane from the far end of the grid to the near one, which is the way that
+//! light comes, so that [`super::cones`] uses each interval as soon as it is made: merging reads
+//! planes of odd index only, and of each level no more is held than the odd plane made last and the
+//! even one in front of it, from which the level above is made. Memory is about that of four planes
+//! of the topmost level, and the lower levels never leave the caches. (The paper makes all levels
+//! first and keeps them: N² log N intervals.)
 
 use super::interval::{Interval, LANES, PAD, empty, words};
 use super::march::{TILE, VECTORS, march, march_solid, mask, meet, solid, whole_vectors};
@@ -19,7 +23,7 @@ use fearless_simd::{f32x16, prelude::*};
 /// Keeps the rays of a beam off the corners of cells.
 const OFF_CORNERS: f64 = 0.999;
 
-/// The kept intervals.
+/// The held intervals.
 #[derive(Debug, Default)]
 pub struct Pyramid {
     /// Level that is traced, and the first that is not made.
@@ -35,6 +39,7 @@ pub struct Pyramid {
     made_for: (u32, u32, isize),
     /// Where the cells of a beam are solid.
     solid: Vec<[u64; 2]>,
+    /// By level, the plane of odd index made last, and that of even index.
     odd: Vec<Vec<u32>>,
     even: Vec<Vec<u32>>,
 }
@@ -72,23 +77,19 @@ impl Pyramid {
         for level in first..end {
             let (size, at) = (self.plane_size(level), (level - first) as usize);
             let planes = planes(slabs.depth, level);
-            self.fill(level, at, planes / 2 * size, |s| &mut s.odd);
-            // The last level has no level above that would read its even planes.
-            let holds = planes > 2 && level + 1 < end;
-            self.fill(level, at, if holds { size } else { 0 }, |s| &mut s.even);
+            self.fill(at, if planes > 1 { size } else { 0 }, |s| &mut s.odd);
+            self.fill(at, if planes > 2 { size } else { 0 }, |s| &mut s.even);
         }
     }
 
-    /// Sizes a buffer of planes and fills it, margins and all, with empty intervals.
+    /// Sizes the buffer of a plane and fills it, margins and all, with empty intervals.
     fn fill(
         &mut self,
-        level: u32,
         at: usize,
         size: usize,
         buffer: impl Fn(&mut Self) -> &mut Vec<Vec<u32>>,
     ) {
         let (stride, empty) = (self.stride, empty(self.channels));
-        debug_assert!(size.is_multiple_of(self.plane_size(level)));
         let buffer = &mut buffer(self)[at];
         buffer.clear();
         buffer.resize(size, 0);
@@ -107,11 +108,10 @@ impl Pyramid {
         rays(level) * self.ray_size()
     }
 
-    /// The intervals of a plane of odd index.
+    /// The intervals of the plane of odd index of a level that [`Self::make`] made last.
     #[inline(always)]
-    pub fn plane(&self, level: u32, plane: usize) -> &[u32] {
-        let size = self.plane_size(level);
-        &self.odd[(level - self.first) as usize][plane / 2 * size..][..size]
+    pub fn odd(&self, level: u32) -> &[u32] {
+        &self.odd[(level - self.first) as usize]
     }
 
     /// Aims the beams, each of `width` rays, both ways that the slabs may go.
@@ -127,56 +127,35 @@ impl Pyramid {
         }
     }
 
-    /// Traces the first level and makes the others from it.
+    /// Makes the intervals of all levels that begin at a plane of the first; planes come in falling
+    /// order.
     #[inline(always)]
-    pub fn build<S: Simd, const K: usize>(&mut self, simd: S, slabs: &Slabs) {
-        for plane in 1..planes(self.depth, self.first) {
-            let size = self.plane_size(self.first);
-            let held = if plane % 2 == 1 { &mut self.odd[0] } else { &mut self.even[0] };
-            if held.is_empty() {
-                continue;
-            }
-            let from = if plane % 2 == 1 { plane / 2 * size } else { 0 };
-            let to = &mut held[from..][..size];
-            let ray_size = words(K) * self.stride;
-            for (beam, to) in
-                self.beams[slabs.reversed as usize].iter().zip(to.chunks_exact_mut(ray_size))
-            {
-                let from = (plane << self.first, &mut self.solid[..]);
-                trace::<S, K>(simd, slabs, from, beam, self.stride, to);
-            }
-            self.ascend::<S, K>(simd, plane);
+    pub fn make<S: Simd, const K: usize>(&mut self, simd: S, slabs: &Slabs, plane: usize) {
+        let held = if plane.is_multiple_of(2) { &mut self.even[0] } else { &mut self.odd[0] };
+        let beams = &self.beams[slabs.reversed as usize];
+        for (beam, to) in beams.iter().zip(held.chunks_exact_mut(words(K) * self.stride)) {
+            let from = (plane << self.first, &mut self.solid[..]);
+            trace::<S, K>(simd, slabs, from, beam, self.stride, to);
+        }
+        let (mut level, mut plane) = (self.first, plane);
+        while plane.is_multiple_of(2) {
+            self.extend::<S, K>(simd, level, plane);
+            (level, plane) = (level + 1, plane / 2);
         }
     }
 
-    /// Makes the planes of higher levels that the one just made completes.
+    /// Makes a plane of the level above from the plane of even index that begins there and the
+    /// one behind it.
     #[inline(always)]
-    fn ascend<S: Simd, const K: usize>(&mut self, simd: S, mut plane: usize) {
-        for level in self.first..self.end - 1 {
-            let last = plane + 1 == planes(self.depth, level);
-            if plane == 1 || (plane.is_multiple_of(2) && !last) {
-                return;
-            }
-            let parent = plane / 2;
-            self.extend::<S, K>(simd, level, parent, plane % 2 == 1);
-            plane = parent;
-        }
-    }
-
-    /// Makes a plane of the level above `level`; `whole`: whether there is a second plane to it.
-    #[inline(always)]
-    fn extend<S: Simd, const K: usize>(&mut self, simd: S, level: u32, parent: usize, whole: bool) {
+    fn extend<S: Simd, const K: usize>(&mut self, simd: S, level: u32, plane: usize) {
         let at = (level - self.first) as usize;
-        let (sizes, ray_size) = ([level, level + 1].map(|l| self.plane_size(l)), self.ray_size());
+        let ray_size = self.ray_size();
         let (stride, rows, round) = (self.stride, self.rows, self.stride - 2 * PAD);
+        let whole = plane + 1 < planes(self.depth, level);
         let [odd, odd_above] = &mut self.odd[at..at + 2] else { return };
         let [even, even_above] = &mut self.even[at..at + 2] else { return };
-        let to = match parent % 2 {
-            1 => &mut odd_above[parent / 2 * sizes[1]..][..sizes[1]],
-            _ if even_above.is_empty() => return,
-            _ => &mut even_above[..],
-        };
-        let far = if whole { &odd[parent * sizes[0]..][..sizes[0]] } else { &[] };
+        let to = if (plane / 2).is_multiple_of(2) { even_above } else { odd_above };
+        let far = if whole { &odd[..] } else { &[] };
         let ways = Ways::<S, K> { simd, near: even, far, stride, ray_size, round };
         for (made, to) in to.chunks_exact_mut(ray_size).enumerate() {
             let ray = made / 2;
@@ -414,25 +393,25 @@ mod tests {
         let mut pyramid = Pyramid::default();
         pyramid.prepare(&slabs, 1);
         pyramid.aim(&slabs, BEAM);
-        dispatch!(Level::new(), simd => pyramid.build::<_, K>(simd, &slabs));
         let mut worst = 0.0f64;
-        for level in 1..5 {
-            for plane in (1..planes(37, level)).step_by(2) {
-                for ray in 0..rays(level) {
-                    let words = &pyramid.plane(level, plane)[ray * pyramid.ray_size()..];
-                    for row in (0..21).step_by(3) {
-                        let (light, through) = dispatch!(Level::new(), simd => {
-                            let read =
-                                Interval::<_, K>::load(simd, words, pyramid.stride, PAD + row);
-                            (read.light.map(|v| v.to_array()[0]), read.through.map(|v| v.to_array()[0]))
-                        });
-                        for c in 0..3 {
-                            let from = [(plane << level) as i64, row as i64];
-                            let want = brute(compared, c, level, from, ray as i64);
-                            worst = worst
-                                .max((f64::from(light[c]) - want.0).abs() / (1.0 + want.0))
-                                .max((f64::from(through[c % K]) - want.1).abs());
-                        }
+        for first in (1..planes(37, 1)).rev() {
+            dispatch!(Level::new(), simd => pyramid.make::<_, K>(simd, &slabs, first));
+            // The level at which the plane just made is of odd index.
+            let level = 1 + first.trailing_zeros();
+            for ray in (0..rays(level)).filter(|_| level < 5) {
+                let words = &pyramid.odd(level)[ray * pyramid.ray_size()..];
+                for row in (0..21).step_by(3) {
+                    let (light, through) = dispatch!(Level::new(), simd => {
+                        let read =
+                            Interval::<_, K>::load(simd, words, pyramid.stride, PAD + row);
+                        (read.light.map(|v| v.to_array()[0]), read.through.map(|v| v.to_array()[0]))
+                    });
+                    for c in 0..3 {
+                        let from = [(first << 1) as i64, row as i64];
+                        let want = brute(compared, c, level, from, ray as i64);
+                        worst = worst
+                            .max((f64::from(light[c]) - want.0).abs() / (1.0 + want.0))
+                            .max((f64::from(through[c % K]) - want.1).abs());
                     }
                 }
             }
