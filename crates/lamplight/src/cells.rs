@@ -83,6 +83,9 @@ pub struct Cells {
     sky: Sky,
 }
 
+/// Cells that are looked at together in search of matter.
+const CHUNK: usize = 16;
+
 impl Cells {
     /// Longest side of a grid, so that squared distances fit 31 bits.
     pub const MAX_SIDE: u32 = 16_384;
@@ -255,6 +258,35 @@ impl Cells {
         self.opacity[index] >= 1.0
     }
 
+    /// Visits all cells that hold matter, in order; quick over empty space.
+    pub(crate) fn for_each_matter(&self, mut visit: impl FnMut(usize)) {
+        for (chunk, (opacity, tint)) in
+            self.opacity.chunks(CHUNK).zip(self.tint.chunks(CHUNK)).enumerate()
+        {
+            let open = opacity.iter().fold(true, |all, &v| all & (v == 0.0));
+            if open & tint.as_flattened().iter().fold(true, |all, &v| all & (v == 1.0)) {
+                continue;
+            }
+            for (i, (&opacity, &tint)) in opacity.iter().zip(tint).enumerate() {
+                if opacity != 0.0 || tint != [1.0; 3] {
+                    visit(chunk * CHUNK + i);
+                }
+            }
+        }
+    }
+
+    /// Visits all solid cells, in order; quick over empty space.
+    pub(crate) fn for_each_solid(&self, mut visit: impl FnMut(usize)) {
+        for (chunk, opacity) in self.opacity.chunks(CHUNK).enumerate() {
+            if opacity.iter().fold(true, |all, &v| all & (v < 1.0)) {
+                continue;
+            }
+            for (i, _) in opacity.iter().enumerate().filter(|(_, v)| **v >= 1.0) {
+                visit(chunk * CHUNK + i);
+            }
+        }
+    }
+
     /// The same grid with its lamps drawn in as glowing discs; itself where it has no lamp.
     pub fn drawn(&self) -> Cow<'_, Self> {
         if self.lamps.is_empty() {
@@ -280,16 +312,18 @@ impl Cells {
     pub fn check(&self) -> Result<()> {
         let unit = |v: f32| (0.0..=1.0).contains(&v);
         let radiance = |v: f32| v >= 0.0 && v.is_finite();
-        self.check_field(
-            "emission",
-            "finite and 0 or more",
-            self.emission.as_flattened(),
-            3,
-            radiance,
-        )?;
-        self.check_field("opacity", "0 to 1", &self.opacity, 1, unit)?;
-        self.check_field("tint", "0 to 1", self.tint.as_flattened(), 3, unit)?;
-        self.check_field("albedo", "0 to 1", self.albedo.as_flattened(), 3, unit)?;
+        let emission = || {
+            let expected = "finite and 0 or more";
+            self.check_field("emission", expected, self.emission.as_flattened(), 3, radiance)?;
+            self.check_field("opacity", "0 to 1", &self.opacity, 1, unit)
+        };
+        let colours = || {
+            self.check_field("tint", "0 to 1", self.tint.as_flattened(), 3, unit)?;
+            self.check_field("albedo", "0 to 1", self.albedo.as_flattened(), 3, unit)
+        };
+        let (emission, colours) = rayon::join(emission, colours);
+        emission?;
+        colours?;
         for (i, lamp) in self.lamps.iter().enumerate() {
             lamp.check(&format_args!("lamp[{i}]"))?;
         }
@@ -337,11 +371,17 @@ impl Clone for Cells {
     fn clone_from(&mut self, source: &Self) {
         let Self { width, height, emission, opacity, tint, albedo, color, lamps, sky } = source;
         (self.width, self.height, self.sky) = (*width, *height, *sky);
-        self.emission.clone_from(emission);
-        self.opacity.clone_from(opacity);
-        self.tint.clone_from(tint);
-        self.albedo.clone_from(albedo);
-        self.color.clone_from(color);
+        rayon::join(
+            || {
+                self.emission.clone_from(emission);
+                self.opacity.clone_from(opacity);
+                self.color.clone_from(color);
+            },
+            || {
+                self.tint.clone_from(tint);
+                self.albedo.clone_from(albedo);
+            },
+        );
         self.lamps.clone_from(lamps);
     }
 }

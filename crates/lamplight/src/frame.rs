@@ -122,7 +122,7 @@ impl Solver {
         self.light.width = self.cells.width();
         self.light.height = self.cells.height();
         self.light.solid.clear();
-        self.light.solid.extend((0..self.cells.len()).map(|i| self.cells.is_solid(i)));
+        self.light.solid.extend(self.cells.opacity().iter().map(|&opacity| opacity >= 1.0));
         self.walls.sink(&self.cells, self.settings.wall_depth, &mut self.light.rgb);
         self.clock.lap("walls");
         self.frame = self.frame.wrapping_add(1);

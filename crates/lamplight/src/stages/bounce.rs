@@ -56,31 +56,26 @@ impl Surfaces {
         self.walls.clear();
         self.fog.clear();
         let (w, h) = (cells.width() as i32, cells.height() as i32);
-        for y in 0..h {
-            for x in 0..w {
-                let i = (y * w + x) as usize;
-                if cells.opacity()[i] == 0.0 && cells.tint()[i] == [1.0; 3] {
-                    continue;
+        cells.for_each_matter(|i| {
+            let reflects = cells.albedo()[i] != [0.0; 3];
+            if !cells.is_solid(i) {
+                if reflects {
+                    self.slots[i] = self.fog.len() as u32;
+                    self.fog.push(i as u32);
                 }
-                let reflects = cells.albedo()[i] != [0.0; 3];
-                if !cells.is_solid(i) {
-                    if reflects {
-                        self.slots[i] = self.fog.len() as u32;
-                        self.fog.push(i as u32);
-                    }
-                    continue;
-                }
-                let exposed = NORMALS.map(|[nx, ny]| {
-                    let (x, y) = (x + nx, y + ny);
-                    let inside = (0..w).contains(&x) && (0..h).contains(&y);
-                    inside && !cells.is_solid((y * w + x) as usize)
-                });
-                if exposed.contains(&true) {
-                    self.slots[i] = self.walls.len() as u32;
-                    self.walls.push(Wall { cell: i as u32, exposed, reflects });
-                }
+                return;
             }
-        }
+            let (x, y) = (i as i32 % w, i as i32 / w);
+            let exposed = NORMALS.map(|[nx, ny]| {
+                let (x, y) = (x + nx, y + ny);
+                let inside = (0..w).contains(&x) && (0..h).contains(&y);
+                inside && !cells.is_solid((y * w + x) as usize)
+            });
+            if exposed.contains(&true) {
+                self.slots[i] = self.walls.len() as u32;
+                self.walls.push(Wall { cell: i as u32, exposed, reflects });
+            }
+        });
         self.wall_sent.clear();
         self.wall_sent.resize(self.walls.len(), Faces::default());
         self.fog_sent.clear();

@@ -13,6 +13,7 @@ pub struct Walls {
     /// Ring by ring: cells whose light is known, outermost first.
     front: Vec<u32>,
     next: Vec<u32>,
+    solid: Vec<u32>,
     /// 0: not reached; otherwise 1 + the ring.
     ring: Vec<u8>,
 }
@@ -25,28 +26,25 @@ impl Walls {
         self.ring.clear();
         self.ring.resize(cells.len(), 0);
         self.front.clear();
-        for i in 0..cells.len() {
-            if !cells.is_solid(i) {
-                continue;
-            }
+        self.solid.clear();
+        cells.for_each_solid(|i| {
+            self.solid.push(i as u32);
             if neighbours(cells, i).any(|n| !cells.is_solid(n)) {
                 self.ring[i] = 1;
                 self.front.push(i as u32);
             } else {
                 light[i] = [0.0; 3];
             }
-        }
+        });
         for step in 1..=depth.ceil() as u8 {
             self.next_ring(cells, step + 1, light);
             std::mem::swap(&mut self.front, &mut self.next);
         }
-        for i in 0..cells.len() {
-            if cells.is_solid(i) {
-                let behind = self.ring[i].saturating_sub(1) as f32;
-                let fade = (1.0 - behind / (depth + 1.0)).max(0.0);
-                let emission = cells.emission()[i];
-                light[i] = std::array::from_fn(|c| light[i][c] * fade + emission[c]);
-            }
+        for i in self.solid.iter().map(|&i| i as usize) {
+            let behind = self.ring[i].saturating_sub(1) as f32;
+            let fade = (1.0 - behind / (depth + 1.0)).max(0.0);
+            let emission = cells.emission()[i];
+            light[i] = std::array::from_fn(|c| light[i][c] * fade + emission[c]);
         }
     }
 

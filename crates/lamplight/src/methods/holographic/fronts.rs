@@ -16,12 +16,22 @@ struct Bits {
 }
 
 impl Bits {
-    fn clear(&mut self, [width, height]: [usize; 2]) {
+    /// None of the cells, or all.
+    fn fill(&mut self, [width, height]: [usize; 2], all: bool) {
         self.words = [height.div_ceil(64), width.div_ceil(64)];
-        for (axis, slabs) in [width, height].into_iter().enumerate() {
-            self.bits[axis].clear();
-            self.bits[axis].resize(slabs * self.words[axis], 0);
+        for (axis, [slabs, rows]) in [[width, height], [height, width]].into_iter().enumerate() {
+            let (words, bits) = (self.words[axis], &mut self.bits[axis]);
+            bits.clear();
+            bits.resize(slabs * words, if all { u64::MAX } else { 0 });
+            if all && rows % 64 != 0 {
+                bits.chunks_exact_mut(words).for_each(|slab| slab[words - 1] >>= 64 - rows % 64);
+            }
         }
+    }
+
+    fn unset(&mut self, x: usize, y: usize) {
+        self.bits[0][x * self.words[0] + y / 64] &= !(1 << (y % 64));
+        self.bits[1][y * self.words[1] + x / 64] &= !(1 << (x % 64));
     }
 
     fn set(&mut self, x: usize, y: usize) {
@@ -52,16 +62,10 @@ impl Fronts {
         self.slots.clear();
         self.slots.resize(cells.len(), NONE);
         self.count = 0;
-        for bits in [&mut self.open, &mut self.before_faces, &mut self.surfaces] {
-            bits.clear([w, h]);
-        }
-        for (y, row) in cells.opacity().chunks_exact(w).enumerate() {
-            for (x, &opacity) in row.iter().enumerate() {
-                if opacity < 1.0 {
-                    self.open.set(x, y);
-                }
-            }
-        }
+        self.before_faces.fill([w, h], false);
+        self.surfaces.fill([w, h], false);
+        self.open.fill([w, h], true);
+        cells.for_each_solid(|i| self.open.unset(i % w, i / w));
         for wall in &surfaces.walls {
             for face in (0..4).filter(|&face| wall.exposed[face]) {
                 let front = front(wall.cell as usize, face, w);

@@ -144,23 +144,33 @@ impl Holographic {
         light.resize(cells.len(), [0.0; 3]);
         // Block by block, as one pair of quadrants holds columns and the other rows.
         light.par_chunks_mut(BLOCK * w).enumerate().for_each(|(block, light)| {
+            let top = block * BLOCK;
+            let [columns, rows] = &self.pairs;
             for from in (0..w).step_by(BLOCK) {
+                let size = BLOCK.min(w - from);
+                let mut turned = [[[0.0; 3]; BLOCK]; BLOCK];
+                for c in 0..3 {
+                    for x in 0..size {
+                        let fluence = &columns.slab(c, from + x)[top..][..BLOCK];
+                        for (row, fluence) in turned.iter_mut().zip(fluence) {
+                            row[x][c] = *fluence;
+                        }
+                    }
+                }
                 for (row, light) in light.chunks_exact_mut(w).enumerate() {
-                    let y = block * BLOCK + row;
-                    for x in from..w.min(from + BLOCK) {
-                        light[x] = self.fluence(x, y);
+                    let fluence = [0, 1, 2].map(|c| &rows.slab(c, top + row)[from..][..size]);
+                    let light = &mut light[from..][..size];
+                    for (x, (light, turned)) in light.iter_mut().zip(turned[row]).enumerate() {
+                        for c in 0..3 {
+                            light[c] = (turned[c] + fluence[c][x]) * (1.0 / TAU);
+                        }
                     }
                 }
             }
         });
-        for (i, light) in light.iter_mut().enumerate().filter(|(i, _)| cells.is_solid(*i)) {
-            *light = match self.surfaces.slot(i) {
-                Some(slot) => {
-                    let wall = &self.surfaces.walls[slot];
-                    mean_over_faces(wall, &self.faces(i, wall.exposed, w))
-                }
-                None => [0.0; 3],
-            };
+        for wall in &self.surfaces.walls {
+            let cell = wall.cell as usize;
+            light[cell] = mean_over_faces(wall, &self.faces(cell, wall.exposed, w));
         }
     }
 

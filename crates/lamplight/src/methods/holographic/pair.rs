@@ -64,7 +64,8 @@ impl Pair {
         self.pyramid.prepare(&self.slabs, settings.hop);
         let Slabs { depth, rows, .. } = self.slabs;
         self.cones.prepare(depth, rows, &self.pyramid, look.most());
-        self.stride = rows.next_multiple_of(TILE);
+        // Not a power of two: else cells of neighbouring slabs would compete for places in caches.
+        self.stride = rows.next_multiple_of(TILE) + LANES;
         for fluence in &mut self.fluence {
             fluence.resize(depth * self.stride, 0.0);
         }
@@ -158,6 +159,12 @@ impl Pair {
                 }
             }
         }
+    }
+
+    /// ∫ L dω of a channel at the rows of a slab.
+    #[inline(always)]
+    pub fn slab(&self, channel: usize, slab: usize) -> &[f32] {
+        &self.fluence[channel][slab * self.stride..][..self.stride]
     }
 
     /// ∫ L dω at a cell.

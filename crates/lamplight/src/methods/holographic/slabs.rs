@@ -7,7 +7,7 @@
 
 use crate::stages::bounce::{NORMALS, Surfaces};
 use crate::stages::transmittance::log_transmittance;
-use crate::{Cells, Rgb};
+use crate::Cells;
 
 /// Rows of empty space on both sides of a slab: more than any ray of a last hop strays.
 pub const MARGIN: usize = 64;
@@ -63,6 +63,8 @@ pub struct Slabs {
     pub channels: usize,
     /// Whether walls send out different light by face.
     faces: bool,
+    /// Whether there is matter that is not solid: the shares that pass are held only then.
+    fraction: bool,
     /// Share of light that crosses one px, by channel.
     pub pass: [Vec<f32>; 3],
     /// Its natural logarithm.
@@ -73,7 +75,8 @@ pub struct Slabs {
     sent: [[Vec<f32>; 3]; 4],
     /// [`MATTER`], [`FRACTION`] and [`GLOWING`].
     pub kinds: Vec<u8>,
-    /// Where there is matter.
+    /// The cells that hold matter, and where they are here.
+    matter: Vec<u32>,
     occupied: Vec<usize>,
 }
 
@@ -89,15 +92,21 @@ impl Slabs {
         self.stride = self.rows.next_multiple_of(64) + 2 * MARGIN;
         self.beyond = beyond;
         self.reversed = false;
-        let tinted = cells.tint().iter().any(|&tint| tint != [1.0; 3]);
-        let coloured = |&[r, g, b]: &Rgb| r != g || g != b;
-        self.channels = if tinted && cells.tint().iter().any(coloured) { 3 } else { 1 };
+        let mut matter = std::mem::take(&mut self.matter);
+        matter.clear();
+        let (mut coloured, mut fraction) = (false, false);
+        cells.for_each_matter(|i| {
+            matter.push(i as u32);
+            let [r, g, b] = cells.tint()[i];
+            coloured |= r != g || g != b;
+            fraction |= !cells.is_solid(i);
+        });
+        self.channels = if coloured { 3 } else { 1 };
+        self.fraction = fraction;
         self.faces = surfaces.is_some();
         self.empty();
-        for (i, &opacity) in cells.opacity().iter().enumerate() {
-            if opacity == 0.0 && !(tinted && cells.tint()[i] != [1.0; 3]) {
-                continue;
-            }
+        for i in matter.iter().map(|&i| i as usize) {
+            let opacity = cells.opacity()[i];
             let (slab, row) = match axis {
                 Axis::X => (i % w, i / w),
                 Axis::Y => (i / w, i % w),
@@ -109,11 +118,13 @@ impl Slabs {
             self.kinds[at] = MATTER
                 | if solid { 0 } else { FRACTION }
                 | if emission == [0.0; 3] { 0 } else { GLOWING };
-            let tint = cells.tint()[i];
-            let log = if solid { [LOG_OF_SOLID; 3] } else { log_transmittance(opacity, tint) };
             for c in 0..3 {
                 self.source[c][at] = emission[c];
-                if c < self.channels {
+            }
+            if fraction {
+                let tint = cells.tint()[i];
+                let log = if solid { [LOG_OF_SOLID; 3] } else { log_transmittance(opacity, tint) };
+                for c in 0..self.channels {
                     self.pass[c][at] = (1.0 - opacity) * tint[c];
                     self.log_pass[c][at] = log[c];
                 }
@@ -123,6 +134,7 @@ impl Slabs {
                 self.send(surfaces, slot, at, solid, axis);
             }
         }
+        self.matter = matter;
     }
 
     /// Takes all matter out.
@@ -139,8 +151,9 @@ impl Slabs {
         };
         for c in 0..3 {
             clear(&mut self.source[c], 0.0, true);
-            clear(&mut self.pass[c], 1.0, c < self.channels);
-            clear(&mut self.log_pass[c], 0.0, c < self.channels);
+            let passes = self.fraction && c < self.channels;
+            clear(&mut self.pass[c], 1.0, passes);
+            clear(&mut self.log_pass[c], 0.0, passes);
             for sent in &mut self.sent {
                 clear(&mut sent[c], 0.0, self.faces);
             }
