@@ -16,11 +16,12 @@
 //!
 //! Pixels are lit from the far end to the near one, so one plane a level is held at any time.
 
-use super::interval::{Interval, LANES, PAD};
+use super::interval::{Interval, LANES, PAD, words};
 use super::march::{Light, TILE, VECTORS, mask, of_vector};
 use super::pyramid::{Pyramid, planes};
 use crate::Rgb;
-use fearless_simd::{f32x16, prelude::*};
+use fearless_simd::{f32x16, prelude::*, u32x16};
+use std::ops::Range;
 
 /// Slope of the lower edge of a cone of a level.
 pub fn slope(level: u32, cone: usize) -> f64 {
@@ -68,6 +69,8 @@ pub struct Cones {
     stride: usize,
     /// From the first on; the last is the sky.
     levels: Vec<Level>,
+    /// The level that pixels look at: the first, or the second.
+    shown: usize,
 }
 
 /// Light of a cone at the rows of a plane.
@@ -216,19 +219,21 @@ impl Cones {
     /// Light of a cone at the plane last made by [`Self::descend`].
     #[inline(always)]
     pub fn at(&self, cone: usize) -> Far<'_> {
-        self.levels[0].far(cone, self.stride)
+        self.levels[self.shown].far(cone, self.stride)
     }
 
     /// Makes the light of the first level at a plane whose intervals were just made; planes come in
     /// falling order.
     #[inline(always)]
     pub fn descend<S: Simd, const K: usize>(&mut self, simd: S, pyramid: &Pyramid, plane: usize) {
+        // Of even index it is a plane of the level above, which has the same cones.
+        self.shown = usize::from(plane.is_multiple_of(2));
         // A plane is made from the next one of the level above that is not before it.
-        let mut missing = 0;
+        let mut missing = self.shown;
         while self.levels[missing].plane != self.wanted(missing, plane) {
             missing += 1;
         }
-        for at in (0..missing).rev() {
+        for at in (self.shown..missing).rev() {
             self.merge::<S, K>(simd, pyramid, at, plane.div_ceil(1 << at));
         }
     }
@@ -256,39 +261,45 @@ impl Cones {
         made.plane = Some(plane);
         let Level { rows, sky, .. } = made;
         let parts = above.sky.len() / sky.len();
+        let end = count.next_multiple_of(LANES);
         for (cone, (rows, sky)) in rows.chunks_exact_mut(3 * stride).zip(sky).enumerate() {
-            let part = |s: usize| above.far(parts * cone + s, stride);
+            let far = [0, parts - 1].map(|s| above.far(parts * cone + s, stride));
             if plane.is_multiple_of(2) {
-                let (first, last) = (part(0), part(parts - 1));
-                for y in (0..count).step_by(LANES) {
-                    let mut sum = first.load(simd, pad + y);
-                    if parts > 1 {
-                        let last = last.load(simd, pad + y);
-                        for c in 0..3 {
-                            sum[c] += last[c];
-                        }
-                    }
+                for y in (pad..pad + end).step_by(LANES) {
+                    let (mut sum, last) = (far[0].load(simd, y), far[1].load(simd, y));
                     for c in 0..3 {
-                        sum[c].store_slice(&mut rows[c * stride + pad + y..][..LANES]);
+                        sum[c] += last[c];
+                        sum[c].store_slice(&mut rows[c * stride + y..][..LANES]);
                     }
                 }
             } else {
-                let near = pyramid.odd(level);
-                let term = |s: usize, ray: usize, share: f32| Term {
-                    near: &near[ray * pyramid.ray_size()..][..pyramid.ray_size()],
-                    shift: ray as isize - (1 << level),
-                    angle: above.angles[parts * cone + s],
-                    share,
-                    far: part(s),
-                    sky: above.sky[parts * cone + s],
+                let (low, shares) = match parts {
+                    1 if cone.is_multiple_of(2) => (cone / 2, [0.75, 0.25]),
+                    1 => (cone / 2, [0.25, 0.75]),
+                    _ => (cone, [1.0; 2]),
                 };
-                let terms = if parts > 1 {
-                    [term(0, cone, 1.0), term(1, cone + 1, 1.0)]
-                } else {
-                    let past = if cone.is_multiple_of(2) { 0.25 } else { 0.75 };
-                    [term(0, cone / 2, 1.0 - past), term(0, cone / 2 + 1, past)]
-                };
-                add_up::<S, K>(simd, &terms, rows, [pyramid.stride, stride, pad, count]);
+                let ways = [0, 1].map(|i| {
+                    let part = parts * cone + if parts > 1 { i } else { 0 };
+                    Way {
+                        near: pyramid.ray(level, low + i),
+                        shift: (low + i) as isize - (1 << level),
+                        angle: above.angles[part] * shares[i],
+                        share: shares[i],
+                        far: far[i],
+                        sky: above.sky[part],
+                    }
+                });
+                // Rows from which both ways end on held rows, pads and all.
+                let room = (stride - LANES) as isize - pad as isize;
+                let from = (-(pad as isize) - ways[0].shift).clamp(0, end as isize) as usize;
+                let from = from.next_multiple_of(LANES);
+                let to = (room - ways[1].shift).clamp(0, end as isize) as usize;
+                let to = (to / LANES * LANES).max(from);
+                let at = [pyramid.stride, stride, pad];
+                add_up::<S, K>(simd, &ways, rows, at, from..to);
+                let ways = ways.map(|way| Way { far: Far::Sky(way.sky), ..way });
+                add_up::<S, K>(simd, &ways, rows, at, 0..from);
+                add_up::<S, K>(simd, &ways, rows, at, to..end);
             }
             sky_tail(rows, stride, pad + count, sky);
         }
@@ -296,41 +307,66 @@ impl Cones {
 }
 
 /// One of the ways that light takes from the next plane.
-struct Term<'a> {
+struct Way<'a> {
+    /// The ray from the start.
     near: &'a [u32],
     /// Rows from the start of the near ray to its end.
     shift: isize,
+    /// Angle that it stands for, and share of it.
     angle: f32,
     share: f32,
     far: Far<'a>,
     sky: Rgb,
 }
 
-/// Adds up two ways, row by row.
+/// Adds up two ways at some rows, in whole vectors.
 #[inline(always)]
 fn add_up<S: Simd, const K: usize>(
     simd: S,
-    terms: &[Term; 2],
+    ways: &[Way; 2],
     rows: &mut [f32],
-    [near_stride, stride, pad, count]: [usize; 4],
+    [near_stride, stride, pad]: [usize; 3],
+    range: Range<usize>,
 ) {
-    let last = (stride - LANES) as isize;
-    for y in (0..count).step_by(LANES) {
+    let count = range.len() / LANES;
+    let near = [0, 1].map(|i| {
+        let word = |word: usize| &ways[i].near[word * near_stride + PAD + range.start..];
+        [0, 1, words(K) - 1].map(|i| &word(i).as_chunks::<LANES>().0[..count])
+    });
+    let far = [0, 1].map(|i| {
+        let from = (pad + range.start).wrapping_add_signed(ways[i].shift);
+        match ways[i].far {
+            Far::Rows(rows) => rows.map(|rows| &rows[from..].as_chunks::<LANES>().0[..count]),
+            Far::Sky(_) => [&[][..]; 3],
+        }
+    });
+    let lit = matches!(ways[0].far, Far::Rows(_));
+    let (red, rows) = rows.split_at_mut(stride);
+    let (green, blue) = rows.split_at_mut(stride);
+    let to = [red, green, blue].map(|rows| {
+        &mut rows[pad + range.start..].as_chunks_mut::<LANES>().0[..count]
+    });
+    for i in 0..count {
         let mut sum = [f32x16::splat(simd, 0.0); 3];
-        for term in terms {
-            let near = Interval::<S, K>::load(simd, term.near, near_stride, PAD + y);
-            let from = pad as isize + y as isize + term.shift;
-            let far = match from {
-                0.. if from <= last => term.far.load(simd, from as usize),
-                _ => Far::Sky(term.sky).load(simd, 0),
-            };
+        for (w, way) in ways.iter().enumerate() {
+            let [a, b, tints] = near[w];
+            let near = Interval::<S, K>::unpack([
+                u32x16::from_slice(simd, &a[i]),
+                u32x16::from_slice(simd, &b[i]),
+                u32x16::from_slice(simd, &tints[i]),
+            ]);
             for c in 0..3 {
-                let light = near.light[c].mul_add(term.angle, near.through[c % K] * far[c]);
-                sum[c] = light.mul_add(term.share, sum[c]);
+                let far = if lit {
+                    f32x16::from_slice(simd, &far[w][c][i])
+                } else {
+                    f32x16::splat(simd, way.sky[c])
+                };
+                sum[c] = near.light[c].mul_add(way.angle, sum[c]);
+                sum[c] = (near.through[c % K] * way.share).mul_add(far, sum[c]);
             }
         }
         for c in 0..3 {
-            sum[c].store_slice(&mut rows[c * stride + pad + y..][..LANES]);
+            sum[c].store_slice(&mut to[c][i]);
         }
     }
 }

@@ -71,13 +71,21 @@ impl<S: Simd, const K: usize> Interval<S, K> {
     /// Reads rows from `at` on; the words of a row lie `stride` apart.
     #[inline(always)]
     pub fn load(simd: S, from: &[u32], stride: usize, at: usize) -> Self {
-        let a = u32x16::from_slice(simd, &from[at..][..LANES]);
-        let b = u32x16::from_slice(simd, &from[stride + at..][..LANES]);
+        let tints = if K == 3 { 2 * stride + at } else { at };
+        Self::unpack([
+            u32x16::from_slice(simd, &from[at..][..LANES]),
+            u32x16::from_slice(simd, &from[stride + at..][..LANES]),
+            u32x16::from_slice(simd, &from[tints..][..LANES]),
+        ])
+    }
+
+    /// Reads words of sixteen rows; the third counts where matter tints.
+    #[inline(always)]
+    pub fn unpack([a, b, tints]: [u32x16<S>; 3]) -> Self {
         let mut through = [fixed(b & 0xffff); K];
         if K == 3 {
-            let c = u32x16::from_slice(simd, &from[2 * stride + at..][..LANES]);
-            through[1 % K] = fixed(c >> 16);
-            through[2 % K] = fixed(c & 0xffff);
+            through[1 % K] = fixed(tints >> 16);
+            through[2 % K] = fixed(tints & 0xffff);
         }
         Self { light: [high(a), low(a), high(b)], through }
     }

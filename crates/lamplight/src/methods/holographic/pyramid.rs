@@ -100,7 +100,7 @@ impl Pyramid {
 
     /// Words of one ray of a plane: all rows.
     #[inline(always)]
-    pub fn ray_size(&self) -> usize {
+    fn ray_size(&self) -> usize {
         words(self.channels) * self.stride
     }
 
@@ -108,10 +108,11 @@ impl Pyramid {
         rays(level) * self.ray_size()
     }
 
-    /// The intervals of the plane of odd index of a level that [`Self::make`] made last.
+    /// A ray of the plane of odd index of a level that [`Self::make`] made last.
     #[inline(always)]
-    pub fn odd(&self, level: u32) -> &[u32] {
-        &self.odd[(level - self.first) as usize]
+    pub fn ray(&self, level: u32, ray: usize) -> &[u32] {
+        let size = self.ray_size();
+        &self.odd[(level - self.first) as usize][ray * size..][..size]
     }
 
     /// Aims the beams, each of `width` rays, both ways that the slabs may go.
@@ -399,7 +400,7 @@ mod tests {
             // The level at which the plane just made is of odd index.
             let level = 1 + first.trailing_zeros();
             for ray in (0..rays(level)).filter(|_| level < 5) {
-                let words = &pyramid.odd(level)[ray * pyramid.ray_size()..];
+                let words = pyramid.ray(level, ray);
                 for row in (0..21).step_by(3) {
                     let (light, through) = dispatch!(Level::new(), simd => {
                         let read =
