@@ -71,7 +71,7 @@ pub fn by_name<T: Copy + Send + Sync + 'static>(
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Lighting")]
 pub struct Lighting {
-    /// How light is found [default: what the scene says, else raymarch]
+    /// How light is found [default: what the scene says, else holographic]
     #[arg(long, value_name = "METHOD", value_parser = by_name(Answer::ALL, Answer::name))]
     pub method: Option<Answer>,
     #[command(flatten)]

@@ -94,6 +94,42 @@ fn queries_agree(light: &Light, what: &str) {
     }
 }
 
+/// What was at (x, y) comes to (height − 1 − y, x).
+fn turned(cells: &Cells) -> Cells {
+    let (w, h) = (cells.width(), cells.height());
+    let mut turned = grid(h, w, |x, y| cells.get(y, h - 1 - x).unwrap());
+    turned.set_sky(cells.sky());
+    turned
+}
+
+/// The most that light may change by a quarter turn where directions are on a lattice that turns
+/// with it: sums in another order, stored with 8 bits.
+const TURNED: f64 = 1e-3;
+
+#[test]
+fn turning_the_scene_turns_the_light() {
+    let (w, h) = (61, 37);
+    let mut cells = scene(w, h);
+    cells.lamps_mut().clear();
+    cells.set_sky(Sky::Uniform([0.1, 0.2, 0.3]));
+    let on_a_lattice = |method| matches!(method, Method::Cascades | Method::Holographic);
+    for (method, preset, settings) in every_preset().filter(|way| on_a_lattice(way.0)) {
+        let solve =
+            |cells: &Cells| Solver::new(settings.clone()).unwrap().solve(cells).unwrap().clone();
+        let (light, around) = (solve(&cells), solve(&turned(&cells)));
+        let back = |wrong: u32| {
+            let at = |i| around.at(h - 1 - i / w, (i % w + wrong) % w);
+            relative_rmse(
+                &Light::from_pixels(&cells, (0..w * h).map(at).collect()).unwrap(),
+                &light,
+            )
+        };
+        println!("{} {preset}: {:.4} %", method.name(), 100.0 * back(0));
+        assert!(back(0) < TURNED, "{} {preset}: {}", method.name(), back(0));
+        assert!(back(1) > 10.0 * TURNED, "{} {preset}: light off by a px passes", method.name());
+    }
+}
+
 #[test]
 fn what_does_not_glow_stays_dark() {
     for (method, preset, settings) in every_preset() {

@@ -6,7 +6,7 @@
 mod common;
 
 use common::*;
-use lamplight::settings::{BounceBy, Flood, Hit, Merge, Noise, Temporal};
+use lamplight::settings::{BounceBy, Flood, Hit, Holographic, Merge, Noise, Temporal};
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky, Solver};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -117,6 +117,28 @@ fn ways() -> Vec<(&'static str, bool, Settings)> {
             "plain cascades",
             false,
             way(|s| (s.method, s.cascades.merge) = (Method::Cascades, Merge::Plain)),
+        ),
+        ("holographic", false, way(|s| s.method = Method::Holographic)),
+        (
+            "holographic through fog",
+            true,
+            way(|s| (s.method, s.bounces) = (Method::Holographic, Bounces::Count(2))),
+        ),
+        (
+            "fast holographic",
+            true,
+            way(|s| {
+                s.method = Method::Holographic;
+                s.holographic = Holographic::preset("fast").unwrap();
+            }),
+        ),
+        (
+            "holographic of the best quality",
+            true,
+            way(|s| {
+                (s.method, s.bounces) = (Method::Holographic, Bounces::Count(1));
+                s.holographic = Holographic::preset("quality").unwrap();
+            }),
         ),
         ("wall depth", false, way(|s| s.wall_depth = 6.0)),
         (

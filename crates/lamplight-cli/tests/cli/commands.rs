@@ -30,6 +30,31 @@ fn probe_says_how_lit_points_are() {
 }
 
 #[test]
+fn probe_says_what_the_picture_shows_by_every_method() {
+    let sandbox = Sandbox::small();
+    let points = [[6, 2], [12, 9], [3, 17], [29, 1]];
+    let asked: String = points.map(|[x, y]| format!("{x}.5,{y}.5 ")).concat();
+    for method in Method::ALL {
+        let name = method.name();
+        sandbox
+            .run(&format!("render small.toml --stage light -o {name}.exr -q --method {name}"))
+            .done();
+        let picture = image::load_from_memory(&sandbox.read(&format!("{name}.exr"))).unwrap();
+        let picture = picture.to_rgb32f();
+        let probe = sandbox.run(&format!("probe small.toml {asked} -q --json --method {name}"));
+        let answer = json(&probe.done());
+        for (i, [x, y]) in points.into_iter().enumerate() {
+            for c in 0..3 {
+                let said = answer["points"][i]["light"][c].as_f64().unwrap() as f32;
+                let shown = picture.get_pixel(x, y).0[c];
+                let apart = (said - shown).abs();
+                assert!(apart <= 1e-5 * (1.0 + shown), "{name} at {x}, {y}: {said}, not {shown}");
+            }
+        }
+    }
+}
+
+#[test]
 fn stages_writes_every_picture_and_a_sheet() {
     let sandbox = Sandbox::small();
     let said = sandbox.run("stages small.toml -o a/b --scale 2").done();

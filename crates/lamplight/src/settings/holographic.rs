@@ -42,7 +42,7 @@ pub struct Holographic {
 
 impl Default for Holographic {
     fn default() -> Self {
-        Self { variant: Variant::Beams, hop: 2, least: 4, rays: 2, beams: 8 }
+        Self { variant: Variant::Beams, hop: 2, least: 2, rays: 2, beams: 8 }
     }
 }
 
@@ -55,8 +55,8 @@ impl Holographic {
         let default = Self::default();
         match name {
             "default" => Some(default),
-            "fast" => Some(Self { hop: 1, least: 1, rays: 1, ..default }),
-            "quality" => Some(Self { hop: 3, least: 8, rays: 4, ..default }),
+            "fast" => Some(Self { hop: 1, least: 1, rays: 1, beams: 4, ..default }),
+            "quality" => Some(Self { hop: 4, least: 6, beams: 12, ..default }),
             "paper" => Some(Self { variant: Variant::Paper, ..default }),
             _ => None,
         }

@@ -113,21 +113,15 @@ impl Far<'_> {
         lit: u64,
         light: &mut Light<S>,
     ) {
-        for c in 0..3 {
-            for v in 0..VECTORS {
-                if !of_vector(lit, v * LANES) {
-                    continue;
-                }
-                match self {
-                    Self::Rows(rows) => {
-                        let rows = &rows[c][at + v * LANES..][..LANES + 1];
-                        for (i, &share) in shares.iter().enumerate() {
-                            let row = f32x16::from_slice(simd, &rows[i..][..LANES]);
-                            light[c][v] = row.mul_add(share, light[c][v]);
-                        }
-                    }
-                    Self::Sky(sky) => light[c][v] += sky[c],
-                }
+        for v in 0..VECTORS {
+            if !of_vector(lit, v * LANES) {
+                continue;
+            }
+            let near = self.load(simd, at + v * LANES);
+            let next = self.load(simd, at + v * LANES + 1);
+            for c in 0..3 {
+                light[c][v] = near[c].mul_add(shares[0], light[c][v]);
+                light[c][v] = next[c].mul_add(shares[1], light[c][v]);
             }
         }
     }
@@ -150,7 +144,8 @@ impl Far<'_> {
                 continue;
             }
             for (i, &part) in shares.iter().enumerate() {
-                let part = mask(simd, both, v).select(f32x16::splat(simd, part * share), f32x16::splat(simd, share));
+                let part = mask(simd, both, v)
+                    .select(f32x16::splat(simd, part * share), f32x16::splat(simd, share));
                 let part = mask(simd, open[i], v).select(part, f32x16::splat(simd, 0.0));
                 let row = self.load(simd, at + v * LANES + i);
                 for c in 0..3 {
@@ -328,6 +323,9 @@ fn add_up<S: Simd, const K: usize>(
     [near_stride, stride, pad]: [usize; 3],
     range: Range<usize>,
 ) {
+    if range.is_empty() {
+        return;
+    }
     let count = range.len() / LANES;
     let near = [0, 1].map(|i| {
         let word = |word: usize| &ways[i].near[word * near_stride + PAD + range.start..];
@@ -343,9 +341,8 @@ fn add_up<S: Simd, const K: usize>(
     let lit = matches!(ways[0].far, Far::Rows(_));
     let (red, rows) = rows.split_at_mut(stride);
     let (green, blue) = rows.split_at_mut(stride);
-    let to = [red, green, blue].map(|rows| {
-        &mut rows[pad + range.start..].as_chunks_mut::<LANES>().0[..count]
-    });
+    let to = [red, green, blue]
+        .map(|rows| &mut rows[pad + range.start..].as_chunks_mut::<LANES>().0[..count]);
     for i in 0..count {
         let mut sum = [f32x16::splat(simd, 0.0); 3];
         for (w, way) in ways.iter().enumerate() {

@@ -56,8 +56,8 @@ pub struct Fronts {
 }
 
 impl Fronts {
-    /// Finds the cells in front of the faces of walls, and those of fog that send light on.
-    pub fn collect(&mut self, cells: &Cells, surfaces: &Surfaces) {
+    /// Finds the open cells, and has no other ones.
+    pub fn clear(&mut self, cells: &Cells) {
         let (w, h) = (cells.width() as usize, cells.height() as usize);
         self.slots.clear();
         self.slots.resize(cells.len(), NONE);
@@ -66,6 +66,11 @@ impl Fronts {
         self.surfaces.fill([w, h], false);
         self.open.fill([w, h], true);
         cells.for_each_solid(|i| self.open.unset(i % w, i / w));
+    }
+
+    /// Finds the cells in front of the faces of walls, and those of fog that send light on.
+    pub fn collect(&mut self, cells: &Cells, surfaces: &Surfaces) {
+        let w = cells.width() as usize;
         for wall in &surfaces.walls {
             for face in (0..4).filter(|&face| wall.exposed[face]) {
                 let front = front(wall.cell as usize, face, w);

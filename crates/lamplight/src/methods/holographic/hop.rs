@@ -12,8 +12,8 @@
 use super::cones::{Cones, Far, angle, slope};
 use super::interval::{Interval, LANES};
 use super::march::{
-    Kinds, Light, Met, TILE, VECTORS, kinds_of, march, march_solid, mask, meet, of_vector,
-    solid, whole_vectors,
+    Kinds, Light, Met, TILE, VECTORS, kinds_of, march, march_solid, mask, meet, of_vector, solid,
+    whole_vectors,
 };
 use super::slabs::Slabs;
 use super::stencil::{Bundle, Step, stencil};
@@ -171,8 +171,7 @@ impl Hop {
                     let (ends, rays) = cone.rays(kinds.glowing);
                     let share = 1.0 / rays.len() as f32;
                     for (end, steps) in ends.iter().zip(rays) {
-                        let near =
-                            march::<S, K>(simd, slabs, start + first, steps, kinds);
+                        let near = march::<S, K>(simd, slabs, start + first, steps, kinds);
                         let place = cone.bundle.cells[end.end];
                         let from = ([start, row, light.pad()], v, place);
                         let one = look::<S, K>(simd, slabs, from, (end, near, cone.angle), &far);
@@ -305,9 +304,7 @@ fn cones(look: Look, ahead: usize, stride: isize) -> Vec<Cone> {
         let slopes: Vec<_> =
             std::iter::once(0.5).chain(fan).map(|share| (from + share * angle).tan()).collect();
         let ways: Vec<_> = slopes.iter().map(|&slope| stencil(ahead, slope, 0.0)).collect();
-        let place = |slope: f64| {
-            ahead as isize * stride + (slope * ahead as f64).floor() as isize
-        };
+        let place = |slope: f64| ahead as isize * stride + (slope * ahead as f64).floor() as isize;
         let others: Vec<_> = slopes.iter().flat_map(|&s| [place(s), place(s) + 1]).collect();
         let bundle = Bundle::new(&ways, &others, stride);
         let end = |&slope: &f64| {

@@ -83,12 +83,7 @@ impl Pyramid {
     }
 
     /// Sizes the buffer of a plane and fills it, margins and all, with empty intervals.
-    fn fill(
-        &mut self,
-        at: usize,
-        size: usize,
-        buffer: impl Fn(&mut Self) -> &mut Vec<Vec<u32>>,
-    ) {
+    fn fill(&mut self, at: usize, size: usize, buffer: impl Fn(&mut Self) -> &mut Vec<Vec<u32>>) {
         let (stride, empty) = (self.stride, empty(self.channels));
         let buffer = &mut buffer(self)[at];
         buffer.clear();
@@ -270,7 +265,8 @@ fn trace<S: Simd, const K: usize>(
                             interval.light[c] = one.light[c].mul_add(share, interval.light[c]);
                         }
                         for k in 0..K {
-                            interval.through[k] = one.through[k].mul_add(share, interval.through[k]);
+                            interval.through[k] =
+                                one.through[k].mul_add(share, interval.through[k]);
                         }
                     }
                 }

@@ -5,9 +5,9 @@
 //! neighbouring rows and one direction are one vector. The opposite quadrant takes the same slabs
 //! in reverse. Empty rows and slabs round the grid spare rays every test for its edge.
 
+use crate::Cells;
 use crate::stages::bounce::{NORMALS, Surfaces};
 use crate::stages::transmittance::log_transmittance;
-use crate::Cells;
 
 /// Rows of empty space on both sides of a slab: more than any ray of a last hop strays.
 pub const MARGIN: usize = 64;
