@@ -83,14 +83,7 @@ fn no_light_gets_through_a_wall() {
         let contact = if round % 2 == 0 { Contact::Sides } else { Contact::Corners };
         let sealed = Sealed::new(random, [37, 31], 60, contact);
         let white = Matter { albedo: [1.0; 3], ..WALL };
-        let mut cells =
-            grid(
-                37,
-                31,
-                |x, y| {
-                    if sealed.wall[(y * 37 + x) as usize] { white } else { Matter::EMPTY }
-                },
-            );
+        let mut cells = sealed.grid(white);
         let room = sealed.room();
         let outside: Vec<usize> = (0..37 * 31).filter(|&i| sealed.is_outside(i)).collect();
         for (homes, dark) in [(&room, &outside), (&outside, &room)] {

@@ -68,14 +68,6 @@ fn under_a_uniform_sky_light_is_the_sky() {
     (0..3).for_each(|c| near(light.at(20, 11)[c], f64::from(sky[c]), f64::from(ROUNDING)));
 }
 
-/// What was at (x, y) comes to (height − 1 − y, x).
-fn turned(cells: &Cells) -> Cells {
-    let (w, h) = (cells.width(), cells.height());
-    let mut turned = grid(h, w, |x, y| cells.get(y, h - 1 - x).unwrap());
-    turned.set_sky(cells.sky());
-    turned
-}
-
 /// The most that light may change by a quarter turn with 4096 rays, which differ: 1/rays of the
 /// light for each edge that is seen, and a jumble has some dozens.
 const TURNED: f64 = 0.01;

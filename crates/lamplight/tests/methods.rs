@@ -94,14 +94,6 @@ fn queries_agree(light: &Light, what: &str) {
     }
 }
 
-/// What was at (x, y) comes to (height − 1 − y, x).
-fn turned(cells: &Cells) -> Cells {
-    let (w, h) = (cells.width(), cells.height());
-    let mut turned = grid(h, w, |x, y| cells.get(y, h - 1 - x).unwrap());
-    turned.set_sky(cells.sky());
-    turned
-}
-
 /// The most that light may change by a quarter turn where directions are on a lattice that turns
 /// with it: sums in another order, stored with 8 bits.
 const TURNED: f64 = 1e-3;

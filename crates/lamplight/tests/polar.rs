@@ -247,14 +247,7 @@ fn no_light_gets_through_a_wall() {
     for round in 0..40 {
         let contact = if round % 2 == 0 { Contact::Sides } else { Contact::Corners };
         let sealed = Sealed::new(random, [37, 31], 60, contact);
-        let mut cells =
-            grid(
-                37,
-                31,
-                |x, y| {
-                    if sealed.wall[(y * 37 + x) as usize] { WALL } else { Matter::EMPTY }
-                },
-            );
+        let mut cells = sealed.grid(WALL);
         let room = sealed.room();
         let outside: Vec<usize> = (0..37 * 31).filter(|&i| sealed.is_outside(i)).collect();
         // A lamp on this side, and nothing arrives on the other; and the other way round.

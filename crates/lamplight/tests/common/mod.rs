@@ -95,6 +95,14 @@ pub fn relative_rmse(light: &Light, truth: &Light) -> f64 {
     (squares / f64::from(count)).sqrt() / (sum / f64::from(count))
 }
 
+/// What was at (x, y) comes to (height − 1 − y, x).
+pub fn turned(cells: &Cells) -> Cells {
+    let (w, h) = (cells.width(), cells.height());
+    let mut turned = grid(h, w, |x, y| cells.get(y, h - 1 - x).unwrap());
+    turned.set_sky(cells.sky());
+    turned
+}
+
 /// Every bit of a picture.
 pub fn bits(light: &Light) -> Vec<u32> {
     light.pixels().as_flattened().iter().map(|v| v.to_bits()).collect()
@@ -146,6 +154,13 @@ impl Sealed {
         let touches = |i| around(width, height, i, reach).any(|j| inside[j]);
         let wall = (0..n).map(|i| !inside[i] && touches(i)).collect();
         Self { width, inside, wall }
+    }
+
+    /// The grid with its wall made of this, and nothing else.
+    pub fn grid(&self, wall: Matter) -> Cells {
+        let height = self.wall.len() as u32 / self.width;
+        let cell = |x, y| (y * self.width + x) as usize;
+        grid(self.width, height, |x, y| if self.wall[cell(x, y)] { wall } else { Matter::EMPTY })
     }
 
     /// Indices of the cells of the room.

@@ -324,48 +324,18 @@ fn circle(rays: u32) -> impl Iterator<Item = (f32, [f32; 2])> {
     (0..rays).map(move |i| (circle::angle(i, rays), circle::direction(i, rays)))
 }
 
-#[cfg(test)]
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
+    use super::super::vector_units::{agree, cells};
     use super::*;
-    use crate::{Lamp, Matter};
-    use fearless_simd::Simd;
-
-    /// Walls, fog and lamps.
-    fn cells() -> Cells {
-        let mut cells = Cells::new(61, 37).unwrap();
-        for i in 0..cells.len() {
-            let matter = match i % 61 {
-                20..24 if i % 7 < 5 => Matter { opacity: 1.0, albedo: [0.7; 3], ..Matter::EMPTY },
-                45..50 => Matter { opacity: 0.03, tint: [0.9, 0.3, 0.1], ..Matter::EMPTY },
-                _ => Matter::EMPTY,
-            };
-            cells.set_matter(i, matter);
-        }
-        for x in [9.3, 33.8] {
-            cells.lamps_mut().push(Lamp { position: [x, 18.1], ..Lamp::default() });
-        }
-        cells
-    }
 
     #[test]
     fn every_vector_unit_gives_the_same_bytes() {
         let cells = cells();
-        let solve = |level: Level| {
+        agree(0.0, |level| {
             let mut light = Vec::new();
             Flood::on(level).solve(&cells, &Settings::default(), &mut light, &mut Clock::default());
             light
-        };
-        let best = Level::new();
-        let lesser = [
-            best.as_sse2().map(Simd::level),
-            best.as_sse4_2().map(Simd::level),
-            best.as_avx2().map(Simd::level),
-        ];
-        let light = solve(best);
-        assert!(light.iter().flatten().any(|&v| v > 0.0));
-        for level in lesser.into_iter().flatten() {
-            assert!(solve(level) == light, "{level:?} differs from {best:?}");
-        }
+        });
     }
 }

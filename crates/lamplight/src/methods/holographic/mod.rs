@@ -196,64 +196,25 @@ impl Holographic {
 /// Side of the blocks in which light is gathered, px: a few lines of the cache.
 const BLOCK: usize = 16;
 
-#[cfg(test)]
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
+    use super::super::vector_units::{agree, cells};
     use super::*;
-    use crate::{Matter, Sky};
-    use fearless_simd::Simd;
 
-    /// Some units multiply and add with one rounding, others with two; then light is rounded to
-    /// 8 bits, level by level.
+    /// Some units multiply and add with one rounding, others with two.
     const ROUNDING: f32 = 1e-4;
-
-    /// Walls that glow and reflect, fog and stained glass.
-    fn cells() -> Cells {
-        let mut cells = Cells::new(61, 37).unwrap();
-        for i in 0..cells.len() {
-            let matter = match i % 61 {
-                20..24 if i % 7 < 5 => Matter { opacity: 1.0, albedo: [0.7; 3], ..Matter::EMPTY },
-                35..45 => Matter { opacity: 0.03, albedo: [0.5; 3], ..Matter::EMPTY },
-                50 => Matter { tint: [0.9, 0.3, 0.1], ..Matter::EMPTY },
-                8..13 if i / 61 % 16 < 4 => {
-                    Matter { emission: [3.0, 2.0, 1.0], opacity: 1.0, ..Matter::EMPTY }
-                }
-                _ => Matter::EMPTY,
-            };
-            cells.set_matter(i, matter);
-        }
-        cells.set_sky(Sky::Uniform([0.1, 0.2, 0.3]));
-        cells
-    }
 
     #[test]
     fn every_vector_unit_gives_the_same_light() {
-        let cells = cells();
-        let best = Level::new();
-        let lesser = [
-            best.as_sse2().map(Simd::level),
-            best.as_sse4_2().map(Simd::level),
-            best.as_avx2().map(Simd::level),
-        ];
+        let cells = cells().drawn().into_owned();
         for preset in ["default", "fast", "quality"] {
             let mut settings = Settings { bounces: Bounces::Count(1), ..Settings::default() };
             settings.holographic = crate::settings::Holographic::preset(preset).unwrap();
-            let solve = |level: Level| {
+            agree(ROUNDING, |level| {
                 let mut light = Vec::new();
                 Holographic::on(level).solve(&cells, &settings, &mut light, &mut Clock::default());
                 light
-            };
-            let light = solve(best);
-            let mean = light.iter().flatten().sum::<f32>() / (3 * light.len()) as f32;
-            assert!(mean > 0.0);
-            for level in lesser.into_iter().flatten() {
-                let other = solve(level);
-                let apart = light.iter().flatten().zip(other.iter().flatten());
-                let worst =
-                    apart.map(|(a, b)| (a - b).abs() / (a.abs() + mean)).fold(0.0, f32::max);
-                println!("{preset}, {level:?}: {worst}");
-                assert!(worst < ROUNDING, "{preset}: {level:?} is {worst} from {best:?}");
-            }
+            });
         }
     }
 }
