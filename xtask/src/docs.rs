@@ -31,7 +31,8 @@ const THEATRE: [(&str, &[&str]); 4] = [
 /// Sizes at which their cost is measured.
 const POLAR_SIZES: &str = "320x180,640x360,1280x720";
 const FLOOD_SIZES: &str = "64x64,128x128,320x180";
-const HOLOGRAPHIC_SIZES: &str = "128x128,256x256,320x180,512x512,1024x1024";
+const CASCADES_SIZES: &str = "128x128,256x256,320x180,512x512";
+const HOLOGRAPHIC_SIZES: &str = "128x128,256x256,320x180,512x512,1024x1024,2048x2048";
 
 pub fn run() -> Result<()> {
     cargo(&["build", "--release", "--package", "lamplight-cli"])?;
@@ -42,6 +43,8 @@ pub fn run() -> Result<()> {
     let lights = "walls and 36 glowing discs";
     let holographic = costs(Method::Holographic, HOLOGRAPHIC_SIZES, lights, &machine)?;
     insert("docs/holographic.md", "costs", &holographic)?;
+    let cascades = costs(Method::Cascades, CASCADES_SIZES, lights, &machine)?;
+    insert("docs/cascades.md", "costs", &cascades)?;
     let lamps = "one of range 64 to 922 cells: 1000 at 1280×720";
     insert("docs/polar.md", "costs", &costs(Method::Polar, POLAR_SIZES, lamps, &machine)?)?;
     insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, lights, &machine)?)?;
@@ -74,20 +77,41 @@ fn methods(machine: &str) -> Result<()> {
 
 /// What a frame of a method takes in the built-in scene, by preset and size.
 fn costs(method: Method, sizes: &str, scene: &str, machine: &str) -> Result<String> {
-    let mut table = String::from("| preset | cells | a frame |\n| --- | --- | --- |\n");
+    let by_yardstick = method == Method::Holographic;
+    let mut table = String::from("| preset | cells | a frame |");
+    if by_yardstick {
+        table += " ns a cell and level | times faster |\n| --- | --- | --- | --- | --- |\n";
+    } else {
+        table += "\n| --- | --- | --- |\n";
+    }
     for preset in method.presets() {
         println!("time {}, {preset}", method.name());
         let set = format!("{}.preset={preset}", method.name());
-        let arguments =
-            ["bench", "--method", method.name(), "--size", sizes, "--set", &set, "--json"];
+        let mut arguments =
+            vec!["bench", "--method", method.name(), "--size", sizes, "--set", &set, "--json"];
+        if by_yardstick {
+            arguments.push("--yardstick");
+        }
         for line in lamplight(&arguments)?.lines() {
             let case: Value = serde_json::from_str(line)?;
-            let (width, height) = (&case["width"], &case["height"]);
+            let (width, height) = (number(&case, "width")?, number(&case, "height")?);
             let median = number(&case, "median_ms")?;
-            writeln!(table, "| `{preset}` | {width}×{height} | {median:.1} ms |")?;
+            write!(table, "| `{preset}` | {width}×{height} | {median:.1} ms |")?;
+            if by_yardstick {
+                let growth = 1e6 * median / (width * height * width.max(height).log2());
+                write!(table, " {growth:.1} | {:.1} |", number(&case, "yardstick_ratio")?)?;
+            }
+            table.push('\n');
         }
     }
     writeln!(table, "\nMedian of several frames of the scene of `bench` ({scene}) {machine}.")?;
+    if by_yardstick {
+        writeln!(
+            table,
+            "Times faster than a plain implementation of the published cascades, timed in turns \
+             (`bench --yardstick`); levels: log₂ of the longer side."
+        )?;
+    }
     Ok(table)
 }
 

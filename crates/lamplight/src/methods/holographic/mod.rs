@@ -17,10 +17,13 @@
 //!
 //! A bounce solves the quadrants for the surfaces only, with what they sent the time before.
 //!
-//! Cost: about N² log N for an N×N grid, whatever is in it, less where space is empty; memory about
-//! N² (log N − hop) intervals of 8 bytes for each of two threads. Known failures: up to 8 % of
-//! error on a ring of 10 to 20 px round a light, faint stripes far from small lights; where a plane
-//! of the lattice cuts a light, its two halves together look up to a third of a px too wide.
+//! All of it is one sweep over the planes from the far end of the grid to the near one, so that no
+//! level is ever held whole.
+//!
+//! Cost: about N² log N for an N×N grid, less where space is empty; memory some hundred bytes a
+//! cell. Known failures: up to 7 % of error at the worst angle of a ring round a light, faint
+//! stripes far from small lights; where a plane of the lattice cuts a light, its two halves together
+//! look up to a third of a px too wide.
 
 mod cones;
 mod fronts;
