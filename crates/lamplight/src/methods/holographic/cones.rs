@@ -51,10 +51,19 @@ impl Level {
     fn far(&self, cone: usize, stride: usize) -> Far<'_> {
         match self.plane {
             Some(_) => {
-                Far::Rows([0, 1, 2].map(|c| &self.rows[(3 * cone + c) * stride..][..stride]))
+                let (red, rest) = self.rows(cone, stride).split_at(stride);
+                let (green, blue) = rest.split_at(stride);
+                Far::Rows([red, green, blue])
             }
             None => Far::Sky(self.sky[cone]),
         }
+    }
+
+    /// All rows of a cone, channel by channel; none in the sky.
+    #[inline(always)]
+    fn rows(&self, cone: usize, stride: usize) -> &[f32] {
+        let size = 3 * stride;
+        if self.rows.is_empty() { &[] } else { &self.rows[cone * size..][..size] }
     }
 }
 
@@ -201,7 +210,10 @@ impl Cones {
                 for (sky, above) in sky.iter_mut().zip(above.sky.chunks_exact(parts)) {
                     *sky = [0, 1, 2].map(|c| above.iter().map(|part| part[c]).sum());
                 }
-                sky_beyond(rows, self.stride, self.pad, self.rows, sky);
+                for (rows, sky) in rows.chunks_exact_mut(3 * self.stride).zip(sky) {
+                    sky_rows(rows, self.stride, 0..self.pad, sky);
+                    sky_rows(rows, self.stride, self.pad + self.rows..self.stride, sky);
+                }
             }
         }
     }
@@ -258,50 +270,61 @@ impl Cones {
         let parts = above.sky.len() / sky.len();
         let end = count.next_multiple_of(LANES);
         for (cone, (rows, sky)) in rows.chunks_exact_mut(3 * stride).zip(sky).enumerate() {
-            let far = [0, parts - 1].map(|s| above.far(parts * cone + s, stride));
             if plane.is_multiple_of(2) {
-                for y in (pad..pad + end).step_by(LANES) {
-                    let (mut sum, last) = (far[0].load(simd, y), far[1].load(simd, y));
-                    for c in 0..3 {
-                        sum[c] += last[c];
-                        sum[c].store_slice(&mut rows[c * stride + y..][..LANES]);
+                let (first, last) = (parts * cone, parts * cone + parts - 1);
+                if above.plane.is_some() {
+                    let (first, last) = (above.rows(first, stride), above.rows(last, stride));
+                    for at in [pad, stride + pad, 2 * stride + pad] {
+                        let (first, last) = (&first[at..][..end], &last[at..][..end]);
+                        let to = &mut rows[at..][..end];
+                        for y in (0..end).step_by(LANES) {
+                            let first = f32x16::from_slice(simd, &first[y..][..LANES]);
+                            let last = f32x16::from_slice(simd, &last[y..][..LANES]);
+                            (first + last).store_slice(&mut to[y..][..LANES]);
+                        }
                     }
+                } else {
+                    sky_rows(rows, stride, pad..pad + end, sky);
                 }
             } else {
-                let (low, shares) = match parts {
-                    1 if cone.is_multiple_of(2) => (cone / 2, [0.75, 0.25]),
-                    1 => (cone / 2, [0.25, 0.75]),
-                    _ => (cone, [1.0; 2]),
+                let (ray, part, shares) = match parts {
+                    1 if cone.is_multiple_of(2) => (cone / 2, [cone; 2], [0.75, 0.25]),
+                    1 => (cone / 2, [cone; 2], [0.25, 0.75]),
+                    _ => (cone, [2 * cone, 2 * cone + 1], [1.0; 2]),
                 };
-                let ways = [0, 1].map(|i| {
-                    let part = parts * cone + if parts > 1 { i } else { 0 };
-                    Way {
-                        near: pyramid.ray(level, low + i),
-                        shift: (low + i) as isize - (1 << level),
-                        angle: above.angles[part] * shares[i],
+                let mut ways = [Way::default(); 2];
+                for (i, way) in ways.iter_mut().enumerate() {
+                    *way = Way {
+                        near: pyramid.ray(level, ray + i),
+                        shift: (ray + i) as isize - (1 << level),
+                        angle: above.angles[part[i]] * shares[i],
                         share: shares[i],
-                        far: far[i],
-                        sky: above.sky[part],
-                    }
-                });
+                        far: above.rows(part[i], stride),
+                        sky: above.sky[part[i]],
+                    };
+                }
                 // Rows from which both ways end on held rows, pads and all.
-                let room = (stride - LANES) as isize - pad as isize;
-                let from = (-(pad as isize) - ways[0].shift).clamp(0, end as isize) as usize;
-                let from = from.next_multiple_of(LANES);
-                let to = (room - ways[1].shift).clamp(0, end as isize) as usize;
-                let to = (to / LANES * LANES).max(from);
-                let at = [pyramid.stride, stride, pad];
-                add_up::<S, K>(simd, &ways, rows, at, from..to);
-                let ways = ways.map(|way| Way { far: Far::Sky(way.sky), ..way });
-                add_up::<S, K>(simd, &ways, rows, at, 0..from);
-                add_up::<S, K>(simd, &ways, rows, at, to..end);
+                let mut range = 0..0;
+                if above.plane.is_some() {
+                    let room = (stride - LANES) as isize - pad as isize;
+                    let from = (-(pad as isize) - ways[0].shift).clamp(0, end as isize) as usize;
+                    range.start = from.next_multiple_of(LANES);
+                    let to = (room - ways[1].shift).clamp(0, end as isize) as usize;
+                    range.end = (to / LANES * LANES).max(range.start);
+                }
+                let strides = [pyramid.stride, stride, pad];
+                add_up::<S, K, true>(simd, &ways, rows, strides, range.clone());
+                add_up::<S, K, false>(simd, &ways, rows, strides, 0..range.start);
+                add_up::<S, K, false>(simd, &ways, rows, strides, range.end..end);
             }
-            sky_tail(rows, stride, pad + count, sky);
+            // Where whole vectors ran over the last row.
+            sky_rows(rows, stride, pad + count..(pad + count + LANES).min(stride), sky);
         }
     }
 }
 
 /// One of the ways that light takes from the next plane.
+#[derive(Clone, Copy, Default)]
 struct Way<'a> {
     /// The ray from the start.
     near: &'a [u32],
@@ -310,53 +333,52 @@ struct Way<'a> {
     /// Angle that it stands for, and share of it.
     angle: f32,
     share: f32,
-    far: Far<'a>,
+    /// Light at the end by channel and row, and beyond all rows.
+    far: &'a [f32],
     sky: Rgb,
 }
 
-/// Adds up two ways at some rows, in whole vectors.
+/// Adds up two ways at some rows, in whole vectors; `HELD`: whether they end on held rows.
 #[inline(always)]
-fn add_up<S: Simd, const K: usize>(
+fn add_up<S: Simd, const K: usize, const HELD: bool>(
     simd: S,
     ways: &[Way; 2],
     rows: &mut [f32],
     [near_stride, stride, pad]: [usize; 3],
     range: Range<usize>,
 ) {
-    if range.is_empty() {
+    let count = range.len() / LANES;
+    if count == 0 {
         return;
     }
-    let count = range.len() / LANES;
-    let near = [0, 1].map(|i| {
-        let word = |word: usize| &ways[i].near[word * near_stride + PAD + range.start..];
-        [0, 1, words(K) - 1].map(|i| &word(i).as_chunks::<LANES>().0[..count])
-    });
-    let far = [0, 1].map(|i| {
-        let from = (pad + range.start).wrapping_add_signed(ways[i].shift);
-        match ways[i].far {
-            Far::Rows(rows) => rows.map(|rows| &rows[from..].as_chunks::<LANES>().0[..count]),
-            Far::Sky(_) => [&[][..]; 3],
+    let (mut near, mut far) = ([[&[][..]; 3]; 2], [[&[][..]; 3]; 2]);
+    for (w, way) in ways.iter().enumerate() {
+        let end = (pad + range.start).wrapping_add_signed(way.shift);
+        for i in 0..3 {
+            let word = i.min(words(K) - 1);
+            near[w][i] = vectors(way.near, word * near_stride + PAD + range.start, count);
+            if HELD {
+                far[w][i] = vectors(way.far, i * stride + end, count);
+            }
         }
-    });
-    let lit = matches!(ways[0].far, Far::Rows(_));
+    }
     let (red, rows) = rows.split_at_mut(stride);
     let (green, blue) = rows.split_at_mut(stride);
-    let to = [red, green, blue]
-        .map(|rows| &mut rows[pad + range.start..].as_chunks_mut::<LANES>().0[..count]);
+    let at = pad + range.start;
+    let to =
+        [vectors_mut(red, at, count), vectors_mut(green, at, count), vectors_mut(blue, at, count)];
     for i in 0..count {
         let mut sum = [f32x16::splat(simd, 0.0); 3];
         for (w, way) in ways.iter().enumerate() {
-            let [a, b, tints] = near[w];
             let near = Interval::<S, K>::unpack([
-                u32x16::from_slice(simd, &a[i]),
-                u32x16::from_slice(simd, &b[i]),
-                u32x16::from_slice(simd, &tints[i]),
+                u32x16::from_slice(simd, &near[w][0][i]),
+                u32x16::from_slice(simd, &near[w][1][i]),
+                u32x16::from_slice(simd, &near[w][2][i]),
             ]);
             for c in 0..3 {
-                let far = if lit {
-                    f32x16::from_slice(simd, &far[w][c][i])
-                } else {
-                    f32x16::splat(simd, way.sky[c])
+                let far = match HELD {
+                    true => f32x16::from_slice(simd, &far[w][c][i]),
+                    false => f32x16::splat(simd, way.sky[c]),
                 };
                 sum[c] = near.light[c].mul_add(way.angle, sum[c]);
                 sum[c] = (near.through[c % K] * way.share).mul_add(far, sum[c]);
@@ -368,22 +390,22 @@ fn add_up<S: Simd, const K: usize>(
     }
 }
 
-/// Puts sky into the rows beyond both edges of the grid.
-fn sky_beyond(rows: &mut [f32], stride: usize, pad: usize, count: usize, sky: &[Rgb]) {
-    for (rows, sky) in rows.chunks_exact_mut(3 * stride).zip(sky) {
-        for (rows, sky) in rows.chunks_exact_mut(stride).zip(sky) {
-            rows[..pad].fill(*sky);
-            rows[pad + count..].fill(*sky);
-        }
-    }
+/// Some vectors of a row.
+#[inline(always)]
+fn vectors<T>(row: &[T], at: usize, count: usize) -> &[[T; LANES]] {
+    &row[at..].as_chunks().0[..count]
 }
 
-/// Puts sky back where whole vectors ran over the last row.
 #[inline(always)]
-fn sky_tail(rows: &mut [f32], stride: usize, end: usize, sky: &Rgb) {
+fn vectors_mut<T>(row: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]] {
+    &mut row[at..].as_chunks_mut().0[..count]
+}
+
+/// Puts the sky of a cone into some of its rows.
+#[inline(always)]
+fn sky_rows(rows: &mut [f32], stride: usize, range: Range<usize>, sky: &Rgb) {
     for (rows, sky) in rows.chunks_exact_mut(stride).zip(sky) {
-        let round = (end + LANES).min(stride);
-        rows[end..round].fill(*sky);
+        rows[range.clone()].fill(*sky);
     }
 }
 
