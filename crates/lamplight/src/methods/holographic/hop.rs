@@ -52,11 +52,11 @@ impl Ray {
 
 /// A cone, as a pixel at a distance from the plane looks through it.
 #[derive(Debug)]
-struct Cone {
+pub struct Cone {
     number: usize,
-    angle: f32,
-    /// Cosines to the normals of the faces that it lights: ahead, towards higher rows.
-    cosines: [f32; 2],
+    pub angle: f32,
+    /// Cosines of its middle to the axis and to the direction of higher rows.
+    pub cosines: [f32; 2],
     /// Where its rays end: first that along its middle, then several for where something glows.
     ends: Vec<Ray>,
     /// Their ways, and the cells of the plane whose light they take.
@@ -114,9 +114,6 @@ pub struct Hop {
     sums: Vec<[[f32; TILE]; 3]>,
 }
 
-/// Light onto faces that look ahead, to higher rows and to lower rows, by channel, in sixteen rows.
-pub type Onto = [[[f32; LANES]; 3]; 3];
-
 impl Hop {
     /// Aims the rays both ways that the slabs may go.
     pub fn aim(&mut self, slabs: &Slabs, look: Look) {
@@ -133,7 +130,7 @@ impl Hop {
     }
 
     /// Light of 64 pixels of a slab from the plane ahead. `lit`: bits of pixels that count;
-    /// `faces`: of those whose faces count too ([`Self::onto`]).
+    /// `faces`: of those whose faces count too ([`Self::sums`]).
     #[inline(always)]
     pub fn light<S: Simd, const K: usize>(
         &mut self,
@@ -190,30 +187,10 @@ impl Hop {
         sum
     }
 
-    /// Light onto the faces of the tile that [`Self::light`] was last given, by one of its vectors.
-    #[inline(always)]
-    pub fn onto<S: Simd>(&self, simd: S, v: usize) -> Onto {
-        let zero = f32x16::splat(simd, 0.0);
-        let (mut onto, mut before) = ([[zero; 3]; 3], [zero; 3]);
-        // Cosines are the same from any distance.
-        for (cone, sums) in self.cones[0][0].iter().zip(&self.sums) {
-            let [ahead, across] = cone.cosines;
-            let side = if across > 0.0 { 1 } else { 2 };
-            for c in 0..3 {
-                let sum = f32x16::from_slice(simd, &sums[c][v * LANES..][..LANES]);
-                let light = sum - before[c];
-                before[c] = sum;
-                onto[0][c] = light.mul_add(ahead, onto[0][c]);
-                onto[side][c] = light.mul_add(across.abs(), onto[side][c]);
-            }
-        }
-        let mut stored = [[[0.0; LANES]; 3]; 3];
-        for side in 0..3 {
-            for c in 0..3 {
-                onto[side][c].store_slice(&mut stored[side][c]);
-            }
-        }
-        stored
+    /// The cones of the tile that [`Self::light`] was last given, with the light of its pixels
+    /// through all cones up to each. Their angles are the same from any distance.
+    pub fn sums(&self) -> impl Iterator<Item = (&Cone, &[[f32; TILE]; 3])> {
+        self.cones[0][0].iter().zip(&self.sums)
     }
 }
 

@@ -43,12 +43,8 @@ pub fn march<S: Simd, const K: usize>(
             };
         }
         if kinds.glowing {
-            let sent = slabs.sent(step.face);
             for c in 0..3 {
-                let mut source = load(simd, &slabs.source[c], at);
-                if let Some(sent) = sent {
-                    source += load(simd, &sent[c], at);
-                }
+                let mut source = slabs.sends(simd, at, step.face, c);
                 if kinds.fraction {
                     source *= -through[c % K] + 1.0;
                 }
@@ -83,17 +79,13 @@ pub fn march_solid<S: Simd>(
         }
         let Some(share) = share else { continue };
         let at = start.wrapping_add_signed(step.offset);
-        let sent = slabs.sent(step.face);
         for v in 0..VECTORS {
             if !of_vector(hit, v * LANES) {
                 continue;
             }
             let hit = mask(simd, hit, v);
             for c in 0..3 {
-                let mut source = load(simd, &slabs.source[c], at + v * LANES);
-                if let Some(sent) = sent {
-                    source += load(simd, &sent[c], at + v * LANES);
-                }
+                let source = slabs.sends(simd, at + v * LANES, step.face, c);
                 light[c][v] = hit.select(source.mul_add(share, light[c][v]), light[c][v]);
             }
         }

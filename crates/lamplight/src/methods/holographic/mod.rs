@@ -8,7 +8,7 @@
 //! 3. **The last hop** ([`hop`]): pixels trace the few px to the next plane themselves.
 //!
 //! Four quadrants make the fluence: `φ = Σ ∫ L dω / 2π`. On every face of a wall the same rays give
-//! `B = ½ ∫ L cosθ dω`, taken at the centre of the cell in front, half a px off.
+//! `B = ½ ∫ L cosθ dω`, shaded by the steps of the wall itself ([`onto`]).
 //!
 //! What is better than published ([`paper`], which `variant = "paper"` runs): dense directions
 //! instead of even ones, which also do away with the checkerboard; beams instead of single rays;
@@ -30,6 +30,7 @@ mod fronts;
 mod hop;
 mod interval;
 mod march;
+mod onto;
 mod pair;
 pub mod paper;
 mod published;

@@ -5,6 +5,7 @@ use super::fronts::Fronts;
 use super::hop::{Hop, Look};
 use super::interval::LANES;
 use super::march::{TILE, VECTORS, of_vector};
+use super::onto;
 use super::pyramid::{Pyramid, planes};
 use super::slabs::{Axis, Slabs};
 use crate::settings::Holographic;
@@ -60,7 +61,8 @@ impl Pair {
         let settings = scene.settings;
         let look =
             Look { level: settings.hop, least: settings.least as usize, rays: settings.rays };
-        self.slabs.read(scene.cells, self.axis, look.most(), scene.surfaces);
+        let beyond = look.most().max(onto::REACH);
+        self.slabs.read(scene.cells, self.axis, beyond, scene.surfaces);
         self.pyramid.prepare(&self.slabs, settings.hop);
         let Slabs { depth, rows, .. } = self.slabs;
         self.cones.prepare(depth, rows, &self.pyramid, look.most());
@@ -145,7 +147,7 @@ impl Pair {
         let width = scene.cells.width() as usize;
         let normals = normals(self.axis, reversed);
         for v in (0..VECTORS).filter(|v| of_vector(faces, v * LANES)) {
-            let onto = self.hop.onto(simd, v);
+            let onto = onto::onto(simd, slabs, &self.hop, [slab, row + v * LANES]);
             let mut left = faces >> (v * LANES) & 0xffff;
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;

@@ -5,9 +5,11 @@
 //! neighbouring rows and one direction are one vector. The opposite quadrant takes the same slabs
 //! in reverse. Empty rows and slabs round the grid spare rays every test for its edge.
 
+use super::interval::LANES;
 use crate::Cells;
 use crate::stages::bounce::{NORMALS, Surfaces};
 use crate::stages::transmittance::log_transmittance;
+use fearless_simd::{f32x16, prelude::*};
 
 /// Rows of empty space on both sides of a slab: more than any ray of a last hop strays.
 pub const MARGIN: usize = 64;
@@ -70,7 +72,7 @@ pub struct Slabs {
     /// Its natural logarithm.
     pub log_pass: [Vec<f32>; 3],
     /// Radiance that matter gives off, by channel; 0 where there is no matter.
-    pub source: [Vec<f32>; 3],
+    source: [Vec<f32>; 3],
     /// Light that walls send on, by face (front of this direction, of the other, low, high).
     sent: [[Vec<f32>; 3]; 4],
     /// [`MATTER`], [`FRACTION`] and [`GLOWING`].
@@ -218,14 +220,18 @@ impl Slabs {
         }
     }
 
-    /// Light that walls send on from the face that a ray meets; none if nothing bounces.
+    /// What the cells of sixteen rows send out from the face that a ray meets.
     #[inline(always)]
-    pub fn sent(&self, face: Face) -> Option<&[Vec<f32>; 3]> {
+    pub fn sends<S: Simd>(&self, simd: S, at: usize, face: Face, channel: usize) -> f32x16<S> {
+        let source = f32x16::from_slice(simd, &self.source[channel][at..at + LANES]);
+        if !self.faces {
+            return source;
+        }
         let side = match face {
             Face::Front => self.reversed as usize,
             Face::Low => 2,
             Face::High => 3,
         };
-        if self.faces { Some(&self.sent[side]) } else { None }
+        source + f32x16::from_slice(simd, &self.sent[side][channel][at..at + LANES])
     }
 }
