@@ -80,10 +80,9 @@ pub struct Lighting {
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub frames: u32,
-    /// Paths a pixel, with `--method reference`
-    #[arg(long, value_name = "N", default_value_t = 256,
-          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub samples: u32,
+    /// Paths a pixel, with `--method reference` [default: 256]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub samples: Option<u32>,
     #[command(flatten)]
     pub machine: Machine,
 }
@@ -96,6 +95,26 @@ impl Lighting {
             table.set("method", method.name());
         }
         Ok(table.resolve()?)
+    }
+
+    /// Flags that are without effect on who answers, one sentence each.
+    pub fn idle(&self, answer: Answer) -> Vec<String> {
+        let name = answer.name();
+        let mut idle = Vec::new();
+        for text in &self.settings.set {
+            let of = text.split(['.', '=']).next().unwrap_or_default().trim();
+            if of != name && Method::ALL.iter().any(|method| method.name() == of) {
+                idle.push(format!("`--set {text}` changes nothing: light is found by {name}"));
+            }
+        }
+        if self.samples.is_some() && answer != Answer::Reference {
+            idle.push(format!("--samples changes nothing: it is for the reference, not {name}"));
+        }
+        let by_rule = matches!(answer, Answer::By(method) if method.lights_lamps());
+        if by_rule && self.settings.bounces.is_some_and(|bounces| bounces != Bounces::Count(0)) {
+            idle.push(format!("--bounces changes nothing: {name} lights by a rule of its own"));
+        }
+        idle
     }
 
     /// Who answers.
@@ -113,7 +132,8 @@ pub struct SettingFlags {
     /// Seed of everything random: the same seed gives the same bytes [default: 0]
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Change any setting, such as `raymarch.rays=64` or `raymarch.preset=godot`; may be repeated
+    /// Change any setting, such as `holographic.preset=fast` or `wall_depth=4`; may be repeated, in
+    /// any order. A preset replaces what the scene sets of its method
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }

@@ -163,8 +163,9 @@ fn entries(method: Method, table: &SettingsTable, sweep: bool) -> Outcome<Vec<En
     let as_set = table.resolve()?;
     let mut all = Vec::new();
     for &preset in method.presets() {
-        let mut table = table.clone();
-        table.set(&format!("{}.preset", method.name()), preset);
+        let (mut table, mut whole) = (table.clone(), SettingsTable::default());
+        whole.set(&format!("{}.preset", method.name()), preset);
+        table.merge(whole);
         let settings = without_filters(table.resolve()?);
         all.push(Entry { preset: Some(preset), ..Entry::of(preset.to_owned(), settings) });
     }

@@ -11,6 +11,9 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+/// Paths a pixel of the reference where nothing is said.
+const SAMPLES: u32 = 256;
+
 /// Reads a scene; says on stderr what may not be as its author meant it, unless quiet.
 pub fn open(path: &Path, quiet: bool) -> Outcome<(Scene, Cells)> {
     let scene = Scene::load(path)?;
@@ -59,9 +62,14 @@ pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit
             answer.name()
         ));
     }
+    if !flags.machine.quiet {
+        flags.idle(answer).iter().for_each(|text| warn(text));
+    }
     match answer {
         Answer::By(_) => solve(cells, settings, flags.frames, flags.machine.quiet),
-        Answer::Reference => reference(cells, &settings, flags.samples, flags.machine.quiet),
+        Answer::Reference => {
+            reference(cells, &settings, flags.samples.unwrap_or(SAMPLES), flags.machine.quiet)
+        }
     }
 }
 

@@ -79,6 +79,8 @@ fn plain_value(found: &str) -> String {
     match found {
         "map" => "a table".into(),
         "sequence" => "a list".into(),
+        // As which NaN and infinity arrive too.
+        "null" => "no finite number".into(),
         _ => ["integer ", "floating point ", "string ", "boolean "]
             .into_iter()
             .find_map(|kind| found.strip_prefix(kind))

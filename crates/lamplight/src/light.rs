@@ -57,8 +57,9 @@ impl Light {
 
     /// Light at a point in px, between the four nearest cell centres.
     ///
-    /// In the open only open cells count, so that a point beside a wall is not darkened by it;
-    /// inside a wall only solid cells count. Outside the grid: the nearest cell at the border.
+    /// In the open only open cells count, so that a point beside a wall is not darkened by it, and
+    /// none from beyond where two walls touch; inside a wall only solid cells count. Outside the
+    /// grid: the nearest cell at the border.
     pub fn sample(&self, position: [f32; 2]) -> Rgb {
         if self.rgb.is_empty() || !position.iter().all(|p| p.is_finite()) {
             return [0.0; 3];
@@ -70,7 +71,7 @@ impl Light {
         let index = |x: i64, y: i64| {
             y.clamp(0, max_y) as usize * self.width as usize + x.clamp(0, max_x) as usize
         };
-        let home = self.solid[index(x.floor() as i64, y.floor() as i64)];
+        let home = index(x.floor() as i64, y.floor() as i64);
         let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
         let (fx, fy) = (x - 0.5 - left, y - 0.5 - top);
         let (left, top) = (left as i64, top as i64);
@@ -80,7 +81,15 @@ impl Light {
             (index(left, top + 1), (1.0 - fx) * fy),
             (index(left + 1, top + 1), fx * fy),
         ];
-        self.mean(corners.into_iter().filter(|&(i, _)| self.solid[i] == home))
+        let alike = corners.map(|(i, _)| self.solid[i] == self.solid[home]);
+        let counts = |corner: usize| {
+            // Corners differ by a bit for each axis. Across, the way leads past one beside.
+            let near = |other: usize| corners[other].0 == home;
+            let beside = [corner ^ 1, corner ^ 2];
+            alike[corner]
+                && (near(corner) || beside.iter().any(|&other| near(other) || alike[other]))
+        };
+        self.mean((0..4).filter(|&corner| counts(corner)).map(|corner| corners[corner]))
     }
 
     /// Mean light over the open cells of a box from `min` to `max` in px, each by the share of it

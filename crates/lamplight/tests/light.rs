@@ -53,6 +53,20 @@ fn sample_beside_a_wall_leaves_the_wall_out_and_inside_takes_nothing_else() {
 }
 
 #[test]
+fn sample_does_not_look_past_the_corner_where_two_walls_touch() {
+    for wall in [0, 1] {
+        let cells = grid(2, 2, |x, y| if (x + y) % 2 == wall { WALL } else { Matter::EMPTY });
+        let rgb = (0..4).map(|i| [i as f32; 3]).collect();
+        let light = Light::from_pixels(&cells, rgb).unwrap();
+        for cell in 0..4u32 {
+            let [x, y] = [cell % 2, cell / 2];
+            let beside_corner = [x as f32 * 0.02 + 0.99, y as f32 * 0.02 + 0.99];
+            assert_eq!(light.sample(beside_corner), light.at(x, y), "cell {cell}");
+        }
+    }
+}
+
+#[test]
 fn sample_outside_is_the_border_and_takes_any_number() {
     let light = ramp();
     assert_eq!(light.sample([-5.0, -1.0]), [0.0, 0.0, 1.0]);

@@ -119,6 +119,16 @@ fn a_preset_that_comes_later_undoes_its_methods_keys_and_no_others() {
 }
 
 #[test]
+fn flags_beside_a_preset_win_in_any_order() {
+    for texts in
+        [["raymarch.preset=godot", "raymarch.rays=7"], ["raymarch.rays=7", "raymarch.preset=godot"]]
+    {
+        let r = resolved(&texts).raymarch;
+        assert_eq!(r, Raymarch { rays: 7, ..Raymarch::preset("godot").unwrap() });
+    }
+}
+
+#[test]
 fn text_is_read_as_numbers_words_and_booleans() {
     let settings = resolved(&[
         "method=raymarch",
@@ -148,7 +158,9 @@ fn text_is_read_as_numbers_words_and_booleans() {
 fn text_that_is_no_setting_is_refused() {
     for text in ["", "rays", "=5", ".=5", "raymarch.=5", ".rays=5", "raymarch..rays=5", " =5"] {
         let error = SettingsTable::default().set_from_text(text).unwrap_err().to_string();
-        let expected = format!("`--set` is {text}, but must be of the form method.key=value");
+        let expected = format!(
+            "`--set` is {text}, but must be of the form key=value, such as bounces=2 or raymarch.rays=64"
+        );
         assert_eq!(error, expected);
     }
 }

@@ -40,7 +40,8 @@ pub struct Args {
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=64))]
     scale: Option<u32>,
     /// Time a plain implementation of the published holographic cascades (direct light) in turns with
-    /// the method, and give its time ÷ the method's: a ratio that depends little on the machine
+    /// the method, and give its time ÷ the method's: a ratio that depends little on the machine. For
+    /// methods that see what it sees: not polar and flood
     #[arg(long)]
     yardstick: bool,
     /// Print one JSON object a line, one for each case
@@ -87,7 +88,12 @@ pub fn run(args: Args) -> Outcome {
             } else {
                 cells
             };
-            let times = time(cells, settings.resolve()?, args.scale, args.yardstick)?;
+            let times = time(
+                cells,
+                settings.resolve()?,
+                args.scale,
+                args.yardstick && !method.lights_lamps(),
+            )?;
             progress.step();
             if args.json {
                 let mut line = json!({
@@ -123,6 +129,8 @@ pub fn run(args: Args) -> Outcome {
             if let Some(yardstick) = times.yardstick {
                 row.push(format!("{:.2}", ms(yardstick)));
                 row.push(format!("{:.2}", times.ratio(yardstick)));
+            } else if args.yardstick {
+                row.extend(["–"; 2].map(str::to_owned));
             }
             rows.push(row);
         }

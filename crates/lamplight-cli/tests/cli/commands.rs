@@ -191,6 +191,31 @@ fn cones_are_seen_where_lamps_are_lit_by_rule_and_warned_of_elsewhere() {
 }
 
 #[test]
+fn flags_without_effect_are_named() {
+    let sandbox = Sandbox::small();
+    let warned = |flags: &str| sandbox.run(&format!("probe small.toml 22.5,1.5 {flags}")).err;
+    for (flags, warning) in [
+        (
+            "--method polar --set raymarch.rays=3",
+            "`--set raymarch.rays=3` changes nothing: light is found by polar",
+        ),
+        ("--samples 9", "--samples changes nothing: it is for the reference, not holographic"),
+        (
+            "--method flood --bounces 2",
+            "--bounces changes nothing: flood lights by a rule of its own",
+        ),
+    ] {
+        assert!(warned(flags).contains(warning), "{flags}: {}", warned(flags));
+        assert_eq!(warned(&format!("{flags} --quiet")), "");
+    }
+    let meant =
+        ["--method polar --set polar.density=2", "--method reference --samples 9", "--bounces 2"];
+    for flags in meant {
+        assert_eq!(warned(flags), "", "{flags}");
+    }
+}
+
+#[test]
 fn flood_keeps_its_light_from_frame_to_frame() {
     let sandbox = Sandbox::small();
     let light = |frames: u32| {
@@ -205,7 +230,7 @@ fn a_new_scene_can_be_lit() {
     let sandbox = Sandbox::new();
     let said = sandbox.run("new cave.toml").done();
     assert!(said.contains("lamplight render cave.toml"), "{said}");
-    sandbox.run("render cave.toml --set raymarch.rays=4").done();
+    sandbox.run("render cave.toml --set holographic.preset=fast").done();
     assert_eq!(sandbox.picture("cave.png").dimensions(), (320, 180));
     sandbox.write("cave.toml", "mine");
     sandbox.run("new cave.toml").failed(2, &["cave.toml is there already"]);

@@ -50,7 +50,10 @@ fn quiet_says_nothing_and_json_says_everything() {
 fn flags_win_over_the_scene() {
     let sandbox = Sandbox::small();
     let scene = String::from_utf8(sandbox.read("small.toml")).unwrap();
-    sandbox.write("set.toml", scene + "[light]\nbounces = 2\nraymarch.rays = 3\nseed = 5\n");
+    sandbox.write(
+        "set.toml",
+        scene + "[light]\nbounces = 2\nmethod = \"raymarch\"\nraymarch.rays = 3\nseed = 5\n",
+    );
     let settings = |flags: &str| {
         let said = sandbox.run(&format!("render set.toml --json {flags}")).done();
         serde_json::from_str::<Value>(&said).unwrap()["settings"].clone()
@@ -129,7 +132,7 @@ fn the_reference_shows_the_same_scene() {
     );
     assert!(json["settings"]["relative_standard_error"].as_f64().unwrap() > 0.0);
     let reference = sandbox.picture("small.png");
-    sandbox.run("render small.toml -o ray.png --set raymarch.rays=512").done();
+    sandbox.run("render small.toml -o ray.png --method raymarch --set raymarch.rays=512").done();
     let ray = sandbox.picture("ray.png");
     let mean = |p: &image::RgbImage| p.iter().map(|&v| f64::from(v)).sum::<f64>() / 1920.0;
     // Noise of 1024 paths moves the mean of a tone-mapped picture by less than a level of 256 or two.

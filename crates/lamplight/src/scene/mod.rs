@@ -166,7 +166,8 @@ impl Scene {
             let [x, y] = lamp.position;
             if !((0.0..=width).contains(&x) && (0.0..=height).contains(&y)) {
                 warnings.push(format!(
-                    "`lamp[{i}]` is at [{x}, {y}], outside the grid of {width}×{height}"
+                    "`lamp[{i}]` is at [{x}, {y}], outside the grid of {width}×{height}: polar \
+                     and flood light from there, the others see what of its disc lies inside"
                 ));
             }
         }

@@ -29,8 +29,9 @@ pub struct Holographic {
     /// Higher: fewer stars and stripes round small lights; time and memory of the last hop grow by
     /// 3 to 4 a step.
     pub hop: u32,
-    /// The last hop is at least this many px long, 1 to 2^hop, and less than 2^hop longer. Higher:
-    /// fewer stars round small lights, and time of the hop in proportion.
+    /// The last hop is at least this many px long, 1 to 16, and less than 2^hop longer; more than
+    /// 2^hop counts as that. Higher: fewer stars round small lights, and time of the hop in
+    /// proportion.
     pub least: u32,
     /// Rays through each cone of the last hop where something glows, 1 to 16; elsewhere it is one.
     /// Higher: smoother light right beside small lights, for time where there are some.
@@ -64,7 +65,7 @@ impl Holographic {
 
     pub(super) fn check(&self) -> Result<()> {
         within("holographic.hop", self.hop, 1..=4)?;
-        within("holographic.least", self.least, 1..=1 << self.hop)?;
+        within("holographic.least", self.least, 1..=16)?;
         within("holographic.rays", self.rays, 1..=16)?;
         within("holographic.beams", self.beams, 1..=16)
     }

@@ -2,7 +2,7 @@
 
 use super::{Cascades, Flood, Holographic, Polar, Raymarch, Settings};
 use crate::explain::explain;
-use crate::{Error, Result};
+use crate::{Error, Method, Result};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -31,13 +31,14 @@ impl SettingsTable {
         self.0.is_empty()
     }
 
-    /// Sets one key, such as `raymarch.rays`, to a value.
+    /// Sets one key, such as `raymarch.rays`, to a value. The order of keys makes no difference: a
+    /// preset is where the others start from.
     pub fn set(&mut self, key: &str, value: impl Into<Value>) {
         let value = key.rsplit('.').fold(value.into(), |inner, name| {
             Value::Object(Map::from_iter([(name.to_owned(), inner)]))
         });
         if let Value::Object(table) = value {
-            merge(&mut self.0, table);
+            merge(&mut self.0, table, false);
         }
     }
 
@@ -47,11 +48,19 @@ impl SettingsTable {
         let (key, value) = text
             .split_once('=')
             .filter(|(key, _)| key.split('.').all(|name| !name.trim().is_empty()))
-            .ok_or_else(|| Error::value("--set", text, "of the form method.key=value"))?;
+            .ok_or_else(|| {
+                Error::value(
+                    "--set",
+                    text,
+                    "of the form key=value, such as bounces=2 or raymarch.rays=64",
+                )
+            })?;
         let value = value.trim();
         let parsed = toml::from_str::<Map<String, Value>>(&format!("v = {value}"))
             .ok()
-            .and_then(|mut table| table.remove("v"));
+            .and_then(|mut table| table.remove("v"))
+            // What JSON cannot say, such as `nan`, is repeated as it was written.
+            .filter(|value| !value.is_null());
         self.set(key.trim(), parsed.unwrap_or_else(|| Value::String(value.to_owned())));
         Ok(())
     }
@@ -59,7 +68,7 @@ impl SettingsTable {
     /// Lays another table over this one: its keys win. A preset there comes after, and so undoes,
     /// the keys of its method here.
     pub fn merge(&mut self, over: Self) {
-        merge(&mut self.0, over.0);
+        merge(&mut self.0, over.0, true);
     }
 
     /// Expands presets, refuses unknown keys and values out of range.
@@ -73,20 +82,25 @@ impl SettingsTable {
         let value = Value::Object(table);
         let settings: Settings = serde_path_to_error::deserialize(&value).map_err(|e| {
             let path = e.path().to_string();
-            explain(&path, &e.into_inner().to_string())
+            let mut message = e.into_inner().to_string();
+            if Method::ALL.iter().any(|method| path.starts_with(method.name())) {
+                message = message.replace(", expected one of ", ", expected one of `preset`, ");
+            }
+            explain(&path, &message)
         })?;
         settings.check()?;
         Ok(settings)
     }
 }
 
-fn merge(under: &mut Map<String, Value>, over: Map<String, Value>) {
-    if over.contains_key("preset") {
+/// Lays one table over another; `anew`: a preset there undoes what is here.
+fn merge(under: &mut Map<String, Value>, over: Map<String, Value>, anew: bool) {
+    if anew && over.contains_key("preset") {
         under.clear();
     }
     for (key, value) in over {
         match (under.get_mut(&key), value) {
-            (Some(Value::Object(old)), Value::Object(new)) => merge(old, new),
+            (Some(Value::Object(old)), Value::Object(new)) => merge(old, new, anew),
             (_, value) => {
                 under.insert(key, value);
             }

@@ -59,8 +59,8 @@ impl Pair {
     /// Lights the grid from both sides.
     pub fn solve(&mut self, level: Level, scene: Scene) {
         let settings = scene.settings;
-        let look =
-            Look { level: settings.hop, least: settings.least as usize, rays: settings.rays };
+        let least = settings.least.min(1 << settings.hop) as usize;
+        let look = Look { level: settings.hop, least, rays: settings.rays };
         let beyond = look.most().max(onto::REACH);
         self.slabs.read(scene.cells, self.axis, beyond, scene.surfaces);
         self.pyramid.prepare(&self.slabs, settings.hop);
