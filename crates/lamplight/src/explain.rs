@@ -37,6 +37,10 @@ pub(crate) fn explain(path: &str, message: &str) -> Error {
             let found = match kind {
                 "invalid length " => format!("a list of {found}"),
                 "unknown variant " => format!("\"{}\"", unquoted(found)),
+                // As null arrive those, too.
+                _ if found == "null" && plain(expected).contains("number") => {
+                    "null, NaN or infinite".into()
+                }
                 _ => plain_value(found),
             };
             Error::value(key, shortened(&found), plain(expected))
@@ -79,8 +83,6 @@ fn plain_value(found: &str) -> String {
     match found {
         "map" => "a table".into(),
         "sequence" => "a list".into(),
-        // As which NaN and infinity arrive too.
-        "null" => "no finite number".into(),
         _ => ["integer ", "floating point ", "string ", "boolean "]
             .into_iter()
             .find_map(|kind| found.strip_prefix(kind))

@@ -174,7 +174,7 @@ fn bad_settings_are_refused_by_name() {
         ("holographic.hop=0", "holographic.hop"),
         ("holographic.hop=5", "holographic.hop"),
         ("holographic.least=0", "holographic.least"),
-        ("holographic.least=5", "holographic.least"),
+        ("holographic.least=17", "holographic.least"),
         ("holographic.rays=0", "holographic.rays"),
         ("holographic.rays=17", "holographic.rays"),
         ("holographic.beams=0", "holographic.beams"),

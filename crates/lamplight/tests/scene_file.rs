@@ -279,6 +279,10 @@ const JSON_MISTAKES: &[Mistake] = &[
         "`shape[0].circle.radius` is inf, but must be more than 0 and at most 1000000 px",
     ),
     (
+        "{\"size\": [4, 4], \"light\": {\"wall_depth\": null}}",
+        "`light.wall_depth` is null, NaN or infinite, but must be a number",
+    ),
+    (
         "{\"size\": [4, 4], \"light\": {\"bounces\": 1.5}}",
         "`light.bounces` is 1.5, but must be a whole number from 0 to 256, or \"converged\"",
     ),

@@ -12,11 +12,11 @@
 use super::cones::{Cones, Far, angle, slope};
 use super::interval::{Interval, LANES};
 use super::march::{
-    Kinds, Light, Met, TILE, VECTORS, kinds_of, march, march_solid, mask, meet, of_vector, solid,
-    whole_vectors,
+    Kinds, Light, Met, TILE, VECTORS, kinds_of, march, march_solid, mask, meet, meet_solid,
+    of_vector, solid, whole_vectors,
 };
 use super::slabs::Slabs;
-use super::stencil::{Bundle, Step, stencil};
+use super::stencil::{Bundle, Fan, Rays, stencil};
 use fearless_simd::{f32x16, prelude::*, u8x64};
 
 /// Share of light under which a cell counts as closed.
@@ -29,7 +29,7 @@ struct Ray {
     row: isize,
     /// Shares of that row and of the next in the light there.
     shares: [f32; 2],
-    /// Which of its cone's cells is that row's on the plane; the next row's comes next.
+    /// Which of the view's cells is that row's on the plane; the next row's comes next.
     end: usize,
 }
 
@@ -59,17 +59,20 @@ pub struct Cone {
     pub cosines: [f32; 2],
     /// Where its rays end: first that along its middle, then several for where something glows.
     ends: Vec<Ray>,
-    /// Their ways, and the cells of the plane whose light they take.
-    bundle: Bundle,
 }
 
-impl Cone {
-    /// Several rays where something glows, else one.
-    #[inline(always)]
-    fn rays(&self, glowing: bool) -> (&[Ray], &[Vec<Step>]) {
-        let (ends, rays) = (&self.ends[..], &self.bundle.rays[..]);
-        if glowing { (&ends[1..], &rays[1..]) } else { (&ends[..1], &rays[..1]) }
-    }
+/// The cones through which pixels at a distance from the plane look.
+#[derive(Debug, Default)]
+struct View {
+    cones: Vec<Cone>,
+    /// The ways of their rays, cone by cone, and the cells of the plane whose light they take.
+    fan: Fan,
+}
+
+/// Which of the rays of a cone are sent: several where something glows, else one.
+#[inline(always)]
+fn sent(glowing: bool, cone: &Cone) -> std::ops::Range<usize> {
+    if glowing { 1..cone.ends.len() } else { 0..1 }
 }
 
 /// How pixels look ahead.
@@ -107,8 +110,8 @@ pub struct Hop {
     look: Look,
     stride: isize,
     /// Ahead and, for reversed slabs, back; by px to the plane, less the least.
-    cones: [Vec<Vec<Cone>>; 2],
-    /// Where the cells of a cone are solid.
+    views: [Vec<View>; 2],
+    /// Where the cells of a view are solid, and glow.
     solid: Vec<[u64; 2]>,
     /// Light of a tile through all cones up to one, cone by cone, by channel.
     sums: Vec<[[f32; TILE]; 3]>,
@@ -120,11 +123,11 @@ impl Hop {
         let stride = slabs.stride as isize;
         if (self.look, self.stride) != (look, stride) {
             (self.look, self.stride) = (look, stride);
-            self.cones = [stride, -stride].map(|stride| {
-                (look.least..=look.most()).map(|ahead| cones(look, ahead, stride)).collect()
+            self.views = [stride, -stride].map(|stride| {
+                (look.least..=look.most()).map(|ahead| view(look, ahead, stride)).collect()
             });
-            let all = self.cones.iter().flatten().flatten();
-            self.solid.resize(all.map(|cone| cone.bundle.cells.len()).max().unwrap_or(0), [0; 2]);
+            let cells = self.views.iter().flatten().map(|view| view.fan.cells.len());
+            self.solid.resize(cells.max().unwrap_or(0), [0; 2]);
             self.sums.resize(4 << look.level, [[0.0; TILE]; 3]);
         }
     }
@@ -145,31 +148,42 @@ impl Hop {
         let ahead = (plane << self.look.level) - slab;
         let start = slabs.start(slab) + row;
         let near = near(simd, slabs, start, ahead);
-        let cones = &self.cones[slabs.reversed as usize][ahead - self.look.least];
-        for (cone, sums) in cones.iter().zip(&mut self.sums) {
+        let View { cones, fan } = &self.views[slabs.reversed as usize][ahead - self.look.least];
+        let bits = &mut self.solid[..fan.cells.len()];
+        if near.matter != 0 && near.fraction == 0 {
+            solid(simd, &slabs.kinds, start, &fan.cells, bits);
+        }
+        // Far from the edges no ray strays.
+        let reach = self.look.most() + 2;
+        let inside = row >= reach && row + TILE + reach <= slabs.rows;
+        for (i, (cone, sums)) in cones.iter().zip(&mut self.sums).enumerate() {
+            let bundle = &fan.bundles[i];
             let far = light.at(cone.number);
             let [middle, ..] = &cone.ends[..] else { continue };
-            let met = match near.matter {
-                0 => Met::NOTHING,
-                _ => meet(simd, &slabs.kinds, start, &cone.bundle.cells),
+            let met = match (near.matter, near.fraction) {
+                (0, _) => Met::NOTHING,
+                (_, 0) => meet_solid(bits, &bundle.cells),
+                _ => meet(simd, &slabs.kinds, start, fan.offsets(i)),
             };
-            let strays = middle.strays(slabs.rows, row).0;
+            let strays = if inside { 0 } else { middle.strays(slabs.rows, row).0 };
             let busy = whole_vectors(met.matter & lit | strays);
             let at = (light.pad() + row).wrapping_add_signed(middle.row);
             far.add(simd, at, &middle.shares, !busy, &mut sum);
+            if busy != 0 && near.matter == 0 {
+                bits.fill([0; 2]);
+            }
             if busy != 0 && near.fraction == 0 {
-                solid(simd, &slabs.kinds, start, &cone.bundle.cells, &mut self.solid);
-                let from = ([start, row, light.pad()], &self.solid[..]);
-                look_solid(simd, slabs, from, (cone, met, busy & lit), &far, &mut sum);
+                let from = ([start, row, light.pad()], &bits[..]);
+                look_solid(simd, slabs, from, (cone, bundle, met, busy & lit), &far, &mut sum);
             } else if busy != 0 {
                 for v in (0..VECTORS).filter(|v| of_vector(busy, v * LANES)) {
                     let first = v * LANES;
                     let kinds = met.kinds(first).unwrap_or(Kinds::NONE);
-                    let (ends, rays) = cone.rays(kinds.glowing);
-                    let share = 1.0 / rays.len() as f32;
-                    for (end, steps) in ends.iter().zip(rays) {
+                    let sent = sent(kinds.glowing, cone);
+                    let share = 1.0 / sent.len() as f32;
+                    for (end, steps) in cone.ends[sent.clone()].iter().zip(&bundle.rays[sent]) {
                         let near = march::<S, K>(simd, slabs, start + first, steps, kinds);
-                        let place = cone.bundle.cells[end.end];
+                        let place = fan.cells[end.end];
                         let from = ([start, row, light.pad()], v, place);
                         let one = look::<S, K>(simd, slabs, from, (end, near, cone.angle), &far);
                         for c in 0..3 {
@@ -190,7 +204,7 @@ impl Hop {
     /// The cones of the tile that [`Self::light`] was last given, with the light of its pixels
     /// through all cones up to each. Their angles are the same from any distance.
     pub fn sums(&self) -> impl Iterator<Item = (&Cone, &[[f32; TILE]; 3])> {
-        self.cones[0][0].iter().zip(&self.sums)
+        self.views[0][0].cones.iter().zip(&self.sums)
     }
 }
 
@@ -201,14 +215,14 @@ fn look_solid<S: Simd>(
     simd: S,
     slabs: &Slabs,
     ([start, row, pad], solid): ([usize; 3], &[[u64; 2]]),
-    (cone, met, lit): (&Cone, Met, u64),
+    (cone, bundle, met, lit): (&Cone, &Bundle, Met, u64),
     far: &Far,
     light: &mut Light<S>,
 ) {
     let glowing = met.glowing & lit != 0;
-    let (ends, rays) = cone.rays(glowing);
-    let share = 1.0 / rays.len() as f32;
-    for (end, steps) in ends.iter().zip(rays) {
+    let sent = sent(glowing, cone);
+    let share = 1.0 / sent.len() as f32;
+    for (end, steps) in cone.ends[sent.clone()].iter().zip(&bundle.rays[sent]) {
         let source = glowing.then_some(share * cone.angle);
         // A pixel that is lit is not solid itself.
         let open = march_solid(simd, slabs, (start, solid), &steps[1..], (lit, source), light);
@@ -271,29 +285,35 @@ fn near<S: Simd>(simd: S, slabs: &Slabs, start: usize, ahead: usize) -> Met {
     kinds_of(met)
 }
 
-/// The cones of pixels `ahead` slabs before a plane, `stride` cells from one slab to the next.
-fn cones(look: Look, ahead: usize, stride: isize) -> Vec<Cone> {
+/// The view of pixels `ahead` slabs before a plane, `stride` cells from one slab to the next.
+fn view(look: Look, ahead: usize, stride: isize) -> View {
     let fine = look.level + 1;
-    let cone = |number| {
-        let from = slope(fine, number).atan();
-        let angle = angle(fine, number);
-        let fan = (0..look.rays).map(|i| (f64::from(i) + 0.5) / f64::from(look.rays));
-        let slopes: Vec<_> =
-            std::iter::once(0.5).chain(fan).map(|share| (from + share * angle).tan()).collect();
-        let ways: Vec<_> = slopes.iter().map(|&slope| stencil(ahead, slope, 0.0)).collect();
-        let place = |slope: f64| ahead as isize * stride + (slope * ahead as f64).floor() as isize;
-        let others: Vec<_> = slopes.iter().flat_map(|&s| [place(s), place(s) + 1]).collect();
-        let bundle = Bundle::new(&ways, &others, stride);
-        let end = |&slope: &f64| {
-            let shift = slope * ahead as f64;
-            let past = (shift - shift.floor()) as f32;
-            let end = bundle.cells.partition_point(|&cell| cell < place(slope));
-            Ray { row: shift.floor() as isize, shares: [1.0 - past, past], end }
-        };
-        let ends = slopes.iter().map(end).collect();
-        let theta = from + 0.5 * angle;
-        let cosines = [theta.cos() as f32, theta.sin() as f32];
-        Cone { number, angle: angle as f32, cosines, ends, bundle }
+    let cones = 0..2usize << fine;
+    let slopes = |number| {
+        let (from, angle) = (slope(fine, number).atan(), angle(fine, number));
+        let fan = (0..look.rays).map(move |i| (f64::from(i) + 0.5) / f64::from(look.rays));
+        std::iter::once(0.5).chain(fan).map(move |share| (from + share * angle).tan())
     };
-    (0..2 << fine).map(cone).collect()
+    let place = |slope: f64| ahead as isize * stride + (slope * ahead as f64).floor() as isize;
+    let rays = |number| Rays {
+        ways: slopes(number).map(|slope| stencil(ahead, slope, 0.0)).collect(),
+        others: slopes(number).flat_map(|slope| [place(slope), place(slope) + 1]).collect(),
+    };
+    let fan = Fan::new(&cones.clone().map(rays).collect::<Vec<_>>(), stride);
+    let end = |slope: f64| {
+        let shift = slope * ahead as f64;
+        let past = (shift - shift.floor()) as f32;
+        Ray {
+            row: shift.floor() as isize,
+            shares: [1.0 - past, past],
+            end: fan.place(place(slope)),
+        }
+    };
+    let cone = |number| {
+        let angle = angle(fine, number);
+        let theta = slope(fine, number).atan() + 0.5 * angle;
+        let cosines = [theta.cos() as f32, theta.sin() as f32];
+        Cone { number, angle: angle as f32, cosines, ends: slopes(number).map(end).collect() }
+    };
+    View { cones: cones.map(cone).collect(), fan }
 }

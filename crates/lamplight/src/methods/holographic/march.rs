@@ -59,7 +59,7 @@ pub fn march<S: Simd, const K: usize>(
 }
 
 /// Sends on the rays of 64 cells of a slab that are `open` through matter that is solid only, by
-/// the bits of their bundle ([`solid`]); returns those that are open still, and adds a share of the
+/// the bits of their fan ([`solid`]); returns those that are open still, and adds a share of the
 /// light that the others meet.
 #[inline(always)]
 pub fn march_solid<S: Simd>(
@@ -156,13 +156,29 @@ impl Met {
 
 /// What 64 rays meet in the cells at these places relative to where they start.
 #[inline(always)]
-pub fn meet<S: Simd>(simd: S, kinds: &[u8], start: usize, cells: &[isize]) -> Met {
+pub fn meet<S: Simd>(
+    simd: S,
+    kinds: &[u8],
+    start: usize,
+    cells: impl Iterator<Item = isize>,
+) -> Met {
     let mut met = u8x64::splat(simd, 0);
-    for &offset in cells {
+    for offset in cells {
         let at = start.wrapping_add_signed(offset);
         met |= u8x64::from_slice(simd, &kinds[at..at + TILE]);
     }
     kinds_of(met)
+}
+
+/// What 64 rays meet in some of the cells whose bits are known ([`solid`]).
+#[inline(always)]
+pub fn meet_solid(bits: &[[u64; 2]], cells: &[usize]) -> Met {
+    let [mut matter, mut glowing] = [0; 2];
+    for &cell in cells {
+        matter |= bits[cell][0];
+        glowing |= bits[cell][1];
+    }
+    Met { matter, fraction: 0, glowing }
 }
 
 /// Which of 64 rays are on their way through which kinds of matter.

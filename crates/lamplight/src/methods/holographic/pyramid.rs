@@ -15,9 +15,11 @@
 //! first and keeps them: N² log N intervals.)
 
 use super::interval::{Interval, LANES, PAD, empty, words};
-use super::march::{TILE, VECTORS, march, march_solid, mask, meet, solid, whole_vectors};
+use super::march::{
+    Met, TILE, VECTORS, march, march_solid, mask, meet, meet_solid, solid, whole_vectors,
+};
 use super::slabs::Slabs;
-use super::stencil::{Bundle, stencil};
+use super::stencil::{Bundle, Fan, Rays, stencil};
 use fearless_simd::{f32x16, prelude::*};
 
 /// Keeps the rays of a beam off the corners of cells.
@@ -35,7 +37,7 @@ pub struct Pyramid {
     /// From one word to the next in a row of intervals.
     pub stride: usize,
     /// The rays of the first level, ahead and, for reversed slabs, back; what they were made for.
-    beams: [Vec<Bundle>; 2],
+    beams: [Fan; 2],
     made_for: (u32, u32, isize),
     /// Where the cells of a beam are solid.
     solid: Vec<[u64; 2]>,
@@ -115,11 +117,9 @@ impl Pyramid {
         let (level, stride) = (self.first, slabs.stride as isize);
         if self.made_for != (level, width, stride) {
             self.made_for = (level, width, stride);
-            self.beams = [stride, -stride].map(|stride| {
-                (0..rays(level)).map(|ray| beam(level, ray, width, stride)).collect()
-            });
-            let most = self.beams.iter().flatten().map(|beam| beam.cells.len()).max();
-            self.solid.resize(most.unwrap_or(0), [0; 2]);
+            let beams: Vec<_> = (0..rays(level)).map(|ray| beam(level, ray, width)).collect();
+            self.beams = [stride, -stride].map(|stride| Fan::new(&beams, stride));
+            self.solid.resize(self.beams[0].cells.len(), [0; 2]);
         }
     }
 
@@ -128,10 +128,14 @@ impl Pyramid {
     #[inline(always)]
     pub fn make<S: Simd, const K: usize>(&mut self, simd: S, slabs: &Slabs, plane: usize) {
         let held = if plane.is_multiple_of(2) { &mut self.even[0] } else { &mut self.odd[0] };
-        let beams = &self.beams[slabs.reversed as usize];
-        for (beam, to) in beams.iter().zip(held.chunks_exact_mut(words(K) * self.stride)) {
-            let from = (plane << self.first, &mut self.solid[..]);
-            trace::<S, K>(simd, slabs, from, beam, self.stride, to);
+        let fan = &self.beams[slabs.reversed as usize];
+        let ray_size = words(K) * self.stride;
+        for row in (0..slabs.rows).step_by(TILE) {
+            let from = (plane << self.first, row, &mut self.solid[..]);
+            trace::<S, K>(simd, slabs, from, fan, self.stride, held);
+        }
+        for to in held.chunks_exact_mut(ray_size) {
+            empty_tail::<K>(to, self.stride, slabs.rows);
         }
         let (mut level, mut plane) = (self.first, plane);
         while plane.is_multiple_of(2) {
@@ -209,72 +213,91 @@ fn empty_tail<const K: usize>(to: &mut [u32], stride: usize, rows: usize) {
 }
 
 /// A ray of the first level, of `width` parallel rays.
-fn beam(level: u32, ray: usize, width: u32, stride: isize) -> Bundle {
+fn beam(level: u32, ray: usize, width: u32) -> Rays {
     let length = 1usize << level;
     let slope = ray as f64 / length as f64 - 1.0;
     let across = |i: u32| OFF_CORNERS * ((f64::from(i) + 0.5) / f64::from(width) - 0.5);
-    let rays: Vec<_> = (0..width).map(|i| stencil(length, slope, across(i))).collect();
-    Bundle::new(&rays, &[], stride)
+    let ways = (0..width).map(|i| stencil(length, slope, across(i))).collect();
+    Rays { ways, others: Vec::new() }
 }
 
-/// Traces one beam from every row of a slab.
+/// Traces all beams from 64 rows of a slab.
 #[inline(always)]
 fn trace<S: Simd, const K: usize>(
     simd: S,
     slabs: &Slabs,
-    (slab, bits): (usize, &mut [[u64; 2]]),
-    beam: &Bundle,
+    (slab, row, bits): (usize, usize, &mut [[u64; 2]]),
+    fan: &Fan,
     stride: usize,
     to: &mut [u32],
 ) {
+    let start = slabs.start(slab) + row;
+    let near = meet(simd, &slabs.kinds, start, fan.cells.iter().copied());
+    if near.matter != 0 {
+        solid(simd, &slabs.kinds, start, &fan.cells, bits);
+    }
+    for (i, to) in to.chunks_exact_mut(words(K) * stride).enumerate() {
+        let met = match (near.matter, near.fraction) {
+            (0, _) => Met::NOTHING,
+            (_, 0) => meet_solid(bits, &fan.bundles[i].cells),
+            _ => meet(simd, &slabs.kinds, start, fan.offsets(i)),
+        };
+        let beam = (&fan.bundles[i], met);
+        let to = (to, stride, PAD + row);
+        trace_beam::<S, K>(simd, slabs, (start, row, bits), beam, to);
+    }
+}
+
+/// Traces one beam.
+#[inline(always)]
+fn trace_beam<S: Simd, const K: usize>(
+    simd: S,
+    slabs: &Slabs,
+    (start, row, bits): (usize, usize, &[[u64; 2]]),
+    (beam, met): (&Bundle, Met),
+    (to, stride, at): (&mut [u32], usize, usize),
+) {
     let share = 1.0 / beam.rays.len() as f32;
     let zero = f32x16::splat(simd, 0.0);
-    for row in (0..slabs.rows).step_by(TILE) {
-        let start = slabs.start(slab) + row;
-        let met = meet(simd, &slabs.kinds, start, &beam.cells);
-        let mut light = [[zero; VECTORS]; 3];
-        let mut through = [[zero; VECTORS]; K];
-        if met.fraction == 0 && met.matter != 0 {
-            let source = (met.glowing != 0).then_some(share);
-            solid(simd, &slabs.kinds, start, &beam.cells, bits);
-            for ray in &beam.rays {
-                let open = (whole_vectors(met.matter), source);
-                let open = march_solid(simd, slabs, (start, bits), ray, open, &mut light);
-                for v in 0..VECTORS {
-                    let past = mask(simd, open, v).select(f32x16::splat(simd, share), zero);
-                    for k in 0..K {
-                        through[k][v] += past;
-                    }
-                }
-            }
-        }
-        for v in 0..VECTORS.min((slabs.rows - row).div_ceil(LANES)) {
-            let first = v * LANES;
-            let mut interval = Interval::<S, K>::empty(simd);
-            if let Some(kinds) = met.kinds(first) {
+    let mut light = [[zero; VECTORS]; 3];
+    let mut through = [[zero; VECTORS]; K];
+    if met.fraction == 0 && met.matter != 0 {
+        let source = (met.glowing != 0).then_some(share);
+        for ray in &beam.rays {
+            let open = (whole_vectors(met.matter), source);
+            let open = march_solid(simd, slabs, (start, bits), ray, open, &mut light);
+            for v in 0..VECTORS {
+                let past = mask(simd, open, v).select(f32x16::splat(simd, share), zero);
                 for k in 0..K {
-                    interval.through[k] = through[k][v];
-                }
-                for c in 0..3 {
-                    interval.light[c] = light[c][v];
-                }
-                if met.fraction != 0 {
-                    for ray in &beam.rays {
-                        let one = march::<S, K>(simd, slabs, start + first, ray, kinds);
-                        for c in 0..3 {
-                            interval.light[c] = one.light[c].mul_add(share, interval.light[c]);
-                        }
-                        for k in 0..K {
-                            interval.through[k] =
-                                one.through[k].mul_add(share, interval.through[k]);
-                        }
-                    }
+                    through[k][v] += past;
                 }
             }
-            interval.store(to, stride, PAD + row + first);
         }
     }
-    empty_tail::<K>(to, stride, slabs.rows);
+    for v in 0..VECTORS.min((slabs.rows - row).div_ceil(LANES)) {
+        let first = v * LANES;
+        let mut interval = Interval::<S, K>::empty(simd);
+        if let Some(kinds) = met.kinds(first) {
+            for k in 0..K {
+                interval.through[k] = through[k][v];
+            }
+            for c in 0..3 {
+                interval.light[c] = light[c][v];
+            }
+            if met.fraction != 0 {
+                for ray in &beam.rays {
+                    let one = march::<S, K>(simd, slabs, start + first, ray, kinds);
+                    for c in 0..3 {
+                        interval.light[c] = one.light[c].mul_add(share, interval.light[c]);
+                    }
+                    for k in 0..K {
+                        interval.through[k] = one.through[k].mul_add(share, interval.through[k]);
+                    }
+                }
+            }
+        }
+        interval.store(to, stride, at + first);
+    }
 }
 
 #[cfg(test)]

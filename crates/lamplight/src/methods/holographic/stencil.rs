@@ -31,7 +31,7 @@ impl Crossing {
 pub struct Step {
     /// From the cell in which the ray starts.
     pub offset: isize,
-    /// Which of the cells of its bundle that is.
+    /// Which of the cells of its fan that is.
     pub cell: usize,
     /// px of the way that lie in the cell.
     pub length: f32,
@@ -39,30 +39,66 @@ pub struct Step {
     pub face: Face,
 }
 
+/// Rays that are to be followed together.
+pub struct Rays {
+    pub ways: Vec<Vec<Crossing>>,
+    /// Other cells that count, from where the first starts.
+    pub others: Vec<isize>,
+}
+
 /// Rays that are followed together.
 #[derive(Debug)]
 pub struct Bundle {
     pub rays: Vec<Vec<Step>>,
+    /// Which of the cells of its fan they cross.
+    pub cells: Vec<usize>,
+}
+
+/// Bundles of rays from the same cells.
+#[derive(Debug, Default)]
+pub struct Fan {
+    pub bundles: Vec<Bundle>,
     /// All cells that any of them crosses, from where the first starts, in rising order.
     pub cells: Vec<isize>,
 }
 
-impl Bundle {
-    /// Rays by the cells that they cross, `stride` cells from one slab to the next; with other
-    /// cells that count.
-    pub fn new(rays: &[Vec<Crossing>], others: &[isize], stride: isize) -> Self {
-        let mut cells: Vec<_> = rays.iter().flatten().map(|c| c.offset(stride)).collect();
-        cells.extend(others);
-        cells.sort_unstable();
-        cells.dedup();
+impl Fan {
+    /// Bundle by bundle, `stride` cells from one slab to the next.
+    pub fn new(bundles: &[Rays], stride: isize) -> Self {
+        let offsets = |rays: &Rays| -> Vec<isize> {
+            let crossed = rays.ways.iter().flatten().map(|crossing| crossing.offset(stride));
+            crossed.chain(rays.others.iter().copied()).collect()
+        };
+        let mut fan = Self { bundles: Vec::new(), cells: sorted(bundles.iter().flat_map(offsets)) };
         let step = |crossing: &Crossing| {
             let offset = crossing.offset(stride);
-            let cell = cells.partition_point(|&cell| cell < offset);
-            Step { offset, cell, length: crossing.length, face: crossing.face }
+            Step { offset, cell: fan.place(offset), length: crossing.length, face: crossing.face }
         };
-        let rays = rays.iter().map(|ray| ray.iter().map(step).collect()).collect();
-        Self { rays, cells }
+        let bundle = |rays: &Rays| Bundle {
+            rays: rays.ways.iter().map(|way| way.iter().map(step).collect()).collect(),
+            cells: sorted(offsets(rays).into_iter().map(|offset| fan.place(offset))),
+        };
+        fan.bundles = bundles.iter().map(bundle).collect();
+        fan
     }
+
+    /// Which of the cells lies at an offset.
+    pub fn place(&self, offset: isize) -> usize {
+        self.cells.partition_point(|&cell| cell < offset)
+    }
+
+    /// Offsets of the cells of a bundle.
+    pub fn offsets(&self, bundle: usize) -> impl Iterator<Item = isize> {
+        self.bundles[bundle].cells.iter().map(|&cell| self.cells[cell])
+    }
+}
+
+/// All of them in order, each once.
+fn sorted<T: Ord>(values: impl Iterator<Item = T>) -> Vec<T> {
+    let mut values: Vec<T> = values.collect();
+    values.sort_unstable();
+    values.dedup();
+    values
 }
 
 /// The cells that a ray crosses on its way from the centre of a slab, `offset` px above the centre
