@@ -83,7 +83,8 @@ impl SettingsTable {
         let settings: Settings = serde_path_to_error::deserialize(&value).map_err(|e| {
             let path = e.path().to_string();
             let mut message = e.into_inner().to_string();
-            if Method::ALL.iter().any(|method| path.starts_with(method.name())) {
+            let of_method = |path: &str| Method::ALL.iter().any(|m| path.starts_with(m.name()));
+            if message.starts_with("unknown field") && of_method(&path) {
                 message = message.replace(", expected one of ", ", expected one of `preset`, ");
             }
             explain(&path, &message)
