@@ -3,6 +3,7 @@
 mod docs;
 mod frontier;
 mod generated;
+mod gpu;
 mod noise;
 mod random;
 mod scenes;
@@ -24,7 +25,11 @@ struct Args {
 #[derive(Subcommand)]
 enum Chore {
     /// Everything CI checks: format, lints, tests, generated files, the README's commands.
-    Test,
+    Test {
+        /// Leave out the tests that need a GPU, a software one at least.
+        #[arg(long)]
+        without_gpu: bool,
+    },
     /// Draw the example scenes.
     Scenes(Generate),
     /// Make the pictures and measure the figures in the documents.
@@ -60,7 +65,7 @@ fn main() -> ExitCode {
 
 fn run(chore: Chore) -> Result<()> {
     match chore {
-        Chore::Test => test::run(),
+        Chore::Test { without_gpu } => test::run(!without_gpu),
         Chore::Docs => docs::run(),
         Chore::Schema(args) => schema::run(args.mode()),
         Chore::Noise(args) => noise::run(args.mode()),

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything CI checks, on a machine that has only Rust and git.
 
 use crate::generated::{Mode, root};
-use crate::{noise, scenes, schema};
+use crate::{gpu, noise, scenes, schema};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -11,7 +11,10 @@ use std::time::Instant;
 const FIRST_COMMAND: &str = "cargo run --release -- render scenes/cave.toml";
 const SCENE: &str = "scenes/cave.toml";
 
-pub fn run() -> Result<()> {
+/// What the names of tests that need a GPU begin with, outside of the GPU's own crate.
+const ON_THE_GPU: &str = "on_the_gpu";
+
+pub fn run(with_gpu: bool) -> Result<()> {
     let begin = Instant::now();
     if has_component("fmt", "rustfmt") {
         step("format", || cargo(&["fmt", "--all", "--check"]))?;
@@ -20,7 +23,13 @@ pub fn run() -> Result<()> {
         let lints = ["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"];
         step("lints", || cargo(&lints))?;
     }
-    step("tests", || cargo(&["test", "--workspace", "--quiet"]))?;
+    let mut tests = vec!["test", "--workspace", "--quiet"];
+    if with_gpu {
+        step("a GPU", gpu::ensure)?;
+    } else {
+        tests.extend(["--exclude", "lamplight-wgpu", "--", "--skip", ON_THE_GPU]);
+    }
+    step("tests", || cargo(&tests))?;
     step("generated files are up to date", || {
         noise::run(Mode::Check)?;
         scenes::run(Mode::Check)?;

@@ -47,12 +47,14 @@ pub enum Backend {
 }
 
 impl Backend {
-    /// The backend that will compute, by name.
-    pub fn choose(self) -> Outcome<&'static str> {
+    /// For commands that use the CPU only so far.
+    pub fn on_cpu(self, command: &str) -> Outcome<&'static str> {
         match self {
             Self::Auto | Self::Cpu => Ok("cpu"),
-            Self::Gpu => Err(Failure::bad_input("this build of lamplight has no GPU backend")
-                .hint("leave --backend out, or say --backend cpu")),
+            Self::Gpu => {
+                Err(Failure::bad_input(format_args!("{command} has no GPU backend so far"))
+                    .hint("leave --backend out, or say --backend cpu"))
+            }
         }
     }
 }

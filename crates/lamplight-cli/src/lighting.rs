@@ -1,8 +1,9 @@
 //! From a scene file to light, for every command that needs it.
 
-use crate::args::{Answer, Lighting};
+use crate::args::{Answer, Lighting, threads_in_words};
 use crate::failure::Failure;
 use crate::failure::{Outcome, warn};
+use crate::gpu::Gpu;
 use crate::progress::Progress;
 use lamplight::settings::BounceBy;
 use lamplight::{Bounces, Cells, Light, Rgb, Scene, Settings, Solver};
@@ -30,6 +31,10 @@ pub struct Lit {
     pub light: Light,
     /// Who answered.
     pub answer: Answer,
+    /// What computed, by name.
+    pub backend: &'static str,
+    /// The same in words.
+    pub place: String,
     /// Time of each stage, summed over the frames.
     pub stages: Vec<(&'static str, Duration)>,
     /// Time of all.
@@ -66,8 +71,12 @@ pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit
         flags.idle(answer).iter().for_each(|text| warn(text));
     }
     match answer {
-        Answer::By(_) => solve(cells, settings, flags.frames, flags.machine.quiet),
+        Answer::By(_) => match Gpu::choose(flags.machine.backend, &settings)? {
+            Some(gpu) => gpu.solve(cells, settings, flags.frames),
+            None => solve(cells, settings, flags.frames, flags.machine.quiet),
+        },
         Answer::Reference => {
+            flags.machine.backend.on_cpu("the reference")?;
             reference(cells, &settings, flags.samples.unwrap_or(SAMPLES), flags.machine.quiet)
         }
     }
@@ -99,7 +108,13 @@ pub fn solve(cells: &Cells, mut settings: Settings, frames: u32, quiet: bool) ->
     }
     let light = solver.light().clone();
     let total = start.elapsed();
-    Ok(Lit { light, answer, stages, total, frames, settings: told })
+    let (backend, place) = on_cpu();
+    Ok(Lit { light, answer, backend, place, stages, total, frames, settings: told })
+}
+
+/// The CPU by name, and in words.
+fn on_cpu() -> (&'static str, String) {
+    ("cpu", format!("on the CPU, {}", threads_in_words(rayon::current_num_threads())))
 }
 
 /// Runs the path tracer.
@@ -110,9 +125,12 @@ pub fn reference(cells: &Cells, settings: &Settings, samples: u32, quiet: bool) 
         "bounces": settings.bounces, "wall_depth": settings.wall_depth,
         "seed": settings.seed, "samples": samples, "relative_standard_error": error,
     });
+    let (backend, place) = on_cpu();
     Ok(Lit {
         light: estimate.light,
         answer: Answer::Reference,
+        backend,
+        place,
         stages: vec![("reference", total)],
         total,
         frames: 1,

@@ -7,6 +7,7 @@ mod args;
 mod commands;
 mod contest;
 mod failure;
+mod gpu;
 mod lighting;
 mod output;
 mod progress;

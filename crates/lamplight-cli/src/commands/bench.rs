@@ -67,7 +67,7 @@ impl FromStr for Size {
 }
 
 pub fn run(args: Args) -> Outcome {
-    let backend = args.machine.backend.choose()?;
+    let backend = args.machine.backend.on_cpu("bench")?;
     let methods = if args.method.is_empty() { Method::ALL } else { &args.method };
     args.machine.run(|threads| {
         let (grids, scene) = grids(&args)?;

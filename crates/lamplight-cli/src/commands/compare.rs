@@ -47,7 +47,7 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Outcome {
-    let backend = args.machine.backend.choose()?;
+    let backend = args.machine.backend.on_cpu("compare")?;
     let methods = if args.methods.is_empty() { Method::ALL } else { &args.methods };
     args.machine.run(|threads| {
         let quiet = args.machine.quiet;

@@ -1,8 +1,11 @@
 //! `lamplight info`: what this program and this machine can do.
 
 use crate::failure::Outcome;
+use crate::gpu::adapters;
 use crate::output;
-use lamplight::{Cells, Method};
+use lamplight::{Cells, Method, Settings};
+use lamplight_wgpu::check;
+use lamplight_wgpu::wgpu::DeviceType;
 use serde_json::{Map, json};
 
 /// Show backends, limits and versions
@@ -20,8 +23,14 @@ pub fn run(args: Args) -> Outcome {
     if args.json {
         return output::print(json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "backends": { "cpu": { "threads": threads, "features": features } },
-            "adapters": [],
+            "backends": {
+                "cpu": { "threads": threads, "features": features },
+                "gpu": { "methods": gpu_methods() },
+            },
+            "adapters": adapters().iter().map(|info| json!({
+                "name": info.name, "api": info.backend.to_str(),
+                "kind": kind(info.device_type), "driver": info.driver_info,
+            })).collect::<Vec<_>>(),
             "methods": methods,
             "presets": Method::ALL.iter().map(|m| (m.name().to_owned(), json!(m.presets())))
                 .collect::<Map<_, _>>(),
@@ -32,20 +41,47 @@ pub fn run(args: Args) -> Outcome {
         if features.is_empty() { "no vector units known".into() } else { features.join(", ") };
     let presets: Vec<_> =
         Method::ALL.iter().map(|m| format!("{}: {}", m.name(), m.presets().join(", "))).collect();
+    let adapters: Vec<_> = adapters()
+        .iter()
+        .map(|info| {
+            let kind = kind(info.device_type);
+            format!("{} ({kind}, {}, {})", info.name, info.backend, info.driver_info)
+        })
+        .collect();
+    let adapters = if adapters.is_empty() { "none".into() } else { adapters.join("\n          ") };
     output::print(format_args!(
         "lamplight {version}
 backends  cpu: {threads} threads, {arch} with {features}
-          gpu: not in this build
+          gpu: {gpu} (direct light)
+adapters  {adapters}
 methods   {methods}
 presets   {presets}
 limits    {side} cells a side, {cells} million cells in all",
         version = env!("CARGO_PKG_VERSION"),
         arch = std::env::consts::ARCH,
         methods = methods.join(", "),
+        gpu = gpu_methods().join(", "),
         presets = presets.join("\n          "),
         side = Cells::MAX_SIDE,
         cells = Cells::MAX_CELLS / 1_000_000,
     ))
+}
+
+/// Methods that run on a GPU so far.
+fn gpu_methods() -> Vec<&'static str> {
+    let runs =
+        |method: &&Method| check(&Settings { method: **method, ..Settings::default() }).is_ok();
+    Method::ALL.iter().filter(runs).map(|method| method.name()).collect()
+}
+
+fn kind(device: DeviceType) -> &'static str {
+    match device {
+        DeviceType::DiscreteGpu => "discrete",
+        DeviceType::IntegratedGpu => "integrated",
+        DeviceType::VirtualGpu => "virtual",
+        DeviceType::Cpu => "software",
+        DeviceType::Other => "of another kind",
+    }
 }
 
 /// Vector units of this processor, best last.

@@ -55,7 +55,6 @@ impl Point {
 }
 
 pub fn run(args: Args) -> Outcome {
-    let backend = args.lighting.machine.backend.choose()?;
     args.lighting.machine.run(|_| {
         let (scene, cells) = lighting::open(&args.scene, args.lighting.machine.quiet)?;
         let at: Vec<(Point, usize)> = args
@@ -77,7 +76,7 @@ pub fn run(args: Args) -> Outcome {
                 .collect();
             return output::print(json!({
                 "width": cells.width(), "height": cells.height(), "method": lit.answer.name(),
-                "backend": backend, "points": points,
+                "backend": lit.backend, "points": points,
             }));
         }
         let rows = answers.map(|(x, y, light, solid)| {

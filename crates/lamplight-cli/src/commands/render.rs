@@ -1,6 +1,6 @@
 //! `lamplight render`: light a scene and write what it looks like.
 
-use crate::args::{Lighting, Show, threads_in_words};
+use crate::args::{Lighting, Show};
 use crate::failure::{Failure, Outcome};
 use crate::lighting::{self, Lit, ms};
 use crate::output::{self, Format};
@@ -37,7 +37,6 @@ pub fn run(args: Args) -> Outcome {
     };
     let format = Format::of(&output)?;
     output::check_file(&output)?;
-    let backend = args.lighting.machine.backend.choose()?;
     args.lighting.machine.run(|threads| {
         let start = Instant::now();
         let (scene, cells) = lighting::open(&args.scene, args.lighting.machine.quiet)?;
@@ -70,11 +69,12 @@ pub fn run(args: Args) -> Outcome {
         if args.json {
             let mut done = json!({
                 "scene": args.scene, "output": output, "stage": args.stage.name(),
-                "width": w, "height": h, "backend": backend, "threads": threads,
+                "width": w, "height": h, "backend": "cpu", "threads": threads,
                 "total_ms": ms(start.elapsed()),
             });
             if let Some(lit) = &lit {
                 done["method"] = lit.answer.name().into();
+                done["backend"] = lit.backend.into();
                 done["frames"] = lit.frames.into();
                 done["stages_ms"] = lit.stages_json().into();
                 done["settings"] = lit.settings.clone();
@@ -86,10 +86,10 @@ pub fn run(args: Args) -> Outcome {
         }
         match &lit {
             Some(lit) => output::print(format_args!(
-                "wrote {shown}: {w}×{h} cells lit by {} on the CPU, {} ms on {}",
+                "wrote {shown}: {w}×{h} cells lit by {} in {} ms {}",
                 lit.answer.name(),
                 ms(lit.total).round(),
-                threads_in_words(threads),
+                lit.place,
             )),
             None => {
                 output::print(format_args!("wrote {shown}: {} of {w}×{h} cells", args.stage.name()))

@@ -28,7 +28,7 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Outcome {
-    args.lighting.machine.backend.choose()?;
+    args.lighting.machine.backend.on_cpu("stages")?;
     args.lighting.machine.run(|_| {
         let (scene, cells) = lighting::open(&args.scene, args.lighting.machine.quiet)?;
         let settings = args.lighting.resolve(&scene.light)?;

@@ -3,5 +3,6 @@
 mod bad_input;
 mod commands;
 mod files;
+mod on_the_gpu;
 mod render;
 mod sandbox;

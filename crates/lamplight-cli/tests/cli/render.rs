@@ -8,11 +8,8 @@ use serde_json::Value;
 fn writes_a_picture_and_one_line() {
     let sandbox = Sandbox::small();
     let said = sandbox.run("render small.toml --threads 1").done();
-    assert!(
-        said.starts_with("wrote small.png: 32×20 cells lit by holographic on the CPU"),
-        "{said}"
-    );
-    assert!(said.ends_with(" ms on 1 thread\n") && said.lines().count() == 1, "{said}");
+    assert!(said.starts_with("wrote small.png: 32×20 cells lit by holographic in "), "{said}");
+    assert!(said.ends_with(" ms on the CPU, 1 thread\n") && said.lines().count() == 1, "{said}");
     assert_eq!(sandbox.files(), ["small.png", "small.toml"]);
     let picture = sandbox.picture("small.png");
     assert_eq!(picture.dimensions(), (32, 20));

@@ -105,6 +105,8 @@ impl Sandbox {
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lamplight"));
         command.args(arguments).current_dir(self.0.path()).stdin(Stdio::null());
+        // Without it graphics drivers complain on stderr.
+        command.env("XDG_RUNTIME_DIR", self.0.path());
         for variable in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "RAYON_NUM_THREADS"] {
             command.env_remove(variable);
         }

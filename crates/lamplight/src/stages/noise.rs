@@ -16,18 +16,23 @@
 use crate::settings::Noise;
 
 /// Side of a slice of the texture, px.
-const SIDE: u32 = 64;
+pub const SIDE: u32 = 64;
 /// Slices of the texture, frames.
-const FRAMES: u32 = 16;
+pub const FRAMES: u32 = 16;
 
 const HEADER: usize = b"P5\n64 1024\n255\n".len();
 /// The slices below one another, as a picture: a header, then a byte a pixel.
 static TEXTURE: &[u8; HEADER + (SIDE * SIDE * FRAMES) as usize] = include_bytes!("blue_noise.pgm");
 
 /// 2³²/g and 2³²/g², with g = 1.3247… the root of g³ = g + 1: R2's steps in x and y.
-const R2: [u32; 2] = [3_242_174_889, 2_447_445_414];
+pub const R2: [u32; 2] = [3_242_174_889, 2_447_445_414];
 /// 2³²/φ, the golden ratio's step from frame to frame.
-const GOLDEN: u32 = 2_654_435_769;
+pub const GOLDEN: u32 = 2_654_435_769;
+
+/// The blue-noise texture: its slices below one another, row by row, a byte a texel.
+pub fn blue() -> &'static [u8] {
+    &TEXTURE[HEADER..]
+}
 
 /// A pixel's first angle in a frame, as a share of the step from ray to ray (or of the circle): in
 /// [0, 1), uniform over pixels, frames and seeds.
@@ -56,7 +61,7 @@ pub fn first_angle(noise: Noise, x: u32, y: u32, frame: u32, seed: u64) -> f32 {
 
 /// 32 bits of a seed, well mixed: seeds that differ by 1 end up far apart.
 #[inline]
-fn fold(seed: u64) -> u32 {
+pub fn fold(seed: u64) -> u32 {
     (seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as u32
 }
 

@@ -7,7 +7,7 @@ use fearless_simd::{f32x16, prelude::*, u32x16};
 pub const OPAQUE: f32 = 1e-6;
 
 /// Logarithm that stands for "lets nothing through"; finite, so that 0 px of it still pass light.
-const LOG_OF_ZERO: f32 = -1e4;
+pub const LOG_OF_ZERO: f32 = -1e4;
 
 /// Natural logarithm of the transmittance of one px, per channel.
 pub fn log_transmittance(opacity: f32, tint: Rgb) -> Rgb {

@@ -13,29 +13,43 @@ use std::f32::consts::TAU;
 /// The golden angle as seed 1 writes it, radians.
 const GOLDEN_ANGLE: f32 = std::f32::consts::PI * 0.763_932_02;
 /// The golden ratio's fraction: spreads ray origins along a face.
-const GOLDEN_RATIO: f32 = 0.618_034;
+pub const GOLDEN_RATIO: f32 = 0.618_034;
 
 /// Rays whose noise is taken together; even, so that what is seen all over a sector cancels. Of 2 to
 /// 16, and all rays at once, the one with the least error over the example scenes at 32 rays (2 is
 /// as good there and worse at 128).
 const SECTOR: u32 = 4;
 
+/// Radians by which a pixel's rays may be turned before they are the same again: a gap between two
+/// where they are evenly spaced.
+pub fn gap(settings: &Raymarch) -> f32 {
+    match settings.spacing {
+        Spacing::Even => TAU / settings.rays as f32,
+        Spacing::Golden => TAU,
+    }
+}
+
 /// Directions of a pixel's rays before each pixel's own turn, unit vectors.
+pub fn directions(settings: &Raymarch) -> impl Iterator<Item = [f32; 2]> {
+    let between = match settings.spacing {
+        Spacing::Even => TAU / settings.rays as f32,
+        Spacing::Golden => GOLDEN_ANGLE,
+    };
+    (0..settings.rays).map(move |i| {
+        let angle = (f64::from(between) * f64::from(i)) as f32 % TAU;
+        [angle.cos(), angle.sin()]
+    })
+}
+
+/// [`directions`], kept from frame to frame.
 #[derive(Debug, Default)]
 pub struct Directions(Vec<[f32; 2]>);
 
 impl Directions {
     /// Fills the table for these settings.
     pub fn prepare(&mut self, settings: &Raymarch) {
-        let between = match settings.spacing {
-            Spacing::Even => TAU / settings.rays as f32,
-            Spacing::Golden => GOLDEN_ANGLE,
-        };
         self.0.clear();
-        self.0.extend((0..settings.rays).map(|i| {
-            let angle = (f64::from(between) * f64::from(i)) as f32 % TAU;
-            [angle.cos(), angle.sin()]
-        }));
+        self.0.extend(directions(settings));
     }
 }
 
@@ -77,11 +91,7 @@ impl Gather<'_> {
         let place = |l: usize| self.place(cells[l.min(cells.len() - 1)]);
         let corner = |a: usize| f32x16::from_fn(simd, |l| place(l)[a] as f32);
         let cell = [corner(0), corner(1)];
-        // Evenly spaced rays repeat after one gap, so that is how far they need to be turned.
-        let gap = match settings.spacing {
-            Spacing::Even => TAU / settings.rays as f32,
-            Spacing::Golden => TAU,
-        };
+        let gap = gap(settings);
         let turn: Lanes<f32> = std::array::from_fn(|l| {
             let [x, y] = place(l);
             self.start(x, y) * gap

@@ -20,9 +20,11 @@ use crate::settings::{BounceBy, Bounces, Hit, Settings};
 use crate::stages::bounce::{CONVERGED, Faces, Surfaces, mean_over_faces};
 use crate::stages::optics::{Optics, Reading};
 use crate::stages::packet::LANES;
+pub use crate::stages::packet::NEVER;
 use crate::stages::traced::Traced;
 use fearless_simd::Level;
 use gather::{Directions, Gather, Mean};
+pub use gather::{GOLDEN_RATIO, directions, gap};
 use march::Field;
 use rayon::prelude::*;
 

@@ -1,0 +1,112 @@
+//! The GPU, for commands that light scenes.
+
+use crate::args::{Answer, Backend};
+use crate::failure::{Failure, Outcome};
+use crate::lighting::{Lit, to_json};
+use lamplight::{Cells, Light, Settings};
+use lamplight_wgpu::read_back::read_back;
+use lamplight_wgpu::wgpu::{
+    AdapterInfo, Backends, Device, DeviceDescriptor, DeviceType, Instance, InstanceDescriptor,
+    PowerPreference, Queue, RequestAdapterOptions,
+};
+use lamplight_wgpu::{Lighting, Stage, check};
+use std::time::Instant;
+
+/// An open device.
+pub struct Gpu {
+    device: Device,
+    queue: Queue,
+    name: String,
+}
+
+impl Gpu {
+    /// The GPU that these settings are to be solved on; none: the CPU is to do it.
+    pub fn choose(backend: Backend, settings: &Settings) -> Outcome<Option<Self>> {
+        match backend {
+            Backend::Cpu => Ok(None),
+            Backend::Gpu => {
+                check(settings)?;
+                Self::open(false).map(Some)
+            }
+            // What the GPU cannot do, or a GPU that fails, is no reason to stop.
+            Backend::Auto if check(settings).is_ok() => Ok(Self::open(true).ok()),
+            Backend::Auto => Ok(None),
+        }
+    }
+
+    /// The best GPU; `hardware`: no software one.
+    fn open(hardware: bool) -> Outcome<Self> {
+        let options = RequestAdapterOptions {
+            power_preference: PowerPreference::HighPerformance,
+            ..RequestAdapterOptions::default()
+        };
+        let none = || {
+            Failure::failed("there is no GPU here that Vulkan, Metal or DirectX 12 knows")
+                .hint("`lamplight info` lists what is found; --backend cpu needs none")
+        };
+        let adapter =
+            pollster::block_on(instance().request_adapter(&options)).map_err(|_| none())?;
+        let info = adapter.get_info();
+        if hardware && info.device_type == DeviceType::Cpu {
+            return Err(none());
+        }
+        let wanted = DeviceDescriptor {
+            // As large grids as it can hold.
+            required_limits: adapter.limits(),
+            ..DeviceDescriptor::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&wanted))
+            .map_err(|e| Failure::failed(format_args!("cannot open {}: {e}", info.name)))?;
+        Ok(Self { device, queue, name: info.name })
+    }
+
+    /// Solves some frames and fetches the light of the last.
+    pub fn solve(&self, cells: &Cells, settings: Settings, frames: u32) -> Outcome<Lit> {
+        let answer = Answer::By(settings.method);
+        let told = to_json(&settings)?;
+        let (device, queue) = (&self.device, &self.queue);
+        let mut lighting = Lighting::new(device, queue, settings)?;
+        let start = Instant::now();
+        for _ in 0..frames {
+            lighting.prepare(device, queue, cells)?;
+            let mut encoder = device.create_command_encoder(&Default::default());
+            lighting.record(&mut encoder);
+            queue.submit([encoder.finish()]);
+        }
+        let buffer = lighting.stage(Stage::Light);
+        let buffer = buffer.ok_or_else(|| Failure::failed("no frame was solved"))?;
+        let light: Vec<[f32; 4]> = read_back(device, queue, buffer)?;
+        let rgb = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
+        let light = Light::from_pixels(&cells.drawn(), rgb)
+            .ok_or_else(|| Failure::failed("the GPU gave back another number of cells"))?;
+        let total = start.elapsed();
+        let place = format!("on the GPU ({})", self.name);
+        let stages = vec![("gpu", total)];
+        Ok(Lit { light, answer, backend: "gpu", place, stages, total, frames, settings: told })
+    }
+}
+
+/// All GPUs that are found, software ones among them.
+pub fn adapters() -> Vec<AdapterInfo> {
+    let found = pollster::block_on(instance().enumerate_adapters(Backends::PRIMARY));
+    found.iter().map(|adapter| adapter.get_info()).collect()
+}
+
+fn instance() -> Instance {
+    let mut descriptor = InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.backends &= Backends::PRIMARY;
+    Instance::new(descriptor)
+}
+
+impl From<lamplight_wgpu::Error> for Failure {
+    fn from(error: lamplight_wgpu::Error) -> Self {
+        match error {
+            lamplight_wgpu::Error::Refused(error) => error.into(),
+            lamplight_wgpu::Error::ReadBack(_) => Self::failed(error),
+            lamplight_wgpu::Error::NotYet { .. } => {
+                Self::bad_input(error).hint("leave --backend out, or say --backend cpu")
+            }
+            _ => Self::bad_input(error),
+        }
+    }
+}

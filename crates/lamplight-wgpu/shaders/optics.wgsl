@@ -1,0 +1,28 @@
+// The grid as rays see it: what each cell is and gives off, and the logarithm of what a px lets
+// through.
+
+// Logarithm that stands for "lets nothing through"; finite, so that 0 px of it still pass light.
+override LOG_OF_ZERO: f32;
+
+@group(0) @binding(1) var emission: texture_2d<f32>;
+@group(0) @binding(2) var matter: texture_2d<f32>;
+@group(0) @binding(3) var<storage, read_write> source: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> logs: array<vec4f>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let tint_opacity = textureLoad(matter, id.xy, 0);
+    let occupied = tint_opacity.a > frame.threshold || any(tint_opacity.rgb != vec3f(1.0));
+    var kind = select(CLEAR, MEDIUM, occupied);
+    if tint_opacity.a >= 1.0 {
+        kind = SOLID;
+    }
+    let through = (1.0 - tint_opacity.a) * tint_opacity.rgb;
+    let logarithm = select(log(through), vec3f(LOG_OF_ZERO), through <= vec3f(0.0));
+    let i = index(id.xy);
+    source[i] = vec4f(textureLoad(emission, id.xy, 0).rgb * frame.multiplier, kind);
+    logs[i] = vec4f(select(vec3f(0.0), max(logarithm, vec3f(LOG_OF_ZERO)), kind == MEDIUM), 0.0);
+}

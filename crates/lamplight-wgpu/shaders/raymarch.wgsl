@@ -1,0 +1,141 @@
+// Light by rays (docs/raymarch.md): of every open cell the mean radiance over all directions, of
+// every wall the mean over its faces.
+
+override NEVER: f32;
+override OPAQUE: f32;
+override LONGEST: u32;
+override MATTER: u32;
+override GOLDEN_RATIO: f32;
+
+@group(0) @binding(2) var<storage, read> directions: array<vec2f>;
+@group(0) @binding(3) var<storage, read> source: array<vec4f>;
+@group(0) @binding(4) var<storage, read> logs: array<vec4f>;
+@group(0) @binding(5) var<storage, read> squares: array<u32>;
+@group(0) @binding(6) var<storage, read_write> light: array<vec4f>;
+
+fn sky(dy: f32) -> vec3f {
+    return mix(frame.horizon, select(frame.ground, frame.zenith, dy < 0.0), abs(dy));
+}
+
+// Sine and cosine of an angle from 0 to 2π, within 2e-7: shaders' own may be off by far more.
+fn sine_cosine(angle: f32) -> vec2f {
+    let quarter = round(angle * 0.63661977);
+    // π/2 in two parts.
+    let x = (angle - quarter * 1.5707964) + quarter * 4.371139e-8;
+    let y = x * x;
+    let sine = x + x * y * (-0.16666667 + y * (0.008333331 + y * (-0.00019840874 + y * 2.7525562e-6)));
+    let cosine = 1.0 + y * (-0.5 + y * (0.041666638 + y * (-0.0013888378 + y * 2.4760495e-5)));
+    let turn = u32(quarter) % 4u;
+    let swapped = select(vec2f(sine, cosine), vec2f(cosine, sine), (turn & 1u) == 1u);
+    return swapped * vec2f(select(1.0, -1.0, turn >= 2u), select(1.0, -1.0, turn == 1u || turn == 2u));
+}
+
+// Radiance that arrives along a ray that starts in an open cell.
+fn march(start: vec2f, first: vec2f, way: vec2f) -> vec3f {
+    let inverse = 1.0 / select(way, vec2f(NEVER), abs(way) < vec2f(NEVER));
+    let back = way < vec2f(0.0);
+    let sign = select(vec2f(1.0), vec2f(-1.0), back);
+    // An edge has the coordinate of the cell behind it, seen from the left or from above.
+    let beyond = select(vec2f(0.0), vec2f(1.0), back);
+    let shift = select(0u, 8u, back.x) + select(0u, 16u, back.y);
+    let size = vec2f(frame.size);
+    var at = start;
+    var cell = first;
+    var gathered = vec3f(0.0);
+    var through = vec3f(1.0);
+    var i = index(vec2u(cell));
+    var square = squares[i] >> shift & 255u;
+    for (var step = 0u; step < frame.steps; step++) {
+        let next = cell + sign * f32(square & LONGEST);
+        let edge = next + beyond;
+        let t = (edge - at) * inverse;
+        let length = min(t.x, t.y);
+        let crosses = vec2<bool>(t.x < t.y, !(t.x < t.y));
+        // Along the axis that it crosses a ray lands exactly on the edge; along the other it stays
+        // within the square, whatever rounding says.
+        let along = at + way * length;
+        let last = next - sign;
+        let within = clamp(floor(along), min(cell, last), max(cell, last));
+        at = select(along, edge, crosses);
+        cell = select(within, next, crosses);
+        if square >= MATTER {
+            let passes = exp(logs[i].rgb * max(length, 0.0));
+            gathered += through * (1.0 - passes) * source[i].rgb;
+            through *= passes;
+            if max(through.r, max(through.g, through.b)) < OPAQUE {
+                return gathered;
+            }
+        }
+        if any(cell < vec2f(0.0)) || any(cell >= size) {
+            return gathered + through * sky(way.y);
+        }
+        i = index(vec2u(cell));
+        square = squares[i] >> shift & 255u;
+        if square == 0u {
+            return gathered + through * source[i].rgb;
+        }
+    }
+    return gathered;
+}
+
+fn over_circle(at: vec2u) -> vec3f {
+    let turn = sine_cosine(first_angle(at) * frame.gap);
+    var sum = vec3f(0.0);
+    for (var ray = 0u; ray < frame.rays; ray++) {
+        let d = directions[ray];
+        let way = vec2f(turn.y * d.x - turn.x * d.y, turn.x * d.x + turn.y * d.y);
+        sum += march(vec2f(at) + 0.5, vec2f(at), way);
+    }
+    return sum / f32(frame.rays);
+}
+
+// The mean over rays that start evenly along a face and leave with a density of ½cosθ.
+fn over_face(at: vec2u, face: u32, normal: vec2f) -> vec3f {
+    let turn = first_angle(at);
+    let shift = first_angle(at + vec2u(17u * (face + 1u), 29u));
+    let tangent = vec2f(-normal.y, normal.x);
+    let centre = vec2f(at) + 0.5 + 0.5 * normal;
+    var sum = vec3f(0.0);
+    for (var ray = 0u; ray < frame.rays; ray++) {
+        let sine = (f32(ray) + turn) * (2.0 / f32(frame.rays)) - 1.0;
+        let cosine = sqrt(max(1.0 - sine * sine, 0.0));
+        let along = fract(f32(ray) * GOLDEN_RATIO + shift) - 0.5;
+        let way = cosine * normal + sine * tangent;
+        sum += march(centre + along * tangent, vec2f(at) + normal, way);
+    }
+    return sum / f32(frame.rays);
+}
+
+// Left, right, top, bottom.
+fn normal(face: u32) -> vec2i {
+    let away = select(1i, -1i, (face & 1u) == 0u);
+    return select(vec2i(0i, away), vec2i(away, 0i), face < 2u);
+}
+
+fn on_wall(at: vec2u) -> vec3f {
+    var sum = vec3f(0.0);
+    var count = 0.0;
+    for (var face = 0u; face < 4u; face++) {
+        let n = normal(face);
+        let open = vec2i(at) + n;
+        if any(open < vec2i(0)) || outside(vec2u(open)) || source[index(vec2u(open))].w == SOLID {
+            continue;
+        }
+        sum += over_face(at, face, vec2f(n));
+        count += 1.0;
+    }
+    return sum / max(count, 1.0);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let i = index(id.xy);
+    if source[i].w == SOLID {
+        light[i] = vec4f(on_wall(id.xy), 1.0);
+    } else {
+        light[i] = vec4f(over_circle(id.xy), 1.0);
+    }
+}

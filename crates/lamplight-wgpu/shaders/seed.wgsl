@@ -1,0 +1,16 @@
+// The seed map: occupied cells hold their own position, others NONE.
+
+override NONE: u32;
+
+@group(0) @binding(1) var matter: texture_2d<f32>;
+@group(0) @binding(2) var<storage, read_write> seeds: array<u32>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let tint_opacity = textureLoad(matter, id.xy, 0);
+    let occupied = tint_opacity.a > frame.threshold || any(tint_opacity.rgb != vec3f(1.0));
+    seeds[index(id.xy)] = select(NONE, id.x | id.y << 16u, occupied);
+}

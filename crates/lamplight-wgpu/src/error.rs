@@ -1,0 +1,39 @@
+//! Everything that can go wrong, as one typed enum.
+
+/// Shorthand for results of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Why light cannot be found on this GPU.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The library refuses the settings or the cells.
+    #[error(transparent)]
+    Refused(#[from] lamplight::Error),
+    /// The CPU can do it and the GPU cannot so far.
+    #[error("{what} is not on the GPU yet: use the CPU for it")]
+    NotYet {
+        /// A method, or a setting and its value.
+        what: String,
+    },
+    /// The grid is larger than the device's limits allow.
+    #[error(
+        "a grid of {width}×{height} needs {needed} {what}, but this device allows {allowed}: request \
+         higher limits of the adapter, or light a smaller grid"
+    )]
+    TooLarge {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Which limit.
+        what: &'static str,
+        /// What the grid needs.
+        needed: u64,
+        /// What the device allows.
+        allowed: u64,
+    },
+    /// What the GPU computed could not be fetched.
+    #[error("cannot read from the GPU: {0}")]
+    ReadBack(String),
+}

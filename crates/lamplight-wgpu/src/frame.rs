@@ -1,0 +1,75 @@
+//! What every shader knows of a frame.
+
+use bytemuck::{Pod, Zeroable};
+use lamplight::methods::raymarch::gap;
+use lamplight::settings::Noise;
+use lamplight::stages::noise::fold;
+use lamplight::{Cells, Settings, Sky};
+use std::mem::offset_of;
+
+/// `Frame` of shaders/frame.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Frame {
+    size: [u32; 2],
+    number: u32,
+    key: u32,
+    zenith: [f32; 3],
+    threshold: f32,
+    horizon: [f32; 3],
+    multiplier: f32,
+    ground: [f32; 3],
+    wall_depth: f32,
+    rays: u32,
+    steps: u32,
+    noise: u32,
+    gap: f32,
+}
+
+impl Frame {
+    /// Fields in order, with where they begin.
+    #[cfg_attr(not(test), expect(dead_code, reason = "a test holds the shaders to it"))]
+    pub const OFFSETS: [(&'static str, usize); 13] = [
+        ("size", offset_of!(Frame, size)),
+        ("number", offset_of!(Frame, number)),
+        ("key", offset_of!(Frame, key)),
+        ("zenith", offset_of!(Frame, zenith)),
+        ("threshold", offset_of!(Frame, threshold)),
+        ("horizon", offset_of!(Frame, horizon)),
+        ("multiplier", offset_of!(Frame, multiplier)),
+        ("ground", offset_of!(Frame, ground)),
+        ("wall_depth", offset_of!(Frame, wall_depth)),
+        ("rays", offset_of!(Frame, rays)),
+        ("steps", offset_of!(Frame, steps)),
+        ("noise", offset_of!(Frame, noise)),
+        ("gap", offset_of!(Frame, gap)),
+    ];
+
+    /// Frame `number` of these cells.
+    pub fn new(cells: &Cells, settings: &Settings, number: u32) -> Self {
+        let [zenith, horizon, ground] = match cells.sky() {
+            Sky::Uniform(radiance) => [radiance; 3],
+            Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
+        };
+        let raymarch = &settings.raymarch;
+        Self {
+            size: [cells.width(), cells.height()],
+            number,
+            key: fold(settings.seed),
+            zenith,
+            threshold: raymarch.threshold,
+            horizon,
+            multiplier: raymarch.emission_multiplier,
+            ground,
+            wall_depth: settings.wall_depth,
+            rays: raymarch.rays,
+            steps: raymarch.steps,
+            noise: match raymarch.noise {
+                Noise::White => 0,
+                Noise::Blue => 1,
+                Noise::Golden => 2,
+            },
+            gap: gap(raymarch),
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! A compute pipeline, what it is bound to, and how often it runs.
+
+use crate::shaders::Shader;
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
+    BindGroupLayoutEntry, BindingResource, BindingType, BufferBindingType, ComputePass,
+    ComputePipeline, ComputePipelineDescriptor, Device, PipelineCompilationOptions,
+    PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages,
+    TextureSampleType, TextureViewDimension,
+};
+
+/// Side of a workgroup, px, in every shader.
+const WORKGROUP: u32 = 8;
+
+/// What is bound to a place of a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// A few numbers for a whole frame.
+    Uniform,
+    /// The number of the step, one of [`STEPS`].
+    Step,
+    /// A picture that is read texel by texel.
+    Texture,
+    /// A buffer that is read.
+    Read,
+    /// A buffer that is written, too.
+    Write,
+}
+
+/// Steps that a kernel may be told.
+pub const STEPS: u32 = 65;
+/// Bytes from one step's number to the next: what every device can bind to.
+pub const STEP_BYTES: u32 = 256;
+
+/// A shader's entry point, compiled.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    label: &'static str,
+    pipeline: ComputePipeline,
+}
+
+/// The entry points of a shader, compiled, and how they are bound.
+#[derive(Debug)]
+pub struct Kernels {
+    label: &'static str,
+    layout: BindGroupLayout,
+    pub entries: Vec<Kernel>,
+}
+
+impl Kernels {
+    /// Compiles entry points that share their bindings.
+    pub fn new(
+        device: &Device,
+        shader: &Shader,
+        entries: &[&str],
+        slots: &[Slot],
+        constants: &[(&str, f64)],
+    ) -> Self {
+        let label = shader.name;
+        let layout = device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &(0..).zip(slots).map(|(at, &slot)| place(at, slot)).collect::<Vec<_>>(),
+        });
+        let pipeline_layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let module = device.create_shader_module(ShaderModuleDescriptor {
+            label: Some(label),
+            source: ShaderSource::Wgsl(shader.text().into()),
+        });
+        let compile = |entry: &&str| Kernel {
+            label,
+            pipeline: device.create_compute_pipeline(&ComputePipelineDescriptor {
+                label: Some(label),
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: Some(entry),
+                compilation_options: PipelineCompilationOptions {
+                    constants,
+                    ..PipelineCompilationOptions::default()
+                },
+                cache: None,
+            }),
+        };
+        let entries = entries.iter().map(compile).collect();
+        Self { label, layout, entries }
+    }
+
+    /// Binds resources to the slots, in order.
+    pub fn bind(&self, device: &Device, resources: &[BindingResource]) -> BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| BindGroupEntry { binding, resource: resource.clone() })
+            .collect();
+        device.create_bind_group(&BindGroupDescriptor {
+            label: Some(self.label),
+            layout: &self.layout,
+            entries: &entries,
+        })
+    }
+}
+
+fn place(binding: u32, slot: Slot) -> BindGroupLayoutEntry {
+    let buffer = |ty, has_dynamic_offset| BindingType::Buffer {
+        ty,
+        has_dynamic_offset,
+        min_binding_size: None,
+    };
+    let ty = match slot {
+        Slot::Uniform => buffer(BufferBindingType::Uniform, false),
+        Slot::Step => buffer(BufferBindingType::Uniform, true),
+        Slot::Read => buffer(BufferBindingType::Storage { read_only: true }, false),
+        Slot::Write => buffer(BufferBindingType::Storage { read_only: false }, false),
+        Slot::Texture => BindingType::Texture {
+            sample_type: TextureSampleType::Float { filterable: false },
+            view_dimension: TextureViewDimension::D2,
+            multisampled: false,
+        },
+    };
+    BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None }
+}
+
+/// One run of a kernel over the grid.
+#[derive(Clone, Debug)]
+pub struct Dispatch {
+    kernel: Kernel,
+    bound: BindGroup,
+    step: Option<u32>,
+}
+
+impl Dispatch {
+    pub fn new(kernel: &Kernel, bound: &BindGroup, step: Option<u32>) -> Self {
+        Self { kernel: kernel.clone(), bound: bound.clone(), step }
+    }
+
+    /// Runs over every cell.
+    pub fn record(&self, pass: &mut ComputePass, [width, height]: [u32; 2]) {
+        pass.push_debug_group(self.kernel.label);
+        pass.set_pipeline(&self.kernel.pipeline);
+        let offset = self.step.map(|step| step * STEP_BYTES);
+        pass.set_bind_group(0, &self.bound, offset.as_slice());
+        pass.dispatch_workgroups(width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1);
+        pass.pop_debug_group();
+    }
+}

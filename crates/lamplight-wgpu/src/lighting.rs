@@ -1,0 +1,225 @@
+//! The middleware: what a host makes once, prepares and records every frame.
+
+use crate::frame::Frame;
+use crate::grid::Grid;
+use crate::kernel::{Dispatch, Kernels, STEP_BYTES, STEPS, Slot};
+use crate::{Error, Result, constants, shaders};
+use lamplight::methods::raymarch::directions;
+use lamplight::settings::Hit;
+use lamplight::stages::noise;
+use lamplight::{Bounces, Cells, Method, Settings};
+use wgpu::{
+    BindingResource, Buffer, BufferBinding, BufferDescriptor, BufferUsages, CommandEncoder,
+    ComputePassDescriptor, Device, Queue,
+};
+
+/// Finds light on the host's device.
+///
+/// Pipelines are built by [`Self::new`], buffers by [`Self::prepare`] when the size of the grid
+/// changes; in the steady state nothing is created. Any number of them can share a device.
+#[derive(Debug)]
+pub struct Lighting {
+    settings: Settings,
+    pipelines: Pipelines,
+    grid: Option<Grid>,
+    number: u32,
+}
+
+/// What can be read back ([`crate::read_back`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Seed map, `u32` a cell; made by [`Lighting::record_fields`].
+    Seeds,
+    /// Voronoi map, `u32` a cell; made by [`Lighting::record_fields`].
+    Nearest,
+    /// Distance field, `f32` a cell, `f32::MAX` in a grid without matter; made by
+    /// [`Lighting::record_fields`].
+    Distance,
+    /// Clear squares, four bytes a cell, one a quadrant.
+    Clearance,
+    /// The answer: four `f32` a cell, linear RGB and 1.
+    Light,
+}
+
+/// Everything that does not depend on the size of the grid.
+#[derive(Debug)]
+pub struct Pipelines {
+    pub seed: Kernels,
+    pub jump_flood: Kernels,
+    pub distance: Kernels,
+    pub optics: Kernels,
+    pub clearance: Kernels,
+    pub raymarch: Kernels,
+    pub walls: Kernels,
+    pub constant: Constant,
+}
+
+/// Buffers that are the same for every grid.
+#[derive(Debug)]
+pub struct Constant {
+    pub frame: Buffer,
+    steps: Buffer,
+    pub blue: Buffer,
+    pub directions: Buffer,
+}
+
+impl Constant {
+    /// The number of a step; which one is said when it runs.
+    pub fn step(&self) -> BindingResource<'_> {
+        let size = std::num::NonZeroU64::new(4);
+        BindingResource::Buffer(BufferBinding { buffer: &self.steps, offset: 0, size })
+    }
+}
+
+impl Lighting {
+    /// Checks the settings and builds the pipelines.
+    pub fn new(device: &Device, queue: &Queue, settings: Settings) -> Result<Self> {
+        check(&settings)?;
+        let pipelines = Pipelines::new(device, queue, &settings);
+        Ok(Self { settings, pipelines, grid: None, number: 0 })
+    }
+
+    /// Takes over the cells of the next frame.
+    pub fn prepare(&mut self, device: &Device, queue: &Queue, cells: &Cells) -> Result<()> {
+        cells.check()?;
+        self.settings.method.suits(cells)?;
+        let size = [cells.width(), cells.height()];
+        let grid = match self.grid.take() {
+            Some(grid) if grid.size == size => self.grid.insert(grid),
+            _ => {
+                let depth = self.settings.wall_depth.ceil() as u32;
+                self.grid.insert(Grid::new(device, size, &self.pipelines, depth)?)
+            }
+        };
+        grid.matter.upload(queue, &cells.drawn());
+        let frame = Frame::new(cells, &self.settings, self.number);
+        queue.write_buffer(&self.pipelines.constant.frame, 0, bytemuck::bytes_of(&frame));
+        self.number = self.number.wrapping_add(1);
+        Ok(())
+    }
+
+    /// Records what turns the cells last prepared into light; nothing before the first.
+    pub fn record(&self, encoder: &mut CommandEncoder) {
+        self.run(encoder, "lamplight", |grid| &grid.frame);
+    }
+
+    /// Records the seed map, jump flood and distance field of the cells last prepared, which
+    /// `raymarch` does not need itself.
+    pub fn record_fields(&self, encoder: &mut CommandEncoder) {
+        self.run(encoder, "lamplight fields", |grid| &grid.fields);
+    }
+
+    fn run(&self, encoder: &mut CommandEncoder, label: &str, all: fn(&Grid) -> &[Dispatch]) {
+        let Some(grid) = &self.grid else { return };
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+            label: Some(label),
+            timestamp_writes: None,
+        });
+        for dispatch in all(grid) {
+            dispatch.record(&mut pass, grid.size);
+        }
+    }
+
+    /// Where a stage's result lies, row by row; none before the first [`Self::prepare`].
+    pub fn stage(&self, stage: Stage) -> Option<&Buffer> {
+        let grid = self.grid.as_ref()?;
+        Some(match stage {
+            Stage::Seeds => &grid.seeds,
+            Stage::Nearest => &grid.nearest,
+            Stage::Distance => &grid.distance,
+            Stage::Clearance => &grid.squares,
+            Stage::Light => &grid.light,
+        })
+    }
+}
+
+/// Refuses settings that are out of range, and what only the CPU can do so far.
+pub fn check(settings: &Settings) -> Result<()> {
+    settings.check()?;
+    let missing = match () {
+        () if settings.method != Method::Raymarch => {
+            format!("the method {}", settings.method.name())
+        }
+        () if settings.bounces != Bounces::Count(0) => "bounced light".to_owned(),
+        () if settings.raymarch.hit != Hit::Edge => "`raymarch.hit` = distance".to_owned(),
+        () if settings.raymarch.attenuation => "`raymarch.attenuation`".to_owned(),
+        () if settings.temporal.frames > 1 => "the mean over frames".to_owned(),
+        () if settings.denoise.passes > 0 => "denoising".to_owned(),
+        () => return Ok(()),
+    };
+    Err(Error::NotYet { what: missing })
+}
+
+impl Pipelines {
+    fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
+        use Slot::{Read, Step, Texture, Uniform, Write};
+        let filled = |label, usage, bytes: &[u8]| {
+            let buffer = device.create_buffer(&BufferDescriptor {
+                label: Some(label),
+                size: bytes.len() as u64,
+                usage: usage | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            queue.write_buffer(&buffer, 0, bytes);
+            buffer
+        };
+        let mut steps = vec![0; (STEPS * STEP_BYTES) as usize];
+        for (number, bytes) in (0u32..).zip(steps.chunks_exact_mut(STEP_BYTES as usize)) {
+            bytes[..4].copy_from_slice(&number.to_ne_bytes());
+        }
+        let directions: Vec<[f32; 2]> = directions(&settings.raymarch).collect();
+        let constant = Constant {
+            frame: filled("frame", BufferUsages::UNIFORM, &[0; size_of::<Frame>()]),
+            steps: filled("steps", BufferUsages::UNIFORM, &steps),
+            blue: filled("blue noise", BufferUsages::STORAGE, noise::blue()),
+            directions: filled(
+                "directions",
+                BufferUsages::STORAGE,
+                bytemuck::cast_slice(&directions),
+            ),
+        };
+        let kernels = |shader, entries: &[&str], slots: &[Slot], constants| {
+            Kernels::new(device, shader, entries, slots, constants)
+        };
+        Self {
+            seed: kernels(&shaders::SEED, &["main"], &[Uniform, Texture, Write], constants::SEED),
+            jump_flood: kernels(
+                &shaders::JUMP_FLOOD,
+                &["main"],
+                &[Uniform, Step, Read, Write],
+                constants::SEED,
+            ),
+            distance: kernels(
+                &shaders::DISTANCE,
+                &["main"],
+                &[Uniform, Read, Write],
+                constants::DISTANCE,
+            ),
+            optics: kernels(
+                &shaders::OPTICS,
+                &["main"],
+                &[Uniform, Texture, Texture, Write, Write],
+                constants::OPTICS,
+            ),
+            clearance: kernels(
+                &shaders::CLEARANCE,
+                &["begin", "double", "finish"],
+                &[Uniform, Step, Read, Read, Read, Write],
+                constants::CLEARANCE,
+            ),
+            raymarch: kernels(
+                &shaders::RAYMARCH,
+                &["main"],
+                &[Uniform, Read, Read, Read, Read, Read, Write],
+                constants::RAYMARCH,
+            ),
+            walls: kernels(
+                &shaders::WALLS,
+                &["begin", "sink", "finish"],
+                &[Uniform, Step, Texture, Read, Read, Write, Write],
+                &[],
+            ),
+            constant,
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! A device for tests, and cells to light.
+
+use lamplight::{Cells, Matter, Rgb};
+use wgpu::{
+    Backends, Device, DeviceDescriptor, Instance, InstanceDescriptor, PowerPreference, Queue,
+    RequestAdapterOptions,
+};
+
+/// The machine's best GPU, a software one where there is no other, with no more than the web's
+/// default limits. Without any the test fails: `cargo xtask test` installs a software one.
+pub fn device() -> (Device, Queue) {
+    let mut descriptor = InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = Backends::PRIMARY;
+    let instance = Instance::new(descriptor);
+    let options = RequestAdapterOptions {
+        power_preference: PowerPreference::HighPerformance,
+        ..RequestAdapterOptions::default()
+    };
+    let adapter = pollster::block_on(instance.request_adapter(&options))
+        .expect("no GPU; on Debian: apt-get install mesa-vulkan-drivers");
+    println!("{:?}", adapter.get_info());
+    pollster::block_on(adapter.request_device(&DeviceDescriptor::default())).unwrap()
+}
+
+/// Numbers by chance, the same for the same seed.
+pub struct Chance(u64);
+
+impl Chance {
+    pub fn new(seed: u64) -> Self {
+        println!("seed {seed}");
+        Self(seed)
+    }
+
+    pub fn below(&mut self, end: u32) -> u32 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as u32) % end
+    }
+
+    pub fn unit(&mut self) -> f32 {
+        self.below(1 << 20) as f32 / (1 << 20) as f32
+    }
+}
+
+/// Walls, lights, fog and glass by chance, in blocks and alone, under a sky.
+pub fn cells(width: u32, height: u32, seed: u64) -> Cells {
+    let mut chance = Chance::new(seed);
+    let mut cells = Cells::new(width, height).unwrap();
+    cells.set_sky(lamplight::Sky::Uniform([0.1, 0.2, 0.3]));
+    let count = (width * height / 60).max(1);
+    for _ in 0..count {
+        let colour: Rgb = std::array::from_fn(|_| chance.unit());
+        let matter = match chance.below(5) {
+            0 => Matter { emission: colour.map(|v| 8.0 * v), opacity: 1.0, ..Matter::EMPTY },
+            1 => Matter { opacity: 0.1, emission: colour, ..Matter::EMPTY },
+            2 => Matter { tint: colour, ..Matter::EMPTY },
+            _ => Matter { opacity: 1.0, albedo: colour, ..Matter::EMPTY },
+        };
+        let [x, y] = [chance.below(width), chance.below(height)];
+        let [w, h] = [1 + chance.below(6), 1 + chance.below(3)];
+        for y in y..(y + h).min(height) {
+            for x in x..(x + w).min(width) {
+                cells.set(x, y, matter);
+            }
+        }
+    }
+    cells
+}

@@ -1,0 +1,47 @@
+//! A GPU for the tests: the machine's, or a software one.
+
+use crate::generated::root;
+use anyhow::{Context, Result, bail, ensure};
+use std::process::Command;
+
+/// Debian's packages of a Vulkan loader and a software GPU (lavapipe).
+const PACKAGES: [&str; 2] = ["libvulkan1", "mesa-vulkan-drivers"];
+
+/// Sees to it that there is one; installs a software one where that can be done.
+pub fn ensure() -> Result<()> {
+    let advice = format!(
+        "without a GPU its tests cannot run. On Debian and its kin: apt-get install {}; elsewhere \
+         any Vulkan driver will do. To leave these tests out: cargo xtask test --without-gpu",
+        PACKAGES.join(" ")
+    );
+    if !adapters()?.is_empty() {
+        return Ok(());
+    }
+    println!("== no GPU is found: installing a software one");
+    for arguments in [&["update", "-qq"][..], &["install", "-y", "-qq", PACKAGES[0], PACKAGES[1]]] {
+        let done = Command::new("apt-get")
+            .args(arguments)
+            .env("DEBIAN_FRONTEND", "noninteractive")
+            .status()
+            .with_context(|| advice.clone())?;
+        ensure!(done.success(), "apt-get {}: {done}; {advice}", arguments.join(" "));
+    }
+    if adapters()?.is_empty() {
+        bail!("a software GPU is installed and not found; {advice}");
+    }
+    Ok(())
+}
+
+/// GPUs that the command line finds, by name.
+fn adapters() -> Result<Vec<String>> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .current_dir(root())
+        .args(["run", "--quiet", "--package", "lamplight-cli", "--", "info", "--json"])
+        .output()
+        .context("cannot run cargo")?;
+    ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let info: serde_json::Value = serde_json::from_slice(&output.stdout)?;
+    let adapters = info["adapters"].as_array().context("`info --json` lists adapters")?;
+    Ok(adapters.iter().map(|a| a["name"].to_string()).collect())
+}
