@@ -1,5 +1,5 @@
 // The grid as rays see it: what each cell is and gives off, and the logarithm of what a px lets
-// through.
+// through. Between bounces what fog sends on is added to what it gives off.
 
 // Logarithm that stands for "lets nothing through"; finite, so that 0 px of it still pass light.
 override LOG_OF_ZERO: f32;
@@ -8,6 +8,21 @@ override LOG_OF_ZERO: f32;
 @group(0) @binding(2) var matter: texture_2d<f32>;
 @group(0) @binding(3) var<storage, read_write> source: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> logs: array<vec4f>;
+
+// What surfaces send on; fog on the first of four.
+@group(0) @binding(5) var<storage, read> sent: array<vec4f>;
+
+@compute @workgroup_size(8, 8)
+fn light_fog(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let i = index(id.xy);
+    if source[i].w == MEDIUM {
+        let own = textureLoad(emission, id.xy, 0).rgb * frame.multiplier;
+        source[i] = vec4f(own + sent[4u * i].rgb, MEDIUM);
+    }
+}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -1,5 +1,6 @@
 // Light by rays (docs/raymarch.md): of every open cell the mean radiance over all directions, of
-// every wall the mean over its faces.
+// every wall the mean over its faces. `receive` gathers the same for what reflects: each face of a
+// wall by itself, fog.
 
 override NEVER: f32;
 override OPAQUE: f32;
@@ -11,7 +12,12 @@ override GOLDEN_RATIO: f32;
 @group(0) @binding(3) var<storage, read> source: array<vec4f>;
 @group(0) @binding(4) var<storage, read> logs: array<vec4f>;
 @group(0) @binding(5) var<storage, read> squares: array<u32>;
-@group(0) @binding(6) var<storage, read_write> light: array<vec4f>;
+// What surfaces send on, on each of four faces; it counts in steps after the first.
+@group(0) @binding(6) var<storage, read> sent: array<vec4f>;
+@group(0) @binding(7) var<uniform> step: u32;
+@group(0) @binding(8) var albedo: texture_2d<f32>;
+// Light a cell, or what its faces send on.
+@group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
 
 fn sky(dy: f32) -> vec3f {
     return mix(frame.horizon, select(frame.ground, frame.zenith, dy < 0.0), abs(dy));
@@ -45,7 +51,7 @@ fn march(start: vec2f, first: vec2f, way: vec2f) -> vec3f {
     var through = vec3f(1.0);
     var i = index(vec2u(cell));
     var square = squares[i] >> shift & 255u;
-    for (var step = 0u; step < frame.steps; step++) {
+    for (var leap = 0u; leap < frame.steps; leap++) {
         let next = cell + sign * f32(square & LONGEST);
         let edge = next + beyond;
         let t = (edge - at) * inverse;
@@ -72,7 +78,12 @@ fn march(start: vec2f, first: vec2f, way: vec2f) -> vec3f {
         i = index(vec2u(cell));
         square = squares[i] >> shift & 255u;
         if square == 0u {
-            return gathered + through * source[i].rgb;
+            var radiance = source[i].rgb;
+            if step > 0u {
+                let face = select(2u + u32(back.y), u32(back.x), crosses.x);
+                radiance += sent[4u * i + face].rgb;
+            }
+            return gathered + through * radiance;
         }
     }
     return gathered;
@@ -112,19 +123,42 @@ fn normal(face: u32) -> vec2i {
     return select(vec2i(0i, away), vec2i(away, 0i), face < 2u);
 }
 
+// Whether a face looks at a cell that is not solid.
+fn exposed(at: vec2u, face: u32) -> bool {
+    let open = vec2i(at) + normal(face);
+    return all(open >= vec2i(0)) && !outside(vec2u(open)) && source[index(vec2u(open))].w != SOLID;
+}
+
 fn on_wall(at: vec2u) -> vec3f {
     var sum = vec3f(0.0);
     var count = 0.0;
     for (var face = 0u; face < 4u; face++) {
-        let n = normal(face);
-        let open = vec2i(at) + n;
-        if any(open < vec2i(0)) || outside(vec2u(open)) || source[index(vec2u(open))].w == SOLID {
-            continue;
+        if exposed(at, face) {
+            sum += over_face(at, face, vec2f(normal(face)));
+            count += 1.0;
         }
-        sum += over_face(at, face, vec2f(n));
-        count += 1.0;
     }
     return sum / max(count, 1.0);
+}
+
+@compute @workgroup_size(8, 8)
+fn receive(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let i = index(id.xy);
+    let kind = source[i].w;
+    let share = textureLoad(albedo, id.xy, 0).rgb;
+    let reflects = any(share != vec3f(0.0));
+    for (var face = 0u; face < 4u; face++) {
+        var received = vec3f(0.0);
+        if reflects && kind == SOLID && exposed(id.xy, face) {
+            received = over_face(id.xy, face, vec2f(normal(face)));
+        } else if reflects && kind == MEDIUM && face == 0u {
+            received = over_circle(id.xy);
+        }
+        light[4u * i + face] = vec4f(share * received, 0.0);
+    }
 }
 
 @compute @workgroup_size(8, 8)

@@ -5,7 +5,8 @@ use crate::grid::Grid;
 use crate::kernel::{Dispatch, Kernels, STEP_BYTES, STEPS, Slot};
 use crate::{Error, Result, constants, shaders};
 use lamplight::methods::raymarch::directions;
-use lamplight::settings::Hit;
+use lamplight::settings::{BounceBy, Hit};
+use lamplight::stages::jump_flood::passes;
 use lamplight::stages::noise;
 use lamplight::{Bounces, Cells, Method, Settings};
 use wgpu::{
@@ -86,10 +87,7 @@ impl Lighting {
         let size = [cells.width(), cells.height()];
         let grid = match self.grid.take() {
             Some(grid) if grid.size == size => self.grid.insert(grid),
-            _ => {
-                let depth = self.settings.wall_depth.ceil() as u32;
-                self.grid.insert(Grid::new(device, size, &self.pipelines, depth)?)
-            }
+            _ => self.grid.insert(Grid::new(device, size, &self.pipelines, &self.settings)?),
         };
         grid.matter.upload(queue, &cells.drawn());
         let frame = Frame::new(cells, &self.settings, self.number);
@@ -122,13 +120,16 @@ impl Lighting {
 
     /// Where a stage's result lies, row by row; none before the first [`Self::prepare`].
     pub fn stage(&self, stage: Stage) -> Option<&Buffer> {
-        let grid = self.grid.as_ref()?;
+        let Grid { size, buffers, .. } = self.grid.as_ref()?;
         Some(match stage {
-            Stage::Seeds => &grid.seeds,
-            Stage::Nearest => &grid.nearest,
-            Stage::Distance => &grid.distance,
-            Stage::Clearance => &grid.squares,
-            Stage::Light => &grid.light,
+            Stage::Seeds => &buffers.seeds,
+            Stage::Nearest => match passes(size[0], size[1]) {
+                0 => &buffers.seeds,
+                passes => &buffers.flood[(passes as usize - 1) % 2],
+            },
+            Stage::Distance => &buffers.distance,
+            Stage::Clearance => &buffers.squares[1],
+            Stage::Light => &buffers.light,
         })
     }
 }
@@ -140,7 +141,12 @@ pub fn check(settings: &Settings) -> Result<()> {
         () if settings.method != Method::Raymarch => {
             format!("the method {}", settings.method.name())
         }
-        () if settings.bounces != Bounces::Count(0) => "bounced light".to_owned(),
+        () if settings.bounces == Bounces::Converged => "`bounces` = converged".to_owned(),
+        () if settings.bounces != Bounces::Count(0)
+            && settings.raymarch.bounce == BounceBy::Feedback =>
+        {
+            "`raymarch.bounce` = feedback".to_owned()
+        }
         () if settings.raymarch.hit != Hit::Edge => "`raymarch.hit` = distance".to_owned(),
         () if settings.raymarch.attenuation => "`raymarch.attenuation`".to_owned(),
         () if settings.temporal.frames > 1 => "the mean over frames".to_owned(),
@@ -197,8 +203,8 @@ impl Pipelines {
             ),
             optics: kernels(
                 &shaders::OPTICS,
-                &["main"],
-                &[Uniform, Texture, Texture, Write, Write],
+                &["main", "light_fog"],
+                &[Uniform, Texture, Texture, Write, Write, Read],
                 constants::OPTICS,
             ),
             clearance: kernels(
@@ -209,8 +215,8 @@ impl Pipelines {
             ),
             raymarch: kernels(
                 &shaders::RAYMARCH,
-                &["main"],
-                &[Uniform, Read, Read, Read, Read, Read, Write],
+                &["main", "receive"],
+                &[Uniform, Read, Read, Read, Read, Read, Read, Step, Texture, Write],
                 constants::RAYMARCH,
             ),
             walls: kernels(

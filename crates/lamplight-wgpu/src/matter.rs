@@ -9,13 +9,15 @@ use wgpu::{
 /// Bytes of a texel: four floats.
 const TEXEL: u32 = 16;
 
-/// Emission, and tint with opacity, uploaded from cells.
+/// Emission, tint with opacity, and albedo, uploaded from cells.
 #[derive(Debug)]
 pub struct Matter {
     emission: Texture,
     tint_opacity: Texture,
+    albedo: Texture,
     pub emission_view: TextureView,
     pub tint_opacity_view: TextureView,
+    pub albedo_view: TextureView,
     /// Texels on their way.
     texels: Vec<[f32; 4]>,
 }
@@ -35,38 +37,43 @@ impl Matter {
             })
         };
         let (emission, tint_opacity) = (texture("emission"), texture("tint and opacity"));
+        let albedo = texture("albedo");
         Self {
             emission_view: emission.create_view(&Default::default()),
             tint_opacity_view: tint_opacity.create_view(&Default::default()),
+            albedo_view: albedo.create_view(&Default::default()),
             emission,
             tint_opacity,
+            albedo,
             texels: Vec::new(),
         }
     }
 
     /// Takes the cells over.
     pub fn upload(&mut self, queue: &Queue, cells: &Cells) {
-        self.texels.clear();
-        self.texels.extend(cells.emission().iter().map(|&[r, g, b]| [r, g, b, 0.0]));
-        self.write(queue, &self.emission);
+        for (texture, rgb) in [(&self.emission, cells.emission()), (&self.albedo, cells.albedo())] {
+            self.texels.clear();
+            self.texels.extend(rgb.iter().map(|&[r, g, b]| [r, g, b, 0.0]));
+            write(queue, texture, &self.texels);
+        }
         self.texels.clear();
         let tints = cells.tint().iter().zip(cells.opacity());
         self.texels.extend(tints.map(|(&[r, g, b], &opacity)| [r, g, b, opacity]));
-        self.write(queue, &self.tint_opacity);
+        write(queue, &self.tint_opacity, &self.texels);
     }
+}
 
-    fn write(&self, queue: &Queue, texture: &Texture) {
-        let target = TexelCopyTextureInfo {
-            texture,
-            mip_level: 0,
-            origin: Origin3d::ZERO,
-            aspect: TextureAspect::All,
-        };
-        let rows = TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(texture.width() * TEXEL),
-            rows_per_image: None,
-        };
-        queue.write_texture(target, bytemuck::cast_slice(&self.texels), rows, texture.size());
-    }
+fn write(queue: &Queue, texture: &Texture, texels: &[[f32; 4]]) {
+    let target = TexelCopyTextureInfo {
+        texture,
+        mip_level: 0,
+        origin: Origin3d::ZERO,
+        aspect: TextureAspect::All,
+    };
+    let rows = TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(texture.width() * TEXEL),
+        rows_per_image: None,
+    };
+    queue.write_texture(target, bytemuck::cast_slice(texels), rows, texture.size());
 }

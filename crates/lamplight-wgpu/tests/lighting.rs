@@ -3,7 +3,7 @@
 mod common;
 
 use common::{cells, device};
-use lamplight::settings::Hit;
+use lamplight::settings::{BounceBy, Hit};
 use lamplight::{Bounces, Cells, Method, Settings};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{Error, Lighting, Stage};
@@ -38,7 +38,12 @@ fn what_is_not_there_yet_is_refused_by_name() {
         with(|s| s.method = Method::Polar),
         "the method polar is not on the GPU yet: use the CPU for it"
     );
-    assert!(with(|s| s.bounces = Bounces::Count(1)).starts_with("bounced light"));
+    assert!(with(|s| s.bounces = Bounces::Converged).starts_with("`bounces` = converged"));
+    let feedback = with(|s| {
+        s.bounces = Bounces::Count(1);
+        s.raymarch.bounce = BounceBy::Feedback;
+    });
+    assert!(feedback.starts_with("`raymarch.bounce` = feedback"));
     assert!(with(|s| s.raymarch.hit = Hit::Distance).starts_with("`raymarch.hit` = distance"));
     assert!(with(|s| s.raymarch.attenuation = true).starts_with("`raymarch.attenuation`"));
     assert!(with(|s| s.temporal.frames = 8).starts_with("the mean over frames"));

@@ -9,7 +9,7 @@ use lamplight::stages::distance::distance;
 use lamplight::stages::jump_flood::jump_flood;
 use lamplight::stages::seed::{is_occupied, seed};
 use lamplight::stages::transmittance::log_transmittance;
-use lamplight::{Cells, Gradient, Method, Rgb, Scene, Settings, Sky, Solver};
+use lamplight::{Bounces, Cells, Gradient, Method, Rgb, Scene, Settings, Sky, Solver};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{Lighting, Stage};
 use wgpu::{Device, Queue};
@@ -119,8 +119,10 @@ fn agree(gpu: &(Device, Queue), name: &str, cells: &Cells, settings: Settings) {
 fn raymarch_agrees_at_every_size() {
     let gpu = device();
     for [w, h] in SIZES {
-        let settings = Settings { wall_depth: 3.0, ..raymarch() };
-        agree(&gpu, &format!("{w}×{h}"), &cells(w, h, 3), settings);
+        for bounces in [0, 1, 4].map(Bounces::Count) {
+            let settings = Settings { wall_depth: 3.0, bounces, ..raymarch() };
+            agree(&gpu, &format!("{w}×{h}, {bounces:?}"), &cells(w, h, 3), settings);
+        }
     }
 }
 
@@ -161,8 +163,11 @@ fn raymarch_agrees_on_every_example_scene() {
         if path.extension().is_some_and(|e| e == "toml") {
             let scene = Scene::load(&path).unwrap();
             let Settings { wall_depth, seed, .. } = scene.settings().unwrap();
-            let settings = Settings { wall_depth, seed, ..raymarch() };
-            agree(&gpu, &path.display().to_string(), &scene.cells().unwrap(), settings);
+            for bounces in [0, 2].map(Bounces::Count) {
+                let settings = Settings { wall_depth, seed, bounces, ..raymarch() };
+                let name = format!("{}, {bounces:?}", path.display());
+                agree(&gpu, &name, &scene.cells().unwrap(), settings);
+            }
             scenes += 1;
         }
     }

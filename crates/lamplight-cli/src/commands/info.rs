@@ -52,7 +52,7 @@ pub fn run(args: Args) -> Outcome {
     output::print(format_args!(
         "lamplight {version}
 backends  cpu: {threads} threads, {arch} with {features}
-          gpu: {gpu} (direct light)
+          gpu: {gpu}
 adapters  {adapters}
 methods   {methods}
 presets   {presets}

@@ -43,9 +43,9 @@ const CASES: &[Case] = &[
         &["the reference has no GPU", "hint: "],
     ),
     (
-        "probe small.toml 1,1 --backend gpu --method raymarch --bounces 1",
+        "probe small.toml 1,1 --backend gpu --method raymarch --bounces converged",
         2,
-        &["bounced light is not on"],
+        &["`bounces` = converged is not on"],
     ),
     (
         "stages small.toml -o there --backend gpu",

@@ -52,7 +52,7 @@ pub fn cells(width: u32, height: u32, seed: u64) -> Cells {
         let colour: Rgb = std::array::from_fn(|_| chance.unit());
         let matter = match chance.below(5) {
             0 => Matter { emission: colour.map(|v| 8.0 * v), opacity: 1.0, ..Matter::EMPTY },
-            1 => Matter { opacity: 0.1, emission: colour, ..Matter::EMPTY },
+            1 => Matter { opacity: 0.1, emission: colour, albedo: [0.5; 3], ..Matter::EMPTY },
             2 => Matter { tint: colour, ..Matter::EMPTY },
             _ => Matter { opacity: 1.0, albedo: colour, ..Matter::EMPTY },
         };
