@@ -26,6 +26,11 @@ pub const RAYMARCH: &[Constant] = &[
     ("GOLDEN", noise::GOLDEN as f64),
 ];
 
+pub const OUTPUT: &[Constant] = &[("BRIGHTEST", BRIGHTEST as f64)];
+
+/// The largest half float.
+const BRIGHTEST: f32 = 65504.0;
+
 /// What the distance field holds in a grid without matter, where the CPU has +∞: shaders may take
 /// infinity for granted not to be.
 pub const FAR: f32 = f32::MAX;

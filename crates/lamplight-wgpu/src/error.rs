@@ -33,6 +33,14 @@ pub enum Error {
         /// What the device allows.
         allowed: u64,
     },
+    /// A texture of the host's cannot be used.
+    #[error("the texture `{name}` {problem}")]
+    Texture {
+        /// Which one.
+        name: &'static str,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// What the GPU computed could not be fetched.
     #[error("cannot read from the GPU: {0}")]
     ReadBack(String),

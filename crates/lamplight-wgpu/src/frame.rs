@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use lamplight::methods::raymarch::gap;
 use lamplight::settings::Noise;
 use lamplight::stages::noise::fold;
-use lamplight::{Cells, Settings, Sky};
+use lamplight::{Settings, Sky};
 use std::mem::offset_of;
 
 /// `Frame` of shaders/frame.wgsl.
@@ -45,15 +45,15 @@ impl Frame {
         ("gap", offset_of!(Frame, gap)),
     ];
 
-    /// Frame `number` of these cells.
-    pub fn new(cells: &Cells, settings: &Settings, number: u32) -> Self {
-        let [zenith, horizon, ground] = match cells.sky() {
+    /// Frame `number` of a grid.
+    pub fn new(size: [u32; 2], sky: Sky, settings: &Settings, number: u32) -> Self {
+        let [zenith, horizon, ground] = match sky {
             Sky::Uniform(radiance) => [radiance; 3],
             Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
         };
         let raymarch = &settings.raymarch;
         Self {
-            size: [cells.width(), cells.height()],
+            size,
             number,
             key: fold(settings.seed),
             zenith,

@@ -2,7 +2,7 @@
 
 use crate::kernel::Dispatch;
 use crate::lighting::Pipelines;
-use crate::matter::Matter;
+use crate::matter::Textures;
 use crate::plan::Plan;
 use crate::{Error, Result};
 use lamplight::Settings;
@@ -18,7 +18,7 @@ const ONE: u64 = 4;
 #[derive(Debug)]
 pub struct Grid {
     pub size: [u32; 2],
-    pub matter: Matter,
+    pub textures: Textures,
     pub buffers: Buffers,
     /// Seed map, jump flood, distance field.
     pub fields: Vec<Dispatch>,
@@ -46,12 +46,12 @@ impl Grid {
     /// Makes buffers, and plans what runs on them.
     pub fn new(
         device: &Device,
-        size: [u32; 2],
+        textures: Textures,
         pipelines: &Pipelines,
         settings: &Settings,
     ) -> Result<Self> {
-        let faces = if settings.bounces == Bounces::Count(0) { 0 } else { 4 };
-        check(device, size, FOUR * faces.max(1))?;
+        let size = textures.size()?;
+        check(device, size, settings)?;
         let cells = u64::from(size[0]) * u64::from(size[1]);
         let buffer = |label, bytes: u64| {
             device.create_buffer(&BufferDescriptor {
@@ -69,19 +69,23 @@ impl Grid {
             source: buffer("source", cells * FOUR),
             logs: buffer("log transmittance", cells * FOUR),
             squares: pair("clearance", cells * ONE),
-            sent: pair("sent", (cells * faces).max(1) * FOUR),
+            sent: pair("sent", (cells * faces(settings)).max(1) * FOUR),
             light: buffer("light", cells * FOUR),
             rings: pair("walls", cells * ONE),
         };
-        let matter = Matter::new(device, size);
-        let plan = Plan { device, pipelines, matter: &matter, buffers: &buffers };
+        let plan = Plan { device, pipelines, textures: &textures, buffers: &buffers };
         let (fields, frame) = (plan.fields(size), plan.frame(settings));
-        Ok(Self { size, matter, buffers, fields, frame })
+        Ok(Self { size, textures, buffers, fields, frame })
     }
 }
 
-/// Refuses a grid that the device cannot hold, whose largest buffer has so many bytes a cell.
-fn check(device: &Device, [width, height]: [u32; 2], widest: u64) -> Result<()> {
+/// Faces of a cell of which it is kept what they send on.
+fn faces(settings: &Settings) -> u64 {
+    if settings.bounces == Bounces::Count(0) { 0 } else { 4 }
+}
+
+/// Refuses a grid that the device cannot hold.
+pub fn check(device: &Device, [width, height]: [u32; 2], settings: &Settings) -> Result<()> {
     let limits = device.limits();
     let too_large =
         |what, needed, allowed| Error::TooLarge { width, height, what, needed, allowed };
@@ -89,7 +93,7 @@ fn check(device: &Device, [width, height]: [u32; 2], widest: u64) -> Result<()> 
     if side > most {
         return Err(too_large("px a side", side.into(), most.into()));
     }
-    let bytes = u64::from(width) * u64::from(height) * widest;
+    let bytes = u64::from(width) * u64::from(height) * FOUR * faces(settings).max(1);
     let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     if bytes > most {
         return Err(too_large("bytes a buffer", bytes, most));

@@ -6,7 +6,7 @@ use wgpu::{
     BindGroupLayoutEntry, BindingResource, BindingType, BufferBindingType, ComputePass,
     ComputePipeline, ComputePipelineDescriptor, Device, PipelineCompilationOptions,
     PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages,
-    TextureSampleType, TextureViewDimension,
+    StorageTextureAccess, TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
 /// Side of a workgroup, px, in every shader.
@@ -21,6 +21,8 @@ pub enum Slot {
     Step,
     /// A picture that is read texel by texel.
     Texture,
+    /// A picture of half floats that is written.
+    Picture,
     /// A buffer that is read.
     Read,
     /// A buffer that is written, too.
@@ -113,6 +115,11 @@ fn place(binding: u32, slot: Slot) -> BindGroupLayoutEntry {
         Slot::Step => buffer(BufferBindingType::Uniform, true),
         Slot::Read => buffer(BufferBindingType::Storage { read_only: true }, false),
         Slot::Write => buffer(BufferBindingType::Storage { read_only: false }, false),
+        Slot::Picture => BindingType::StorageTexture {
+            access: StorageTextureAccess::WriteOnly,
+            format: TextureFormat::Rgba16Float,
+            view_dimension: TextureViewDimension::D2,
+        },
         Slot::Texture => BindingType::Texture {
             sample_type: TextureSampleType::Float { filterable: false },
             view_dimension: TextureViewDimension::D2,

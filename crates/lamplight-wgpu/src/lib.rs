@@ -38,5 +38,6 @@ mod shaders;
 
 pub use error::{Error, Result};
 pub use lighting::{Lighting, Stage, check};
+pub use matter::Textures;
 /// The crate of the device that [`Lighting`] is given.
 pub use wgpu;

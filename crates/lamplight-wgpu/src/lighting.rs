@@ -1,17 +1,19 @@
 //! The middleware: what a host makes once, prepares and records every frame.
 
 use crate::frame::Frame;
-use crate::grid::Grid;
+use crate::grid::{self, Grid};
 use crate::kernel::{Dispatch, Kernels, STEP_BYTES, STEPS, Slot};
+use crate::matter::{Textures, Upload};
+use crate::plan::Plan;
 use crate::{Error, Result, constants, shaders};
 use lamplight::methods::raymarch::directions;
 use lamplight::settings::{BounceBy, Hit};
 use lamplight::stages::jump_flood::passes;
 use lamplight::stages::noise;
-use lamplight::{Bounces, Cells, Method, Settings};
+use lamplight::{Bounces, Cells, Method, Settings, Sky};
 use wgpu::{
     BindingResource, Buffer, BufferBinding, BufferDescriptor, BufferUsages, CommandEncoder,
-    ComputePassDescriptor, Device, Queue,
+    ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages, TextureView,
 };
 
 /// Finds light on the host's device.
@@ -23,6 +25,8 @@ pub struct Lighting {
     settings: Settings,
     pipelines: Pipelines,
     grid: Option<Grid>,
+    upload: Option<Upload>,
+    output: Option<Dispatch>,
     number: u32,
 }
 
@@ -52,6 +56,7 @@ pub struct Pipelines {
     pub clearance: Kernels,
     pub raymarch: Kernels,
     pub walls: Kernels,
+    pub output: Kernels,
     pub constant: Constant,
 }
 
@@ -77,7 +82,7 @@ impl Lighting {
     pub fn new(device: &Device, queue: &Queue, settings: Settings) -> Result<Self> {
         check(&settings)?;
         let pipelines = Pipelines::new(device, queue, &settings);
-        Ok(Self { settings, pipelines, grid: None, number: 0 })
+        Ok(Self { settings, pipelines, grid: None, upload: None, output: None, number: 0 })
     }
 
     /// Takes over the cells of the next frame.
@@ -85,35 +90,91 @@ impl Lighting {
         cells.check()?;
         self.settings.method.suits(cells)?;
         let size = [cells.width(), cells.height()];
-        let grid = match self.grid.take() {
-            Some(grid) if grid.size == size => self.grid.insert(grid),
-            _ => self.grid.insert(Grid::new(device, size, &self.pipelines, &self.settings)?),
+        let upload = match self.upload.take() {
+            Some(upload) if upload.textures.size()? == size => upload,
+            _ => {
+                // Before anything is made for it.
+                grid::check(device, size, &self.settings)?;
+                Upload::new(device, size)
+            }
         };
-        grid.matter.upload(queue, &cells.drawn());
-        let frame = Frame::new(cells, &self.settings, self.number);
+        let upload = self.upload.insert(upload);
+        upload.write(queue, &cells.drawn());
+        let textures = upload.textures.clone();
+        self.prepare_textures(device, queue, &textures, cells.sky())
+    }
+
+    /// Takes over the host's textures for the next frame. Views that are equal to those of the frame
+    /// before cost nothing; others are bound anew.
+    pub fn prepare_textures(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        textures: &Textures,
+        sky: Sky,
+    ) -> Result<()> {
+        sky.check()?;
+        if self.grid.as_ref().is_none_or(|grid| grid.textures != *textures) {
+            // Never left with what belongs to other textures.
+            (self.grid, self.output) = (None, None);
+            self.grid = Some(Grid::new(device, textures.clone(), &self.pipelines, &self.settings)?);
+        }
+        let size = textures.size()?;
+        let frame = Frame::new(size, sky, &self.settings, self.number);
         queue.write_buffer(&self.pipelines.constant.frame, 0, bytemuck::bytes_of(&frame));
         self.number = self.number.wrapping_add(1);
         Ok(())
     }
 
+    /// Has [`Self::record`] write the light into a texture of the host's too, linear RGB and 1: of the
+    /// format `Rgba16Float`, with the usage `STORAGE_BINDING`, as large as the grid last prepared. It
+    /// stays so until textures change.
+    pub fn write_to(&mut self, device: &Device, picture: &TextureView) -> Result<()> {
+        let Some(grid) = &self.grid else {
+            return Err(wrong_output("comes before the first cells or textures".into()));
+        };
+        let texture = picture.texture();
+        if texture.format() != TextureFormat::Rgba16Float {
+            let format = texture.format();
+            return Err(wrong_output(format!("has the format {format:?}, not Rgba16Float")));
+        }
+        if !texture.usage().contains(TextureUsages::STORAGE_BINDING) {
+            return Err(wrong_output("lacks the usage STORAGE_BINDING".into()));
+        }
+        let ([w, h], [width, height]) = ([texture.width(), texture.height()], grid.size);
+        if [w, h] != grid.size {
+            return Err(wrong_output(format!("is {w}×{h}, but the grid is {width}×{height}")));
+        }
+        let Grid { textures, buffers, .. } = grid;
+        let plan = Plan { device, pipelines: &self.pipelines, textures, buffers };
+        self.output = Some(plan.output(picture));
+        Ok(())
+    }
+
     /// Records what turns the cells last prepared into light; nothing before the first.
     pub fn record(&self, encoder: &mut CommandEncoder) {
-        self.run(encoder, "lamplight", |grid| &grid.frame);
+        let frame = self.grid.iter().flat_map(|grid| &grid.frame);
+        self.run(encoder, "lamplight", frame.chain(&self.output));
     }
 
     /// Records the seed map, jump flood and distance field of the cells last prepared, which
     /// `raymarch` does not need itself.
     pub fn record_fields(&self, encoder: &mut CommandEncoder) {
-        self.run(encoder, "lamplight fields", |grid| &grid.fields);
+        self.run(encoder, "lamplight fields", self.grid.iter().flat_map(|grid| &grid.fields));
     }
 
-    fn run(&self, encoder: &mut CommandEncoder, label: &str, all: fn(&Grid) -> &[Dispatch]) {
+    fn run<'a>(
+        &'a self,
+        encoder: &mut CommandEncoder,
+        label: &str,
+        runs: impl Iterator<Item = &'a Dispatch>,
+    ) {
         let Some(grid) = &self.grid else { return };
         let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
             label: Some(label),
             timestamp_writes: None,
         });
-        for dispatch in all(grid) {
+        for dispatch in runs {
             dispatch.record(&mut pass, grid.size);
         }
     }
@@ -158,7 +219,7 @@ pub fn check(settings: &Settings) -> Result<()> {
 
 impl Pipelines {
     fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
-        use Slot::{Read, Step, Texture, Uniform, Write};
+        use Slot::{Picture, Read, Step, Texture, Uniform, Write};
         let filled = |label, usage, bytes: &[u8]| {
             let buffer = device.create_buffer(&BufferDescriptor {
                 label: Some(label),
@@ -225,7 +286,17 @@ impl Pipelines {
                 &[Uniform, Step, Texture, Read, Read, Write, Write],
                 &[],
             ),
+            output: kernels(
+                &shaders::OUTPUT,
+                &["main"],
+                &[Uniform, Read, Picture],
+                constants::OUTPUT,
+            ),
             constant,
         }
     }
+}
+
+fn wrong_output(problem: String) -> Error {
+    Error::Texture { name: "output", problem }
 }

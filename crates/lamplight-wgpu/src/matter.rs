@@ -1,31 +1,75 @@
-//! The grid of matter as pictures on the GPU.
+//! The grid of matter as pictures on the GPU: the host's, or uploaded from cells.
 
+use crate::{Error, Result};
 use lamplight::Cells;
 use wgpu::{
     Device, Extent3d, Origin3d, Queue, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture,
-    TextureAspect, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+    TextureAspect, TextureDescriptor, TextureDimension, TextureFormat, TextureSampleType,
+    TextureUsages, TextureView,
 };
 
 /// Bytes of a texel: four floats.
 const TEXEL: u32 = 16;
 
-/// Emission, tint with opacity, and albedo, uploaded from cells.
+/// What the host's matter is made of: views of whole two-dimensional textures of one size, in any
+/// float or normalised format, with the usage `TEXTURE_BINDING`. All values are linear (an sRGB format
+/// decodes by itself).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Textures {
+    /// Red, green, blue: radiance that cells give off.
+    pub emission: TextureView,
+    /// Red, green, blue: tint; alpha: opacity, 1 in a solid wall.
+    pub tint_opacity: TextureView,
+    /// Red, green, blue: share of light that is sent on.
+    pub albedo: TextureView,
+}
+
+impl Textures {
+    /// Columns and rows; refuses what shaders could not read.
+    pub(crate) fn size(&self) -> Result<[u32; 2]> {
+        let named = [
+            ("emission", &self.emission),
+            ("tint_opacity", &self.tint_opacity),
+            ("albedo", &self.albedo),
+        ];
+        let [width, height] = [self.emission.texture().width(), self.emission.texture().height()];
+        for (name, view) in named {
+            let texture = view.texture();
+            let wrong = |problem: String| Error::Texture { name, problem };
+            let sampled = texture.format().sample_type(None, None);
+            if !matches!(sampled, Some(TextureSampleType::Float { .. })) {
+                return Err(wrong(format!("has the format {:?}, not floats", texture.format())));
+            }
+            if !texture.usage().contains(TextureUsages::TEXTURE_BINDING) {
+                return Err(wrong("lacks the usage TEXTURE_BINDING".into()));
+            }
+            if texture.dimension() != TextureDimension::D2
+                || texture.depth_or_array_layers() != 1
+                || texture.sample_count() != 1
+            {
+                return Err(wrong("is not one two-dimensional picture".into()));
+            }
+            if [texture.width(), texture.height()] != [width, height] {
+                let (w, h) = (texture.width(), texture.height());
+                return Err(wrong(format!("is {w}×{h}, but emission is {width}×{height}")));
+            }
+        }
+        Ok([width, height])
+    }
+}
+
+/// Pictures of its own, that cells are uploaded to.
 #[derive(Debug)]
-pub struct Matter {
-    emission: Texture,
-    tint_opacity: Texture,
-    albedo: Texture,
-    pub emission_view: TextureView,
-    pub tint_opacity_view: TextureView,
-    pub albedo_view: TextureView,
+pub struct Upload {
+    pub textures: Textures,
     /// Texels on their way.
     texels: Vec<[f32; 4]>,
 }
 
-impl Matter {
+impl Upload {
     pub fn new(device: &Device, [width, height]: [u32; 2]) -> Self {
-        let texture = |label| {
-            device.create_texture(&TextureDescriptor {
+        let view = |label| {
+            let texture = device.create_texture(&TextureDescriptor {
                 label: Some(label),
                 size: Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
@@ -34,32 +78,31 @@ impl Matter {
                 format: TextureFormat::Rgba32Float,
                 usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
                 view_formats: &[],
-            })
+            });
+            texture.create_view(&Default::default())
         };
-        let (emission, tint_opacity) = (texture("emission"), texture("tint and opacity"));
-        let albedo = texture("albedo");
-        Self {
-            emission_view: emission.create_view(&Default::default()),
-            tint_opacity_view: tint_opacity.create_view(&Default::default()),
-            albedo_view: albedo.create_view(&Default::default()),
-            emission,
-            tint_opacity,
-            albedo,
-            texels: Vec::new(),
-        }
+        let textures = Textures {
+            emission: view("emission"),
+            tint_opacity: view("tint and opacity"),
+            albedo: view("albedo"),
+        };
+        Self { textures, texels: Vec::new() }
     }
 
     /// Takes the cells over.
-    pub fn upload(&mut self, queue: &Queue, cells: &Cells) {
-        for (texture, rgb) in [(&self.emission, cells.emission()), (&self.albedo, cells.albedo())] {
-            self.texels.clear();
-            self.texels.extend(rgb.iter().map(|&[r, g, b]| [r, g, b, 0.0]));
-            write(queue, texture, &self.texels);
+    pub fn write(&mut self, queue: &Queue, cells: &Cells) {
+        let Self { textures, texels } = self;
+        for (view, rgb) in
+            [(&textures.emission, cells.emission()), (&textures.albedo, cells.albedo())]
+        {
+            texels.clear();
+            texels.extend(rgb.iter().map(|&[r, g, b]| [r, g, b, 0.0]));
+            write(queue, view.texture(), texels);
         }
-        self.texels.clear();
+        texels.clear();
         let tints = cells.tint().iter().zip(cells.opacity());
-        self.texels.extend(tints.map(|(&[r, g, b], &opacity)| [r, g, b, opacity]));
-        write(queue, &self.tint_opacity, &self.texels);
+        texels.extend(tints.map(|(&[r, g, b], &opacity)| [r, g, b, opacity]));
+        write(queue, textures.tint_opacity.texture(), texels);
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::grid::Buffers;
 use crate::kernel::{Dispatch, Kernels};
 use crate::lighting::Pipelines;
-use crate::matter::Matter;
+use crate::matter::Textures;
 use lamplight::Settings;
 use lamplight::stages::clearance::LONGEST;
 use lamplight::stages::jump_flood::passes;
@@ -13,7 +13,7 @@ use wgpu::{BindGroup, BindingResource, Buffer, Device, TextureView};
 pub struct Plan<'a> {
     pub device: &'a Device,
     pub pipelines: &'a Pipelines,
-    pub matter: &'a Matter,
+    pub textures: &'a Textures,
     pub buffers: &'a Buffers,
 }
 
@@ -22,7 +22,7 @@ impl Plan<'_> {
     pub fn fields(&self, [width, height]: [u32; 2]) -> Vec<Dispatch> {
         let Buffers { seeds, flood, distance, .. } = self.buffers;
         let Pipelines { seed, jump_flood, distance: measure, .. } = self.pipelines;
-        let bound = self.bind(seed, &[view(&self.matter.tint_opacity_view), whole(seeds)]);
+        let bound = self.bind(seed, &[view(&self.textures.tint_opacity), whole(seeds)]);
         let mut runs = vec![Dispatch::new(&seed.entries[0], &bound, None)];
         let mut known = seeds;
         for (i, pass) in (0..passes(width, height)).rev().enumerate() {
@@ -54,11 +54,11 @@ impl Plan<'_> {
 
     /// Reads the grid (entry 0), or adds what fog sends on (1).
     fn optics(&self, entry: usize, bounce: u32) -> Dispatch {
-        let (kernels, matter) = (&self.pipelines.optics, self.matter);
+        let (kernels, matter) = (&self.pipelines.optics, self.textures);
         let Buffers { source, logs, sent, .. } = self.buffers;
         let resources = [
-            view(&matter.emission_view),
-            view(&matter.tint_opacity_view),
+            view(&matter.emission),
+            view(&matter.tint_opacity),
             whole(source),
             whole(logs),
             whole(&sent[bounce as usize % 2]),
@@ -101,7 +101,7 @@ impl Plan<'_> {
             whole(&squares[1]),
             whole(&sent[1 - this]),
             self.step(),
-            view(&self.matter.albedo_view),
+            view(&self.textures.albedo),
             whole(if entry == 0 { light } else { &sent[this] }),
         ];
         let bound = self.bind(kernels, &resources);
@@ -122,7 +122,7 @@ impl Plan<'_> {
                 let to = run as usize % 2;
                 let resources = [
                     self.step(),
-                    view(&self.matter.emission_view),
+                    view(&self.textures.emission),
                     whole(source),
                     whole(&rings[1 - to]),
                     whole(&rings[to]),
@@ -132,6 +132,13 @@ impl Plan<'_> {
                 Dispatch::new(&kernels.entries[entry], &self.bind(kernels, &resources), Some(step))
             })
             .collect()
+    }
+
+    /// Writes the light into a picture of the host's.
+    pub fn output(&self, picture: &TextureView) -> Dispatch {
+        let kernels = &self.pipelines.output;
+        let bound = self.bind(kernels, &[whole(&self.buffers.light), view(picture)]);
+        Dispatch::new(&kernels.entries[0], &bound, None)
     }
 
     fn step(&self) -> BindingResource<'_> {

@@ -37,6 +37,7 @@ pub const OPTICS: Shader = shader!("optics");
 pub const CLEARANCE: Shader = shader!("clearance");
 pub const RAYMARCH: Shader = shader!("raymarch", "noise");
 pub const WALLS: Shader = shader!("walls");
+pub const OUTPUT: Shader = shader!("output");
 
 #[cfg(test)]
 mod tests {
@@ -44,7 +45,8 @@ mod tests {
     use crate::frame::Frame;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-    const ALL: [Shader; 7] = [SEED, JUMP_FLOOD, DISTANCE, OPTICS, CLEARANCE, RAYMARCH, WALLS];
+    const ALL: [Shader; 8] =
+        [SEED, JUMP_FLOOD, DISTANCE, OPTICS, CLEARANCE, RAYMARCH, WALLS, OUTPUT];
 
     fn parsed(shader: &Shader) -> naga::Module {
         naga::front::wgsl::parse_str(&shader.text())

@@ -4,10 +4,14 @@ mod common;
 
 use common::{cells, device};
 use lamplight::settings::{BounceBy, Hit};
-use lamplight::{Bounces, Cells, Method, Settings};
+use lamplight::{Bounces, Cells, Matter, Method, Settings, Sky};
 use lamplight_wgpu::read_back::read_back;
-use lamplight_wgpu::{Error, Lighting, Stage};
-use wgpu::{Device, Queue};
+use lamplight_wgpu::{Error, Lighting, Stage, Textures};
+use wgpu::{
+    BufferDescriptor, BufferUsages, Device, Extent3d, Queue, TexelCopyBufferInfo,
+    TexelCopyBufferLayout, Texture, TextureDescriptor, TextureDimension, TextureFormat,
+    TextureUsages, TextureView,
+};
 
 fn raymarch() -> Settings {
     Settings { method: Method::Raymarch, ..Settings::default() }
@@ -102,4 +106,157 @@ fn nothing_is_recorded_before_the_first_cells() {
     lighting.record_fields(&mut encoder);
     queue.submit([encoder.finish()]);
     assert!(lighting.stage(Stage::Light).is_none());
+}
+
+/// A texture as a host may have it.
+fn texture(
+    device: &Device,
+    [width, height]: [u32; 2],
+    format: TextureFormat,
+    usage: TextureUsages,
+) -> Texture {
+    device.create_texture(&TextureDescriptor {
+        label: None,
+        size: Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage: usage | TextureUsages::COPY_DST | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+fn view(texture: &Texture) -> TextureView {
+    texture.create_view(&Default::default())
+}
+
+/// A lit room in a game's usual formats: a lamp, a wall, glass.
+fn host_textures(device: &Device, queue: &Queue) -> (Textures, Cells) {
+    let size = [48, 32];
+    let mut cells = Cells::new(48, 32).unwrap();
+    for y in 4..28 {
+        let wall = Matter { opacity: 1.0, albedo: [1.0, 0.0, 0.0], ..Matter::EMPTY };
+        cells.set(30, y, wall);
+        cells.set(12, y, Matter { tint: [0.0, 1.0, 0.0], ..Matter::EMPTY });
+    }
+    cells.set(20, 16, Matter { emission: [8.0, 4.0, 2.0], opacity: 1.0, ..Matter::EMPTY });
+    let half = |v: f32| match v {
+        0.0 => 0u16,
+        v => (((v.to_bits() >> 23) as u16 - 112) << 10) | (v.to_bits() >> 13 & 0x3ff) as u16,
+    };
+    let emission: Vec<[u16; 4]> =
+        cells.emission().iter().map(|&[r, g, b]| [half(r), half(g), half(b), 0]).collect();
+    let unorm = |v: f32| (v * 255.0) as u8;
+    let tints = cells.tint().iter().zip(cells.opacity());
+    let tints: Vec<[u8; 4]> =
+        tints.map(|(&[r, g, b], &a)| [unorm(r), unorm(g), unorm(b), unorm(a)]).collect();
+    let albedo: Vec<[u8; 4]> =
+        cells.albedo().iter().map(|&[r, g, b]| [unorm(r), unorm(g), unorm(b), 255]).collect();
+    let made = |format, bytes: &[u8]| {
+        let texture = texture(device, size, format, TextureUsages::TEXTURE_BINDING);
+        let row = bytes.len() as u32 / size[1];
+        let layout =
+            TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+        queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size());
+        view(&texture)
+    };
+    let textures = Textures {
+        emission: made(TextureFormat::Rgba16Float, bytemuck::cast_slice(&emission)),
+        tint_opacity: made(TextureFormat::Rgba8Unorm, bytemuck::cast_slice(&tints)),
+        albedo: made(TextureFormat::Rgba8Unorm, bytemuck::cast_slice(&albedo)),
+    };
+    (textures, cells)
+}
+
+#[test]
+fn a_hosts_textures_are_lit_into_its_own() {
+    let (device, queue) = device();
+    let (textures, mut cells) = host_textures(&device, &queue);
+    let sky = Sky::Uniform([0.0, 0.0, 0.5]);
+    cells.set_sky(sky);
+    let settings = Settings { bounces: Bounces::Count(1), ..raymarch() };
+    let mut by_cells = Lighting::new(&device, &queue, settings.clone()).unwrap();
+    let right = frame(&device, &queue, &mut by_cells, &cells);
+
+    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+    lighting.prepare_textures(&device, &queue, &textures, sky).unwrap();
+    let format = TextureFormat::Rgba16Float;
+    let output = texture(&device, [48, 32], format, TextureUsages::STORAGE_BINDING);
+    lighting.write_to(&device, &view(&output)).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    lighting.record(&mut encoder);
+    // Rows of a copy are multiples of 256 bytes, and 48 texels are 384.
+    let copied = device.create_buffer(&BufferDescriptor {
+        label: None,
+        size: 32 * 512,
+        usage: BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let layout =
+        TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(512), rows_per_image: None };
+    let target = TexelCopyBufferInfo { buffer: &copied, layout };
+    encoder.copy_texture_to_buffer(output.as_image_copy(), target, output.size());
+    queue.submit([encoder.finish()]);
+
+    let light: Vec<[f32; 4]> =
+        read_back(&device, &queue, lighting.stage(Stage::Light).unwrap()).unwrap();
+    assert_eq!(light, right);
+    let picture: Vec<[u16; 4]> = read_back(&device, &queue, &copied).unwrap();
+    let float = |half: u16| {
+        f32::from(half & 0x3ff | 0x400) / 1024.0 * 2f32.powi(i32::from(half >> 10) - 15)
+    };
+    for (i, right) in right.iter().enumerate() {
+        let seen = picture[i / 48 * 64 + i % 48].map(float);
+        for c in 0..4 {
+            let off = (seen[c] - right[c]).abs();
+            assert!(off <= 1e-3 * right[c] + 1e-4, "texel {i}: {seen:?}, not {right:?}");
+        }
+    }
+    assert!(right.iter().any(|l| l[0] > 0.2) && right.iter().any(|l| l[0] < 0.01));
+}
+
+#[test]
+fn textures_that_cannot_be_used_are_named_with_the_reason() {
+    let (device, queue) = device();
+    let (good, _) = host_textures(&device, &queue);
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let bound = TextureUsages::TEXTURE_BINDING;
+    let mut refused = |textures: Textures| {
+        let told = lighting.prepare_textures(&device, &queue, &textures, Sky::BLACK);
+        told.unwrap_err().to_string()
+    };
+    let other = |format, usage, size| view(&texture(&device, size, format, usage));
+    let integers = other(TextureFormat::Rgba8Uint, bound, [48, 32]);
+    let unbound = other(TextureFormat::Rgba8Unorm, TextureUsages::COPY_SRC, [48, 32]);
+    let small = other(TextureFormat::Rgba8Unorm, bound, [47, 32]);
+    assert_eq!(
+        refused(Textures { emission: integers, ..good.clone() }),
+        "the texture `emission` has the format Rgba8Uint, not floats"
+    );
+    assert_eq!(
+        refused(Textures { albedo: unbound, ..good.clone() }),
+        "the texture `albedo` lacks the usage TEXTURE_BINDING"
+    );
+    assert_eq!(
+        refused(Textures { tint_opacity: small.clone(), ..good.clone() }),
+        "the texture `tint_opacity` is 47×32, but emission is 48×32"
+    );
+
+    let half = TextureFormat::Rgba16Float;
+    let output = |format, usage, size| view(&texture(&device, size, format, usage));
+    let stored = TextureUsages::STORAGE_BINDING;
+    let right = output(half, stored, [48, 32]);
+    let early = lighting.write_to(&device, &right).unwrap_err().to_string();
+    assert!(early.contains("`output` comes before the first"), "{early}");
+    lighting.prepare_textures(&device, &queue, &good, Sky::BLACK).unwrap();
+    for (picture, problem) in [
+        (output(TextureFormat::Rgba8Unorm, stored, [48, 32]), "has the format Rgba8Unorm, not"),
+        (output(half, bound, [48, 32]), "lacks the usage STORAGE_BINDING"),
+        (output(half, stored, [48, 31]), "is 48×31, but the grid is 48×32"),
+    ] {
+        let error = lighting.write_to(&device, &picture).unwrap_err().to_string();
+        assert!(error.contains(problem), "{error}");
+    }
+    lighting.write_to(&device, &right).unwrap();
 }
