@@ -31,7 +31,9 @@ fn like(i: u32, at: vec2i, shift: u32, power: u32) -> bool {
         return clear;
     }
     let j = index(vec2u(at));
-    let same = all(source[i] == source[j]) && all(logs[i] == logs[j]);
+    // Where light fades with distance each cell of fog is crossed by itself.
+    let fades = frame.fade_range > 0.0 && !clear;
+    let same = !fades && all(source[i] == source[j]) && all(logs[i] == logs[j]);
     let kind = select(same, source[j].w == CLEAR, clear);
     return kind && (before[j] >> shift & 255u) > power;
 }

@@ -13,6 +13,11 @@ struct Frame {
     steps: u32,
     noise: u32,
     gap: f32,
+    hit_distance: f32,
+    least_step: f32,
+    // px at which emission has faded; 0: it does not fade.
+    fade_range: f32,
+    fade_dropoff: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -21,6 +26,11 @@ struct Frame {
 const CLEAR: f32 = 0.0;
 const MEDIUM: f32 = 1.0;
 const SOLID: f32 = 2.0;
+
+// Whether light notices what has this tint and opacity.
+fn occupied(tint_opacity: vec4f) -> bool {
+    return tint_opacity.a > frame.threshold || any(tint_opacity.rgb != vec3f(1.0));
+}
 
 fn outside(at: vec2u) -> bool {
     return any(at >= frame.size);

@@ -30,8 +30,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let tint_opacity = textureLoad(matter, id.xy, 0);
-    let occupied = tint_opacity.a > frame.threshold || any(tint_opacity.rgb != vec3f(1.0));
-    var kind = select(CLEAR, MEDIUM, occupied);
+    var kind = select(CLEAR, MEDIUM, occupied(tint_opacity));
     if tint_opacity.a >= 1.0 {
         kind = SOLID;
     }

@@ -2,26 +2,12 @@
 // every wall the mean over its faces. `receive` gathers the same for what reflects: each face of a
 // wall by itself, fog.
 
-override NEVER: f32;
-override OPAQUE: f32;
-override LONGEST: u32;
-override MATTER: u32;
 override GOLDEN_RATIO: f32;
 
 @group(0) @binding(2) var<storage, read> directions: array<vec2f>;
-@group(0) @binding(3) var<storage, read> source: array<vec4f>;
-@group(0) @binding(4) var<storage, read> logs: array<vec4f>;
-@group(0) @binding(5) var<storage, read> squares: array<u32>;
-// What surfaces send on, on each of four faces; it counts in steps after the first.
-@group(0) @binding(6) var<storage, read> sent: array<vec4f>;
-@group(0) @binding(7) var<uniform> step: u32;
 @group(0) @binding(8) var albedo: texture_2d<f32>;
 // Light a cell, or what its faces send on.
 @group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
-
-fn sky(dy: f32) -> vec3f {
-    return mix(frame.horizon, select(frame.ground, frame.zenith, dy < 0.0), abs(dy));
-}
 
 // Sine and cosine of an angle from 0 to 2π, within 2e-7: shaders' own may be off by far more.
 fn sine_cosine(angle: f32) -> vec2f {
@@ -36,66 +22,13 @@ fn sine_cosine(angle: f32) -> vec2f {
     return swapped * vec2f(select(1.0, -1.0, turn >= 2u), select(1.0, -1.0, turn == 1u || turn == 2u));
 }
 
-// Radiance that arrives along a ray that starts in an open cell.
-fn march(start: vec2f, first: vec2f, way: vec2f) -> vec3f {
-    let inverse = 1.0 / select(way, vec2f(NEVER), abs(way) < vec2f(NEVER));
-    let back = way < vec2f(0.0);
-    let sign = select(vec2f(1.0), vec2f(-1.0), back);
-    // An edge has the coordinate of the cell behind it, seen from the left or from above.
-    let beyond = select(vec2f(0.0), vec2f(1.0), back);
-    let shift = select(0u, 8u, back.x) + select(0u, 16u, back.y);
-    let size = vec2f(frame.size);
-    var at = start;
-    var cell = first;
-    var gathered = vec3f(0.0);
-    var through = vec3f(1.0);
-    var i = index(vec2u(cell));
-    var square = squares[i] >> shift & 255u;
-    for (var leap = 0u; leap < frame.steps; leap++) {
-        let next = cell + sign * f32(square & LONGEST);
-        let edge = next + beyond;
-        let t = (edge - at) * inverse;
-        let length = min(t.x, t.y);
-        let crosses = vec2<bool>(t.x < t.y, !(t.x < t.y));
-        // Along the axis that it crosses a ray lands exactly on the edge; along the other it stays
-        // within the square, whatever rounding says.
-        let along = at + way * length;
-        let last = next - sign;
-        let within = clamp(floor(along), min(cell, last), max(cell, last));
-        at = select(along, edge, crosses);
-        cell = select(within, next, crosses);
-        if square >= MATTER {
-            let passes = exp(logs[i].rgb * max(length, 0.0));
-            gathered += through * (1.0 - passes) * source[i].rgb;
-            through *= passes;
-            if max(through.r, max(through.g, through.b)) < OPAQUE {
-                return gathered;
-            }
-        }
-        if any(cell < vec2f(0.0)) || any(cell >= size) {
-            return gathered + through * sky(way.y);
-        }
-        i = index(vec2u(cell));
-        square = squares[i] >> shift & 255u;
-        if square == 0u {
-            var radiance = source[i].rgb;
-            if step > 0u {
-                let face = select(2u + u32(back.y), u32(back.x), crosses.x);
-                radiance += sent[4u * i + face].rgb;
-            }
-            return gathered + through * radiance;
-        }
-    }
-    return gathered;
-}
-
 fn over_circle(at: vec2u) -> vec3f {
     let turn = sine_cosine(first_angle(at) * frame.gap);
     var sum = vec3f(0.0);
     for (var ray = 0u; ray < frame.rays; ray++) {
         let d = directions[ray];
         let way = vec2f(turn.y * d.x - turn.x * d.y, turn.x * d.x + turn.y * d.y);
-        sum += march(vec2f(at) + 0.5, vec2f(at), way);
+        sum += march(vec2f(at) + 0.5, vec2f(at), way, false);
     }
     return sum / f32(frame.rays);
 }
@@ -112,7 +45,7 @@ fn over_face(at: vec2u, face: u32, normal: vec2f) -> vec3f {
         let cosine = sqrt(max(1.0 - sine * sine, 0.0));
         let along = fract(f32(ray) * GOLDEN_RATIO + shift) - 0.5;
         let way = cosine * normal + sine * tangent;
-        sum += march(centre + along * tangent, vec2f(at) + normal, way);
+        sum += march(centre + along * tangent, vec2f(at) + normal, way, true);
     }
     return sum / f32(frame.rays);
 }

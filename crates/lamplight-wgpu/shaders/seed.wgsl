@@ -10,7 +10,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if outside(id.xy) {
         return;
     }
-    let tint_opacity = textureLoad(matter, id.xy, 0);
-    let occupied = tint_opacity.a > frame.threshold || any(tint_opacity.rgb != vec3f(1.0));
-    seeds[index(id.xy)] = select(NONE, id.x | id.y << 16u, occupied);
+    let own = id.x | id.y << 16u;
+    seeds[index(id.xy)] = select(NONE, own, occupied(textureLoad(matter, id.xy, 0)));
 }

@@ -3,6 +3,7 @@
 
 use lamplight::methods::raymarch::{GOLDEN_RATIO, NEVER};
 use lamplight::stages::clearance::{LONGEST, MATTER};
+use lamplight::stages::distance::MARGIN;
 use lamplight::stages::noise;
 use lamplight::stages::seed::NONE;
 use lamplight::stages::transmittance::{LOG_OF_ZERO, OPAQUE};
@@ -14,18 +15,35 @@ pub const DISTANCE: &[Constant] = &[("NONE", NONE as f64), ("FAR", FAR as f64)];
 pub const OPTICS: &[Constant] = &[("LOG_OF_ZERO", LOG_OF_ZERO as f64)];
 pub const CLEARANCE: &[Constant] = &[("LONGEST", LONGEST as f64), ("MATTER", MATTER as f64)];
 pub const RAYMARCH: &[Constant] = &[
+    NOISE[0],
+    NOISE[1],
+    NOISE[2],
+    NOISE[3],
+    NOISE[4],
+    ("GOLDEN_RATIO", GOLDEN_RATIO as f64),
     ("NEVER", NEVER as f64),
     ("OPAQUE", OPAQUE as f64),
     ("LONGEST", LONGEST as f64),
     ("MATTER", MATTER as f64),
+];
+pub const RAYMARCH_DISTANCE: &[Constant] = &[
+    NOISE[0],
+    NOISE[1],
+    NOISE[2],
+    NOISE[3],
+    NOISE[4],
     ("GOLDEN_RATIO", GOLDEN_RATIO as f64),
+    ("NEVER", NEVER as f64),
+    ("NONE", NONE as f64),
+    ("MARGIN", MARGIN as f64),
+];
+const NOISE: [Constant; 5] = [
     ("SIDE", noise::SIDE as f64),
     ("SLICES", noise::FRAMES as f64),
     ("STEP_X", noise::R2[0] as f64),
     ("STEP_Y", noise::R2[1] as f64),
     ("GOLDEN", noise::GOLDEN as f64),
 ];
-
 pub const OUTPUT: &[Constant] = &[("BRIGHTEST", BRIGHTEST as f64)];
 
 /// The largest half float.

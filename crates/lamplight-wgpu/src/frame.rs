@@ -24,12 +24,16 @@ pub struct Frame {
     steps: u32,
     noise: u32,
     gap: f32,
+    hit_distance: f32,
+    least_step: f32,
+    fade_range: f32,
+    fade_dropoff: f32,
 }
 
 impl Frame {
     /// Fields in order, with where they begin.
     #[cfg_attr(not(test), expect(dead_code, reason = "a test holds the shaders to it"))]
-    pub const OFFSETS: [(&'static str, usize); 13] = [
+    pub const OFFSETS: [(&'static str, usize); 17] = [
         ("size", offset_of!(Frame, size)),
         ("number", offset_of!(Frame, number)),
         ("key", offset_of!(Frame, key)),
@@ -43,6 +47,10 @@ impl Frame {
         ("steps", offset_of!(Frame, steps)),
         ("noise", offset_of!(Frame, noise)),
         ("gap", offset_of!(Frame, gap)),
+        ("hit_distance", offset_of!(Frame, hit_distance)),
+        ("least_step", offset_of!(Frame, least_step)),
+        ("fade_range", offset_of!(Frame, fade_range)),
+        ("fade_dropoff", offset_of!(Frame, fade_dropoff)),
     ];
 
     /// Frame `number` of a grid.
@@ -70,6 +78,13 @@ impl Frame {
                 Noise::Golden => 2,
             },
             gap: gap(raymarch),
+            hit_distance: raymarch.hit_distance,
+            least_step: raymarch.least_step,
+            fade_range: match raymarch.attenuation {
+                true => raymarch.emission_range * size[1] as f32,
+                false => 0.0,
+            },
+            fade_dropoff: raymarch.emission_dropoff,
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::plan::Plan;
 use crate::{Error, Result};
 use lamplight::Settings;
 use lamplight::settings::Bounces;
+use lamplight::stages::jump_flood::passes;
 use wgpu::{Buffer, BufferDescriptor, BufferUsages, Device};
 
 /// Bytes of four floats.
@@ -42,6 +43,18 @@ pub struct Buffers {
     pub rings: [Buffer; 2],
 }
 
+/// Passes of offset 1 after the jump flood, where the CPU goes on until nothing changes. That took at
+/// most 4 over the example scenes and 9 over 400 random grids of up to 400 px a side; beyond it a cell
+/// here and there would know a cell that is not quite the nearest.
+pub const SETTLING: u32 = 12;
+
+impl Buffers {
+    /// The Voronoi map of a grid.
+    pub fn nearest(&self, [width, height]: [u32; 2]) -> &Buffer {
+        &self.flood[((passes(width, height) + SETTLING) % 2) as usize]
+    }
+}
+
 impl Grid {
     /// Makes buffers, and plans what runs on them.
     pub fn new(
@@ -74,7 +87,7 @@ impl Grid {
             rings: pair("walls", cells * ONE),
         };
         let plan = Plan { device, pipelines, textures: &textures, buffers: &buffers };
-        let (fields, frame) = (plan.fields(size), plan.frame(settings));
+        let (fields, frame) = (plan.fields(size), plan.frame(size, settings));
         Ok(Self { size, textures, buffers, fields, frame })
     }
 }

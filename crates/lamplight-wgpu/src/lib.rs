@@ -5,8 +5,8 @@
 //! into the host's [`wgpu::CommandEncoder`], and never creates a device, submits or waits. The same
 //! settings give the same light as on the CPU, but for rounding.
 //!
-//! Here so far: seed, jump flood, distance, clear squares, and `raymarch` with bounces inside a frame.
-//! Whatever else settings ask for is refused by name ([`Error::NotYet`]).
+//! Here so far: seed, jump flood, distance, clear squares, and `raymarch` by both its rules with bounces
+//! inside a frame, from uploaded cells or the host's textures. Whatever else settings ask for is refused by name ([`Error::NotYet`]).
 //!
 //! ```no_run
 //! # fn frame(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), Box<dyn std::error::Error>> {

@@ -8,7 +8,6 @@ use crate::plan::Plan;
 use crate::{Error, Result, constants, shaders};
 use lamplight::methods::raymarch::directions;
 use lamplight::settings::{BounceBy, Hit};
-use lamplight::stages::jump_flood::passes;
 use lamplight::stages::noise;
 use lamplight::{Bounces, Cells, Method, Settings, Sky};
 use wgpu::{
@@ -157,8 +156,8 @@ impl Lighting {
         self.run(encoder, "lamplight", frame.chain(&self.output));
     }
 
-    /// Records the seed map, jump flood and distance field of the cells last prepared, which
-    /// `raymarch` does not need itself.
+    /// Records the seed map, jump flood and distance field of the cells last prepared, for hosts that
+    /// want them; a frame that needs them makes them itself.
     pub fn record_fields(&self, encoder: &mut CommandEncoder) {
         self.run(encoder, "lamplight fields", self.grid.iter().flat_map(|grid| &grid.fields));
     }
@@ -184,10 +183,7 @@ impl Lighting {
         let Grid { size, buffers, .. } = self.grid.as_ref()?;
         Some(match stage {
             Stage::Seeds => &buffers.seeds,
-            Stage::Nearest => match passes(size[0], size[1]) {
-                0 => &buffers.seeds,
-                passes => &buffers.flood[(passes as usize - 1) % 2],
-            },
+            Stage::Nearest => buffers.nearest(*size),
             Stage::Distance => &buffers.distance,
             Stage::Clearance => &buffers.squares[1],
             Stage::Light => &buffers.light,
@@ -208,8 +204,6 @@ pub fn check(settings: &Settings) -> Result<()> {
         {
             "`raymarch.bounce` = feedback".to_owned()
         }
-        () if settings.raymarch.hit != Hit::Edge => "`raymarch.hit` = distance".to_owned(),
-        () if settings.raymarch.attenuation => "`raymarch.attenuation`".to_owned(),
         () if settings.temporal.frames > 1 => "the mean over frames".to_owned(),
         () if settings.denoise.passes > 0 => "denoising".to_owned(),
         () => return Ok(()),
@@ -274,12 +268,14 @@ impl Pipelines {
                 &[Uniform, Step, Read, Read, Read, Write],
                 constants::CLEARANCE,
             ),
-            raymarch: kernels(
-                &shaders::RAYMARCH,
-                &["main", "receive"],
-                &[Uniform, Read, Read, Read, Read, Read, Read, Step, Texture, Write],
-                constants::RAYMARCH,
-            ),
+            raymarch: {
+                let (shader, constants) = match settings.raymarch.hit {
+                    Hit::Edge => (&shaders::RAYMARCH, constants::RAYMARCH),
+                    Hit::Distance => (&shaders::RAYMARCH_DISTANCE, constants::RAYMARCH_DISTANCE),
+                };
+                let slots = [Uniform, Read, Read, Read, Read, Read, Read, Step, Texture, Write];
+                kernels(shader, &["main", "receive"], &slots, constants)
+            },
             walls: kernels(
                 &shaders::WALLS,
                 &["begin", "sink", "finish"],

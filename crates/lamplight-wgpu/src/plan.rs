@@ -1,10 +1,11 @@
 //! What runs over a grid, in which order: the GPU's `frame.rs` of the library, worked out once.
 
-use crate::grid::Buffers;
+use crate::grid::{Buffers, SETTLING};
 use crate::kernel::{Dispatch, Kernels};
 use crate::lighting::Pipelines;
 use crate::matter::Textures;
 use lamplight::Settings;
+use lamplight::settings::Hit;
 use lamplight::stages::clearance::LONGEST;
 use lamplight::stages::jump_flood::passes;
 use wgpu::{BindGroup, BindingResource, Buffer, Device, TextureView};
@@ -25,8 +26,9 @@ impl Plan<'_> {
         let bound = self.bind(seed, &[view(&self.textures.tint_opacity), whole(seeds)]);
         let mut runs = vec![Dispatch::new(&seed.entries[0], &bound, None)];
         let mut known = seeds;
-        for (i, pass) in (0..passes(width, height)).rev().enumerate() {
-            let nearest = &flood[i % 2];
+        let jumps = (0..passes(width, height)).rev().chain((0..SETTLING).map(|_| 0));
+        for (i, pass) in jumps.enumerate() {
+            let nearest = &flood[(i + 1) % 2];
             let bound = self.bind(jump_flood, &[self.step(), whole(known), whole(nearest)]);
             runs.push(Dispatch::new(&jump_flood.entries[0], &bound, Some(pass)));
             known = nearest;
@@ -37,17 +39,23 @@ impl Plan<'_> {
     }
 
     /// From matter to light.
-    pub fn frame(&self, settings: &Settings) -> Vec<Dispatch> {
+    pub fn frame(&self, size: [u32; 2], settings: &Settings) -> Vec<Dispatch> {
         let bounces = settings.bounces.limit();
+        // What rays go by: clear squares, or the distance to the nearest cell.
+        let (squares, nearest) = (&self.buffers.squares[1], self.buffers.nearest(size));
+        let (by, once, again): (_, _, fn(&Self) -> Vec<Dispatch>) = match settings.raymarch.hit {
+            Hit::Edge => ([&self.buffers.logs, squares], self.clearance(), Self::clearance),
+            Hit::Distance => ([nearest, &self.buffers.distance], self.fields(size), |_| Vec::new()),
+        };
         let mut runs = vec![self.optics(0, 0)];
-        runs.extend(self.clearance());
+        runs.extend(once);
         for bounce in 0..bounces {
-            runs.push(self.raymarch(1, bounce));
+            runs.push(self.raymarch(1, bounce, by));
             runs.push(self.optics(1, bounce));
             // Fog that sends other light on is other matter.
-            runs.extend(self.clearance());
+            runs.extend(again(self));
         }
-        runs.push(self.raymarch(0, bounces));
+        runs.push(self.raymarch(0, bounces, by));
         runs.extend(self.walls(settings.wall_depth.ceil() as u32));
         runs
     }
@@ -89,16 +97,16 @@ impl Plan<'_> {
     }
 
     /// Gathers light (entry 0), or what surfaces receive in a bounce (1), after so many bounces.
-    fn raymarch(&self, entry: usize, bounces: u32) -> Dispatch {
+    fn raymarch(&self, entry: usize, bounces: u32, by: [&Buffer; 2]) -> Dispatch {
         let (kernels, constant) = (&self.pipelines.raymarch, &self.pipelines.constant);
-        let Buffers { source, logs, squares, sent, light, .. } = self.buffers;
+        let Buffers { source, sent, light, .. } = self.buffers;
         let this = bounces as usize % 2;
         let resources = [
             whole(&constant.blue),
             whole(&constant.directions),
             whole(source),
-            whole(logs),
-            whole(&squares[1]),
+            whole(by[0]),
+            whole(by[1]),
             whole(&sent[1 - this]),
             self.step(),
             view(&self.textures.albedo),

@@ -35,7 +35,8 @@ pub const JUMP_FLOOD: Shader = shader!("jump_flood");
 pub const DISTANCE: Shader = shader!("distance");
 pub const OPTICS: Shader = shader!("optics");
 pub const CLEARANCE: Shader = shader!("clearance");
-pub const RAYMARCH: Shader = shader!("raymarch", "noise");
+pub const RAYMARCH: Shader = shader!("raymarch", "noise", "surfaces", "march_edge");
+pub const RAYMARCH_DISTANCE: Shader = shader!("raymarch", "noise", "surfaces", "march_distance");
 pub const WALLS: Shader = shader!("walls");
 pub const OUTPUT: Shader = shader!("output");
 
@@ -45,8 +46,8 @@ mod tests {
     use crate::frame::Frame;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-    const ALL: [Shader; 8] =
-        [SEED, JUMP_FLOOD, DISTANCE, OPTICS, CLEARANCE, RAYMARCH, WALLS, OUTPUT];
+    const ALL: [Shader; 9] =
+        [SEED, JUMP_FLOOD, DISTANCE, OPTICS, CLEARANCE, RAYMARCH, RAYMARCH_DISTANCE, WALLS, OUTPUT];
 
     fn parsed(shader: &Shader) -> naga::Module {
         naga::front::wgsl::parse_str(&shader.text())

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{cells, device};
-use lamplight::settings::{BounceBy, Hit};
+use lamplight::settings::BounceBy;
 use lamplight::{Bounces, Cells, Matter, Method, Settings, Sky};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{Error, Lighting, Stage, Textures};
@@ -48,8 +48,6 @@ fn what_is_not_there_yet_is_refused_by_name() {
         s.raymarch.bounce = BounceBy::Feedback;
     });
     assert!(feedback.starts_with("`raymarch.bounce` = feedback"));
-    assert!(with(|s| s.raymarch.hit = Hit::Distance).starts_with("`raymarch.hit` = distance"));
-    assert!(with(|s| s.raymarch.attenuation = true).starts_with("`raymarch.attenuation`"));
     assert!(with(|s| s.temporal.frames = 8).starts_with("the mean over frames"));
     assert!(with(|s| s.denoise.passes = 1).starts_with("denoising"));
 }

@@ -3,10 +3,10 @@
 mod common;
 
 use common::{cells, device};
-use lamplight::settings::{Noise, Spacing};
+use lamplight::settings::{BounceBy, Hit, Noise, Raymarch, Spacing};
 use lamplight::stages::clearance::{Ground, clearance};
 use lamplight::stages::distance::distance;
-use lamplight::stages::jump_flood::jump_flood;
+use lamplight::stages::jump_flood::{jump_flood, settle};
 use lamplight::stages::seed::{is_occupied, seed};
 use lamplight::stages::transmittance::log_transmittance;
 use lamplight::{Bounces, Cells, Gradient, Method, Rgb, Scene, Settings, Sky, Solver};
@@ -47,6 +47,7 @@ fn seeds_jump_flood_and_distance_agree() {
         seed(&cells, 0.0, &mut seeds);
         let mut nearest = seeds.clone();
         jump_flood(w, h, 0, &mut nearest, &mut scratch);
+        settle(w, h, &mut nearest, &mut scratch);
         distance(w, &nearest, &mut away);
         let read = |what| stage::<u32>(&gpu, &cells, raymarch(), what);
         assert_eq!(read(Stage::Seeds), seeds, "seeds at {w}×{h}");
@@ -94,25 +95,39 @@ fn light_on_both(gpu: &(Device, Queue), cells: &Cells, settings: Settings) -> [V
 /// Share of a pixel's light, or of the mean where that is more, by which both may differ: rounding,
 /// and now and then a ray that passes a corner on the other side. Measured at up to 4e-5.
 const TOLERANCE: f64 = 1e-3;
+/// Share of pixels that may be off where rays end by the distance field: whether it is below
+/// `hit_distance` is decided by rounding where both are equal. Measured at up to 5e-5.
+const TIES: f64 = 1e-4;
 
-/// The largest difference of a pixel.
-fn difference(seen: &[Rgb], right: &[Rgb]) -> f64 {
+/// How much each pixel differs.
+fn differences(seen: &[Rgb], right: &[Rgb]) -> Vec<f64> {
     assert_eq!(seen.len(), right.len());
     let sum: f64 = right.as_flattened().iter().map(|&v| f64::from(v)).sum();
     let mean = sum / (3 * right.len()) as f64;
-    let both = seen.as_flattened().iter().zip(right.as_flattened());
-    let of = |(&seen, &right): (&f32, &f32)| {
+    let of = |seen: f32, right: f32| {
         f64::from((seen - right).abs()) / f64::from(right).max(mean).max(f64::MIN_POSITIVE)
     };
-    both.map(of).fold(0.0, |worst, one| if worst.is_nan() || one <= worst { worst } else { one })
+    let pixel = |(seen, right): (&Rgb, &Rgb)| {
+        (0..3)
+            .map(|c| of(seen[c], right[c]))
+            .fold(0.0, |worst: f64, one| if worst.is_nan() || one <= worst { worst } else { one })
+    };
+    seen.iter().zip(right).map(pixel).collect()
+}
+
+/// Pixels that differ by more than the tolerance, or are no numbers.
+fn wrong(seen: &[Rgb], right: &[Rgb]) -> usize {
+    differences(seen, right).into_iter().filter(|d| d.is_nan() || *d > TOLERANCE).count()
 }
 
 #[track_caller]
 fn agree(gpu: &(Device, Queue), name: &str, cells: &Cells, settings: Settings) {
+    let ties = if settings.raymarch.hit == Hit::Distance { TIES } else { 0.0 };
     let [seen, right] = light_on_both(gpu, cells, settings);
-    let difference = difference(&seen, &right);
-    println!("{name}: {difference:.1e}");
-    assert!(difference <= TOLERANCE, "{name}: {difference:e}");
+    let worst = differences(&seen, &right).into_iter().fold(0.0, f64::max);
+    let wrong = wrong(&seen, &right);
+    println!("{name}: {worst:.1e}, {wrong} of {} pixels wrong", right.len());
+    assert!(wrong as f64 <= ties * right.len() as f64, "{name}: {wrong} pixels, {worst:e}");
 }
 
 #[test]
@@ -146,6 +161,25 @@ fn raymarch_agrees_with_every_setting() {
 }
 
 #[test]
+fn the_seeds_march_agrees() {
+    let gpu = device();
+    for preset in Raymarch::PRESETS {
+        for attenuation in [false, true] {
+            for bounces in [0, 2].map(Bounces::Count) {
+                let mut settings = Settings { bounces, ..raymarch() };
+                settings.raymarch = Raymarch::preset(preset).unwrap();
+                settings.raymarch.attenuation = attenuation;
+                settings.raymarch.bounce = BounceBy::Frame;
+                let name = format!("{preset}, fading: {attenuation}, {bounces:?}");
+                for [w, h] in [[97, 61], [1, 37], [160, 90]] {
+                    agree(&gpu, &format!("{name} at {w}×{h}"), &cells(w, h, 13), settings.clone());
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn raymarch_agrees_under_a_sky_that_changes() {
     let mut cells = cells(61, 43, 9);
     let [zenith, horizon, ground] = [[0.1, 0.4, 2.0], [1.0, 0.8, 0.2], [0.05, 0.0, 0.0]];
@@ -163,9 +197,12 @@ fn raymarch_agrees_on_every_example_scene() {
         if path.extension().is_some_and(|e| e == "toml") {
             let scene = Scene::load(&path).unwrap();
             let Settings { wall_depth, seed, .. } = scene.settings().unwrap();
-            for bounces in [0, 2].map(Bounces::Count) {
-                let settings = Settings { wall_depth, seed, bounces, ..raymarch() };
-                let name = format!("{}, {bounces:?}", path.display());
+            for (preset, bounces) in [("default", 0), ("default", 2), ("godot", 1)] {
+                let bounces = Bounces::Count(bounces);
+                let mut settings = Settings { wall_depth, seed, bounces, ..raymarch() };
+                settings.raymarch = Raymarch::preset(preset).unwrap();
+                settings.raymarch.bounce = BounceBy::Frame;
+                let name = format!("{}, {preset}, {bounces:?}", path.display());
                 agree(&gpu, &name, &scene.cells().unwrap(), settings);
             }
             scenes += 1;
@@ -190,8 +227,8 @@ fn later_frames_have_the_noise_of_later_frames() {
         let buffer = lighting.stage(Stage::Light).unwrap();
         let seen: Vec<[f32; 4]> = read_back(&device, &queue, buffer).unwrap();
         let seen: Vec<Rgb> = seen.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-        assert!(difference(&seen, &right) <= TOLERANCE, "frame {frame}");
-        assert!(before.is_empty() || difference(&seen, &before) > TOLERANCE, "the same noise");
+        assert_eq!(wrong(&seen, &right), 0, "frame {frame}");
+        assert!(before.is_empty() || wrong(&seen, &before) > 0, "the same noise");
         before = seen;
     }
 }
@@ -199,12 +236,11 @@ fn later_frames_have_the_noise_of_later_frames() {
 #[test]
 fn one_wrong_pixel_is_rejected() {
     let [seen, right] = light_on_both(&device(), &cells(97, 61, 3), raymarch());
-    assert!(difference(&seen, &right) <= TOLERANCE);
+    assert_eq!(wrong(&seen, &right), 0);
     let mean = right.as_flattened().iter().sum::<f32>() / (3 * right.len()) as f32;
     for change in [0.01 * mean, f32::NAN, f32::INFINITY] {
-        let mut wrong = seen.clone();
-        wrong[2000][1] += change;
-        let difference = difference(&wrong, &right);
-        assert!(difference.is_nan() || difference > TOLERANCE, "{change} passes");
+        let mut changed = seen.clone();
+        changed[2000][1] += change;
+        assert_eq!(wrong(&changed, &right), 1, "{change} passes");
     }
 }
