@@ -25,6 +25,11 @@ impl Answer {
         all
     };
 
+    /// Whether it lights lamps by a rule of its own, and does not draw them.
+    pub fn lights_lamps(self) -> bool {
+        matches!(self, Self::By(method) if method.lights_lamps())
+    }
+
     /// The name in flags and tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -112,8 +117,8 @@ impl Lighting {
         if self.samples.is_some() && answer != Answer::Reference {
             idle.push(format!("--samples changes nothing: it is for the reference, not {name}"));
         }
-        let by_rule = matches!(answer, Answer::By(method) if method.lights_lamps());
-        if by_rule && self.settings.bounces.is_some_and(|bounces| bounces != Bounces::Count(0)) {
+        let bounces = self.settings.bounces.is_some_and(|bounces| bounces != Bounces::Count(0));
+        if bounces && answer.lights_lamps() {
             idle.push(format!("--bounces changes nothing: {name} lights by a rule of its own"));
         }
         idle

@@ -60,8 +60,8 @@ pub fn ms(time: Duration) -> f64 {
 /// Lights cells as the flags say.
 pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit> {
     let answer = flags.answer(&settings);
-    let by_rule = matches!(answer, Answer::By(method) if method.lights_lamps());
-    if !by_rule && !flags.machine.quiet && cells.lamps().iter().any(|lamp| lamp.cone.is_some()) {
+    let cones = cells.lamps().iter().any(|lamp| lamp.cone.is_some());
+    if cones && !answer.lights_lamps() && !flags.machine.quiet {
         warn(&format!(
             "{} draws lamps as discs that glow all round: cones are not seen",
             answer.name()

@@ -27,7 +27,7 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
 fn like(i: u32, at: vec2i, shift: u32, power: u32) -> bool {
     let clear = source[i].w == CLEAR;
     // Outside of the grid all is clear.
-    if any(at < vec2i(0)) || outside(vec2u(at)) {
+    if !inside(at) {
         return clear;
     }
     let j = index(vec2u(at));
@@ -49,18 +49,19 @@ fn way(quadrant: u32) -> vec2i {
     return select(vec2i(1), vec2i(-1), vec2<bool>((quadrant & 1u) == 1u, (quadrant & 2u) == 2u));
 }
 
-// From squares of side 2^step to those twice as long.
+// Step by step from squares of side 1 to those twice as long.
 @compute @workgroup_size(8, 8)
 fn double(@builtin(global_invocation_id) id: vec3u) {
     if outside(id.xy) {
         return;
     }
     let i = index(id.xy);
+    let power = step - 1u;
     var powers = before[i];
     for (var quadrant = 0u; quadrant < 4u; quadrant++) {
         let shift = 8u * quadrant;
-        if (powers >> shift & 255u) == step + 1u
-            && covered(i, vec2i(id.xy), way(quadrant), shift, step, 1i << step) {
+        if (powers >> shift & 255u) == power + 1u
+            && covered(i, vec2i(id.xy), way(quadrant), shift, power, 1i << power) {
             powers += 1u << shift;
         }
     }

@@ -36,6 +36,10 @@ fn outside(at: vec2u) -> bool {
     return any(at >= frame.size);
 }
 
+fn inside(at: vec2i) -> bool {
+    return all(at >= vec2i(0)) && !outside(vec2u(at));
+}
+
 fn index(at: vec2u) -> u32 {
     return at.y * frame.size.x + at.x;
 }

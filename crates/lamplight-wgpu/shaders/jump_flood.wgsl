@@ -24,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     for (var y = -1; y <= 1; y++) {
         for (var x = -1; x <= 1; x++) {
             let other = at + vec2i(x, y) * offset;
-            if any(other < vec2i(0)) || outside(vec2u(other)) {
+            if !inside(other) {
                 continue;
             }
             let seed = known[index(vec2u(other))];

@@ -22,10 +22,6 @@ fn distance_at(at: vec2f) -> f32 {
     return above * (1.0 - past.y) + below * past.y;
 }
 
-fn inside(cell: vec2i) -> bool {
-    return all(cell >= vec2i(0)) && !outside(vec2u(cell));
-}
-
 // What an occupied cell sends out on the side of a face.
 fn touch(cell: vec2u, face: u32, travelled: f32) -> vec3f {
     let i = index(cell);

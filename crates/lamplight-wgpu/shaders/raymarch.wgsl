@@ -59,7 +59,7 @@ fn normal(face: u32) -> vec2i {
 // Whether a face looks at a cell that is not solid.
 fn exposed(at: vec2u, face: u32) -> bool {
     let open = vec2i(at) + normal(face);
-    return all(open >= vec2i(0)) && !outside(vec2u(open)) && source[index(vec2u(open))].w != SOLID;
+    return inside(open) && source[index(vec2u(open))].w != SOLID;
 }
 
 fn on_wall(at: vec2u) -> vec3f {

@@ -12,10 +12,6 @@ fn solid(at: vec2i) -> bool {
     return source[index(vec2u(at))].w == SOLID;
 }
 
-fn inside(at: vec2i) -> bool {
-    return all(at >= vec2i(0)) && !outside(vec2u(at));
-}
-
 fn open(at: vec2i) -> bool {
     return inside(at) && !solid(at);
 }

@@ -5,6 +5,7 @@ use lamplight::methods::raymarch::gap;
 use lamplight::settings::Noise;
 use lamplight::stages::noise::fold;
 use lamplight::{Settings, Sky};
+#[cfg(test)]
 use std::mem::offset_of;
 
 /// `Frame` of shaders/frame.wgsl.
@@ -32,7 +33,7 @@ pub struct Frame {
 
 impl Frame {
     /// Fields in order, with where they begin.
-    #[cfg_attr(not(test), expect(dead_code, reason = "a test holds the shaders to it"))]
+    #[cfg(test)]
     pub const OFFSETS: [(&'static str, usize); 17] = [
         ("size", offset_of!(Frame, size)),
         ("number", offset_of!(Frame, number)),

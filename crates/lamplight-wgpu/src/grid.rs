@@ -1,12 +1,13 @@
 //! The buffers of a grid of one size, and what runs over them.
 
 use crate::kernel::Dispatch;
-use crate::lighting::Pipelines;
 use crate::matter::Textures;
+use crate::pipelines::Pipelines;
 use crate::plan::Plan;
 use crate::{Error, Result};
 use lamplight::Settings;
 use lamplight::settings::Bounces;
+use lamplight::stages::clearance::LONGEST;
 use lamplight::stages::jump_flood::passes;
 use wgpu::{Buffer, BufferDescriptor, BufferUsages, Device};
 
@@ -35,8 +36,7 @@ pub struct Buffers {
     pub distance: Buffer,
     pub source: Buffer,
     pub logs: Buffer,
-    /// The second half holds the squares in the end.
-    pub squares: [Buffer; 2],
+    pub clearance: [Buffer; 2],
     /// What surfaces send on, by face; next to nothing where light does not bounce.
     pub sent: [Buffer; 2],
     pub light: Buffer,
@@ -49,6 +49,11 @@ pub struct Buffers {
 pub const SETTLING: u32 = 12;
 
 impl Buffers {
+    /// The clear squares, when all doublings are done.
+    pub fn squares(&self) -> &Buffer {
+        &self.clearance[((LONGEST.ilog2() + 1) % 2) as usize]
+    }
+
     /// The Voronoi map of a grid.
     pub fn nearest(&self, [width, height]: [u32; 2]) -> &Buffer {
         &self.flood[((passes(width, height) + SETTLING) % 2) as usize]
@@ -81,7 +86,7 @@ impl Grid {
             distance: buffer("distance", cells * ONE),
             source: buffer("source", cells * FOUR),
             logs: buffer("log transmittance", cells * FOUR),
-            squares: pair("clearance", cells * ONE),
+            clearance: pair("clearance", cells * ONE),
             sent: pair("sent", (cells * faces(settings)).max(1) * FOUR),
             light: buffer("light", cells * FOUR),
             rings: pair("walls", cells * ONE),

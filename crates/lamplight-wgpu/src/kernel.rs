@@ -30,7 +30,7 @@ pub enum Slot {
 }
 
 /// Steps that a kernel may be told.
-pub const STEPS: u32 = 65;
+pub const STEPS: u32 = 66;
 /// Bytes from one step's number to the next: what every device can bind to.
 pub const STEP_BYTES: u32 = 256;
 

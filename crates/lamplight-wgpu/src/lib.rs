@@ -32,6 +32,7 @@ mod grid;
 mod kernel;
 mod lighting;
 mod matter;
+mod pipelines;
 mod plan;
 pub mod read_back;
 mod shaders;

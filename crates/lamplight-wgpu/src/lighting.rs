@@ -2,17 +2,16 @@
 
 use crate::frame::Frame;
 use crate::grid::{self, Grid};
-use crate::kernel::{Dispatch, Kernels, STEP_BYTES, STEPS, Slot};
+use crate::kernel::Dispatch;
 use crate::matter::{Textures, Upload};
+use crate::pipelines::Pipelines;
 use crate::plan::Plan;
-use crate::{Error, Result, constants, shaders};
-use lamplight::methods::raymarch::directions;
-use lamplight::settings::{BounceBy, Hit};
-use lamplight::stages::noise;
+use crate::{Error, Result};
+use lamplight::settings::BounceBy;
 use lamplight::{Bounces, Cells, Method, Settings, Sky};
 use wgpu::{
-    BindingResource, Buffer, BufferBinding, BufferDescriptor, BufferUsages, CommandEncoder,
-    ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages, TextureView,
+    Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
+    TextureView,
 };
 
 /// Finds light on the host's device.
@@ -43,37 +42,6 @@ pub enum Stage {
     Clearance,
     /// The answer: four `f32` a cell, linear RGB and 1.
     Light,
-}
-
-/// Everything that does not depend on the size of the grid.
-#[derive(Debug)]
-pub struct Pipelines {
-    pub seed: Kernels,
-    pub jump_flood: Kernels,
-    pub distance: Kernels,
-    pub optics: Kernels,
-    pub clearance: Kernels,
-    pub raymarch: Kernels,
-    pub walls: Kernels,
-    pub output: Kernels,
-    pub constant: Constant,
-}
-
-/// Buffers that are the same for every grid.
-#[derive(Debug)]
-pub struct Constant {
-    pub frame: Buffer,
-    steps: Buffer,
-    pub blue: Buffer,
-    pub directions: Buffer,
-}
-
-impl Constant {
-    /// The number of a step; which one is said when it runs.
-    pub fn step(&self) -> BindingResource<'_> {
-        let size = std::num::NonZeroU64::new(4);
-        BindingResource::Buffer(BufferBinding { buffer: &self.steps, offset: 0, size })
-    }
 }
 
 impl Lighting {
@@ -113,13 +81,16 @@ impl Lighting {
         sky: Sky,
     ) -> Result<()> {
         sky.check()?;
-        if self.grid.as_ref().is_none_or(|grid| grid.textures != *textures) {
-            // Never left with what belongs to other textures.
-            (self.grid, self.output) = (None, None);
-            self.grid = Some(Grid::new(device, textures.clone(), &self.pipelines, &self.settings)?);
-        }
-        let size = textures.size()?;
-        let frame = Frame::new(size, sky, &self.settings, self.number);
+        let grid = match self.grid.take() {
+            Some(grid) if grid.textures == *textures => grid,
+            _ => {
+                // It belongs to other textures.
+                self.output = None;
+                Grid::new(device, textures.clone(), &self.pipelines, &self.settings)?
+            }
+        };
+        let grid = self.grid.insert(grid);
+        let frame = Frame::new(grid.size, sky, &self.settings, self.number);
         queue.write_buffer(&self.pipelines.constant.frame, 0, bytemuck::bytes_of(&frame));
         self.number = self.number.wrapping_add(1);
         Ok(())
@@ -185,7 +156,7 @@ impl Lighting {
             Stage::Seeds => &buffers.seeds,
             Stage::Nearest => buffers.nearest(*size),
             Stage::Distance => &buffers.distance,
-            Stage::Clearance => &buffers.squares[1],
+            Stage::Clearance => buffers.squares(),
             Stage::Light => &buffers.light,
         })
     }
@@ -209,88 +180,6 @@ pub fn check(settings: &Settings) -> Result<()> {
         () => return Ok(()),
     };
     Err(Error::NotYet { what: missing })
-}
-
-impl Pipelines {
-    fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
-        use Slot::{Picture, Read, Step, Texture, Uniform, Write};
-        let filled = |label, usage, bytes: &[u8]| {
-            let buffer = device.create_buffer(&BufferDescriptor {
-                label: Some(label),
-                size: bytes.len() as u64,
-                usage: usage | BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-            queue.write_buffer(&buffer, 0, bytes);
-            buffer
-        };
-        let mut steps = vec![0; (STEPS * STEP_BYTES) as usize];
-        for (number, bytes) in (0u32..).zip(steps.chunks_exact_mut(STEP_BYTES as usize)) {
-            bytes[..4].copy_from_slice(&number.to_ne_bytes());
-        }
-        let directions: Vec<[f32; 2]> = directions(&settings.raymarch).collect();
-        let constant = Constant {
-            frame: filled("frame", BufferUsages::UNIFORM, &[0; size_of::<Frame>()]),
-            steps: filled("steps", BufferUsages::UNIFORM, &steps),
-            blue: filled("blue noise", BufferUsages::STORAGE, noise::blue()),
-            directions: filled(
-                "directions",
-                BufferUsages::STORAGE,
-                bytemuck::cast_slice(&directions),
-            ),
-        };
-        let kernels = |shader, entries: &[&str], slots: &[Slot], constants| {
-            Kernels::new(device, shader, entries, slots, constants)
-        };
-        Self {
-            seed: kernels(&shaders::SEED, &["main"], &[Uniform, Texture, Write], constants::SEED),
-            jump_flood: kernels(
-                &shaders::JUMP_FLOOD,
-                &["main"],
-                &[Uniform, Step, Read, Write],
-                constants::SEED,
-            ),
-            distance: kernels(
-                &shaders::DISTANCE,
-                &["main"],
-                &[Uniform, Read, Write],
-                constants::DISTANCE,
-            ),
-            optics: kernels(
-                &shaders::OPTICS,
-                &["main", "light_fog"],
-                &[Uniform, Texture, Texture, Write, Write, Read],
-                constants::OPTICS,
-            ),
-            clearance: kernels(
-                &shaders::CLEARANCE,
-                &["begin", "double", "finish"],
-                &[Uniform, Step, Read, Read, Read, Write],
-                constants::CLEARANCE,
-            ),
-            raymarch: {
-                let (shader, constants) = match settings.raymarch.hit {
-                    Hit::Edge => (&shaders::RAYMARCH, constants::RAYMARCH),
-                    Hit::Distance => (&shaders::RAYMARCH_DISTANCE, constants::RAYMARCH_DISTANCE),
-                };
-                let slots = [Uniform, Read, Read, Read, Read, Read, Read, Step, Texture, Write];
-                kernels(shader, &["main", "receive"], &slots, constants)
-            },
-            walls: kernels(
-                &shaders::WALLS,
-                &["begin", "sink", "finish"],
-                &[Uniform, Step, Texture, Read, Read, Write, Write],
-                &[],
-            ),
-            output: kernels(
-                &shaders::OUTPUT,
-                &["main"],
-                &[Uniform, Read, Picture],
-                constants::OUTPUT,
-            ),
-            constant,
-        }
-    }
 }
 
 fn wrong_output(problem: String) -> Error {

@@ -2,8 +2,8 @@
 
 use crate::grid::{Buffers, SETTLING};
 use crate::kernel::{Dispatch, Kernels};
-use crate::lighting::Pipelines;
 use crate::matter::Textures;
+use crate::pipelines::Pipelines;
 use lamplight::Settings;
 use lamplight::settings::Hit;
 use lamplight::stages::clearance::LONGEST;
@@ -40,20 +40,22 @@ impl Plan<'_> {
 
     /// From matter to light.
     pub fn frame(&self, size: [u32; 2], settings: &Settings) -> Vec<Dispatch> {
+        let Buffers { logs, distance, .. } = self.buffers;
         let bounces = settings.bounces.limit();
         // What rays go by: clear squares, or the distance to the nearest cell.
-        let (squares, nearest) = (&self.buffers.squares[1], self.buffers.nearest(size));
-        let (by, once, again): (_, _, fn(&Self) -> Vec<Dispatch>) = match settings.raymarch.hit {
-            Hit::Edge => ([&self.buffers.logs, squares], self.clearance(), Self::clearance),
-            Hit::Distance => ([nearest, &self.buffers.distance], self.fields(size), |_| Vec::new()),
+        let (found, by) = match settings.raymarch.hit {
+            Hit::Edge => (self.clearance(), [logs, self.buffers.squares()]),
+            Hit::Distance => (self.fields(size), [self.buffers.nearest(size), distance]),
         };
         let mut runs = vec![self.optics(0, 0)];
-        runs.extend(once);
+        runs.extend_from_slice(&found);
         for bounce in 0..bounces {
             runs.push(self.raymarch(1, bounce, by));
             runs.push(self.optics(1, bounce));
-            // Fog that sends other light on is other matter.
-            runs.extend(again(self));
+            // Fog that sends other light on is other matter, to squares.
+            if settings.raymarch.hit == Hit::Edge {
+                runs.extend_from_slice(&found);
+            }
         }
         runs.push(self.raymarch(0, bounces, by));
         runs.extend(self.walls(settings.wall_depth.ceil() as u32));
@@ -75,25 +77,14 @@ impl Plan<'_> {
     }
 
     fn clearance(&self) -> Vec<Dispatch> {
-        let kernels = &self.pipelines.clearance;
-        let Buffers { source, logs, squares, .. } = self.buffers;
+        let Buffers { source, logs, clearance, .. } = self.buffers;
+        let bind = |to: usize| {
+            let (from, to) = (whole(&clearance[1 - to]), whole(&clearance[to]));
+            let resources = [self.step(), whole(source), whole(logs), from, to];
+            self.bind(&self.pipelines.clearance, &resources)
+        };
         // All powers of two that the longest side holds are doubled but the last.
-        let last = LONGEST.ilog2();
-        (0..last + 2)
-            .map(|run| {
-                let entry = match run {
-                    0 => 0,
-                    run if run <= last => 1,
-                    _ => 2,
-                };
-                // The last run writes the second half.
-                let to = (run + last) as usize % 2;
-                let (from, to) = (whole(&squares[1 - to]), whole(&squares[to]));
-                let resources = [self.step(), whole(source), whole(logs), from, to];
-                let bound = self.bind(kernels, &resources);
-                Dispatch::new(&kernels.entries[entry], &bound, Some(run.saturating_sub(1)))
-            })
-            .collect()
+        ping_pong(&self.pipelines.clearance, [bind(0), bind(1)], LONGEST.ilog2())
     }
 
     /// Gathers light (entry 0), or what surfaces receive in a bounce (1), after so many bounces.
@@ -118,28 +109,19 @@ impl Plan<'_> {
 
     /// Light that sinks `depth` px into walls.
     fn walls(&self, depth: u32) -> Vec<Dispatch> {
-        let kernels = &self.pipelines.walls;
         let Buffers { source, light, rings, .. } = self.buffers;
-        (0..depth + 2)
-            .map(|run| {
-                let entry = match run {
-                    0 => 0,
-                    run if run <= depth => 1,
-                    _ => 2,
-                };
-                let to = run as usize % 2;
-                let resources = [
-                    self.step(),
-                    view(&self.textures.emission),
-                    whole(source),
-                    whole(&rings[1 - to]),
-                    whole(&rings[to]),
-                    whole(light),
-                ];
-                let step = if entry == 1 { run } else { 0 };
-                Dispatch::new(&kernels.entries[entry], &self.bind(kernels, &resources), Some(step))
-            })
-            .collect()
+        let bind = |to: usize| {
+            let resources = [
+                self.step(),
+                view(&self.textures.emission),
+                whole(source),
+                whole(&rings[1 - to]),
+                whole(&rings[to]),
+                whole(light),
+            ];
+            self.bind(&self.pipelines.walls, &resources)
+        };
+        ping_pong(&self.pipelines.walls, [bind(0), bind(1)], depth)
     }
 
     /// Writes the light into a picture of the host's.
@@ -159,6 +141,21 @@ impl Plan<'_> {
         all.extend_from_slice(resources);
         kernels.bind(self.device, &all)
     }
+}
+
+/// A kernel's three entries between two halves, bound by which they write: to begin, into the first;
+/// so many times, told which; and to finish.
+fn ping_pong(kernels: &Kernels, halves: [BindGroup; 2], times: u32) -> Vec<Dispatch> {
+    let entry = |step: u32| match step {
+        0 => 0,
+        step if step <= times => 1,
+        _ => 2,
+    };
+    let run = |step: u32| {
+        let half = &halves[step as usize % 2];
+        Dispatch::new(&kernels.entries[entry(step)], half, Some(step))
+    };
+    (0..times + 2).map(run).collect()
 }
 
 fn whole(buffer: &Buffer) -> BindingResource<'_> {

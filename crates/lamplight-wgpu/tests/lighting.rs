@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{cells, device};
+use common::{cells, device, frame};
 use lamplight::settings::BounceBy;
 use lamplight::{Bounces, Cells, Matter, Method, Settings, Sky};
 use lamplight_wgpu::read_back::read_back;
@@ -15,14 +15,6 @@ use wgpu::{
 
 fn raymarch() -> Settings {
     Settings { method: Method::Raymarch, ..Settings::default() }
-}
-
-fn frame(device: &Device, queue: &Queue, lighting: &mut Lighting, cells: &Cells) -> Vec<[f32; 4]> {
-    lighting.prepare(device, queue, cells).unwrap();
-    let mut encoder = device.create_command_encoder(&Default::default());
-    lighting.record(&mut encoder);
-    queue.submit([encoder.finish()]);
-    read_back(device, queue, lighting.stage(Stage::Light).unwrap()).unwrap()
 }
 
 #[test]

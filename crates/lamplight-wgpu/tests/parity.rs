@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{cells, device};
+use common::{cells, device, frame};
 use lamplight::settings::{BounceBy, Hit, Noise, Raymarch, Spacing};
 use lamplight::stages::clearance::{Ground, clearance};
 use lamplight::stages::distance::distance;
@@ -87,8 +87,10 @@ fn clear_squares_agree() {
 }
 
 fn light_on_both(gpu: &(Device, Queue), cells: &Cells, settings: Settings) -> [Vec<Rgb>; 2] {
+    let (device, queue) = gpu;
     let right = Solver::new(settings.clone()).unwrap().solve(cells).unwrap().pixels().to_vec();
-    let seen: Vec<[f32; 4]> = stage(gpu, cells, settings, Stage::Light);
+    let mut lighting = Lighting::new(device, queue, settings).unwrap();
+    let seen = frame(device, queue, &mut lighting, cells);
     [seen.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(), right]
 }
 
@@ -218,16 +220,11 @@ fn later_frames_have_the_noise_of_later_frames() {
     let mut solver = Solver::new(raymarch()).unwrap();
     let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
     let mut before = Vec::new();
-    for frame in 0..18 {
+    for number in 0..18 {
         let right = solver.solve(&cells).unwrap().pixels().to_vec();
-        lighting.prepare(&device, &queue, &cells).unwrap();
-        let mut encoder = device.create_command_encoder(&Default::default());
-        lighting.record(&mut encoder);
-        queue.submit([encoder.finish()]);
-        let buffer = lighting.stage(Stage::Light).unwrap();
-        let seen: Vec<[f32; 4]> = read_back(&device, &queue, buffer).unwrap();
+        let seen = frame(&device, &queue, &mut lighting, &cells);
         let seen: Vec<Rgb> = seen.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-        assert_eq!(wrong(&seen, &right), 0, "frame {frame}");
+        assert_eq!(wrong(&seen, &right), 0, "frame {number}");
         assert!(before.is_empty() || wrong(&seen, &before) > 0, "the same noise");
         before = seen;
     }

@@ -1,6 +1,8 @@
 //! A device for tests, and cells to light.
 
 use lamplight::{Cells, Matter, Rgb};
+use lamplight_wgpu::read_back::read_back;
+use lamplight_wgpu::{Lighting, Stage};
 use wgpu::{
     Backends, Device, DeviceDescriptor, Instance, InstanceDescriptor, PowerPreference, Queue,
     RequestAdapterOptions,
@@ -20,6 +22,20 @@ pub fn device() -> (Device, Queue) {
         .expect("no GPU; on Debian: apt-get install mesa-vulkan-drivers");
     println!("{:?}", adapter.get_info());
     pollster::block_on(adapter.request_device(&DeviceDescriptor::default())).unwrap()
+}
+
+/// Lights cells, and fetches the light.
+pub fn frame(
+    device: &Device,
+    queue: &Queue,
+    lighting: &mut Lighting,
+    cells: &Cells,
+) -> Vec<[f32; 4]> {
+    lighting.prepare(device, queue, cells).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    lighting.record(&mut encoder);
+    queue.submit([encoder.finish()]);
+    read_back(device, queue, lighting.stage(Stage::Light).unwrap()).unwrap()
 }
 
 /// Numbers by chance, the same for the same seed.

@@ -150,12 +150,14 @@ impl Hop {
         let near = near(simd, slabs, start, ahead);
         let View { cones, fan } = &self.views[slabs.reversed as usize][ahead - self.look.least];
         let bits = &mut self.solid[..fan.cells.len()];
-        if near.matter != 0 && near.fraction == 0 {
-            solid(simd, &slabs.kinds, start, &fan.cells, bits);
-        }
         // Far from the edges no ray strays.
         let reach = self.look.most() + 2;
         let inside = row >= reach && row + TILE + reach <= slabs.rows;
+        if near.matter == 0 && !inside {
+            bits.fill([0; 2]);
+        } else if near.matter != 0 && near.fraction == 0 {
+            solid(simd, &slabs.kinds, start, &fan.cells, bits);
+        }
         for (i, (cone, sums)) in cones.iter().zip(&mut self.sums).enumerate() {
             let bundle = &fan.bundles[i];
             let far = light.at(cone.number);
@@ -169,9 +171,6 @@ impl Hop {
             let busy = whole_vectors(met.matter & lit | strays);
             let at = (light.pad() + row).wrapping_add_signed(middle.row);
             far.add(simd, at, &middle.shares, !busy, &mut sum);
-            if busy != 0 && near.matter == 0 {
-                bits.fill([0; 2]);
-            }
             if busy != 0 && near.fraction == 0 {
                 let from = ([start, row, light.pad()], &bits[..]);
                 look_solid(simd, slabs, from, (cone, bundle, met, busy & lit), &far, &mut sum);
