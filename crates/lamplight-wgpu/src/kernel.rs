@@ -9,7 +9,7 @@ use wgpu::{
     StorageTextureAccess, TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
-/// Side of a workgroup, px, in every shader.
+/// Side of a workgroup, px, in shaders that run over cells.
 const WORKGROUP: u32 = 8;
 
 /// What is bound to a place of a shader.
@@ -29,8 +29,6 @@ pub enum Slot {
     Write,
 }
 
-/// Steps that a kernel may be told.
-pub const STEPS: u32 = 66;
 /// Bytes from one step's number to the next: what every device can bind to.
 pub const STEP_BYTES: u32 = 256;
 
@@ -129,26 +127,40 @@ fn place(binding: u32, slot: Slot) -> BindGroupLayoutEntry {
     BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None }
 }
 
-/// One run of a kernel over the grid.
+/// One run of a kernel.
 #[derive(Clone, Debug)]
 pub struct Dispatch {
     kernel: Kernel,
     bound: BindGroup,
-    step: Option<u32>,
+    /// Bytes to the step, or the parameters, that it is told.
+    offset: Option<u32>,
+    groups: [u32; 3],
 }
 
 impl Dispatch {
-    pub fn new(kernel: &Kernel, bound: &BindGroup, step: Option<u32>) -> Self {
-        Self { kernel: kernel.clone(), bound: bound.clone(), step }
+    /// In so many workgroups; with `step`, told the entry of that number.
+    pub fn new(kernel: &Kernel, bound: &BindGroup, step: Option<u32>, groups: [u32; 3]) -> Self {
+        let offset = step.map(|step| step * STEP_BYTES);
+        Self { kernel: kernel.clone(), bound: bound.clone(), offset, groups }
     }
 
-    /// Runs over every cell.
-    pub fn record(&self, pass: &mut ComputePass, [width, height]: [u32; 2]) {
+    /// Over every cell of a grid.
+    pub fn over(
+        [width, height]: [u32; 2],
+        kernel: &Kernel,
+        bound: &BindGroup,
+        step: Option<u32>,
+    ) -> Self {
+        let groups = [width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1];
+        Self::new(kernel, bound, step, groups)
+    }
+
+    pub fn record(&self, pass: &mut ComputePass) {
         pass.push_debug_group(self.kernel.label);
         pass.set_pipeline(&self.kernel.pipeline);
-        let offset = self.step.map(|step| step * STEP_BYTES);
-        pass.set_bind_group(0, &self.bound, offset.as_slice());
-        pass.dispatch_workgroups(width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1);
+        pass.set_bind_group(0, &self.bound, self.offset.as_slice());
+        let [x, y, z] = self.groups;
+        pass.dispatch_workgroups(x, y, z);
         pass.pop_debug_group();
     }
 }

@@ -25,17 +25,17 @@
 //! # }
 //! ```
 
-mod constants;
 pub mod error;
 mod frame;
-mod grid;
 mod kernel;
 mod lighting;
 mod matter;
-mod pipelines;
-mod plan;
+mod methods;
 pub mod read_back;
 mod shaders;
+mod shared;
+mod site;
+mod stages;
 
 pub use error::{Error, Result};
 pub use lighting::{Lighting, Stage, check};

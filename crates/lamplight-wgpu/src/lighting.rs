@@ -1,14 +1,17 @@
 //! The middleware: what a host makes once, prepares and records every frame.
 
 use crate::frame::Frame;
-use crate::grid::{self, Grid};
 use crate::kernel::Dispatch;
 use crate::matter::{Textures, Upload};
-use crate::pipelines::Pipelines;
-use crate::plan::Plan;
+use crate::methods::Method;
+use crate::shared::Shared;
+use crate::site::{FOUR, Run, Site, fits};
+use crate::stages::fields::Fields;
+use crate::stages::output::Output;
+use crate::stages::walls::Walls;
 use crate::{Error, Result};
 use lamplight::settings::BounceBy;
-use lamplight::{Bounces, Cells, Method, Settings, Sky};
+use lamplight::{Bounces, Cells, Settings, Sky};
 use wgpu::{
     Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
     TextureView,
@@ -21,11 +24,26 @@ use wgpu::{
 #[derive(Debug)]
 pub struct Lighting {
     settings: Settings,
-    pipelines: Pipelines,
+    shared: Shared,
+    method: Method,
+    walls: Walls,
+    output: Output,
     grid: Option<Grid>,
     upload: Option<Upload>,
-    output: Option<Dispatch>,
     number: u32,
+}
+
+/// Everything that depends on the host's textures.
+#[derive(Debug)]
+struct Grid {
+    size: [u32; 2],
+    textures: Textures,
+    light: Buffer,
+    frame: Run,
+    memory: u64,
+    /// Made when they are first asked for.
+    fields: Option<Run>,
+    output: Option<Dispatch>,
 }
 
 /// What can be read back ([`crate::read_back`]).
@@ -38,7 +56,7 @@ pub enum Stage {
     /// Distance field, `f32` a cell, `f32::MAX` in a grid without matter; made by
     /// [`Lighting::record_fields`].
     Distance,
-    /// Clear squares, four bytes a cell, one a quadrant.
+    /// `raymarch`: clear squares, four bytes a cell, one a quadrant.
     Clearance,
     /// The answer: four `f32` a cell, linear RGB and 1.
     Light,
@@ -48,8 +66,16 @@ impl Lighting {
     /// Checks the settings and builds the pipelines.
     pub fn new(device: &Device, queue: &Queue, settings: Settings) -> Result<Self> {
         check(&settings)?;
-        let pipelines = Pipelines::new(device, queue, &settings);
-        Ok(Self { settings, pipelines, grid: None, upload: None, output: None, number: 0 })
+        Ok(Self {
+            shared: Shared::new(device, queue),
+            method: Method::new(device, queue, &settings)?,
+            walls: Walls::new(device),
+            output: Output::new(device),
+            settings,
+            grid: None,
+            upload: None,
+            number: 0,
+        })
     }
 
     /// Takes over the cells of the next frame.
@@ -61,7 +87,7 @@ impl Lighting {
             Some(upload) if upload.textures.size()? == size => upload,
             _ => {
                 // Before anything is made for it.
-                grid::check(device, size, &self.settings)?;
+                fits(device, size)?;
                 Upload::new(device, size)
             }
         };
@@ -83,24 +109,31 @@ impl Lighting {
         sky.check()?;
         let grid = match self.grid.take() {
             Some(grid) if grid.textures == *textures => grid,
-            _ => {
-                // It belongs to other textures.
-                self.output = None;
-                Grid::new(device, textures.clone(), &self.pipelines, &self.settings)?
-            }
+            _ => self.plan(device, textures)?,
         };
         let grid = self.grid.insert(grid);
         let frame = Frame::new(grid.size, sky, &self.settings, self.number);
-        queue.write_buffer(&self.pipelines.constant.frame, 0, bytemuck::bytes_of(&frame));
+        queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&frame));
         self.number = self.number.wrapping_add(1);
         Ok(())
+    }
+
+    /// Makes buffers, and plans what runs on them.
+    fn plan(&self, device: &Device, textures: &Textures) -> Result<Grid> {
+        let site = Site::new(device, &self.shared, &self.settings, textures)?;
+        let light = site.buffer("light", site.cells() * FOUR)?;
+        let mut frame = self.method.plan(&site, &light)?;
+        frame.dispatches.extend(self.walls.plan(&site, &light)?);
+        let (size, memory) = (site.size, site.memory());
+        let textures = textures.clone();
+        Ok(Grid { size, textures, light, frame, memory, fields: None, output: None })
     }
 
     /// Has [`Self::record`] write the light into a texture of the host's too, linear RGB and 1: of the
     /// format `Rgba16Float`, with the usage `STORAGE_BINDING`, as large as the grid last prepared. It
     /// stays so until textures change.
     pub fn write_to(&mut self, device: &Device, picture: &TextureView) -> Result<()> {
-        let Some(grid) = &self.grid else {
+        let Some(grid) = &mut self.grid else {
             return Err(wrong_output("comes before the first cells or textures".into()));
         };
         let texture = picture.texture();
@@ -115,58 +148,62 @@ impl Lighting {
         if [w, h] != grid.size {
             return Err(wrong_output(format!("is {w}×{h}, but the grid is {width}×{height}")));
         }
-        let Grid { textures, buffers, .. } = grid;
-        let plan = Plan { device, pipelines: &self.pipelines, textures, buffers };
-        self.output = Some(plan.output(picture));
+        let site = Site::new(device, &self.shared, &self.settings, &grid.textures)?;
+        grid.output = Some(self.output.plan(&site, &grid.light, picture));
         Ok(())
     }
 
     /// Records what turns the cells last prepared into light; nothing before the first.
     pub fn record(&self, encoder: &mut CommandEncoder) {
-        let frame = self.grid.iter().flat_map(|grid| &grid.frame);
-        self.run(encoder, "lamplight", frame.chain(&self.output));
+        let Some(grid) = &self.grid else { return };
+        run(encoder, "lamplight", grid.frame.dispatches.iter().chain(&grid.output));
     }
 
     /// Records the seed map, jump flood and distance field of the cells last prepared, for hosts that
-    /// want them; a frame that needs them makes them itself.
-    pub fn record_fields(&self, encoder: &mut CommandEncoder) {
-        self.run(encoder, "lamplight fields", self.grid.iter().flat_map(|grid| &grid.fields));
+    /// want them; a frame that needs them makes them itself. The first time it makes their pipelines
+    /// and buffers.
+    pub fn record_fields(&mut self, device: &Device, encoder: &mut CommandEncoder) -> Result<()> {
+        let Some(grid) = &mut self.grid else { return Ok(()) };
+        let fields = match grid.fields.take() {
+            Some(fields) => fields,
+            None => {
+                let site = Site::new(device, &self.shared, &self.settings, &grid.textures)?;
+                Fields::new(device).plan(&site)?.run
+            }
+        };
+        run(encoder, "lamplight fields", grid.fields.insert(fields).dispatches.iter());
+        Ok(())
     }
 
-    fn run<'a>(
-        &'a self,
-        encoder: &mut CommandEncoder,
-        label: &str,
-        runs: impl Iterator<Item = &'a Dispatch>,
-    ) {
-        let Some(grid) = &self.grid else { return };
-        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
-            label: Some(label),
-            timestamp_writes: None,
-        });
-        for dispatch in runs {
-            dispatch.record(&mut pass, grid.size);
-        }
-    }
-
-    /// Where a stage's result lies, row by row; none before the first [`Self::prepare`].
+    /// Where a stage's result lies, row by row; none where the method does not make it, and before the
+    /// first [`Self::prepare`].
     pub fn stage(&self, stage: Stage) -> Option<&Buffer> {
-        let Grid { size, buffers, .. } = self.grid.as_ref()?;
-        Some(match stage {
-            Stage::Seeds => &buffers.seeds,
-            Stage::Nearest => buffers.nearest(*size),
-            Stage::Distance => &buffers.distance,
-            Stage::Clearance => buffers.squares(),
-            Stage::Light => &buffers.light,
-        })
+        let Grid { frame, fields, .. } = self.grid.as_ref()?;
+        let mut stages = frame.stages.iter().chain(fields.iter().flat_map(|run| &run.stages));
+        stages.find(|(name, _)| *name == stage).map(|(_, buffer)| buffer)
     }
+
+    /// Bytes of the buffers that the grid last prepared takes, without textures.
+    pub fn memory(&self) -> u64 {
+        self.grid.as_ref().map_or(0, |grid| grid.memory)
+    }
+}
+
+fn run<'a>(
+    encoder: &mut CommandEncoder,
+    label: &str,
+    dispatches: impl Iterator<Item = &'a Dispatch>,
+) {
+    let descriptor = ComputePassDescriptor { label: Some(label), timestamp_writes: None };
+    let mut pass = encoder.begin_compute_pass(&descriptor);
+    dispatches.for_each(|dispatch| dispatch.record(&mut pass));
 }
 
 /// Refuses settings that are out of range, and what only the CPU can do so far.
 pub fn check(settings: &Settings) -> Result<()> {
     settings.check()?;
     let missing = match () {
-        () if settings.method != Method::Raymarch => {
+        () if settings.method != lamplight::Method::Raymarch => {
             format!("the method {}", settings.method.name())
         }
         () if settings.bounces == Bounces::Converged => "`bounces` = converged".to_owned(),

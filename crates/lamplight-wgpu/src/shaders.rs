@@ -65,18 +65,23 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_frame_is_laid_out_as_the_shaders_read_it() {
-        let module = parsed(&SEED);
-        let (_, frame) = module
-            .types
-            .iter()
-            .find(|(_, ty)| ty.name.as_deref() == Some("Frame"))
-            .expect("frame.wgsl declares Frame");
-        let naga::TypeInner::Struct { members, span } = &frame.inner else { panic!("no struct") };
+    /// Whether a structure is laid out in a shader as it is here: names and places of all fields, and
+    /// the size.
+    #[track_caller]
+    fn laid_out(shader: &Shader, name: &str, fields: &[(&str, usize)], size: usize) {
+        let module = parsed(shader);
+        let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+        let Some(naga::TypeInner::Struct { members, span }) = found.map(|(_, ty)| &ty.inner) else {
+            panic!("{} declares no {name}", shader.name)
+        };
         let read: Vec<_> =
             members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
-        assert_eq!(read, Frame::OFFSETS);
-        assert_eq!(*span as usize, size_of::<Frame>());
+        assert_eq!(read, fields);
+        assert_eq!(*span as usize, size);
+    }
+
+    #[test]
+    fn structures_are_laid_out_as_the_shaders_read_them() {
+        laid_out(&SEED, "Frame", &Frame::OFFSETS, size_of::<Frame>());
     }
 }

@@ -90,10 +90,10 @@ fn sizes_may_change_and_many_share_a_device() {
 #[test]
 fn nothing_is_recorded_before_the_first_cells() {
     let (device, queue) = device();
-    let lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
     let mut encoder = device.create_command_encoder(&Default::default());
     lighting.record(&mut encoder);
-    lighting.record_fields(&mut encoder);
+    lighting.record_fields(&device, &mut encoder).unwrap();
     queue.submit([encoder.finish()]);
     assert!(lighting.stage(Stage::Light).is_none());
 }

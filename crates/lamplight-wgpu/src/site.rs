@@ -1,0 +1,141 @@
+//! Where a frame is planned: the grid, its matter, and the buffers that are made for it.
+
+use crate::kernel::{Dispatch, Kernels};
+use crate::lighting::Stage;
+use crate::matter::Textures;
+use crate::shared::Shared;
+use crate::{Error, Result};
+use lamplight::Settings;
+use std::cell::Cell;
+use wgpu::{
+    BindGroup, BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView,
+};
+
+/// Bytes of four floats.
+pub const FOUR: u64 = 16;
+/// Bytes of one number.
+pub const ONE: u64 = 4;
+
+/// What stages and methods are planned on.
+#[derive(Debug)]
+pub struct Site<'a> {
+    pub device: &'a Device,
+    pub shared: &'a Shared,
+    pub settings: &'a Settings,
+    pub textures: &'a Textures,
+    pub size: [u32; 2],
+    /// Bytes of the buffers made so far.
+    memory: Cell<u64>,
+}
+
+/// What runs over a grid, in order, and what it leaves behind.
+#[derive(Debug)]
+pub struct Run {
+    pub dispatches: Vec<Dispatch>,
+    /// What can be read back.
+    pub stages: Vec<(Stage, Buffer)>,
+}
+
+impl<'a> Site<'a> {
+    /// Refuses a grid that the device cannot hold.
+    pub fn new(
+        device: &'a Device,
+        shared: &'a Shared,
+        settings: &'a Settings,
+        textures: &'a Textures,
+    ) -> Result<Self> {
+        let size = textures.size()?;
+        fits(device, size)?;
+        Ok(Self { device, shared, settings, textures, size, memory: Cell::new(0) })
+    }
+
+    /// Cells of the grid.
+    pub fn cells(&self) -> u64 {
+        u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+
+    /// Makes a buffer for the GPU's use; refuses one that the device cannot hold.
+    pub fn buffer(&self, label: &str, bytes: u64) -> Result<Buffer> {
+        let limits = self.device.limits();
+        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        if bytes > most {
+            return Err(too_large(self.size, "bytes a buffer", bytes, most));
+        }
+        self.memory.set(self.memory.get() + bytes);
+        Ok(self.device.create_buffer(&BufferDescriptor {
+            label: Some(label),
+            size: bytes,
+            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        }))
+    }
+
+    /// The halves of a ping-pong.
+    pub fn pair(&self, label: &str, bytes: u64) -> Result<[Buffer; 2]> {
+        Ok([self.buffer(label, bytes)?, self.buffer(label, bytes)?])
+    }
+
+    /// Bytes of the buffers made so far.
+    pub fn memory(&self) -> u64 {
+        self.memory.get()
+    }
+
+    /// Binds the frame and these resources.
+    pub fn bind(&self, kernels: &Kernels, resources: &[BindingResource]) -> BindGroup {
+        let mut all = vec![self.shared.frame.as_entire_binding()];
+        all.extend_from_slice(resources);
+        kernels.bind(self.device, &all)
+    }
+
+    /// A run of an entry point over every cell.
+    pub fn over_cells(
+        &self,
+        kernels: &Kernels,
+        entry: usize,
+        bound: &BindGroup,
+        step: Option<u32>,
+    ) -> Dispatch {
+        Dispatch::over(self.size, &kernels.entries[entry], bound, step)
+    }
+
+    /// Runs that go to and fro between two halves, bound by which they write: to begin, into the
+    /// first; so many times, told which; and to finish.
+    pub fn ping_pong(
+        &self,
+        kernels: &Kernels,
+        halves: [BindGroup; 2],
+        times: u32,
+    ) -> Vec<Dispatch> {
+        let entry = |step: u32| match step {
+            0 => 0,
+            step if step <= times => 1,
+            _ => 2,
+        };
+        let run =
+            |step| self.over_cells(kernels, entry(step), &halves[step as usize % 2], Some(step));
+        (0..times + 2).map(run).collect()
+    }
+}
+
+/// Refuses a grid that the device's textures cannot hold.
+pub fn fits(device: &Device, size: [u32; 2]) -> Result<()> {
+    let (side, most) = (size[0].max(size[1]), device.limits().max_texture_dimension_2d);
+    if side > most {
+        return Err(too_large(size, "px a side", side.into(), most.into()));
+    }
+    Ok(())
+}
+
+fn too_large([width, height]: [u32; 2], what: &'static str, needed: u64, allowed: u64) -> Error {
+    Error::TooLarge { width, height, what, needed, allowed }
+}
+
+/// Binds a whole buffer.
+pub fn whole(buffer: &Buffer) -> BindingResource<'_> {
+    buffer.as_entire_binding()
+}
+
+/// Binds a texture.
+pub fn view(view: &TextureView) -> BindingResource<'_> {
+    BindingResource::TextureView(view)
+}

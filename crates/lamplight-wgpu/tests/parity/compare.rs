@@ -1,0 +1,82 @@
+//! Light of the GPU compared with that of the CPU, pixel by pixel.
+
+use crate::common::{cells, device, frame};
+use lamplight::settings::Hit;
+use lamplight::{Cells, Method, Rgb, Scene, Settings, Solver};
+use lamplight_wgpu::Lighting;
+use wgpu::{Device, Queue};
+
+/// One cell, lines, primes, a power of two, not square, larger than a word of columns.
+pub const SIZES: [[u32; 2]; 8] =
+    [[1, 1], [1, 37], [41, 1], [31, 17], [64, 64], [97, 61], [127, 131], [512, 288]];
+
+/// The example scenes with their names.
+pub fn scenes() -> Vec<(String, Scene)> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes");
+    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let scenes: Vec<_> = paths
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .map(|path| (path.file_stem().unwrap().display().to_string(), Scene::load(&path).unwrap()))
+        .collect();
+    assert!(scenes.len() >= 9);
+    scenes
+}
+
+pub fn light_on_both(gpu: &(Device, Queue), cells: &Cells, settings: Settings) -> [Vec<Rgb>; 2] {
+    let (device, queue) = gpu;
+    let right = Solver::new(settings.clone()).unwrap().solve(cells).unwrap().pixels().to_vec();
+    let mut lighting = Lighting::new(device, queue, settings).unwrap();
+    let seen = frame(device, queue, &mut lighting, cells);
+    [seen.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(), right]
+}
+
+/// Share of a pixel's light, or of the mean where that is more, by which both may differ: rounding,
+/// and now and then a ray that passes a corner on the other side. Measured at up to 4e-5.
+pub const TOLERANCE: f64 = 1e-3;
+/// Share of pixels that may be off where rays end by the distance field: whether it is below
+/// `hit_distance` is decided by rounding where both are equal. Measured at up to 5e-5.
+const TIES: f64 = 1e-4;
+
+/// How much each pixel differs.
+pub fn differences(seen: &[Rgb], right: &[Rgb]) -> Vec<f64> {
+    assert_eq!(seen.len(), right.len());
+    let sum: f64 = right.as_flattened().iter().map(|&v| f64::from(v)).sum();
+    let mean = sum / (3 * right.len()) as f64;
+    let of = |seen: f32, right: f32| {
+        f64::from((seen - right).abs()) / f64::from(right).max(mean).max(f64::MIN_POSITIVE)
+    };
+    let pixel = |(seen, right): (&Rgb, &Rgb)| {
+        (0..3)
+            .map(|c| of(seen[c], right[c]))
+            .fold(0.0, |worst: f64, one| if worst.is_nan() || one <= worst { worst } else { one })
+    };
+    seen.iter().zip(right).map(pixel).collect()
+}
+
+/// Pixels that differ by more than the tolerance, or are no numbers.
+pub fn wrong(seen: &[Rgb], right: &[Rgb]) -> usize {
+    differences(seen, right).into_iter().filter(|d| d.is_nan() || *d > TOLERANCE).count()
+}
+
+#[track_caller]
+pub fn agree(gpu: &(Device, Queue), name: &str, cells: &Cells, settings: Settings) {
+    let ties = if settings.raymarch.hit == Hit::Distance { TIES } else { 0.0 };
+    let [seen, right] = light_on_both(gpu, cells, settings);
+    let worst = differences(&seen, &right).into_iter().fold(0.0, f64::max);
+    let wrong = wrong(&seen, &right);
+    println!("{name}: {worst:.1e}, {wrong} of {} pixels wrong", right.len());
+    assert!(wrong as f64 <= ties * right.len() as f64, "{name}: {wrong} pixels, {worst:e}");
+}
+
+#[test]
+fn one_wrong_pixel_is_rejected() {
+    let settings = Settings { method: Method::Raymarch, ..Settings::default() };
+    let [seen, right] = light_on_both(&device(), &cells(97, 61, 3), settings);
+    assert_eq!(wrong(&seen, &right), 0);
+    let mean = right.as_flattened().iter().sum::<f32>() / (3 * right.len()) as f32;
+    for change in [0.01 * mean, f32::NAN, f32::INFINITY] {
+        let mut changed = seen.clone();
+        changed[2000][1] += change;
+        assert_eq!(wrong(&changed, &right), 1, "{change} passes");
+    }
+}

@@ -1,0 +1,8 @@
+//! The GPU held to the CPU, stage by stage and frame by frame.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod compare;
+mod raymarch;
+mod stages;

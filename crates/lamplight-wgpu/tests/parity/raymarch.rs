@@ -1,0 +1,101 @@
+//! `raymarch`, by both rules.
+
+use crate::common::{cells, device, frame};
+use crate::compare::{SIZES, agree, scenes, wrong};
+use lamplight::settings::{BounceBy, Noise, Raymarch, Spacing};
+use lamplight::{Bounces, Gradient, Method, Rgb, Settings, Sky, Solver};
+use lamplight_wgpu::Lighting;
+
+fn raymarch() -> Settings {
+    Settings { method: Method::Raymarch, ..Settings::default() }
+}
+
+#[test]
+fn raymarch_agrees_at_every_size() {
+    let gpu = device();
+    for [w, h] in SIZES {
+        for bounces in [0, 1, 4].map(Bounces::Count) {
+            let settings = Settings { wall_depth: 3.0, bounces, ..raymarch() };
+            agree(&gpu, &format!("{w}×{h}, {bounces:?}"), &cells(w, h, 3), settings);
+        }
+    }
+}
+
+#[test]
+fn raymarch_agrees_with_every_setting() {
+    let gpu = device();
+    for noise in [Noise::White, Noise::Blue, Noise::Golden] {
+        for spacing in [Spacing::Even, Spacing::Golden] {
+            let mut settings = Settings { seed: 12345, wall_depth: 0.5, ..raymarch() };
+            settings.raymarch.noise = noise;
+            settings.raymarch.spacing = spacing;
+            settings.raymarch.rays = 7;
+            settings.raymarch.threshold = 0.2;
+            settings.raymarch.emission_multiplier = 1.5;
+            agree(&gpu, &format!("{noise:?}, {spacing:?}"), &cells(97, 61, 5), settings);
+        }
+    }
+    let mut settings = raymarch();
+    settings.raymarch.steps = 3;
+    agree(&gpu, "three steps", &cells(97, 61, 5), settings);
+}
+
+#[test]
+fn the_seeds_march_agrees() {
+    let gpu = device();
+    for preset in Raymarch::PRESETS {
+        for attenuation in [false, true] {
+            for bounces in [0, 2].map(Bounces::Count) {
+                let mut settings = Settings { bounces, ..raymarch() };
+                settings.raymarch = Raymarch::preset(preset).unwrap();
+                settings.raymarch.attenuation = attenuation;
+                settings.raymarch.bounce = BounceBy::Frame;
+                let name = format!("{preset}, fading: {attenuation}, {bounces:?}");
+                for [w, h] in [[97, 61], [1, 37], [160, 90]] {
+                    agree(&gpu, &format!("{name} at {w}×{h}"), &cells(w, h, 13), settings.clone());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn raymarch_agrees_under_a_sky_that_changes() {
+    let mut cells = cells(61, 43, 9);
+    let [zenith, horizon, ground] = [[0.1, 0.4, 2.0], [1.0, 0.8, 0.2], [0.05, 0.0, 0.0]];
+    cells.set_sky(Sky::Gradient(Gradient { zenith, horizon, ground }));
+    agree(&device(), "sky", &cells, raymarch());
+}
+
+#[test]
+fn raymarch_agrees_on_every_example_scene() {
+    let gpu = device();
+    for (name, scene) in scenes() {
+        let Settings { wall_depth, seed, .. } = scene.settings().unwrap();
+        for (preset, bounces) in [("default", 0), ("default", 2), ("godot", 1)] {
+            let bounces = Bounces::Count(bounces);
+            let mut settings = Settings { wall_depth, seed, bounces, ..raymarch() };
+            settings.raymarch = Raymarch::preset(preset).unwrap();
+            settings.raymarch.bounce = BounceBy::Frame;
+            let name = format!("{name}, {preset}, {bounces:?}");
+            agree(&gpu, &name, &scene.cells().unwrap(), settings);
+        }
+    }
+}
+
+#[test]
+fn later_frames_have_the_noise_of_later_frames() {
+    let (device, queue) = device();
+    let cells = cells(64, 48, 21);
+    let mut solver = Solver::new(raymarch()).unwrap();
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let mut before = Vec::new();
+    for number in 0..18 {
+        let right = solver.solve(&cells).unwrap().pixels().to_vec();
+        let seen = frame(&device, &queue, &mut lighting, &cells);
+        let seen: Vec<Rgb> = seen.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
+        assert_eq!(wrong(&seen, &right), 0, "frame {number}");
+        assert!(before.is_empty() || wrong(&seen, &before) > 0, "the same noise");
+        before = seen;
+    }
+}
