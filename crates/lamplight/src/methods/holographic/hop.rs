@@ -9,14 +9,15 @@
 //! surface and would make it look up to a px fatter, so rows count by what their cells let
 //! through.
 
-use super::cones::{Cones, Far, angle, slope};
+use super::cones::{Cones, Far};
 use super::interval::{Interval, LANES};
 use super::march::{
     Kinds, Light, Met, TILE, VECTORS, kinds_of, march, march_solid, mask, meet, meet_solid,
     of_vector, solid, whole_vectors,
 };
 use super::slabs::Slabs;
-use super::stencil::{Bundle, Fan, Rays, stencil};
+use super::stencil::{Fan, Rays, Step};
+use super::ways::{ConeWays, Look, Way};
 use fearless_simd::{f32x16, prelude::*, u8x64};
 
 /// Share of light under which a cell counts as closed.
@@ -73,35 +74,6 @@ struct View {
 #[inline(always)]
 fn sent(glowing: bool, cone: &Cone) -> std::ops::Range<usize> {
     if glowing { 1..cone.ends.len() } else { 0..1 }
-}
-
-/// How pixels look ahead.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Look {
-    /// Planes lie `2^level` px apart.
-    pub level: u32,
-    /// Px to the plane at least; at most `2^level − 1` more.
-    pub least: usize,
-    /// Rays through a cone in which something glows.
-    pub rays: u32,
-}
-
-impl Look {
-    /// Px to the plane at most.
-    pub fn most(&self) -> usize {
-        (1 << self.level) + self.least - 1
-    }
-
-    /// The slabs that look to a plane.
-    pub fn slabs(&self, plane: usize, depth: usize) -> std::ops::Range<usize> {
-        let at = plane << self.level;
-        at.saturating_sub(self.most())..(at + 1).saturating_sub(self.least).min(depth)
-    }
-
-    /// The farthest plane that any slab looks to.
-    pub fn last(&self, depth: usize) -> usize {
-        (depth - 1 + self.most()) >> self.level
-    }
 }
 
 /// The rays of a pixel for every distance to the plane.
@@ -171,20 +143,28 @@ impl Hop {
             let busy = whole_vectors(met.matter & lit | strays);
             let at = (light.pad() + row).wrapping_add_signed(middle.row);
             far.add(simd, at, &middle.shares, !busy, &mut sum);
-            if busy != 0 && near.fraction == 0 {
-                let from = ([start, row, light.pad()], &bits[..]);
-                look_solid(simd, slabs, from, (cone, bundle, met, busy & lit), &far, &mut sum);
-            } else if busy != 0 {
-                for v in (0..VECTORS).filter(|v| of_vector(busy, v * LANES)) {
-                    let first = v * LANES;
-                    let kinds = met.kinds(first).unwrap_or(Kinds::NONE);
-                    let sent = sent(kinds.glowing, cone);
-                    let share = 1.0 / sent.len() as f32;
-                    for (end, steps) in cone.ends[sent.clone()].iter().zip(&bundle.rays[sent]) {
+            // Pixel by pixel, so that the light of one does not depend on what its neighbours see.
+            let looks = [(false, busy & lit & !met.glowing), (true, busy & lit & met.glowing)];
+            for (glowing, lit) in looks.into_iter().filter(|(_, lit)| *lit != 0) {
+                let sent = sent(glowing, cone);
+                let share = 1.0 / sent.len() as f32;
+                for (end, steps) in cone.ends[sent.clone()].iter().zip(&bundle.rays[sent]) {
+                    if near.fraction == 0 {
+                        let source = glowing.then_some(share * cone.angle);
+                        let from = ([start, row, light.pad()], &bits[..]);
+                        let ray = (end, &steps[1..], lit);
+                        look_solid(simd, slabs, from, ray, (source, share), &far, &mut sum);
+                        continue;
+                    }
+                    for v in (0..VECTORS).filter(|v| of_vector(lit, v * LANES)) {
+                        let first = v * LANES;
+                        let kinds = met.kinds(first).unwrap_or(Kinds::NONE);
                         let near = march::<S, K>(simd, slabs, start + first, steps, kinds);
                         let place = fan.cells[end.end];
                         let from = ([start, row, light.pad()], v, place);
                         let one = look::<S, K>(simd, slabs, from, (end, near, cone.angle), &far);
+                        let share = mask(simd, lit, v)
+                            .select(f32x16::splat(simd, share), f32x16::splat(simd, 0.0));
                         for c in 0..3 {
                             sum[c][v] = one[c].mul_add(share, sum[c][v]);
                         }
@@ -207,33 +187,27 @@ impl Hop {
     }
 }
 
-/// Adds light through a cone to those of 64 pixels that are given as bits, through matter that is
-/// solid only.
+/// Adds the light along a ray to those of 64 pixels that are given as bits, through matter that is
+/// solid only: the `source` share of what glows, a `share` of what comes from beyond.
 #[inline(always)]
 fn look_solid<S: Simd>(
     simd: S,
     slabs: &Slabs,
     ([start, row, pad], solid): ([usize; 3], &[[u64; 2]]),
-    (cone, bundle, met, lit): (&Cone, &Bundle, Met, u64),
+    (end, steps, lit): (&Ray, &[Step], u64),
+    (source, share): (Option<f32>, f32),
     far: &Far,
     light: &mut Light<S>,
 ) {
-    let glowing = met.glowing & lit != 0;
-    let sent = sent(glowing, cone);
-    let share = 1.0 / sent.len() as f32;
-    for (end, steps) in cone.ends[sent.clone()].iter().zip(&bundle.rays[sent]) {
-        let source = glowing.then_some(share * cone.angle);
-        // A pixel that is lit is not solid itself.
-        let open = march_solid(simd, slabs, (start, solid), &steps[1..], (lit, source), light);
-        if open == 0 {
-            continue;
-        }
-        let (strays, lost) = end.strays(slabs.rows, row);
-        let mut rows = [open & !solid[end.end][0], open & !solid[end.end + 1][0]];
-        rows[lost] &= !strays;
-        let at = (pad + row).wrapping_add_signed(end.row);
-        far.add_where(simd, at, &end.shares, rows, share, light);
+    let open = march_solid(simd, slabs, (start, solid), steps, (lit, source), light);
+    if open == 0 {
+        return;
     }
+    let (strays, lost) = end.strays(slabs.rows, row);
+    let mut rows = [open & !solid[end.end][0], open & !solid[end.end + 1][0]];
+    rows[lost] &= !strays;
+    let at = (pad + row).wrapping_add_signed(end.row);
+    far.add_where(simd, at, &end.shares, rows, share, light);
 }
 
 /// Light along a ray from the sixteen pixels of a vector, as if it filled its cone.
@@ -286,33 +260,17 @@ fn near<S: Simd>(simd: S, slabs: &Slabs, start: usize, ahead: usize) -> Met {
 
 /// The view of pixels `ahead` slabs before a plane, `stride` cells from one slab to the next.
 fn view(look: Look, ahead: usize, stride: isize) -> View {
-    let fine = look.level + 1;
-    let cones = 0..2usize << fine;
-    let slopes = |number| {
-        let (from, angle) = (slope(fine, number).atan(), angle(fine, number));
-        let fan = (0..look.rays).map(move |i| (f64::from(i) + 0.5) / f64::from(look.rays));
-        std::iter::once(0.5).chain(fan).map(move |share| (from + share * angle).tan())
+    let cones = look.cones(ahead);
+    let place = |way: &Way| ahead as isize * stride + way.row;
+    let rays = |cone: &ConeWays| Rays {
+        ways: cone.ways.iter().map(|way| way.crossings.clone()).collect(),
+        others: cone.ways.iter().flat_map(|way| [place(way), place(way) + 1]).collect(),
     };
-    let place = |slope: f64| ahead as isize * stride + (slope * ahead as f64).floor() as isize;
-    let rays = |number| Rays {
-        ways: slopes(number).map(|slope| stencil(ahead, slope, 0.0)).collect(),
-        others: slopes(number).flat_map(|slope| [place(slope), place(slope) + 1]).collect(),
+    let fan = Fan::new(&cones.iter().map(rays).collect::<Vec<_>>(), stride);
+    let end = |way: &Way| Ray { row: way.row, shares: way.shares, end: fan.place(place(way)) };
+    let cone = |(number, cone): (usize, &ConeWays)| {
+        let ends = cone.ways.iter().map(end).collect();
+        Cone { number, angle: cone.angle, cosines: cone.cosines, ends }
     };
-    let fan = Fan::new(&cones.clone().map(rays).collect::<Vec<_>>(), stride);
-    let end = |slope: f64| {
-        let shift = slope * ahead as f64;
-        let past = (shift - shift.floor()) as f32;
-        Ray {
-            row: shift.floor() as isize,
-            shares: [1.0 - past, past],
-            end: fan.place(place(slope)),
-        }
-    };
-    let cone = |number| {
-        let angle = angle(fine, number);
-        let theta = slope(fine, number).atan() + 0.5 * angle;
-        let cosines = [theta.cos() as f32, theta.sin() as f32];
-        Cone { number, angle: angle as f32, cosines, ends: slopes(number).map(end).collect() }
-    };
-    View { cones: cones.map(cone).collect(), fan }
+    View { cones: cones.iter().enumerate().map(cone).collect(), fan }
 }

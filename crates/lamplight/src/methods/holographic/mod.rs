@@ -37,6 +37,7 @@ mod published;
 mod pyramid;
 mod slabs;
 mod stencil;
+pub mod ways;
 
 use crate::clock::Clock;
 use crate::settings::{Bounces, Settings, Variant};

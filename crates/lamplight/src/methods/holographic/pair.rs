@@ -2,12 +2,13 @@
 
 use super::cones::Cones;
 use super::fronts::Fronts;
-use super::hop::{Hop, Look};
+use super::hop::Hop;
 use super::interval::LANES;
 use super::march::{TILE, VECTORS, of_vector};
 use super::onto;
 use super::pyramid::{Pyramid, planes};
 use super::slabs::{Axis, Slabs};
+use super::ways::Look;
 use crate::settings::Holographic;
 use crate::stages::bounce::Surfaces;
 use crate::{Cells, Rgb};
@@ -59,8 +60,7 @@ impl Pair {
     /// Lights the grid from both sides.
     pub fn solve(&mut self, level: Level, scene: Scene) {
         let settings = scene.settings;
-        let least = settings.least.min(1 << settings.hop) as usize;
-        let look = Look { level: settings.hop, least, rays: settings.rays };
+        let look = Look::new(settings);
         let beyond = look.most().max(onto::REACH);
         self.slabs.read(scene.cells, self.axis, beyond, scene.surfaces);
         self.pyramid.prepare(&self.slabs, settings.hop);

@@ -19,11 +19,9 @@ use super::march::{
     Met, TILE, VECTORS, march, march_solid, mask, meet, meet_solid, solid, whole_vectors,
 };
 use super::slabs::Slabs;
-use super::stencil::{Bundle, Fan, Rays, stencil};
+use super::stencil::{Bundle, Fan, Rays};
+use super::ways::beam;
 use fearless_simd::{f32x16, prelude::*};
-
-/// Keeps the rays of a beam off the corners of cells.
-const OFF_CORNERS: f64 = 0.999;
 
 /// The held intervals.
 #[derive(Debug, Default)]
@@ -117,7 +115,8 @@ impl Pyramid {
         let (level, stride) = (self.first, slabs.stride as isize);
         if self.made_for != (level, width, stride) {
             self.made_for = (level, width, stride);
-            let beams: Vec<_> = (0..rays(level)).map(|ray| beam(level, ray, width)).collect();
+            let beam = |ray| Rays { ways: beam(level, ray, width), others: Vec::new() };
+            let beams: Vec<_> = (0..rays(level)).map(beam).collect();
             self.beams = [stride, -stride].map(|stride| Fan::new(&beams, stride));
             self.solid.resize(self.beams[0].cells.len(), [0; 2]);
         }
@@ -212,15 +211,6 @@ fn empty_tail<const K: usize>(to: &mut [u32], stride: usize, rows: usize) {
     }
 }
 
-/// A ray of the first level, of `width` parallel rays.
-fn beam(level: u32, ray: usize, width: u32) -> Rays {
-    let length = 1usize << level;
-    let slope = ray as f64 / length as f64 - 1.0;
-    let across = |i: u32| OFF_CORNERS * ((f64::from(i) + 0.5) / f64::from(width) - 0.5);
-    let ways = (0..width).map(|i| stencil(length, slope, across(i))).collect();
-    Rays { ways, others: Vec::new() }
-}
-
 /// Traces all beams from 64 rows of a slab.
 #[inline(always)]
 fn trace<S: Simd, const K: usize>(
@@ -303,6 +293,7 @@ fn trace_beam<S: Simd, const K: usize>(
 #[cfg(test)]
 mod tests {
     use super::super::slabs::Axis;
+    use super::super::ways::OFF_CORNERS;
     use super::*;
     use crate::{Cells, Matter};
     use fearless_simd::{Level, dispatch};

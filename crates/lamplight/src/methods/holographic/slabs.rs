@@ -132,8 +132,9 @@ impl Slabs {
                 }
             }
             if let Some((surfaces, slot)) = surfaces.and_then(|s| Some((s, s.slot(i)?))) {
-                self.kinds[at] |= GLOWING;
-                self.send(surfaces, slot, at, solid, axis);
+                if self.send(surfaces, slot, at, solid, axis) {
+                    self.kinds[at] |= GLOWING;
+                }
             }
         }
         self.matter = matter;
@@ -170,27 +171,35 @@ impl Slabs {
         self.occupied.clear();
     }
 
-    /// Adds what a surface sends on.
-    fn send(&mut self, surfaces: &Surfaces, slot: usize, at: usize, solid: bool, axis: Axis) {
-        for c in 0..3 {
-            if !solid {
-                self.source[c][at] += surfaces.fog_sent[slot][c];
-                continue;
-            }
-            for (face, normal) in NORMALS.into_iter().enumerate() {
-                let [along, across] = match axis {
-                    Axis::X => normal,
-                    Axis::Y => [normal[1], normal[0]],
-                };
-                let to = match (along, across) {
-                    (-1, _) => 0,
-                    (1, _) => 1,
-                    (_, -1) => 2,
-                    _ => 3,
-                };
-                self.sent[to][c][at] = surfaces.wall_sent[slot][face][c];
-            }
+    /// Adds what a surface sends on; returns whether that is any light.
+    fn send(
+        &mut self,
+        surfaces: &Surfaces,
+        slot: usize,
+        at: usize,
+        solid: bool,
+        axis: Axis,
+    ) -> bool {
+        if !solid {
+            let sent = surfaces.fog_sent[slot];
+            (0..3).for_each(|c| self.source[c][at] += sent[c]);
+            return sent != [0.0; 3];
         }
+        for (face, normal) in NORMALS.into_iter().enumerate() {
+            let [along, across] = match axis {
+                Axis::X => normal,
+                Axis::Y => [normal[1], normal[0]],
+            };
+            let to = match (along, across) {
+                (-1, _) => 0,
+                (1, _) => 1,
+                (_, -1) => 2,
+                _ => 3,
+            };
+            let sent = surfaces.wall_sent[slot][face];
+            (0..3).for_each(|c| self.sent[to][c][at] = sent[c]);
+        }
+        surfaces.wall_sent[slot] != [[0.0; 3]; 4]
     }
 
     /// Looks the other way from here on.
