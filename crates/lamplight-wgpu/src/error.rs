@@ -41,6 +41,16 @@ pub enum Error {
         /// What is wrong with it.
         problem: String,
     },
+    /// An option is out of its range.
+    #[error("the option `{name}` is {value}, not {range}")]
+    Option {
+        /// Which one.
+        name: &'static str,
+        /// What it is.
+        value: u32,
+        /// What it may be.
+        range: &'static str,
+    },
     /// What the GPU computed could not be fetched.
     #[error("cannot read from the GPU: {0}")]
     ReadBack(String),

@@ -17,7 +17,7 @@ const WORKGROUP: u32 = 8;
 pub enum Slot {
     /// A few numbers for a whole frame.
     Uniform,
-    /// The number of the step, one of [`STEPS`].
+    /// What a run is told: which of the entries of a buffer, is said when it runs.
     Step,
     /// A picture that is read texel by texel.
     Texture,

@@ -31,6 +31,7 @@ mod kernel;
 mod lighting;
 mod matter;
 mod methods;
+mod options;
 pub mod read_back;
 mod shaders;
 mod shared;
@@ -40,5 +41,6 @@ mod stages;
 pub use error::{Error, Result};
 pub use lighting::{Lighting, Stage, check};
 pub use matter::Textures;
+pub use options::Options;
 /// The crate of the device that [`Lighting`] is given.
 pub use wgpu;

@@ -3,15 +3,16 @@
 use crate::frame::Frame;
 use crate::kernel::Dispatch;
 use crate::matter::{Textures, Upload};
-use crate::methods::Method;
+use crate::methods;
+use crate::options::Options;
 use crate::shared::Shared;
 use crate::site::{FOUR, Run, Site, fits};
 use crate::stages::fields::Fields;
 use crate::stages::output::Output;
 use crate::stages::walls::Walls;
 use crate::{Error, Result};
-use lamplight::settings::BounceBy;
-use lamplight::{Bounces, Cells, Settings, Sky};
+use lamplight::settings::{BounceBy, Variant};
+use lamplight::{Bounces, Cells, Method, Settings, Sky};
 use wgpu::{
     Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
     TextureView,
@@ -24,8 +25,9 @@ use wgpu::{
 #[derive(Debug)]
 pub struct Lighting {
     settings: Settings,
+    options: Options,
     shared: Shared,
-    method: Method,
+    method: methods::Method,
     walls: Walls,
     output: Output,
     grid: Option<Grid>,
@@ -38,6 +40,7 @@ pub struct Lighting {
 struct Grid {
     size: [u32; 2],
     textures: Textures,
+    tinted: bool,
     light: Buffer,
     frame: Run,
     memory: u64,
@@ -65,13 +68,25 @@ pub enum Stage {
 impl Lighting {
     /// Checks the settings and builds the pipelines.
     pub fn new(device: &Device, queue: &Queue, settings: Settings) -> Result<Self> {
+        Self::with_options(device, queue, settings, Options::default())
+    }
+
+    /// The same, told how to go about it.
+    pub fn with_options(
+        device: &Device,
+        queue: &Queue,
+        settings: Settings,
+        options: Options,
+    ) -> Result<Self> {
         check(&settings)?;
+        options.check()?;
         Ok(Self {
             shared: Shared::new(device, queue),
-            method: Method::new(device, queue, &settings)?,
+            method: methods::Method::new(device, queue, &settings)?,
             walls: Walls::new(device),
             output: Output::new(device),
             settings,
+            options,
             grid: None,
             upload: None,
             number: 0,
@@ -94,7 +109,8 @@ impl Lighting {
         let upload = self.upload.insert(upload);
         upload.write(queue, &cells.drawn());
         let textures = upload.textures.clone();
-        self.prepare_textures(device, queue, &textures, cells.sky())
+        let tinted = cells.tint().iter().any(|[r, g, b]| r != g || g != b);
+        self.take_over(device, queue, (&textures, tinted), cells.sky())
     }
 
     /// Takes over the host's textures for the next frame. Views that are equal to those of the frame
@@ -106,10 +122,20 @@ impl Lighting {
         textures: &Textures,
         sky: Sky,
     ) -> Result<()> {
+        self.take_over(device, queue, (textures, true), sky)
+    }
+
+    fn take_over(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        (textures, tinted): (&Textures, bool),
+        sky: Sky,
+    ) -> Result<()> {
         sky.check()?;
         let grid = match self.grid.take() {
-            Some(grid) if grid.textures == *textures => grid,
-            _ => self.plan(device, textures)?,
+            Some(grid) if grid.textures == *textures && grid.tinted == tinted => grid,
+            _ => self.plan(device, (textures, tinted))?,
         };
         let grid = self.grid.insert(grid);
         let frame = Frame::new(grid.size, sky, &self.settings, self.number);
@@ -119,14 +145,15 @@ impl Lighting {
     }
 
     /// Makes buffers, and plans what runs on them.
-    fn plan(&self, device: &Device, textures: &Textures) -> Result<Grid> {
-        let site = Site::new(device, &self.shared, &self.settings, textures)?;
+    fn plan(&self, device: &Device, (textures, tinted): (&Textures, bool)) -> Result<Grid> {
+        let Self { shared, settings, options, .. } = self;
+        let site = Site::new(device, shared, settings, *options, (textures, tinted))?;
         let light = site.buffer("light", site.cells() * FOUR)?;
         let mut frame = self.method.plan(&site, &light)?;
         frame.dispatches.extend(self.walls.plan(&site, &light)?);
         let (size, memory) = (site.size, site.memory());
         let textures = textures.clone();
-        Ok(Grid { size, textures, light, frame, memory, fields: None, output: None })
+        Ok(Grid { size, textures, tinted, light, frame, memory, fields: None, output: None })
     }
 
     /// Has [`Self::record`] write the light into a texture of the host's too, linear RGB and 1: of the
@@ -148,7 +175,8 @@ impl Lighting {
         if [w, h] != grid.size {
             return Err(wrong_output(format!("is {w}×{h}, but the grid is {width}×{height}")));
         }
-        let site = Site::new(device, &self.shared, &self.settings, &grid.textures)?;
+        let matter = (&grid.textures, grid.tinted);
+        let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
         grid.output = Some(self.output.plan(&site, &grid.light, picture));
         Ok(())
     }
@@ -167,7 +195,8 @@ impl Lighting {
         let fields = match grid.fields.take() {
             Some(fields) => fields,
             None => {
-                let site = Site::new(device, &self.shared, &self.settings, &grid.textures)?;
+                let matter = (&grid.textures, grid.tinted);
+                let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
                 Fields::new(device).plan(&site)?.run
             }
         };
@@ -203,8 +232,13 @@ fn run<'a>(
 pub fn check(settings: &Settings) -> Result<()> {
     settings.check()?;
     let missing = match () {
-        () if settings.method != lamplight::Method::Raymarch => {
+        () if !matches!(settings.method, Method::Raymarch | Method::Holographic) => {
             format!("the method {}", settings.method.name())
+        }
+        () if settings.method == Method::Holographic
+            && settings.holographic.variant == Variant::Paper =>
+        {
+            "`holographic.variant` = paper".to_owned()
         }
         () if settings.bounces == Bounces::Converged => "`bounces` = converged".to_owned(),
         () if settings.bounces != Bounces::Count(0)

@@ -37,6 +37,12 @@ pub const OPTICS: Shader = shader!("optics");
 pub const CLEARANCE: Shader = shader!("clearance");
 pub const RAYMARCH: Shader = shader!("raymarch", "noise", "surfaces", "march_edge");
 pub const RAYMARCH_DISTANCE: Shader = shader!("raymarch", "noise", "surfaces", "march_distance");
+pub const SLABS: Shader = shader!("slabs", "sweep", "packed_rgb");
+pub const TRACE: Shader = shader!("trace", "sweep", "packed_rgb", "interval", "ways");
+pub const EXTEND: Shader = shader!("extend", "sweep", "interval");
+pub const CONES: Shader = shader!("cones", "sweep", "packed_rgb", "interval");
+pub const HOP: Shader = shader!("hop", "sweep", "packed_rgb", "interval", "ways");
+pub const FACES: Shader = shader!("faces", "packed_rgb");
 pub const WALLS: Shader = shader!("walls");
 pub const OUTPUT: Shader = shader!("output");
 
@@ -44,10 +50,26 @@ pub const OUTPUT: Shader = shader!("output");
 mod tests {
     use super::*;
     use crate::frame::Frame;
+    use crate::methods::holographic::sweep::Sweep;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-    const ALL: [Shader; 9] =
-        [SEED, JUMP_FLOOD, DISTANCE, OPTICS, CLEARANCE, RAYMARCH, RAYMARCH_DISTANCE, WALLS, OUTPUT];
+    const ALL: [Shader; 15] = [
+        SEED,
+        JUMP_FLOOD,
+        DISTANCE,
+        OPTICS,
+        CLEARANCE,
+        RAYMARCH,
+        RAYMARCH_DISTANCE,
+        SLABS,
+        TRACE,
+        EXTEND,
+        CONES,
+        HOP,
+        FACES,
+        WALLS,
+        OUTPUT,
+    ];
 
     fn parsed(shader: &Shader) -> naga::Module {
         naga::front::wgsl::parse_str(&shader.text())
@@ -83,5 +105,6 @@ mod tests {
     #[test]
     fn structures_are_laid_out_as_the_shaders_read_them() {
         laid_out(&SEED, "Frame", &Frame::OFFSETS, size_of::<Frame>());
+        laid_out(&TRACE, "Sweep", &Sweep::OFFSETS, size_of::<Sweep>());
     }
 }

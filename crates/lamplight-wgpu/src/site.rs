@@ -3,6 +3,7 @@
 use crate::kernel::{Dispatch, Kernels};
 use crate::lighting::Stage;
 use crate::matter::Textures;
+use crate::options::Options;
 use crate::shared::Shared;
 use crate::{Error, Result};
 use lamplight::Settings;
@@ -22,7 +23,10 @@ pub struct Site<'a> {
     pub device: &'a Device,
     pub shared: &'a Shared,
     pub settings: &'a Settings,
+    pub options: Options,
     pub textures: &'a Textures,
+    /// Whether matter may let channels through differently.
+    pub tinted: bool,
     pub size: [u32; 2],
     /// Bytes of the buffers made so far.
     memory: Cell<u64>,
@@ -42,11 +46,13 @@ impl<'a> Site<'a> {
         device: &'a Device,
         shared: &'a Shared,
         settings: &'a Settings,
-        textures: &'a Textures,
+        options: Options,
+        (textures, tinted): (&'a Textures, bool),
     ) -> Result<Self> {
         let size = textures.size()?;
         fits(device, size)?;
-        Ok(Self { device, shared, settings, textures, size, memory: Cell::new(0) })
+        let memory = Cell::new(0);
+        Ok(Self { device, shared, settings, options, textures, tinted, size, memory })
     }
 
     /// Cells of the grid.
@@ -54,10 +60,15 @@ impl<'a> Site<'a> {
         u64::from(self.size[0]) * u64::from(self.size[1])
     }
 
+    /// Bytes of a buffer at most.
+    pub fn most_bytes(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
     /// Makes a buffer for the GPU's use; refuses one that the device cannot hold.
     pub fn buffer(&self, label: &str, bytes: u64) -> Result<Buffer> {
-        let limits = self.device.limits();
-        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let most = self.most_bytes();
         if bytes > most {
             return Err(too_large(self.size, "bytes a buffer", bytes, most));
         }

@@ -1,10 +1,12 @@
 //! The methods: each with its pipelines, its buffers and what it runs over a grid.
 
+pub mod holographic;
 pub mod raymarch;
 
 use crate::lighting::check;
 use crate::site::{Run, Site};
 use crate::{Error, Result};
+use holographic::Holographic;
 use lamplight::Settings;
 use raymarch::Raymarch;
 use wgpu::{Buffer, Device, Queue};
@@ -12,6 +14,7 @@ use wgpu::{Buffer, Device, Queue};
 /// The method that settings ask for, compiled.
 #[derive(Debug)]
 pub enum Method {
+    Holographic(Holographic),
     Raymarch(Raymarch),
 }
 
@@ -20,6 +23,7 @@ impl Method {
     pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Result<Self> {
         check(settings)?;
         match settings.method {
+            lamplight::Method::Holographic => Ok(Self::Holographic(Holographic::new(device))),
             lamplight::Method::Raymarch => {
                 Ok(Self::Raymarch(Raymarch::new(device, queue, settings)))
             }
@@ -30,6 +34,7 @@ impl Method {
     /// What turns matter into light.
     pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
         match self {
+            Self::Holographic(holographic) => holographic.plan(site, light),
             Self::Raymarch(raymarch) => raymarch.plan(site, light),
         }
     }

@@ -4,5 +4,6 @@
 mod common;
 
 mod compare;
+mod holographic;
 mod raymarch;
 mod stages;

@@ -21,7 +21,7 @@ use super::ways::{ConeWays, Look, Way};
 use fearless_simd::{f32x16, prelude::*, u8x64};
 
 /// Share of light under which a cell counts as closed.
-const CLOSED: f32 = 1e-6;
+pub const CLOSED: f32 = 1e-6;
 
 /// Where one ray of a pixel ends.
 #[derive(Clone, Copy, Debug)]

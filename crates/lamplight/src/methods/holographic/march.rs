@@ -19,7 +19,7 @@ pub const VECTORS: usize = TILE / LANES;
 pub type Light<S> = [[f32x16<S>; VECTORS]; 3];
 
 /// Transmittance that counts as none: walls among fog let exactly nothing through.
-const VANISHED: f32 = 1e-30;
+pub const VANISHED: f32 = 1e-30;
 
 /// The interval of a ray from sixteen cells of a slab, which crosses only matter of these kinds.
 #[inline(always)]

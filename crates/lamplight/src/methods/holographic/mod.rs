@@ -39,6 +39,13 @@ mod slabs;
 mod stencil;
 pub mod ways;
 
+pub use cones::{angle, slope};
+pub use hop::CLOSED;
+pub use march::VANISHED;
+pub use onto::REACH;
+pub use pyramid::{levels, planes, rays};
+pub use slabs::{FRACTION, GLOWING, MATTER};
+
 use crate::clock::Clock;
 use crate::settings::{Bounces, Settings, Variant};
 use crate::stages::bounce::{CONVERGED, Faces, Surfaces, Wall, mean_over_faces};

@@ -131,10 +131,10 @@ impl Slabs {
                     self.log_pass[c][at] = log[c];
                 }
             }
-            if let Some((surfaces, slot)) = surfaces.and_then(|s| Some((s, s.slot(i)?))) {
-                if self.send(surfaces, slot, at, solid, axis) {
-                    self.kinds[at] |= GLOWING;
-                }
+            if let Some((surfaces, slot)) = surfaces.and_then(|s| Some((s, s.slot(i)?)))
+                && self.send(surfaces, slot, at, solid, axis)
+            {
+                self.kinds[at] |= GLOWING;
             }
         }
         self.matter = matter;

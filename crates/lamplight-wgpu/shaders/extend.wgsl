@@ -1,0 +1,148 @@
+// Longer intervals from shorter ones (Freeman, Sannikov and Margel 2025), up to three levels at once:
+// `T_{n+1}(p, 2k) = T_n(p, k) ⊕ T_n(p + v_n(k), k)`, and the rays between are the mean of the two bent
+// ways. A workgroup makes, from the planes of the lowest level that one plane of the topmost spans, all
+// rays between two rays k and k + 1 of the lowest. Levels between are held in workgroup memory; of them
+// only the planes of odd index are needed later and written.
+
+// Rows of a tile: 32 where matter tints, for want of workgroup memory.
+override TILE: u32;
+// Words of the two levels between at most: in tiles of 64 rows or, with three words each, of 32.
+const HELD: u32 = 2928u;
+
+@group(0) @binding(2) var<storage, read_write> intervals: array<u32>;
+
+// By level, word, plane, ray and row.
+var<workgroup> held: array<u32, HELD>;
+
+// Rows of a plane of the level `up` above the lowest that are needed: later planes are needed by rays
+// that spread.
+fn width(up: u32, plane: u32) -> u32 {
+    return TILE + (plane << up);
+}
+
+// Where a plane of a level that is held begins: those before it have been as wide as they are.
+fn begin(up: u32, plane: u32) -> u32 {
+    let rays = (1u << up) + 1u;
+    return rays * (plane * TILE + (plane * (plane - 1u) / 2u << up));
+}
+
+// Where a word of a level that is held begins.
+fn word(up: u32, number: u32) -> u32 {
+    let lowest = begin(1u, 1u << (sweep.levels - 1u));
+    let size = select(begin(2u, 1u << (sweep.levels - 2u)), lowest, up == 1u);
+    return select(WORDS * lowest, 0u, up == 1u) + number * size;
+}
+
+struct Group {
+    // The plane of the topmost level, the ray of the lowest, the first row.
+    plane: u32,
+    ray: u32,
+    row: i32,
+    // Rows from one plane of the lowest level to the next, along the ray.
+    shift: i32,
+}
+
+// The row of the grid of a place in a plane.
+fn row_of(g: Group, up: u32, plane: u32, place: u32) -> i32 {
+    return g.row + i32(plane << up) * g.shift + i32(place);
+}
+
+fn stored(g: Group, plane: u32, ray: u32, row: i32) -> vec3u {
+    let n = sweep.level;
+    let p = (g.plane << sweep.levels) + plane;
+    if row < 0 || row >= i32(sweep.rows) || p >= planes(n) {
+        return pack(nothing());
+    }
+    let odd = (p & 1u) == 1u;
+    let slot = select(p / 2u - sweep.even_first.x, p / 2u - sweep.odd_first.x, odd);
+    let base = select(sweep.even.x, sweep.odd.x, odd);
+    let rays = (2u << n) + 1u;
+    let at = base + (slot * rays + g.ray + ray) * WORDS * sweep.rows + u32(row);
+    var words = vec3u(intervals[at], intervals[at + sweep.rows], 0u);
+    if WORDS == 3u {
+        words.z = intervals[at + 2u * sweep.rows];
+    }
+    return words;
+}
+
+// An interval of the level `up`, at a place of one of its planes.
+fn load(g: Group, up: u32, plane: u32, ray: u32, place: u32) -> Interval {
+    if up == 0u {
+        return unpack(stored(g, plane, ray, row_of(g, 0u, plane, place)));
+    }
+    let at = begin(up, plane) + ray * width(up, plane) + place;
+    var words = vec3u(held[word(up, 0u) + at], held[word(up, 1u) + at], 0u);
+    if WORDS == 3u {
+        words.z = held[word(up, 2u) + at];
+    }
+    return unpack(words);
+}
+
+// Along one ray of a plane and another of the next.
+fn way(g: Group, up: u32, plane: u32, first: u32, second: u32, place: u32) -> Interval {
+    let near = load(g, up, plane, first, place);
+    return then(near, load(g, up, plane + 1u, second, place + first));
+}
+
+// Makes the level above `up`: its planes of the group, ray by ray.
+fn make(g: Group, up: u32, local: u32) {
+    let above = up + 1u;
+    let n = sweep.level + above;
+    let rays = (1u << above) + 1u;
+    let all = (2u << n) + 1u;
+    let last = g.ray + 2u == ((2u << sweep.level) + 1u);
+    for (var plane = 0u; plane < 1u << (sweep.levels - above); plane++) {
+        let p = (g.plane << (sweep.levels - above)) + plane;
+        let wide = width(above, plane);
+        for (var i = local; i < rays * wide; i += 256u) {
+            let ray = i / wide;
+            let place = i % wide;
+            let row = row_of(g, above, plane, place);
+            let inside = row >= 0 && row < i32(sweep.rows);
+            var made = nothing();
+            if inside {
+                let k = ray / 2u;
+                made = way(g, up, 2u * plane, k, select(k, k + 1u, (ray & 1u) == 1u), place);
+                if (ray & 1u) == 1u {
+                    made = mean(made, way(g, up, 2u * plane, k + 1u, k, place));
+                }
+            }
+            let words = pack(made);
+            if above < sweep.levels {
+                let at = begin(above, plane) + ray * wide + place;
+                held[word(above, 0u) + at] = words.x;
+                held[word(above, 1u) + at] = words.y;
+                if WORDS == 3u {
+                    held[word(above, 2u) + at] = words.z;
+                }
+            }
+            // The last ray is the next group's first, and what is beyond the tile the next tile's.
+            let odd = (p & 1u) == 1u;
+            let own = place < TILE && (ray + 1u < rays || last);
+            if inside && own && p < planes(n) && (odd || above == sweep.levels) {
+                let slot = select(p / 2u - sweep.even_first.y, p / 2u - sweep.odd_first[above], odd);
+                let base = select(sweep.even.y, sweep.odd[above], odd);
+                let number = (g.ray << above) + ray;
+                let at = base + (slot * all + number) * WORDS * sweep.rows + u32(row);
+                intervals[at] = words.x;
+                intervals[at + sweep.rows] = words.y;
+                if WORDS == 3u {
+                    intervals[at + 2u * sweep.rows] = words.z;
+                }
+            }
+        }
+    }
+}
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
+    let shift = i32(id.y) - (1i << sweep.level);
+    // Planes lie aslant: the last one that is written, by so many rows.
+    let slant = ((1i << sweep.levels) - 2i) * max(shift, 0i);
+    let row = i32(id.x * TILE) - (slant + i32(TILE) - 1i) / i32(TILE) * i32(TILE);
+    let g = Group(sweep.first + id.z, id.y, row, shift);
+    for (var up = 0u; up < sweep.levels; up++) {
+        make(g, up, local);
+        workgroupBarrier();
+    }
+}

@@ -1,0 +1,115 @@
+// Rays along ways that are the same from every row, through the cells near a tile of 64 rows.
+
+override MATTER: u32;
+override FRACTION: u32;
+override GLOWING: u32;
+// Share of light that counts as none.
+override VANISHED: f32;
+override LOG_OF_ZERO: f32;
+
+const TILE: u32 = 64u;
+// Slabs that a tile looks at: one behind, its own, and those ahead.
+const SLABS: u32 = 33u;
+// Words of 32 rows: a tile and 32 rows to either side.
+const ACROSS: u32 = 4u;
+const ASIDE: i32 = 32;
+
+@group(0) @binding(2) var<storage, read> ways: array<u32>;
+@group(0) @binding(3) var<storage, read> bits: array<u32>;
+@group(0) @binding(4) var emission: texture_2d<f32>;
+@group(0) @binding(5) var matter: texture_2d<f32>;
+@group(0) @binding(6) var<storage, read> sent: array<vec2u>;
+
+// By kind, slab and word.
+var<workgroup> near: array<u32, 3u * SLABS * ACROSS>;
+var<workgroup> any_near: atomic<u32>;
+
+// Fetches the bits round 64 rows, from the slab behind `slab` to the one `ahead` of it.
+fn fetch(local: u32, lanes: u32, slab: u32, row: u32, ahead: u32) {
+    let words = (sweep.rows + 31u) / 32u;
+    for (var i = local; i < 3u * (ahead + 2u) * ACROSS; i += lanes) {
+        let kind = i / ((ahead + 2u) * ACROSS);
+        let away = i / ACROSS % (ahead + 2u);
+        let word = row / 32u + i % ACROSS - 1u;
+        let at = slab + away - 1u;
+        var found = 0u;
+        if at < sweep.depth && word < words {
+            let place = select(at, sweep.depth - 1u - at, sweep.reversed == 1u);
+            found = bits[sweep.bits + (kind * sweep.depth + place) * words + word];
+        }
+        near[(kind * SLABS + away) * ACROSS + i % ACROSS] = found;
+        if found != 0u {
+            atomicOr(&any_near, 1u);
+        }
+    }
+}
+
+// Whether the cell so many slabs and rows from a lane's is of a kind.
+fn is(kind: u32, lane: u32, slabs: i32, rows: i32) -> bool {
+    let row = u32(i32(lane) + rows + ASIDE);
+    let word = near[(kind * SLABS + u32(slabs + 1)) * ACROSS + row / 32u];
+    return (word >> (row % 32u) & 1u) == 1u;
+}
+
+fn is_solid(lane: u32, slabs: i32, rows: i32) -> bool {
+    return is(MATTER, lane, slabs, rows) && !is(FRACTION, lane, slabs, rows);
+}
+
+// Whether any cell of a mask, two words a slab from `mask` on, is of a kind.
+fn any_of(kind: u32, lane: u32, mask: u32, slabs: u32) -> bool {
+    let word = lane / 32u;
+    let shift = lane % 32u;
+    var met = 0u;
+    for (var slab = 0u; slab < slabs; slab++) {
+        let at = (kind * SLABS + slab + 1u) * ACROSS + word;
+        // Rows from 32 below the lane's to 31 above it. Shifts by 32 are none.
+        let high = select(near[at + 1u] << (32u - shift), 0u, shift == 0u);
+        let higher = select(near[at + 2u] << (32u - shift), 0u, shift == 0u);
+        met |= (near[at] >> shift | high) & ways[mask + 2u * slab];
+        met |= (near[at + 1u] >> shift | higher) & ways[mask + 2u * slab + 1u];
+    }
+    return met != 0u;
+}
+
+// What a cell sends out of the face that a ray meets: 0 ahead, 1 from lower rows, 2 from higher ones.
+fn sends(at: vec2u, solid: bool, face: u32) -> vec3f {
+    var light = textureLoad(emission, at, 0).rgb;
+    if sweep.sends == 1u {
+        let front = select(2u * sweep.axis, 2u * sweep.axis + 1u, sweep.reversed == 1u);
+        let side = 2u * (1u - sweep.axis) + face - 1u;
+        let met = select(select(side, front, face == 0u), 0u, !solid);
+        light += unpack_rgb(sent[4u * index(at) + met]);
+    }
+    return light;
+}
+
+// The interval of a ray from a lane's row, `count` crossings of two words from `first` on.
+fn march(slab: u32, row: u32, lane: u32, first: u32, count: u32) -> Interval {
+    var passed = nothing();
+    for (var i = first; i < first + 2u * count; i += 2u) {
+        let crossing = ways[i];
+        let slabs = i32(crossing & 255u);
+        let rows = i32(crossing >> 8u & 255u) - 128;
+        if !is(MATTER, lane, slabs, rows) {
+            continue;
+        }
+        let at = cell_of(slab + u32(slabs), u32(i32(row) + rows));
+        let solid = !is(FRACTION, lane, slabs, rows);
+        var through = vec3f(0.0);
+        if !solid {
+            let tint_opacity = textureLoad(matter, at, 0);
+            let passing = (1.0 - tint_opacity.a) * tint_opacity.rgb;
+            let logarithm = select(max(log(passing), vec3f(LOG_OF_ZERO)), vec3f(LOG_OF_ZERO), passing <= vec3f(0.0));
+            through = exp(logarithm * bitcast<f32>(ways[i + 1u]));
+            through = select(vec3f(0.0), through, through > vec3f(VANISHED));
+        }
+        if is(GLOWING, lane, slabs, rows) {
+            passed.light += passed.through * (1.0 - through) * sends(at, solid, crossing >> 16u);
+        }
+        passed.through *= through;
+        if all(passed.through == vec3f(0.0)) {
+            break;
+        }
+    }
+    return passed;
+}

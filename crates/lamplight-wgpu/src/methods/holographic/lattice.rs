@@ -1,0 +1,159 @@
+//! Where the levels of a quadrant lie in memory.
+//!
+//! A quadrant is swept in chunks of 2^t slabs from the far end of the grid to the near one, the way that
+//! light comes. Of the levels up to t all planes of a chunk are held, of those above one: of intervals
+//! the plane of odd index made last, of light the one that is needed. So memory falls with the size of
+//! a chunk, and the number of dispatches grows.
+
+use lamplight::methods::holographic::{levels, planes, rays};
+
+/// Cells that a chunk holds, about: enough to keep a large GPU busy, few enough to hold little.
+const CHUNK: u64 = 1 << 17;
+/// Chunks at most, unless memory wants more: each costs a few dispatches a level.
+const MOST_CHUNKS: u64 = 4;
+
+/// The grid of a quadrant and its opposite.
+#[derive(Debug)]
+pub struct Lattice {
+    pub depth: usize,
+    pub rows: usize,
+    /// Levels from the one that is traced to the first that is not made.
+    pub first: u32,
+    pub end: u32,
+    /// A chunk is 2^chunk slabs.
+    pub chunk: u32,
+    /// Words of an interval.
+    words: u64,
+    /// Levels in a group.
+    fused: u32,
+    odd: Vec<u64>,
+    even: [u64; 2],
+    /// Words of all intervals.
+    pub intervals: u64,
+    /// Where the light of levels in a chunk goes, in turns; then that of each level from `chunk` on.
+    turns: [u64; 2],
+    chain: Vec<u64>,
+    /// Entries of all light.
+    pub radiance: u64,
+}
+
+impl Lattice {
+    /// For a grid `depth` slabs deep; `smaller`: with chunks so many times halved.
+    pub fn new(
+        [depth, rows]: [usize; 2],
+        first: u32,
+        words: u64,
+        fused: u32,
+        smaller: u32,
+    ) -> Self {
+        let end = levels(depth, first);
+        let cells = depth as u64 * rows as u64;
+        let chunks = cells.div_ceil(CHUNK).min(MOST_CHUNKS).next_power_of_two();
+        let chunk = end.saturating_sub(chunks.ilog2() + smaller).max(first + 1);
+        let mut lattice = Self {
+            depth,
+            rows,
+            first,
+            end,
+            chunk,
+            words,
+            fused,
+            odd: Vec::new(),
+            even: [0; 2],
+            intervals: 0,
+            turns: [0; 2],
+            chain: Vec::new(),
+            radiance: 0,
+        };
+        lattice.lay_out();
+        lattice
+    }
+
+    fn lay_out(&mut self) {
+        let mut even = [0; 2];
+        for level in self.first..self.end {
+            let bytes = self.held(level) * self.plane(level);
+            self.odd.push(self.intervals);
+            self.intervals += bytes;
+            // The first plane is never needed, but for its pixels.
+            if planes(self.depth, level) > 2 {
+                let even = &mut even[self.turn(level)];
+                *even = bytes.max(*even);
+            }
+        }
+        self.even = [self.intervals, self.intervals + even[0]];
+        self.intervals += even[0] + even[1];
+        // 2^(t−n) planes of 2·2^n cones, whatever the level.
+        let all = (2 * self.rows as u64) << self.chunk;
+        self.turns = [0, all];
+        self.radiance = 2 * all;
+        for level in self.chunk..self.end {
+            self.chain.push(self.radiance);
+            self.radiance += (2 * self.rows as u64) << level;
+        }
+    }
+
+    /// Which of two places planes of even index of a level take: neighbouring groups' differ.
+    fn turn(&self, level: u32) -> usize {
+        let of_group = |level: u32| (level - self.first).div_ceil(self.fused);
+        let groups = match level.checked_sub(self.chunk) {
+            Some(above) => of_group(self.chunk) + above,
+            None => of_group(level),
+        };
+        groups as usize % 2
+    }
+
+    /// Words of the intervals of a plane.
+    fn plane(&self, level: u32) -> u64 {
+        rays(level) as u64 * self.words * self.rows as u64
+    }
+
+    /// Planes of odd index of a level that are held at a time, and of even index.
+    fn held(&self, level: u32) -> u64 {
+        let all = planes(self.depth, level).div_ceil(2) as u64;
+        let of_chunk = 1 << self.chunk.saturating_sub(level + 1);
+        of_chunk.min(all)
+    }
+
+    pub fn chunks(&self) -> usize {
+        planes(self.depth, self.chunk)
+    }
+
+    /// Groups of levels from one to another: the lowest level, and how many more.
+    pub fn groups(&self, from: u32, top: u32) -> impl DoubleEndedIterator<Item = [u32; 2]> {
+        let fused = self.fused;
+        let count = top.saturating_sub(from).div_ceil(fused);
+        (0..count).map(move |i| [from + i * fused, fused.min(top - from - i * fused)])
+    }
+
+    /// Where planes of odd index of a level begin; nowhere above the last.
+    pub fn odd(&self, level: u32) -> u32 {
+        self.odd.get((level - self.first) as usize).map_or(0, |&at| at as u32)
+    }
+
+    /// Where planes of even index of a level begin.
+    pub fn even(&self, level: u32) -> u32 {
+        self.even[self.turn(level)] as u32
+    }
+
+    /// Half the index of the first plane of a level that is held, in a chunk.
+    pub fn first_of(&self, level: u32, chunk: usize) -> u32 {
+        match self.chunk.checked_sub(level + 1) {
+            Some(shift) => (chunk << shift) as u32,
+            // One plane: that at the chunk's near end.
+            None => (chunk >> (level - self.chunk + 1)) as u32,
+        }
+    }
+
+    /// Where the light of a level goes: neighbouring groups' to different places.
+    pub fn light(&self, level: u32) -> u32 {
+        if let Some(above) = level.checked_sub(self.chunk) {
+            return self.chain.get(above as usize).map_or(0, |&at| at as u32);
+        }
+        let group = match level.checked_sub(self.first + 1) {
+            Some(above) => above.div_ceil(self.fused) as usize % 2,
+            None => 1,
+        };
+        self.turns[group] as u32
+    }
+}

@@ -1,0 +1,287 @@
+//! Holographic radiance cascades: the GPU's `methods/holographic` of the library.
+//!
+//! Quadrant after quadrant, chunk after chunk ([`lattice`]): trace the first level of intervals, extend
+//! them level by level, merge cones down, and let the pixels of the chunk look at them.
+
+mod lattice;
+mod quadrant;
+pub mod sweep;
+mod tables;
+
+use crate::Result;
+use crate::kernel::{Dispatch, Kernels, Slot};
+use crate::lighting::Stage;
+use crate::shaders;
+use crate::site::{ONE, Run, Site, view, whole};
+use lamplight::methods::holographic::ways::Look;
+use lamplight::methods::holographic::{CLOSED, FRACTION, GLOWING, MATTER, REACH, VANISHED};
+use lamplight::stages::transmittance::LOG_OF_ZERO;
+use lattice::Lattice;
+use quadrant::{Axis, Quadrant, Step, Work};
+use sweep::Sweeps;
+use tables::Ways;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{BindGroup, Buffer, BufferUsages, Device};
+
+/// Bytes of light in a lattice, and on a face.
+const PACKED: u64 = 8;
+/// Rows of a workgroup.
+const TILE: u32 = 64;
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct Holographic {
+    slabs: Kernels,
+    /// Where no matter tints, and where some does.
+    intervals: [Intervals; 2],
+    hop: Kernels,
+    onto: Kernels,
+    faces: Kernels,
+}
+
+/// Those that know how intervals are stored.
+#[derive(Debug)]
+struct Intervals {
+    /// Words of an interval.
+    words: u32,
+    /// Rows of a workgroup that extends them.
+    tile: u32,
+    trace: Kernels,
+    extend: Kernels,
+    cones: Kernels,
+}
+
+impl Intervals {
+    fn new(device: &Device, words: u32, tile: u32) -> Self {
+        use Slot::{Read, Texture, Uniform, Write};
+        let stored = ("WORDS", f64::from(words));
+        let tracing = [CELLS, MARCH, &[stored]].concat();
+        let slots = [Uniform, Slot::Step, Read, Read, Texture, Texture, Read, Write];
+        let kernels = |shader, entries: &[_], slots: &[_], constants: &[_]| {
+            Kernels::new(device, shader, entries, slots, constants)
+        };
+        Self {
+            words,
+            tile,
+            trace: kernels(&shaders::TRACE, &["main"], &slots, &tracing),
+            extend: kernels(
+                &shaders::EXTEND,
+                &["main"],
+                &[Uniform, Slot::Step, Write],
+                &[stored, ("TILE", f64::from(tile))],
+            ),
+            cones: kernels(
+                &shaders::CONES,
+                &["main", "finish"],
+                &[Uniform, Slot::Step, Read, Read, Write],
+                &[stored],
+            ),
+        }
+    }
+}
+
+/// What a quadrant's runs are bound to.
+struct Bound {
+    slabs: BindGroup,
+    trace: BindGroup,
+    extend: BindGroup,
+    cones: BindGroup,
+    hop: BindGroup,
+}
+
+impl Holographic {
+    pub fn new(device: &Device) -> Self {
+        use Slot::{Read, Texture, Uniform, Write};
+        let hop = |onto: bool| {
+            let slots = [
+                Uniform,
+                Slot::Step,
+                Read,
+                Read,
+                Texture,
+                Texture,
+                Read,
+                Read,
+                Read,
+                Write,
+                Write,
+                Texture,
+            ];
+            let own = [
+                ("WORDS", 2.0),
+                ("CLOSED", f64::from(CLOSED)),
+                ("REACH", REACH as f64),
+                ("ONTO", f64::from(u8::from(onto))),
+            ];
+            let constants = [CELLS, MARCH, &own].concat();
+            Kernels::new(device, &shaders::HOP, &["main"], &slots, &constants)
+        };
+        Self {
+            slabs: Kernels::new(
+                device,
+                &shaders::SLABS,
+                &["main"],
+                &[Uniform, Slot::Step, Texture, Texture, Read, Write, Write],
+                CELLS,
+            ),
+            intervals: [Intervals::new(device, 2, 64), Intervals::new(device, 3, 32)],
+            hop: hop(false),
+            onto: hop(true),
+            faces: Kernels::new(
+                device,
+                &shaders::FACES,
+                &["send", "show"],
+                &[Uniform, Texture, Texture, Read, Write, Write],
+                &[],
+            ),
+        }
+    }
+
+    pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
+        let settings = &site.settings.holographic;
+        let look = Look::new(settings);
+        let intervals = &self.intervals[usize::from(site.tinted)];
+        let [width, height] = site.size.map(|side| side as usize);
+        let sides = [[width, height], [height, width]];
+        let fits = |smaller| {
+            let words = u64::from(intervals.words);
+            let lattice =
+                |side| Lattice::new(side, look.level, words, site.options.fused_levels, smaller);
+            let lattices = sides.map(lattice);
+            let most = |of: fn(&Lattice) -> u64| of(&lattices[0]).max(of(&lattices[1]));
+            let bytes = [most(|l| l.intervals) * ONE, most(|l| l.radiance) * PACKED];
+            (lattices, bytes)
+        };
+        // In smaller chunks if the device cannot bind as much.
+        let smaller = (0..u32::BITS).find(|&smaller| {
+            let (lattices, bytes) = fits(smaller);
+            let smallest = lattices.iter().all(|l| l.chunk == l.first + 1);
+            smallest || bytes.iter().all(|&bytes| bytes <= site.most_bytes())
+        });
+        let (lattices, [interval_bytes, radiance_bytes]) = fits(smaller.unwrap_or(0));
+
+        let ways = Ways::new(look, settings.beams);
+        let mut cones: Vec<[f32; 4]> = Vec::new();
+        let mut axes = Vec::new();
+        let mut bits = 0;
+        for (axis, lattice) in (0..).zip(lattices) {
+            let (mut begins, table) = tables::cones(look.level, lattice.end);
+            begins.iter_mut().for_each(|begin| *begin += cones.len() as u32);
+            cones.extend(table);
+            let words = lattice.depth * lattice.rows.div_ceil(32);
+            axes.push(Axis { axis, lattice, cones: begins, bits });
+            bits += 3 * words as u32;
+        }
+        let constant = |label, bytes: &[u8]| {
+            site.device.create_buffer_init(&BufferInitDescriptor {
+                label: Some(label),
+                contents: bytes,
+                usage: BufferUsages::STORAGE,
+            })
+        };
+        let tables = [
+            constant("ways", bytemuck::cast_slice(&ways.words)),
+            constant("cones", bytemuck::cast_slice(&cones)),
+        ];
+        let bits = site.buffer("kinds of cells", u64::from(bits) * ONE)?;
+        let held = site.buffer("intervals", interval_bytes)?;
+        let radiance = site.buffer("light of cones", radiance_bytes)?;
+        let faces = 4 * site.cells() * PACKED;
+        let received = site.buffer("received", faces)?;
+        let bounces = site.settings.bounces.limit();
+        let sent = site.buffer("sent", if bounces > 0 { faces } else { PACKED })?;
+
+        let mut quadrant = Quadrant::new(look, &ways, settings.beams, intervals.tile);
+        // Bounces after the first are all the same.
+        let bounced = [false, true].map(|sends| match bounces > u32::from(sends) {
+            true => quadrant.gather(&axes, sends, false),
+            false => Vec::new(),
+        });
+        let seen = quadrant.gather(&axes, bounces > 0, true);
+        let sweeps = Sweeps::new(site.device, quadrant.sweeps());
+        let told = || sweeps.binding();
+        let (emission, matter) = (&site.textures.emission, &site.textures.tint_opacity);
+        let [ways, cones] = &tables;
+        let bound = Bound {
+            slabs: site.bind(
+                &self.slabs,
+                &[
+                    told(),
+                    view(emission),
+                    view(matter),
+                    whole(&sent),
+                    whole(&bits),
+                    whole(&received),
+                ],
+            ),
+            trace: site.bind(
+                &intervals.trace,
+                &[
+                    told(),
+                    whole(ways),
+                    whole(&bits),
+                    view(emission),
+                    view(matter),
+                    whole(&sent),
+                    whole(&held),
+                ],
+            ),
+            extend: site.bind(&intervals.extend, &[told(), whole(&held)]),
+            cones: site
+                .bind(&intervals.cones, &[told(), whole(cones), whole(&held), whole(&radiance)]),
+            hop: site.bind(
+                &self.hop,
+                &[
+                    told(),
+                    whole(ways),
+                    whole(&bits),
+                    view(emission),
+                    view(matter),
+                    whole(&sent),
+                    whole(cones),
+                    whole(&radiance),
+                    whole(light),
+                    whole(&received),
+                    view(&site.textures.albedo),
+                ],
+            ),
+        };
+        let resources = [
+            view(matter),
+            view(&site.textures.albedo),
+            whole(&received),
+            whole(&sent),
+            whole(light),
+        ];
+        let faces = site.bind(&self.faces, &resources);
+        let mut dispatches = Vec::new();
+        for bounce in 0..bounces {
+            let gather = &bounced[usize::from(bounce > 0)];
+            dispatches.extend(gather.iter().map(|step| self.dispatch(intervals, &bound, step)));
+            dispatches.push(site.over_cells(&self.faces, 0, &faces, None));
+        }
+        dispatches.extend(seen.iter().map(|step| self.dispatch(intervals, &bound, step)));
+        dispatches.push(site.over_cells(&self.faces, 1, &faces, None));
+        Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())] })
+    }
+
+    fn dispatch(&self, intervals: &Intervals, bound: &Bound, step: &Step) -> Dispatch {
+        let (kernels, entry, bound) = match step.work {
+            Work::Slabs => (&self.slabs, 0, &bound.slabs),
+            Work::Trace => (&intervals.trace, 0, &bound.trace),
+            Work::Extend => (&intervals.extend, 0, &bound.extend),
+            Work::Cones => (&intervals.cones, 0, &bound.cones),
+            Work::Finish => (&intervals.cones, 1, &bound.cones),
+            Work::Hop => (&self.hop, 0, &bound.hop),
+            Work::Onto => (&self.onto, 0, &bound.hop),
+        };
+        Dispatch::new(&kernels.entries[entry], bound, Some(step.sweep), step.groups)
+    }
+}
+
+const CELLS: &[(&str, f64)] = &[
+    ("MATTER", MATTER.trailing_zeros() as f64),
+    ("FRACTION", FRACTION.trailing_zeros() as f64),
+    ("GLOWING", GLOWING.trailing_zeros() as f64),
+];
+const MARCH: &[(&str, f64)] = &[("VANISHED", VANISHED as f64), ("LOG_OF_ZERO", LOG_OF_ZERO as f64)];

@@ -1,0 +1,318 @@
+//! The runs of a gather, in order: which kernel, over what, told what.
+
+use super::TILE;
+use super::lattice::Lattice;
+use super::sweep::Sweep;
+use super::tables::Ways;
+use lamplight::methods::holographic::planes;
+use lamplight::methods::holographic::ways::Look;
+
+/// The grid along an axis.
+#[derive(Debug)]
+pub struct Axis {
+    /// 0: slabs are columns; 1: rows.
+    pub axis: u32,
+    pub lattice: Lattice,
+    /// Where each level begins in the table of cones.
+    pub cones: Vec<u32>,
+    /// Where the bits of cells begin.
+    pub bits: u32,
+}
+
+/// What a run does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    Slabs,
+    Trace,
+    Extend,
+    Cones,
+    Finish,
+    Hop,
+    Onto,
+}
+
+/// A run: of what, told which sweep, in how many workgroups.
+#[derive(Debug)]
+pub struct Step {
+    pub work: Work,
+    pub sweep: u32,
+    pub groups: [u32; 3],
+}
+
+/// Plans gathers, and collects what their runs are told.
+#[derive(Debug)]
+pub struct Quadrant {
+    look: Look,
+    beams: u32,
+    views: u32,
+    width: u32,
+    /// Rows of a workgroup that extends.
+    tile: u32,
+    sweeps: Vec<Sweep>,
+    steps: Vec<Step>,
+}
+
+impl Quadrant {
+    pub fn new(look: Look, ways: &Ways, width: u32, tile: u32) -> Self {
+        let Ways { beams, views, .. } = *ways;
+        Self { look, beams, views, width, tile, sweeps: Vec::new(), steps: Vec::new() }
+    }
+
+    /// What the runs are told.
+    pub fn sweeps(&self) -> &[Sweep] {
+        &self.sweeps
+    }
+
+    /// Gathers light from all sides: `sends`: with what surfaces send on; `all`: to all pixels, else to
+    /// surfaces only.
+    pub fn gather(&mut self, axes: &[Axis], sends: bool, all: bool) -> Vec<Step> {
+        for axis in axes {
+            let sweep = self.sweep(axis, sends);
+            let Lattice { depth, rows, .. } = axis.lattice;
+            self.push(Work::Slabs, sweep, [depth.div_ceil(64), rows.div_ceil(32), 1]);
+        }
+        for axis in axes {
+            for reversed in [0, 1] {
+                let begins = u32::from(axis.axis == 0 && reversed == 0);
+                let sweep = Sweep { reversed, begins, ..self.sweep(axis, sends) };
+                self.quadrant(axis, sweep, all);
+            }
+        }
+        std::mem::take(&mut self.steps)
+    }
+
+    /// What all runs of an axis are told.
+    fn sweep(&self, axis: &Axis, sends: bool) -> Sweep {
+        Sweep {
+            depth: axis.lattice.depth as u32,
+            rows: axis.lattice.rows as u32,
+            axis: axis.axis,
+            bits: axis.bits,
+            sends: u32::from(sends),
+            least: self.look.least as u32,
+            ..Sweep::default()
+        }
+    }
+
+    fn push(&mut self, work: Work, sweep: Sweep, groups: [usize; 3]) {
+        let groups = groups.map(|count| count as u32);
+        if groups.iter().all(|&count| count > 0) {
+            self.steps.push(Step { work, sweep: self.sweeps.len() as u32, groups });
+            self.sweeps.push(sweep);
+        }
+    }
+
+    fn quadrant(&mut self, axis: &Axis, sweep: Sweep, all: bool) {
+        let lattice = &axis.lattice;
+        let mut chain = Chain { held: vec![None; (lattice.end - lattice.chunk) as usize] };
+        for chunk in (0..lattice.chunks()).rev() {
+            self.trace(lattice, sweep, chunk);
+            self.extend(lattice, sweep, chunk);
+            self.merge_chain(axis, sweep, chunk, &mut chain);
+            self.merge(axis, sweep, chunk);
+            self.hop(axis, sweep, chunk, all);
+        }
+    }
+
+    /// The first level: all planes of the chunk but the grid's first.
+    fn trace(&mut self, lattice: &Lattice, sweep: Sweep, chunk: usize) {
+        let level = lattice.first;
+        let all = 1 << (lattice.chunk - level);
+        let planes = range(chunk * all, all, planes(lattice.depth, level), 1);
+        let first = lattice.first_of(level, chunk);
+        let sweep = Sweep {
+            level,
+            first: planes.start as u32,
+            odd: [lattice.odd(level), 0, 0, 0],
+            odd_first: [first; 4],
+            even: [lattice.even(level), 0],
+            even_first: [first; 2],
+            ways: self.beams,
+            rays: self.width,
+            ..sweep
+        };
+        self.push(Work::Trace, sweep, [lattice.rows.div_ceil(TILE as usize), planes.len(), 1]);
+    }
+
+    /// The levels above: those within the chunk, and those that its near end completes.
+    fn extend(&mut self, lattice: &Lattice, sweep: Sweep, chunk: usize) {
+        // Nothing needs what begins at the grid's near end.
+        let top = if chunk == 0 { lattice.chunk - 1 } else { lattice.chunk };
+        for [level, levels] in lattice.groups(lattice.first, top) {
+            let above = level + levels;
+            let all = 1 << (lattice.chunk - above);
+            let planes = range(chunk * all, all, planes(lattice.depth, above), 0);
+            self.extend_group(lattice, sweep, chunk, [level, levels], planes);
+        }
+        let (mut level, mut plane) = (lattice.chunk, chunk);
+        while plane > 0 && plane.is_multiple_of(2) && level + 1 < lattice.end {
+            plane /= 2;
+            self.extend_group(lattice, sweep, chunk, [level, 1], plane..plane + 1);
+            level += 1;
+        }
+    }
+
+    fn extend_group(
+        &mut self,
+        lattice: &Lattice,
+        sweep: Sweep,
+        chunk: usize,
+        [level, levels]: [u32; 2],
+        planes: std::ops::Range<usize>,
+    ) {
+        let of = |up: usize| level + up as u32;
+        let first = |level| lattice.first_of(level, chunk);
+        let sweep = Sweep {
+            level,
+            levels,
+            first: planes.start as u32,
+            odd: std::array::from_fn(|up| lattice.odd(of(up))),
+            odd_first: std::array::from_fn(|up| first(of(up))),
+            even: [lattice.even(level), lattice.even(level + levels)],
+            even_first: [first(level), first(level + levels)],
+            ..sweep
+        };
+        let slant = ((1usize << levels) - 2) << level;
+        let tiles = tiles(lattice.rows, slant, self.tile as usize);
+        self.push(Work::Extend, sweep, [tiles, 2 << level, planes.len()]);
+    }
+
+    /// Light at the far end of the chunk, from that at the planes of higher levels behind it.
+    fn merge_chain(&mut self, axis: &Axis, sweep: Sweep, chunk: usize, chain: &mut Chain) {
+        let lattice = &axis.lattice;
+        for (level, plane) in chain.missing(lattice, chunk + 1) {
+            let above = plane.div_ceil(2) as u32;
+            let sweep = Sweep {
+                level,
+                levels: 1,
+                first: above,
+                far: above,
+                odd: [lattice.odd(level), 0, 0, 0],
+                odd_first: [plane as u32 / 2; 4],
+                above: lattice.light(level + 1),
+                below: lattice.light(level),
+                below_far: plane as u32,
+                below_planes: 1,
+                cones: axis.cones_from(level),
+                ..sweep
+            };
+            let tiles = tiles(lattice.rows, 1 << level, TILE as usize);
+            self.push(Work::Cones, sweep, [tiles, 2 << level, 1]);
+        }
+    }
+
+    /// Light at all planes of the chunk, down to the level that pixels look at.
+    fn merge(&mut self, axis: &Axis, sweep: Sweep, chunk: usize) {
+        let lattice = &axis.lattice;
+        let (first, depth) = (lattice.first, lattice.depth);
+        for [level, levels] in lattice.groups(first + 1, lattice.chunk).rev() {
+            let all = 1 << (lattice.chunk - level - levels);
+            // Planes whose group has any plane in the grid.
+            let last = (planes(depth, level).saturating_sub(2) >> levels) + 2;
+            let sources = range(chunk * all + 1, all, last, 1);
+            let of = |up: usize| level + up as u32;
+            let sweep = Sweep {
+                level,
+                levels,
+                first: sources.start as u32,
+                far: ((chunk + 1) * all) as u32,
+                odd: std::array::from_fn(|up| lattice.odd(of(up))),
+                odd_first: std::array::from_fn(|up| lattice.first_of(of(up), chunk)),
+                above: lattice.light(level + levels),
+                below: lattice.light(level),
+                below_far: ((chunk + 1) << (lattice.chunk - level)) as u32,
+                below_planes: 1 << (lattice.chunk - level),
+                cones: axis.cones_from(level),
+                ..sweep
+            };
+            let slant = ((1usize << levels) - 1) << level;
+            let tiles = tiles(lattice.rows, slant, TILE as usize);
+            self.push(Work::Cones, sweep, [tiles, 2 << level, sources.len()]);
+        }
+        let all = 1 << (lattice.chunk - first - 1);
+        let sources = range(chunk * all + 1, all, planes(depth, first) / 2 + 1, 1);
+        let sweep = Sweep { first: sources.start as u32, ..self.seen(axis, sweep, chunk) };
+        let rows = lattice.rows.div_ceil(TILE as usize);
+        self.push(Work::Finish, sweep, [rows, 4 << first, sources.len()]);
+    }
+
+    /// What runs that look at the first level are told.
+    fn seen(&self, axis: &Axis, sweep: Sweep, chunk: usize) -> Sweep {
+        let lattice = &axis.lattice;
+        let level = lattice.first;
+        Sweep {
+            level,
+            levels: 1,
+            far: ((chunk + 1) << (lattice.chunk - level - 1)) as u32,
+            odd: [lattice.odd(level), 0, 0, 0],
+            odd_first: [lattice.first_of(level, chunk); 4],
+            above: lattice.light(level + 1),
+            below: lattice.light(level),
+            below_far: ((chunk + 1) << (lattice.chunk - level)) as u32,
+            cones: axis.cones_from(level),
+            ways: self.views,
+            rays: self.look.rays,
+            ..sweep
+        }
+    }
+
+    /// The pixels that look at planes of the chunk.
+    fn hop(&mut self, axis: &Axis, sweep: Sweep, chunk: usize, all: bool) {
+        let lattice = &axis.lattice;
+        let near = |chunk: usize| (chunk << lattice.chunk).saturating_sub(self.look.least - 1);
+        let from = if chunk == 0 { 0 } else { near(chunk) };
+        let last = chunk + 1 == lattice.chunks();
+        let to = if last { lattice.depth } else { near(chunk + 1) };
+        let sweep = Sweep { first: from as u32, ..self.seen(axis, sweep, chunk) };
+        let groups = [lattice.rows.div_ceil(TILE as usize), to - from, 1];
+        if all {
+            self.push(Work::Hop, sweep, groups);
+        }
+        self.push(Work::Onto, sweep, groups);
+    }
+}
+
+impl Axis {
+    /// Where four levels begin in the table of cones, from one on.
+    fn cones_from(&self, level: u32) -> [u32; 4] {
+        let first = (level - self.lattice.first) as usize;
+        std::array::from_fn(|up| self.cones.get(first + up).copied().unwrap_or(0))
+    }
+}
+
+/// Which plane of each level from a chunk's on holds light.
+struct Chain {
+    held: Vec<Option<usize>>,
+}
+
+impl Chain {
+    /// The planes to make, from the top down, so that light is at a plane of the lowest level.
+    fn missing(&mut self, lattice: &Lattice, plane: usize) -> Vec<(u32, usize)> {
+        let mut missing = Vec::new();
+        for (level, held) in (lattice.chunk..).zip(&mut self.held) {
+            let wanted = plane.div_ceil(1 << (level - lattice.chunk));
+            // Beyond the grid there is sky.
+            if *held == Some(wanted) || wanted >= planes(lattice.depth, level) {
+                break;
+            }
+            *held = Some(wanted);
+            missing.push((level, wanted));
+        }
+        missing.reverse();
+        missing
+    }
+}
+
+/// `count` planes from one on, but those under `least` and from `end` on.
+fn range(from: usize, count: usize, end: usize, least: usize) -> std::ops::Range<usize> {
+    let first = from.max(least);
+    first..(from + count).min(end).max(first)
+}
+
+/// Tiles that cover all rows of planes that lie aslant by up to so many rows.
+fn tiles(rows: usize, slant: usize, tile: usize) -> usize {
+    match slant {
+        0 => rows.div_ceil(tile),
+        _ => (rows + slant).div_ceil(tile) + 1,
+    }
+}
