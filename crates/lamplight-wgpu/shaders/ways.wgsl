@@ -3,8 +3,6 @@
 override MATTER: u32;
 override FRACTION: u32;
 override GLOWING: u32;
-// Share of light that counts as none.
-override VANISHED: f32;
 override LOG_OF_ZERO: f32;
 
 const TILE: u32 = 64u;
@@ -101,7 +99,6 @@ fn march(slab: u32, row: u32, lane: u32, first: u32, count: u32) -> Interval {
             let passing = (1.0 - tint_opacity.a) * tint_opacity.rgb;
             let logarithm = select(max(log(passing), vec3f(LOG_OF_ZERO)), vec3f(LOG_OF_ZERO), passing <= vec3f(0.0));
             through = exp(logarithm * bitcast<f32>(ways[i + 1u]));
-            through = select(vec3f(0.0), through, through > vec3f(VANISHED));
         }
         if is(GLOWING, lane, slabs, rows) {
             passed.light += passed.through * (1.0 - through) * sends(at, solid, crossing >> 16u);

@@ -14,7 +14,7 @@ use crate::lighting::Stage;
 use crate::shaders;
 use crate::site::{ONE, Run, Site, view, whole};
 use lamplight::methods::holographic::ways::Look;
-use lamplight::methods::holographic::{CLOSED, FRACTION, GLOWING, MATTER, REACH, VANISHED};
+use lamplight::methods::holographic::{CLOSED, FRACTION, GLOWING, MATTER, REACH};
 use lamplight::stages::transmittance::LOG_OF_ZERO;
 use lattice::Lattice;
 use quadrant::{Axis, Quadrant, Step, Work};
@@ -284,4 +284,4 @@ const CELLS: &[(&str, f64)] = &[
     ("FRACTION", FRACTION.trailing_zeros() as f64),
     ("GLOWING", GLOWING.trailing_zeros() as f64),
 ];
-const MARCH: &[(&str, f64)] = &[("VANISHED", VANISHED as f64), ("LOG_OF_ZERO", LOG_OF_ZERO as f64)];
+const MARCH: &[(&str, f64)] = &[("LOG_OF_ZERO", LOG_OF_ZERO as f64)];

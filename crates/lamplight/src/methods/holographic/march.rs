@@ -4,7 +4,7 @@
 //! where all of it is solid 64 at once, with a bit each: open or not.
 
 use super::interval::{Interval, LANES};
-use super::slabs::{FRACTION, GLOWING, Slabs};
+use super::slabs::{FRACTION, GLOWING, LOG_OF_SOLID, Slabs};
 use super::stencil::Step;
 use crate::stages::transmittance::exp_negative_lanes;
 use fearless_simd::{f32x16, mask32x16, prelude::*, u8x64};
@@ -17,9 +17,6 @@ pub const VECTORS: usize = TILE / LANES;
 
 /// Light of a tile by channel.
 pub type Light<S> = [[f32x16<S>; VECTORS]; 3];
-
-/// Transmittance that counts as none: walls among fog let exactly nothing through.
-pub const VANISHED: f32 = 1e-30;
 
 /// The interval of a ray from sixteen cells of a slab, which crosses only matter of these kinds.
 #[inline(always)]
@@ -36,8 +33,10 @@ pub fn march<S: Simd, const K: usize>(
         let mut through = [f32x16::splat(simd, 1.0); K];
         for k in 0..K {
             through[k] = if kinds.fraction {
-                let t = exp_negative_lanes(load(simd, &slabs.log_pass[k], at) * step.length);
-                t.simd_gt(VANISHED).select(t, f32x16::splat(simd, 0.0))
+                let log = load(simd, &slabs.log_pass[k], at);
+                let t = exp_negative_lanes(log * step.length);
+                // Not even the corner of a wall lets anything through, over a way of no length.
+                log.simd_gt(LOG_OF_SOLID).select(t, f32x16::splat(simd, 0.0))
             } else {
                 load(simd, &slabs.pass[k], at)
             };

@@ -41,7 +41,6 @@ pub mod ways;
 
 pub use cones::{angle, slope};
 pub use hop::CLOSED;
-pub use march::VANISHED;
 pub use onto::REACH;
 pub use pyramid::{levels, planes, rays};
 pub use slabs::{FRACTION, GLOWING, MATTER};

@@ -23,9 +23,8 @@ pub const FRACTION: u8 = 2;
 /// Bit of [`Slabs::kinds`]: the cell gives off light, or sends it on.
 pub const GLOWING: u8 = 4;
 
-/// Logarithm of what a px of wall lets through: so low that not even the corner of a wall lets
-/// anything through, over however short a way.
-const LOG_OF_SOLID: f32 = -1e30;
+/// Stands for the logarithm of what a px of wall lets through.
+pub const LOG_OF_SOLID: f32 = -1e30;
 
 /// The axis that a pair of quadrants looks along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
