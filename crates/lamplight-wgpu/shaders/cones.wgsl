@@ -1,5 +1,5 @@
 // Light by cones, merged down from the far end of the grid (Freeman, Sannikov and Margel 2025), up to
-// three levels at once. With s ∈ {0, 1}, j = 2i + s, k = i + s:
+// four levels at once. With s ∈ {0, 1}, j = 2i + s, k = i + s:
 //
 // planes of odd index: `R_n(p, i) = Σ_s A_{n+1}(j)·r(T_n(p, k)) + t(T_n(p, k))·R_{n+1}(p + v_n(k), j)`;
 // planes of even index are planes of the level above: `R_n(p, i) = Σ_s R_{n+1}(p, j)`.
@@ -8,9 +8,9 @@
 // one before it. Levels between are held in workgroup memory.
 
 // Rows of a tile.
-const TILE: u32 = 64u;
-// Planes times cones times rows of the two levels between, at most.
-const HELD: u32 = 1056u;
+override TILE: u32;
+// Planes times cones times rows of two levels, at most, in tiles of 32 rows.
+const HELD: u32 = 1184u;
 
 // Of each cone of each level: its angle, the sky's share of light from above and from below, and from
 // ahead: ∫ dθ, ∫ |sin θ| dθ of both signs, ∫ cos θ dθ.
@@ -18,7 +18,8 @@ const HELD: u32 = 1056u;
 @group(0) @binding(3) var<storage, read> intervals: array<u32>;
 @group(0) @binding(4) var<storage, read_write> radiance: array<vec2u>;
 
-var<workgroup> held: array<vec3f, HELD>;
+// The third level, and in its place the first, then the second.
+var<workgroup> held: array<vec2u, HELD>;
 
 struct Group {
     // The plane of the topmost level, the cone of the lowest, the first row.
@@ -34,8 +35,13 @@ fn width(up: u32) -> u32 {
 }
 
 fn place_of(up: u32, plane: u32, cone: u32, place: u32) -> u32 {
-    let lower = select(0u, width(1u) << sweep.levels, up == 2u);
-    return lower + ((plane << up) + cone) * width(up) + place;
+    let before = select(0u, width(3u) << sweep.levels, up == 2u);
+    return before + ((plane << up) + cone) * width(up) + place;
+}
+
+// The entry of a cone of the level `up` in the table.
+fn entry(up: u32, cone: u32) -> vec4f {
+    return cones[select(sweep.cones[up & 3u], sweep.cones_top, up == sweep.levels) + cone];
 }
 
 // An interval from a row of the plane of odd index p.
@@ -53,12 +59,12 @@ fn interval(up: u32, p: u32, ray: u32, row: u32) -> Interval {
 // Light of a cone of the level `up` at a place of a plane, counted back from the group's.
 fn load(g: Group, up: u32, plane: u32, cone: u32, place: u32) -> vec3f {
     if up < sweep.levels {
-        return held[place_of(up, plane, cone, place)];
+        return unpack_rgb(held[place_of(up, plane, cone, place)]);
     }
     let number = (g.cone << up) + cone;
     let row = g.row + i32(place);
     if row < 0 || row >= i32(sweep.rows) || g.plane >= planes(sweep.level + up) {
-        return sky_in(cones[sweep.cones[up] + number]);
+        return sky_in(entry(up, number));
     }
     let slot = (sweep.far - g.plane) * (2u << (sweep.level + up)) + number;
     return unpack_rgb(radiance[sweep.above + slot * sweep.rows + u32(row)]);
@@ -69,7 +75,7 @@ fn make(g: Group, up: u32, plane: u32, cone: u32, place: u32) -> vec3f {
     let number = (g.cone << up) + cone;
     let row = g.row - i32(plane << up) * g.shift + i32(place);
     if row < 0 || row >= i32(sweep.rows) || p >= planes(sweep.level + up) {
-        return sky_in(cones[sweep.cones[up] + number]);
+        return sky_in(entry(up, number));
     }
     var light = vec3f(0.0);
     for (var s = 0u; s < 2u; s++) {
@@ -78,7 +84,7 @@ fn make(g: Group, up: u32, plane: u32, cone: u32, place: u32) -> vec3f {
         } else {
             let near = interval(up, p, number + s, u32(row));
             let far = load(g, up + 1u, plane / 2u, 2u * cone + s, place + cone + s);
-            light += near.light * cones[sweep.cones[up + 1u] + 2u * number + s].x + near.through * far;
+            light += near.light * entry(up + 1u, 2u * number + s).x + near.through * far;
         }
     }
     return light;
@@ -96,7 +102,8 @@ fn main(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_index) local
         for (var i = local; i < wide << sweep.levels; i += 256u) {
             let number = i / wide;
             let cone = number & ((1u << up) - 1u);
-            held[i + place_of(up, 0u, 0u, 0u)] = make(g, up, number >> up, cone, i % wide);
+            held[i + place_of(up, 0u, 0u, 0u)] =
+                pack_rgb(make(g, up, number >> up, cone, i % wide));
         }
         workgroupBarrier();
     }
@@ -130,7 +137,7 @@ fn finish(@builtin(global_invocation_id) id: vec3u) {
         let share = select(0.25, 0.75, s == (id.y & 1u));
         let near = interval(0u, p, ray, id.x);
         let row = i32(id.x) + i32(ray) - (1i << sweep.level);
-        let cone = cones[sweep.cones.y + id.y];
+        let cone = entry(1u, id.y);
         var far = sky_in(cone);
         if row >= 0 && row < i32(sweep.rows) && above < planes(sweep.level + 1u) {
             let slot = (sweep.far - above) * count + id.y;

@@ -1,17 +1,17 @@
-// Longer intervals from shorter ones (Freeman, Sannikov and Margel 2025), up to three levels at once:
+// Longer intervals from shorter ones (Freeman, Sannikov and Margel 2025), up to four levels at once:
 // `T_{n+1}(p, 2k) = T_n(p, k) ⊕ T_n(p + v_n(k), k)`, and the rays between are the mean of the two bent
 // ways. A workgroup makes, from the planes of the lowest level that one plane of the topmost spans, all
 // rays between two rays k and k + 1 of the lowest. Levels between are held in workgroup memory; of them
 // only the planes of odd index are needed later and written.
 
-// Rows of a tile: 32 where matter tints, for want of workgroup memory.
+// Rows of a tile: 16 where matter tints, for want of workgroup memory.
 override TILE: u32;
-// Words of the two levels between at most: in tiles of 64 rows or, with three words each, of 32.
-const HELD: u32 = 2928u;
+// Words of two levels that are held, at most: in tiles of 32 rows or, with three words each, of 16.
+const HELD: u32 = 3392u;
 
 @group(0) @binding(2) var<storage, read_write> intervals: array<u32>;
 
-// By level, word, plane, ray and row.
+// By level, word, plane, ray and row; the third level takes the place of the first.
 var<workgroup> held: array<u32, HELD>;
 
 // Rows of a plane of the level `up` above the lowest that are needed: later planes are needed by rays
@@ -26,11 +26,15 @@ fn begin(up: u32, plane: u32) -> u32 {
     return rays * (plane * TILE + (plane * (plane - 1u) / 2u << up));
 }
 
+// Intervals of a level that is held.
+fn size(up: u32) -> u32 {
+    return begin(up, 1u << (sweep.levels - up));
+}
+
 // Where a word of a level that is held begins.
 fn word(up: u32, number: u32) -> u32 {
-    let lowest = begin(1u, 1u << (sweep.levels - 1u));
-    let size = select(begin(2u, 1u << (sweep.levels - 2u)), lowest, up == 1u);
-    return select(WORDS * lowest, 0u, up == 1u) + number * size;
+    let below = select(0u, WORDS * size(1u), up == 2u);
+    return below + number * size(up);
 }
 
 struct Group {
@@ -50,12 +54,12 @@ fn row_of(g: Group, up: u32, plane: u32, place: u32) -> i32 {
 fn stored(g: Group, plane: u32, ray: u32, row: i32) -> vec3u {
     let n = sweep.level;
     let p = (g.plane << sweep.levels) + plane;
-    if row < 0 || row >= i32(sweep.rows) || p >= planes(n) {
+    if row < 0 || row >= i32(sweep.rows) || p >= planes(n) || p == 0u {
         return pack(nothing());
     }
     let odd = (p & 1u) == 1u;
-    let slot = select(p / 2u - sweep.even_first.x, p / 2u - sweep.odd_first.x, odd);
-    let base = select(sweep.even.x, sweep.odd.x, odd);
+    let slot = select(p / 2u - sweep.even_first, p / 2u - sweep.odd_first.x, odd);
+    let base = select(sweep.even, sweep.odd.x, odd);
     let rays = (2u << n) + 1u;
     let at = base + (slot * rays + g.ray + ray) * WORDS * sweep.rows + u32(row);
     var words = vec3u(intervals[at], intervals[at + sweep.rows], 0u);
@@ -119,9 +123,12 @@ fn make(g: Group, up: u32, local: u32) {
             // The last ray is the next group's first, and what is beyond the tile the next tile's.
             let odd = (p & 1u) == 1u;
             let own = place < TILE && (ray + 1u < rays || last);
-            if inside && own && p < planes(n) && (odd || above == sweep.levels) {
-                let slot = select(p / 2u - sweep.even_first.y, p / 2u - sweep.odd_first[above], odd);
-                let base = select(sweep.even.y, sweep.odd[above], odd);
+            let top = above == sweep.levels;
+            if inside && own && p > 0u && p < planes(n) && (odd || top) {
+                let odd_at = select(sweep.odd[above & 3u], sweep.odd_top, top);
+                let odd_first = select(sweep.odd_first[above & 3u], sweep.odd_top_first, top);
+                let slot = p / 2u - select(sweep.even_top_first, odd_first, odd);
+                let base = select(sweep.even_top, odd_at, odd);
                 let number = (g.ray << above) + ray;
                 let at = base + (slot * all + number) * WORDS * sweep.rows + u32(row);
                 intervals[at] = words.x;

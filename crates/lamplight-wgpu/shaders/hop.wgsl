@@ -34,7 +34,7 @@ struct Pixel {
 // Light of a cone on the plane ahead.
 fn far(pixel: Pixel, cone: u32, row: i32) -> vec3f {
     if row < 0 || row >= i32(sweep.rows) || pixel.plane >= planes(sweep.level) {
-        return sky_in(cones[sweep.cones.y + cone]);
+        return sky_in(cones[sweep.cones_top + cone]);
     }
     // Of even index it is a plane of the level above.
     let odd = (pixel.plane & 1u) == 1u;

@@ -15,13 +15,21 @@ struct Sweep {
     first: u32,
     // The plane of the topmost level at the far end.
     far: u32,
-    // Where planes of odd index of each level begin, and half the index of the first of them.
+    // Where planes of odd index begin, of the four lowest levels and of the topmost, and half the index
+    // of the first of them.
     odd: vec4u,
     odd_first: vec4u,
-    // Where planes of even index of the lowest and of the topmost level begin; the first's half index.
-    even: vec2u,
-    even_first: vec2u,
-    // Where the cones of each level begin in the table of cones.
+    odd_top: u32,
+    odd_top_first: u32,
+    // The same of planes of even index, of the lowest level and of the topmost.
+    even: u32,
+    even_first: u32,
+    even_top: u32,
+    even_top_first: u32,
+    // Where the cones of the topmost level begin in the table of cones, and below of the four lowest.
+    cones_top: u32,
+    // 1: it is the first quadrant.
+    begins: u32,
     cones: vec4u,
     // Where the light of the topmost and of the lowest level begins; of the lowest, the plane that is
     // held first, and how many are before it.
@@ -33,8 +41,6 @@ struct Sweep {
     bits: u32,
     // 1: surfaces send light on.
     sends: u32,
-    // 1: it is the first quadrant.
-    begins: u32,
     // Px to the plane that pixels look to at least; planes lie 2^level px apart.
     least: u32,
     // Where the ways begin.

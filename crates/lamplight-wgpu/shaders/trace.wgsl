@@ -21,8 +21,8 @@ fn main(
     }
     let rays = 2u * length + 1u;
     let odd = (plane & 1u) == 1u;
-    let place = select(plane / 2u - sweep.even_first.x, plane / 2u - sweep.odd_first.x, odd);
-    let base = select(sweep.even.x, sweep.odd.x, odd);
+    let place = select(plane / 2u - sweep.even_first, plane / 2u - sweep.odd_first.x, odd);
+    let base = select(sweep.even, sweep.odd.x, odd);
     // A beam: a mask of two words a slab, then where each ray's crossings begin and their number.
     let masks = 2u * (length + 1u);
     let size = masks + 2u * sweep.rays;

@@ -1,6 +1,8 @@
 //! A compute pipeline, what it is bound to, and how often it runs.
 
+use crate::cost::Traffic;
 use crate::shaders::Shader;
+use std::num::NonZeroU64;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindGroupLayoutEntry, BindingResource, BindingType, BufferBindingType, ComputePass,
@@ -35,7 +37,8 @@ pub const STEP_BYTES: u32 = 256;
 /// A shader's entry point, compiled.
 #[derive(Clone, Debug)]
 pub struct Kernel {
-    label: &'static str,
+    pub label: &'static str,
+    pub entry: &'static str,
     pipeline: ComputePipeline,
 }
 
@@ -44,6 +47,7 @@ pub struct Kernel {
 pub struct Kernels {
     label: &'static str,
     layout: BindGroupLayout,
+    slots: Vec<Slot>,
     pub entries: Vec<Kernel>,
 }
 
@@ -52,7 +56,7 @@ impl Kernels {
     pub fn new(
         device: &Device,
         shader: &Shader,
-        entries: &[&str],
+        entries: &[&'static str],
         slots: &[Slot],
         constants: &[(&str, f64)],
     ) -> Self {
@@ -70,8 +74,9 @@ impl Kernels {
             label: Some(label),
             source: ShaderSource::Wgsl(shader.text().into()),
         });
-        let compile = |entry: &&str| Kernel {
+        let compile = |&entry: &&'static str| Kernel {
             label,
+            entry,
             pipeline: device.create_compute_pipeline(&ComputePipelineDescriptor {
                 label: Some(label),
                 layout: Some(&pipeline_layout),
@@ -85,20 +90,47 @@ impl Kernels {
             }),
         };
         let entries = entries.iter().map(compile).collect();
-        Self { label, layout, entries }
+        Self { label, layout, slots: slots.to_vec(), entries }
     }
 
     /// Binds resources to the slots, in order.
-    pub fn bind(&self, device: &Device, resources: &[BindingResource]) -> BindGroup {
+    pub fn bind(&self, device: &Device, resources: &[BindingResource]) -> Bound {
         let entries: Vec<_> = (0..)
             .zip(resources)
             .map(|(binding, resource)| BindGroupEntry { binding, resource: resource.clone() })
             .collect();
-        device.create_bind_group(&BindGroupDescriptor {
+        let group = device.create_bind_group(&BindGroupDescriptor {
             label: Some(self.label),
             layout: &self.layout,
             entries: &entries,
-        })
+        });
+        let slots = self.slots.iter().zip(resources);
+        Bound { group, traffic: slots.map(|(slot, resource)| traffic(*slot, resource)).sum() }
+    }
+}
+
+/// What is bound to a kernel, and what a run moves that looks at all of it once.
+#[derive(Clone, Debug)]
+pub struct Bound {
+    group: BindGroup,
+    traffic: Traffic,
+}
+
+fn traffic(slot: Slot, resource: &BindingResource) -> Traffic {
+    let bytes = match resource {
+        BindingResource::Buffer(part) => {
+            part.size.map_or(part.buffer.size() - part.offset, NonZeroU64::get)
+        }
+        BindingResource::TextureView(view) => {
+            let texture = view.texture();
+            let texel = texture.format().block_copy_size(None).unwrap_or(0);
+            u64::from(texture.width()) * u64::from(texture.height()) * u64::from(texel)
+        }
+        _ => 0,
+    };
+    match slot {
+        Slot::Write | Slot::Picture => Traffic { read: 0, written: bytes },
+        _ => Traffic { read: bytes, written: 0 },
     }
 }
 
@@ -130,8 +162,9 @@ fn place(binding: u32, slot: Slot) -> BindGroupLayoutEntry {
 /// One run of a kernel.
 #[derive(Clone, Debug)]
 pub struct Dispatch {
-    kernel: Kernel,
+    pub kernel: Kernel,
     bound: BindGroup,
+    pub traffic: Traffic,
     /// Bytes to the step, or the parameters, that it is told.
     offset: Option<u32>,
     groups: [u32; 3],
@@ -139,16 +172,17 @@ pub struct Dispatch {
 
 impl Dispatch {
     /// In so many workgroups; with `step`, told the entry of that number.
-    pub fn new(kernel: &Kernel, bound: &BindGroup, step: Option<u32>, groups: [u32; 3]) -> Self {
+    pub fn new(kernel: &Kernel, bound: &Bound, step: Option<u32>, groups: [u32; 3]) -> Self {
         let offset = step.map(|step| step * STEP_BYTES);
-        Self { kernel: kernel.clone(), bound: bound.clone(), offset, groups }
+        let Bound { group, traffic } = bound.clone();
+        Self { kernel: kernel.clone(), bound: group, traffic, offset, groups }
     }
 
     /// Over every cell of a grid.
     pub fn over(
         [width, height]: [u32; 2],
         kernel: &Kernel,
-        bound: &BindGroup,
+        bound: &Bound,
         step: Option<u32>,
     ) -> Self {
         let groups = [width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1];

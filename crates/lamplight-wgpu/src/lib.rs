@@ -25,6 +25,7 @@
 //! # }
 //! ```
 
+mod cost;
 pub mod error;
 mod frame;
 mod kernel;
@@ -38,6 +39,7 @@ mod shared;
 mod site;
 mod stages;
 
+pub use cost::{Cost, KernelCost, Traffic};
 pub use error::{Error, Result};
 pub use lighting::{Lighting, Stage, check};
 pub use matter::Textures;

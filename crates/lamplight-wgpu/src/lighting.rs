@@ -1,5 +1,6 @@
 //! The middleware: what a host makes once, prepares and records every frame.
 
+use crate::cost::Cost;
 use crate::frame::Frame;
 use crate::kernel::Dispatch;
 use crate::matter::{Textures, Upload};
@@ -212,9 +213,10 @@ impl Lighting {
         stages.find(|(name, _)| *name == stage).map(|(_, buffer)| buffer)
     }
 
-    /// Bytes of the buffers that the grid last prepared takes, without textures.
-    pub fn memory(&self) -> u64 {
-        self.grid.as_ref().map_or(0, |grid| grid.memory)
+    /// What a frame of the grid last prepared takes; nothing before the first.
+    pub fn cost(&self) -> Option<Cost> {
+        let grid = self.grid.as_ref()?;
+        Some(Cost::new(grid.frame.dispatches.iter().chain(&grid.output), grid.memory))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where a frame is planned: the grid, its matter, and the buffers that are made for it.
 
-use crate::kernel::{Dispatch, Kernels};
+use crate::kernel::{Bound, Dispatch, Kernels};
 use crate::lighting::Stage;
 use crate::matter::Textures;
 use crate::options::Options;
@@ -8,9 +8,7 @@ use crate::shared::Shared;
 use crate::{Error, Result};
 use lamplight::Settings;
 use std::cell::Cell;
-use wgpu::{
-    BindGroup, BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView,
-};
+use wgpu::{BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView};
 
 /// Bytes of four floats.
 pub const FOUR: u64 = 16;
@@ -92,7 +90,7 @@ impl<'a> Site<'a> {
     }
 
     /// Binds the frame and these resources.
-    pub fn bind(&self, kernels: &Kernels, resources: &[BindingResource]) -> BindGroup {
+    pub fn bind(&self, kernels: &Kernels, resources: &[BindingResource]) -> Bound {
         let mut all = vec![self.shared.frame.as_entire_binding()];
         all.extend_from_slice(resources);
         kernels.bind(self.device, &all)
@@ -103,7 +101,7 @@ impl<'a> Site<'a> {
         &self,
         kernels: &Kernels,
         entry: usize,
-        bound: &BindGroup,
+        bound: &Bound,
         step: Option<u32>,
     ) -> Dispatch {
         Dispatch::over(self.size, &kernels.entries[entry], bound, step)
@@ -111,12 +109,7 @@ impl<'a> Site<'a> {
 
     /// Runs that go to and fro between two halves, bound by which they write: to begin, into the
     /// first; so many times, told which; and to finish.
-    pub fn ping_pong(
-        &self,
-        kernels: &Kernels,
-        halves: [BindGroup; 2],
-        times: u32,
-    ) -> Vec<Dispatch> {
+    pub fn ping_pong(&self, kernels: &Kernels, halves: [Bound; 2], times: u32) -> Vec<Dispatch> {
         let entry = |step: u32| match step {
             0 => 0,
             step if step <= times => 1,

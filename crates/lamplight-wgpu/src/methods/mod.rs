@@ -14,8 +14,8 @@ use wgpu::{Buffer, Device, Queue};
 /// The method that settings ask for, compiled.
 #[derive(Debug)]
 pub enum Method {
-    Holographic(Holographic),
-    Raymarch(Raymarch),
+    Holographic(Box<Holographic>),
+    Raymarch(Box<Raymarch>),
 }
 
 impl Method {
@@ -23,9 +23,11 @@ impl Method {
     pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Result<Self> {
         check(settings)?;
         match settings.method {
-            lamplight::Method::Holographic => Ok(Self::Holographic(Holographic::new(device))),
+            lamplight::Method::Holographic => {
+                Ok(Self::Holographic(Box::new(Holographic::new(device))))
+            }
             lamplight::Method::Raymarch => {
-                Ok(Self::Raymarch(Raymarch::new(device, queue, settings)))
+                Ok(Self::Raymarch(Box::new(Raymarch::new(device, queue, settings))))
             }
             other => Err(Error::NotYet { what: format!("the method {}", other.name()) }),
         }

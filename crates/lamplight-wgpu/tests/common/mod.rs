@@ -4,13 +4,18 @@ use lamplight::{Cells, Matter, Rgb};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{Lighting, Stage};
 use wgpu::{
-    Backends, Device, DeviceDescriptor, Instance, InstanceDescriptor, PowerPreference, Queue,
-    RequestAdapterOptions,
+    Backends, Device, DeviceDescriptor, Instance, InstanceDescriptor, Limits, PowerPreference,
+    Queue, RequestAdapterOptions,
 };
 
 /// The machine's best GPU, a software one where there is no other, with no more than the web's
 /// default limits. Without any the test fails: `cargo xtask test` installs a software one.
 pub fn device() -> (Device, Queue) {
+    device_with(|_| ())
+}
+
+/// The same with lower limits.
+pub fn device_with(lower: impl Fn(&mut Limits)) -> (Device, Queue) {
     let mut descriptor = InstanceDescriptor::new_without_display_handle();
     descriptor.backends = Backends::PRIMARY;
     let instance = Instance::new(descriptor);
@@ -21,7 +26,10 @@ pub fn device() -> (Device, Queue) {
     let adapter = pollster::block_on(instance.request_adapter(&options))
         .expect("no GPU; on Debian: apt-get install mesa-vulkan-drivers");
     println!("{:?}", adapter.get_info());
-    pollster::block_on(adapter.request_device(&DeviceDescriptor::default())).unwrap()
+    let mut required_limits = Limits::default();
+    lower(&mut required_limits);
+    let wanted = DeviceDescriptor { required_limits, ..DeviceDescriptor::default() };
+    pollster::block_on(adapter.request_device(&wanted)).unwrap()
 }
 
 /// Lights cells, and fetches the light.

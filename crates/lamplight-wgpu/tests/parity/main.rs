@@ -1,9 +1,10 @@
-//! The GPU held to the CPU, stage by stage and frame by frame.
+//! The GPU held to the CPU, stage by stage and frame by frame, and to what it may cost.
 
 #[path = "../common/mod.rs"]
 mod common;
 
 mod compare;
+mod cost;
 mod holographic;
 mod raymarch;
 mod stages;

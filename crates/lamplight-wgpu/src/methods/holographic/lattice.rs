@@ -7,11 +7,6 @@
 
 use lamplight::methods::holographic::{levels, planes, rays};
 
-/// Cells that a chunk holds, about: enough to keep a large GPU busy, few enough to hold little.
-const CHUNK: u64 = 1 << 17;
-/// Chunks at most, unless memory wants more: each costs a few dispatches a level.
-const MOST_CHUNKS: u64 = 4;
-
 /// The grid of a quadrant and its opposite.
 #[derive(Debug)]
 pub struct Lattice {
@@ -38,18 +33,16 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// For a grid `depth` slabs deep; `smaller`: with chunks so many times halved.
+    /// For a grid `depth` slabs deep, in chunks that are so many times halved.
     pub fn new(
         [depth, rows]: [usize; 2],
         first: u32,
         words: u64,
         fused: u32,
-        smaller: u32,
+        halvings: u32,
     ) -> Self {
         let end = levels(depth, first);
-        let cells = depth as u64 * rows as u64;
-        let chunks = cells.div_ceil(CHUNK).min(MOST_CHUNKS).next_power_of_two();
-        let chunk = end.saturating_sub(chunks.ilog2() + smaller).max(first + 1);
+        let chunk = end.saturating_sub(halvings).max(first + 1);
         let mut lattice = Self {
             depth,
             rows,

@@ -7,9 +7,10 @@ mod lattice;
 mod quadrant;
 pub mod sweep;
 mod tables;
+mod traffic;
 
 use crate::Result;
-use crate::kernel::{Dispatch, Kernels, Slot};
+use crate::kernel::{Bound, Dispatch, Kernels, Slot};
 use crate::lighting::Stage;
 use crate::shaders;
 use crate::site::{ONE, Run, Site, view, whole};
@@ -21,12 +22,17 @@ use quadrant::{Axis, Quadrant, Step, Work};
 use sweep::Sweeps;
 use tables::Ways;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{BindGroup, Buffer, BufferUsages, Device};
+use wgpu::{Buffer, BufferUsages, Device};
 
 /// Bytes of light in a lattice, and on a face.
 const PACKED: u64 = 8;
-/// Rows of a workgroup.
+/// Bytes of a quadrant that are held a cell, for each word of an interval; less means more dispatches.
+const MOST_HELD: u64 = 58;
+/// Bytes that are not worth a dispatch.
+const LITTLE: u64 = 16 << 20;
+/// Rows of a workgroup that traces or looks; rows of one that merges cones.
 const TILE: u32 = 64;
+const CONES_TILE: u32 = 32;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -57,7 +63,7 @@ impl Intervals {
         let stored = ("WORDS", f64::from(words));
         let tracing = [CELLS, MARCH, &[stored]].concat();
         let slots = [Uniform, Slot::Step, Read, Read, Texture, Texture, Read, Write];
-        let kernels = |shader, entries: &[_], slots: &[_], constants: &[_]| {
+        let kernels = |shader, entries: &[&'static str], slots: &[_], constants: &[_]| {
             Kernels::new(device, shader, entries, slots, constants)
         };
         Self {
@@ -74,19 +80,19 @@ impl Intervals {
                 &shaders::CONES,
                 &["main", "finish"],
                 &[Uniform, Slot::Step, Read, Read, Write],
-                &[stored],
+                &[stored, ("TILE", f64::from(CONES_TILE))],
             ),
         }
     }
 }
 
-/// What a quadrant's runs are bound to.
-struct Bound {
-    slabs: BindGroup,
-    trace: BindGroup,
-    extend: BindGroup,
-    cones: BindGroup,
-    hop: BindGroup,
+/// What runs are bound to.
+struct Bindings {
+    slabs: Bound,
+    trace: Bound,
+    extend: Bound,
+    cones: Bound,
+    hop: Bound,
 }
 
 impl Holographic {
@@ -124,7 +130,7 @@ impl Holographic {
                 &[Uniform, Slot::Step, Texture, Texture, Read, Write, Write],
                 CELLS,
             ),
-            intervals: [Intervals::new(device, 2, 64), Intervals::new(device, 3, 32)],
+            intervals: [Intervals::new(device, 2, 32), Intervals::new(device, 3, 16)],
             hop: hop(false),
             onto: hop(true),
             faces: Kernels::new(
@@ -143,22 +149,24 @@ impl Holographic {
         let intervals = &self.intervals[usize::from(site.tinted)];
         let [width, height] = site.size.map(|side| side as usize);
         let sides = [[width, height], [height, width]];
-        let fits = |smaller| {
-            let words = u64::from(intervals.words);
-            let lattice =
-                |side| Lattice::new(side, look.level, words, site.options.fused_levels, smaller);
-            let lattices = sides.map(lattice);
+        let words = u64::from(intervals.words);
+        let lay_out = |halvings| {
+            let lattices = sides.map(|sides| {
+                Lattice::new(sides, look.level, words, site.options.fused_levels, halvings)
+            });
             let most = |of: fn(&Lattice) -> u64| of(&lattices[0]).max(of(&lattices[1]));
             let bytes = [most(|l| l.intervals) * ONE, most(|l| l.radiance) * PACKED];
             (lattices, bytes)
         };
-        // In smaller chunks if the device cannot bind as much.
-        let smaller = (0..u32::BITS).find(|&smaller| {
-            let (lattices, bytes) = fits(smaller);
+        // In smaller chunks where much memory would be held, or more than the device can bind.
+        let enough = (site.cells() * words * MOST_HELD).max(LITTLE);
+        let halvings = (0..u32::BITS).find(|&halvings| {
+            let (lattices, bytes) = lay_out(halvings);
             let smallest = lattices.iter().all(|l| l.chunk == l.first + 1);
-            smallest || bytes.iter().all(|&bytes| bytes <= site.most_bytes())
+            let bound = bytes.iter().all(|&bytes| bytes <= site.most_bytes());
+            smallest || (bound && bytes.iter().sum::<u64>() <= enough)
         });
-        let (lattices, [interval_bytes, radiance_bytes]) = fits(smaller.unwrap_or(0));
+        let (lattices, [interval_bytes, radiance_bytes]) = lay_out(halvings.unwrap_or(0));
 
         let ways = Ways::new(look, settings.beams);
         let mut cones: Vec<[f32; 4]> = Vec::new();
@@ -191,7 +199,8 @@ impl Holographic {
         let bounces = site.settings.bounces.limit();
         let sent = site.buffer("sent", if bounces > 0 { faces } else { PACKED })?;
 
-        let mut quadrant = Quadrant::new(look, &ways, settings.beams, intervals.tile);
+        let mut quadrant =
+            Quadrant::new(look, &ways, settings.beams, [intervals.tile, intervals.words]);
         // Bounces after the first are all the same.
         let bounced = [false, true].map(|sends| match bounces > u32::from(sends) {
             true => quadrant.gather(&axes, sends, false),
@@ -202,7 +211,7 @@ impl Holographic {
         let told = || sweeps.binding();
         let (emission, matter) = (&site.textures.emission, &site.textures.tint_opacity);
         let [ways, cones] = &tables;
-        let bound = Bound {
+        let bound = Bindings {
             slabs: site.bind(
                 &self.slabs,
                 &[
@@ -265,7 +274,7 @@ impl Holographic {
         Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())] })
     }
 
-    fn dispatch(&self, intervals: &Intervals, bound: &Bound, step: &Step) -> Dispatch {
+    fn dispatch(&self, intervals: &Intervals, bound: &Bindings, step: &Step) -> Dispatch {
         let (kernels, entry, bound) = match step.work {
             Work::Slabs => (&self.slabs, 0, &bound.slabs),
             Work::Trace => (&intervals.trace, 0, &bound.trace),
@@ -275,7 +284,9 @@ impl Holographic {
             Work::Hop => (&self.hop, 0, &bound.hop),
             Work::Onto => (&self.onto, 0, &bound.hop),
         };
-        Dispatch::new(&kernels.entries[entry], bound, Some(step.sweep), step.groups)
+        let mut run = Dispatch::new(&kernels.entries[entry], bound, Some(step.sweep), step.groups);
+        run.traffic = step.traffic;
+        run
     }
 }
 

@@ -1,9 +1,11 @@
 //! The runs of a gather, in order: which kernel, over what, told what.
 
-use super::TILE;
 use super::lattice::Lattice;
 use super::sweep::Sweep;
 use super::tables::Ways;
+use super::traffic::traffic;
+use super::{CONES_TILE, TILE};
+use crate::cost::Traffic;
 use lamplight::methods::holographic::planes;
 use lamplight::methods::holographic::ways::Look;
 
@@ -37,6 +39,7 @@ pub struct Step {
     pub work: Work,
     pub sweep: u32,
     pub groups: [u32; 3],
+    pub traffic: Traffic,
 }
 
 /// Plans gathers, and collects what their runs are told.
@@ -46,16 +49,17 @@ pub struct Quadrant {
     beams: u32,
     views: u32,
     width: u32,
-    /// Rows of a workgroup that extends.
+    /// Rows of a workgroup that extends, and words of an interval.
     tile: u32,
+    words: u32,
     sweeps: Vec<Sweep>,
     steps: Vec<Step>,
 }
 
 impl Quadrant {
-    pub fn new(look: Look, ways: &Ways, width: u32, tile: u32) -> Self {
+    pub fn new(look: Look, ways: &Ways, width: u32, [tile, words]: [u32; 2]) -> Self {
         let Ways { beams, views, .. } = *ways;
-        Self { look, beams, views, width, tile, sweeps: Vec::new(), steps: Vec::new() }
+        Self { look, beams, views, width, tile, words, sweeps: Vec::new(), steps: Vec::new() }
     }
 
     /// What the runs are told.
@@ -97,7 +101,8 @@ impl Quadrant {
     fn push(&mut self, work: Work, sweep: Sweep, groups: [usize; 3]) {
         let groups = groups.map(|count| count as u32);
         if groups.iter().all(|&count| count > 0) {
-            self.steps.push(Step { work, sweep: self.sweeps.len() as u32, groups });
+            let traffic = traffic(work, &sweep, groups, self.words.into());
+            self.steps.push(Step { work, sweep: self.sweeps.len() as u32, groups, traffic });
             self.sweeps.push(sweep);
         }
     }
@@ -125,8 +130,8 @@ impl Quadrant {
             first: planes.start as u32,
             odd: [lattice.odd(level), 0, 0, 0],
             odd_first: [first; 4],
-            even: [lattice.even(level), 0],
-            even_first: [first; 2],
+            even: lattice.even(level),
+            even_first: first,
             ways: self.beams,
             rays: self.width,
             ..sweep
@@ -168,8 +173,12 @@ impl Quadrant {
             first: planes.start as u32,
             odd: std::array::from_fn(|up| lattice.odd(of(up))),
             odd_first: std::array::from_fn(|up| first(of(up))),
-            even: [lattice.even(level), lattice.even(level + levels)],
-            even_first: [first(level), first(level + levels)],
+            odd_top: lattice.odd(level + levels),
+            odd_top_first: first(level + levels),
+            even: lattice.even(level),
+            even_first: first(level),
+            even_top: lattice.even(level + levels),
+            even_top_first: first(level + levels),
             ..sweep
         };
         let slant = ((1usize << levels) - 2) << level;
@@ -194,9 +203,10 @@ impl Quadrant {
                 below_far: plane as u32,
                 below_planes: 1,
                 cones: axis.cones_from(level),
+                cones_top: axis.cones_from(level + 1)[0],
                 ..sweep
             };
-            let tiles = tiles(lattice.rows, 1 << level, TILE as usize);
+            let tiles = tiles(lattice.rows, 1 << level, CONES_TILE as usize);
             self.push(Work::Cones, sweep, [tiles, 2 << level, 1]);
         }
     }
@@ -223,10 +233,11 @@ impl Quadrant {
                 below_far: ((chunk + 1) << (lattice.chunk - level)) as u32,
                 below_planes: 1 << (lattice.chunk - level),
                 cones: axis.cones_from(level),
+                cones_top: axis.cones_from(level + levels)[0],
                 ..sweep
             };
             let slant = ((1usize << levels) - 1) << level;
-            let tiles = tiles(lattice.rows, slant, TILE as usize);
+            let tiles = tiles(lattice.rows, slant, CONES_TILE as usize);
             self.push(Work::Cones, sweep, [tiles, 2 << level, sources.len()]);
         }
         let all = 1 << (lattice.chunk - first - 1);
@@ -250,6 +261,7 @@ impl Quadrant {
             below: lattice.light(level),
             below_far: ((chunk + 1) << (lattice.chunk - level)) as u32,
             cones: axis.cones_from(level),
+            cones_top: axis.cones_from(level + 1)[0],
             ways: self.views,
             rays: self.look.rays,
             ..sweep

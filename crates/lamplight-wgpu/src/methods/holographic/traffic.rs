@@ -1,0 +1,60 @@
+//! What the runs of a quadrant move: everything that a run reads or writes, once.
+
+use super::PACKED;
+use super::quadrant::Work;
+use super::sweep::Sweep;
+use crate::cost::Traffic;
+use crate::site::FOUR;
+use lamplight::methods::holographic::planes;
+
+/// Bytes of a word.
+const WORD: u64 = 4;
+
+/// What a run moves, with intervals of so many words.
+pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traffic {
+    let Sweep { level, levels, .. } = *sweep;
+    let [rows, level_size] = [u64::from(sweep.rows), 1 << level];
+    let [_, across, deep] = groups.map(u64::from);
+    let interval = words * WORD;
+    // Bits of the cells near a row: 128 rows for a tile of 64, of three kinds, in some slabs.
+    let bits = |slabs: u64| 3 * slabs * rows * 2 / 8;
+    match work {
+        Work::Slabs => Traffic { read: 2 * FOUR * rows, written: bits(1) / 2 },
+        Work::Trace => Traffic {
+            read: across * bits(level_size + 2),
+            written: across * (2 * level_size + 1) * rows * interval,
+        },
+        Work::Extend => {
+            // All planes of the lowest level; of those above the ones of odd index, of the topmost all.
+            // A ray of the lowest level is as many of a higher one as that is levels up.
+            let written: u64 =
+                (1..=levels).map(|up| (1u64 << (levels - up)).div_ceil(2) << up).sum();
+            let [read, written] =
+                [1 << levels, written].map(|rays| across * deep * rays * rows * interval);
+            Traffic { read, written }
+        }
+        Work::Cones => {
+            // Planes of odd index of all levels but the topmost.
+            let near: u64 = (0..levels).map(|up| 1u64 << (levels - up - 1) << up).sum();
+            let made = u64::from(sweep.below_planes.min(1 << levels));
+            // Beyond the last plane there is sky, which is not stored.
+            let end = planes(sweep.depth as usize, level + levels) as u64;
+            let stored = end.saturating_sub(sweep.first.into()).min(deep);
+            let read = (PACKED << levels) * stored + near * interval * deep;
+            Traffic { read: across * rows * read, written: across * rows * deep * made * PACKED }
+        }
+        // Two cones go by each ray.
+        Work::Finish => Traffic {
+            read: across * deep * rows * (PACKED + interval / 2),
+            written: across * deep * rows * PACKED,
+        },
+        Work::Hop => {
+            let cones = 4 * level_size;
+            Traffic {
+                read: across * (bits(2 * level_size) + rows * (cones * PACKED + FOUR)),
+                written: across * rows * FOUR,
+            }
+        }
+        Work::Onto => Traffic { read: across * bits(2 * level_size), written: 0 },
+    }
+}

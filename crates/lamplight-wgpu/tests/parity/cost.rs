@@ -1,0 +1,49 @@
+//! What frames take, by the code's own account.
+
+use crate::common::device;
+use lamplight::settings::Holographic;
+use lamplight::{Cells, Method, Settings};
+use lamplight_wgpu::{Cost, Lighting, Options};
+use wgpu::{Device, Queue};
+
+fn cost((device, queue): &(Device, Queue), preset: &str, side: u32, fused_levels: u32) -> Cost {
+    let mut settings = Settings { method: Method::Holographic, ..Settings::default() };
+    settings.holographic = Holographic::preset(preset).unwrap();
+    let options = Options { fused_levels };
+    let mut lighting = Lighting::with_options(device, queue, settings, options).unwrap();
+    lighting.prepare(device, queue, &Cells::new(side, side).unwrap()).unwrap();
+    lighting.cost().unwrap()
+}
+
+/// Megabytes that a frame may take at 512² and 1024², by preset.
+const MEMORY: [(&str, [u64; 2]); 2] = [("default", [80, 300]), ("fast", [40, 150])];
+
+#[test]
+fn holographic_fuses_levels_and_takes_little_memory() {
+    let gpu = device();
+    for (preset, most) in MEMORY {
+        for (side, most) in [512, 1024].into_iter().zip(most) {
+            let [one, fused] =
+                [1, Options::MOST_FUSED].map(|levels| cost(&gpu, preset, side, levels));
+            let moved = |cost: &Cost, all: bool| {
+                let levels =
+                    |shader, entry| entry == "main" && ["extend", "cones"].contains(&shader);
+                let kernels = cost.kernels.iter().filter(|k| all || levels(k.shader, k.entry));
+                kernels.map(|k| k.traffic.read + k.traffic.written).sum::<u64>() as f64 / 1e6
+            };
+            println!(
+                "{preset} {side}²: one level a dispatch {} dispatches, {:.0} MB moved, {:.0} MB by levels; \
+                 fused {}, {:.0} and {:.0} MB; {:.0} MB held",
+                one.dispatches(),
+                moved(&one, true),
+                moved(&one, false),
+                fused.dispatches(),
+                moved(&fused, true),
+                moved(&fused, false),
+                fused.memory as f64 / 1e6
+            );
+            assert!(fused.memory <= most * 1_000_000, "{} of {most} MB", fused.memory);
+            assert!(moved(&fused, false) <= 0.5 * moved(&one, false), "fused levels move too much");
+        }
+    }
+}
