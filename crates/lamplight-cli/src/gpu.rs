@@ -10,6 +10,7 @@ use lamplight_wgpu::wgpu::{
     PowerPreference, Queue, RequestAdapterOptions,
 };
 use lamplight_wgpu::{Lighting, Stage, check};
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// An open device.
@@ -63,6 +64,7 @@ impl Gpu {
     /// Solves some frames and fetches the light of the last.
     pub fn solve(&self, cells: &Cells, settings: Settings, frames: u32) -> Outcome<Lit> {
         let answer = Answer::By(settings.method);
+        let by_rule = settings.method.lights_lamps();
         let told = to_json(&settings)?;
         let (device, queue) = (&self.device, &self.queue);
         let mut lighting = Lighting::new(device, queue, settings)?;
@@ -77,7 +79,8 @@ impl Gpu {
         let buffer = buffer.ok_or_else(|| Failure::failed("no frame was solved"))?;
         let light: Vec<[f32; 4]> = read_back(device, queue, buffer)?;
         let rgb = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-        let light = Light::from_pixels(&cells.drawn(), rgb)
+        let matter = if by_rule { Cow::Borrowed(cells) } else { cells.drawn() };
+        let light = Light::from_pixels(&matter, rgb)
             .ok_or_else(|| Failure::failed("the GPU gave back another number of cells"))?;
         let total = start.elapsed();
         let place = format!("on the GPU ({})", self.name);

@@ -1,9 +1,6 @@
 // The grid as rays see it: what each cell is and gives off, and the logarithm of what a px lets
 // through. Between bounces what fog sends on is added to what it gives off.
 
-// Logarithm that stands for "lets nothing through"; finite, so that 0 px of it still pass light.
-override LOG_OF_ZERO: f32;
-
 @group(0) @binding(1) var emission: texture_2d<f32>;
 @group(0) @binding(2) var matter: texture_2d<f32>;
 @group(0) @binding(3) var<storage, read_write> source: array<vec4f>;
@@ -34,9 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if tint_opacity.a >= 1.0 {
         kind = SOLID;
     }
-    let through = (1.0 - tint_opacity.a) * tint_opacity.rgb;
-    let logarithm = select(log(through), vec3f(LOG_OF_ZERO), through <= vec3f(0.0));
     let i = index(id.xy);
     source[i] = vec4f(textureLoad(emission, id.xy, 0).rgb * frame.multiplier, kind);
-    logs[i] = vec4f(select(vec3f(0.0), max(logarithm, vec3f(LOG_OF_ZERO)), kind == MEDIUM), 0.0);
+    logs[i] = vec4f(select(vec3f(0.0), log_transmittance(tint_opacity), kind == MEDIUM), 0.0);
 }

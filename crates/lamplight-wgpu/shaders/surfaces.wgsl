@@ -5,10 +5,6 @@
 @group(0) @binding(6) var<storage, read> sent: array<vec4f>;
 @group(0) @binding(7) var<uniform> step: u32;
 
-fn sky(dy: f32) -> vec3f {
-    return mix(frame.horizon, select(frame.ground, frame.zenith, dy < 0.0), abs(dy));
-}
-
 // Seed 1's fading of emission with distance, where it is switched on.
 fn fade(radiance: vec3f, travelled: f32) -> vec3f {
     if frame.fade_range == 0.0 {

@@ -5,8 +5,10 @@
 //! into the host's [`wgpu::CommandEncoder`], and never creates a device, submits or waits. The same
 //! settings give the same light as on the CPU, but for rounding.
 //!
-//! Here so far: seed, jump flood, distance, clear squares, and `raymarch` by both its rules with bounces
-//! inside a frame, from uploaded cells or the host's textures. Whatever else settings ask for is refused by name ([`Error::NotYet`]).
+//! Here so far: seed, jump flood, distance, clear squares, `raymarch` by both its rules with bounces
+//! inside a frame, `polar` and `flood` with all their settings; from uploaded cells, or the host's
+//! textures and lamps ([`Lighting::set_lamps`]). Whatever else settings ask for is refused by name
+//! ([`Error::NotYet`]).
 //!
 //! ```no_run
 //! # fn frame(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), Box<dyn std::error::Error>> {
@@ -29,6 +31,7 @@ mod cost;
 pub mod error;
 mod frame;
 mod kernel;
+mod lamps;
 mod lighting;
 mod matter;
 mod methods;

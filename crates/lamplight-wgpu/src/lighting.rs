@@ -3,6 +3,7 @@
 use crate::cost::Cost;
 use crate::frame::Frame;
 use crate::kernel::Dispatch;
+use crate::lamps::{Lamps, Room};
 use crate::matter::{Textures, Upload};
 use crate::methods;
 use crate::options::Options;
@@ -13,7 +14,7 @@ use crate::stages::output::Output;
 use crate::stages::walls::Walls;
 use crate::{Error, Result};
 use lamplight::settings::{BounceBy, Variant};
-use lamplight::{Bounces, Cells, Method, Settings, Sky};
+use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
 use wgpu::{
     Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
     TextureView,
@@ -33,6 +34,8 @@ pub struct Lighting {
     output: Output,
     grid: Option<Grid>,
     upload: Option<Upload>,
+    lamps: Vec<Lamp>,
+    list: Lamps,
     number: u32,
 }
 
@@ -42,6 +45,7 @@ struct Grid {
     size: [u32; 2],
     textures: Textures,
     tinted: bool,
+    room: Room,
     light: Buffer,
     frame: Run,
     memory: u64,
@@ -90,6 +94,8 @@ impl Lighting {
             options,
             grid: None,
             upload: None,
+            lamps: Vec::new(),
+            list: Lamps::default(),
             number: 0,
         })
     }
@@ -108,10 +114,28 @@ impl Lighting {
             }
         };
         let upload = self.upload.insert(upload);
-        upload.write(queue, &cells.drawn());
+        if self.settings.method.lights_lamps() {
+            upload.write(queue, cells);
+        } else {
+            upload.write(queue, &cells.drawn());
+        }
         let textures = upload.textures.clone();
+        self.lamps.clear();
+        self.lamps.extend_from_slice(cells.lamps());
         let tinted = cells.tint().iter().any(|[r, g, b]| r != g || g != b);
         self.take_over(device, queue, (&textures, tinted), cells.sky())
+    }
+
+    /// Takes over the lamps that light the host's textures ([`Self::prepare_textures`]) from the next
+    /// frame on, for the methods that light lamps by rule (`flood` and `polar`); for the others a lamp
+    /// is what glows in the textures. [`Self::prepare`] takes those of its cells instead.
+    pub fn set_lamps(&mut self, lamps: &[Lamp]) -> Result<()> {
+        for (i, lamp) in lamps.iter().enumerate() {
+            lamp.check(&format_args!("lamp[{i}]"))?;
+        }
+        self.lamps.clear();
+        self.lamps.extend_from_slice(lamps);
+        Ok(())
     }
 
     /// Takes over the host's textures for the next frame. Views that are equal to those of the frame
@@ -134,27 +158,48 @@ impl Lighting {
         sky: Sky,
     ) -> Result<()> {
         sky.check()?;
+        self.settings.method.suits_lamps(&self.lamps)?;
+        self.method.take(&self.lamps, textures.size()?, &self.settings, &mut self.list);
+        let need = self.list.need();
         let grid = match self.grid.take() {
-            Some(grid) if grid.textures == *textures && grid.tinted == tinted => grid,
-            _ => self.plan(device, (textures, tinted))?,
+            Some(grid)
+                if grid.textures == *textures && grid.tinted == tinted && grid.room.holds(need) =>
+            {
+                grid
+            }
+            before => self.plan(device, (textures, tinted), before)?,
         };
         let grid = self.grid.insert(grid);
+        if let Some(lamps) = &grid.frame.lamps {
+            self.list.write(queue, lamps);
+        }
         let frame = Frame::new(grid.size, sky, &self.settings, self.number);
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&frame));
         self.number = self.number.wrapping_add(1);
         Ok(())
     }
 
-    /// Makes buffers, and plans what runs on them.
-    fn plan(&self, device: &Device, (textures, tinted): (&Textures, bool)) -> Result<Grid> {
-        let Self { shared, settings, options, .. } = self;
-        let site = Site::new(device, shared, settings, *options, (textures, tinted))?;
-        let light = site.buffer("light", site.cells() * FOUR)?;
+    /// Makes buffers, and plans what runs on them. Where only lamps have become too many, what the host
+    /// was told of stays: the light, and where else it is written.
+    fn plan(
+        &mut self,
+        device: &Device,
+        (textures, tinted): (&Textures, bool),
+        before: Option<Grid>,
+    ) -> Result<Grid> {
+        let had = before.as_ref().map_or(Room::default(), |grid| grid.room);
+        let Self { shared, settings, options, list, .. } = self;
+        let site = Site::new(device, shared, settings, *options, (textures, tinted))?
+            .with_room(had, list.need())?;
+        let (light, fields, output) = match before.filter(|grid| grid.textures == *textures) {
+            Some(Grid { light, fields, output, .. }) => (site.counted(light), fields, output),
+            None => (site.buffer("light", site.cells() * FOUR)?, None, None),
+        };
         let mut frame = self.method.plan(&site, &light)?;
         frame.dispatches.extend(self.walls.plan(&site, &light)?);
-        let (size, memory) = (site.size, site.memory());
+        let (size, room, memory) = (site.size, site.room, site.memory());
         let textures = textures.clone();
-        Ok(Grid { size, textures, tinted, light, frame, memory, fields: None, output: None })
+        Ok(Grid { size, textures, tinted, room, light, frame, memory, fields, output })
     }
 
     /// Has [`Self::record`] write the light into a texture of the host's too, linear RGB and 1: of the
@@ -234,6 +279,7 @@ fn run<'a>(
 pub fn check(settings: &Settings) -> Result<()> {
     settings.check()?;
     let missing = match () {
+        () if settings.method.lights_lamps() => return Ok(()),
         () if !matches!(settings.method, Method::Raymarch | Method::Holographic) => {
             format!("the method {}", settings.method.name())
         }

@@ -33,10 +33,20 @@ macro_rules! shader {
 pub const SEED: Shader = shader!("seed");
 pub const JUMP_FLOOD: Shader = shader!("jump_flood");
 pub const DISTANCE: Shader = shader!("distance");
-pub const OPTICS: Shader = shader!("optics");
+pub const OPTICS: Shader = shader!("optics", "transmittance");
 pub const CLEARANCE: Shader = shader!("clearance");
-pub const RAYMARCH: Shader = shader!("raymarch", "noise", "surfaces", "march_edge");
-pub const RAYMARCH_DISTANCE: Shader = shader!("raymarch", "noise", "surfaces", "march_distance");
+pub const RAYMARCH: Shader = shader!("raymarch", "noise", "sky", "surfaces", "march_edge");
+pub const RAYMARCH_DISTANCE: Shader =
+    shader!("raymarch", "noise", "sky", "surfaces", "march_distance");
+pub const GROUND: Shader = shader!("ground");
+pub const FLOOD_RAYS: Shader =
+    shader!("flood_rays", "lamps", "angle", "walk", "sky", "transmittance");
+pub const FLOOD: Shader = shader!("flood");
+pub const POLAR_RAYS: Shader =
+    shader!("polar_rays", "lamps", "angle", "walk", "circle", "transmittance", "knots", "fan");
+pub const POLAR_BOUNDS: Shader = shader!("polar_bounds", "lamps", "angle");
+pub const POLAR: Shader =
+    shader!("polar", "lamps", "angle", "walk", "circle", "transmittance", "knots", "fan", "lookup");
 pub const SLABS: Shader = shader!("slabs", "sweep", "packed_rgb");
 pub const TRACE: Shader = shader!("trace", "sweep", "packed_rgb", "interval", "ways");
 pub const EXTEND: Shader = shader!("extend", "sweep", "interval");
@@ -50,10 +60,11 @@ pub const OUTPUT: Shader = shader!("output");
 mod tests {
     use super::*;
     use crate::frame::Frame;
+    use crate::lamps::Lamp;
     use crate::methods::holographic::sweep::Sweep;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-    const ALL: [Shader; 15] = [
+    const ALL: &[Shader] = &[
         SEED,
         JUMP_FLOOD,
         DISTANCE,
@@ -67,6 +78,12 @@ mod tests {
         CONES,
         HOP,
         FACES,
+        GROUND,
+        FLOOD_RAYS,
+        FLOOD,
+        POLAR_RAYS,
+        POLAR_BOUNDS,
+        POLAR,
         WALLS,
         OUTPUT,
     ];
@@ -78,7 +95,7 @@ mod tests {
 
     #[test]
     fn every_shader_is_valid_without_any_extension() {
-        for shader in &ALL {
+        for shader in ALL {
             let module = parsed(shader);
             let valid = Validator::new(ValidationFlags::all(), Capabilities::empty())
                 .subgroup_stages(naga::valid::ShaderStages::empty())
@@ -106,5 +123,6 @@ mod tests {
     fn structures_are_laid_out_as_the_shaders_read_them() {
         laid_out(&SEED, "Frame", &Frame::OFFSETS, size_of::<Frame>());
         laid_out(&TRACE, "Sweep", &Sweep::OFFSETS, size_of::<Sweep>());
+        laid_out(&POLAR, "Lamp", &Lamp::OFFSETS, size_of::<Lamp>());
     }
 }

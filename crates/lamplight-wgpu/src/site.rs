@@ -1,6 +1,7 @@
 //! Where a frame is planned: the grid, its matter, and the buffers that are made for it.
 
 use crate::kernel::{Bound, Dispatch, Kernels};
+use crate::lamps::{Lamps, RAY_BYTES, Room};
 use crate::lighting::Stage;
 use crate::matter::Textures;
 use crate::options::Options;
@@ -26,6 +27,8 @@ pub struct Site<'a> {
     /// Whether matter may let channels through differently.
     pub tinted: bool,
     pub size: [u32; 2],
+    /// For lamps that are lit by rule.
+    pub room: Room,
     /// Bytes of the buffers made so far.
     memory: Cell<u64>,
 }
@@ -36,6 +39,8 @@ pub struct Run {
     pub dispatches: Vec<Dispatch>,
     /// What can be read back.
     pub stages: Vec<(Stage, Buffer)>,
+    /// Where lamps that are lit by rule are written before each frame.
+    pub lamps: Option<Buffer>,
 }
 
 impl<'a> Site<'a> {
@@ -49,8 +54,28 @@ impl<'a> Site<'a> {
     ) -> Result<Self> {
         let size = textures.size()?;
         fits(device, size)?;
-        let memory = Cell::new(0);
-        Ok(Self { device, shared, settings, options, textures, tinted, size, memory })
+        let (room, memory) = (Room::default(), Cell::new(0));
+        Ok(Self { device, shared, settings, options, textures, tinted, size, room, memory })
+    }
+
+    /// The same with room for lamps: as much as there was, or more; refuses more lamps than the device
+    /// can hold.
+    pub fn with_room(self, had: Room, need: Room) -> Result<Self> {
+        let largest = self.most_bytes();
+        let most = Room { lamps: Lamps::most(largest), rays: largest / RAY_BYTES };
+        if !most.holds(need) {
+            let needed = Lamps::bytes(need.lamps).max(need.rays * RAY_BYTES);
+            return Err(too_large(self.size, "bytes for the rays of its lamps", needed, largest));
+        }
+        Ok(Self { room: had.grown(need, most), ..self })
+    }
+
+    /// So many workgroups, in rows as long as the device allows.
+    pub fn groups(&self, count: u64) -> [u32; 3] {
+        let most = u64::from(self.device.limits().max_compute_workgroups_per_dimension);
+        let rows = count.div_ceil(most).max(1);
+        // Both fit: no buffer holds more rays than 2³² bytes do.
+        [count.div_ceil(rows) as u32, rows as u32, 1]
     }
 
     /// Cells of the grid.
@@ -74,9 +99,15 @@ impl<'a> Site<'a> {
         Ok(self.device.create_buffer(&BufferDescriptor {
             label: Some(label),
             size: bytes,
-            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         }))
+    }
+
+    /// A buffer that is there already, counted among those made.
+    pub fn counted(&self, buffer: Buffer) -> Buffer {
+        self.memory.set(self.memory.get() + buffer.size());
+        buffer
     }
 
     /// The halves of a ping-pong.

@@ -4,7 +4,7 @@ mod common;
 
 use common::{cells, device, frame};
 use lamplight::settings::BounceBy;
-use lamplight::{Bounces, Cells, Matter, Method, Settings, Sky};
+use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{Error, Lighting, Stage, Textures};
 use wgpu::{
@@ -31,8 +31,8 @@ fn what_is_not_there_yet_is_refused_by_name() {
         refused(settings)
     };
     assert_eq!(
-        with(|s| s.method = Method::Polar),
-        "the method polar is not on the GPU yet: use the CPU for it"
+        with(|s| s.method = Method::Cascades),
+        "the method cascades is not on the GPU yet: use the CPU for it"
     );
     assert!(with(|s| s.bounces = Bounces::Converged).starts_with("`bounces` = converged"));
     let feedback = with(|s| {
@@ -249,4 +249,51 @@ fn textures_that_cannot_be_used_are_named_with_the_reason() {
         assert!(error.contains(problem), "{error}");
     }
     lighting.write_to(&device, &right).unwrap();
+}
+
+fn polar() -> Settings {
+    Settings { method: Method::Polar, ..Settings::default() }
+}
+
+#[test]
+fn lamps_light_a_hosts_textures() {
+    let (device, queue) = device();
+    let (textures, mut cells) = host_textures(&device, &queue);
+    *cells.lamps_mut() = vec![
+        Lamp { position: [5.0, 9.0], ..Lamp::default() },
+        Lamp { position: [40.5, 20.5], size: 3.0, ..Lamp::default() },
+    ];
+    let mut by_cells = Lighting::new(&device, &queue, polar()).unwrap();
+    let right = frame(&device, &queue, &mut by_cells, &cells);
+
+    let mut lighting = Lighting::new(&device, &queue, polar()).unwrap();
+    let told = lighting.prepare_textures(&device, &queue, &textures, Sky::BLACK);
+    assert!(told.unwrap_err().to_string().contains("lights lamps only"));
+    let bad = Lamp { range: f32::NAN, ..Lamp::default() };
+    let told = lighting.set_lamps(&[bad]).unwrap_err().to_string();
+    assert!(told.starts_with("`lamp[0].range`"), "{told}");
+    lighting.set_lamps(cells.lamps()).unwrap();
+    lighting.prepare_textures(&device, &queue, &textures, Sky::BLACK).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    lighting.record(&mut encoder);
+    queue.submit([encoder.finish()]);
+    let light: Vec<[f32; 4]> =
+        read_back(&device, &queue, lighting.stage(Stage::Light).unwrap()).unwrap();
+    assert_eq!(light, right);
+}
+
+#[test]
+fn more_lamps_than_the_device_can_hold_are_refused_and_fewer_lit() {
+    let (device, queue) = device();
+    let mut settings = polar();
+    settings.polar.density = 8.0;
+    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+    let mut cells = cells(256, 256, 3);
+    *cells.lamps_mut() = vec![Lamp { position: [100.0; 2], ..Lamp::default() }; 2000];
+    let error = lighting.prepare(&device, &queue, &cells).unwrap_err();
+    assert!(matches!(error, Error::TooLarge { .. }), "{error:?}");
+    assert!(error.to_string().contains("bytes for the rays of its lamps"), "{error}");
+    assert!(lighting.stage(Stage::Light).is_none());
+    cells.lamps_mut().truncate(2);
+    frame(&device, &queue, &mut lighting, &cells);
 }

@@ -1,20 +1,27 @@
 //! The methods: each with its pipelines, its buffers and what it runs over a grid.
 
+pub mod flood;
 pub mod holographic;
+pub mod polar;
 pub mod raymarch;
 
+use crate::lamps::Lamps;
 use crate::lighting::check;
 use crate::site::{Run, Site};
 use crate::{Error, Result};
+use flood::Flood;
 use holographic::Holographic;
-use lamplight::Settings;
+use lamplight::{Lamp, Settings};
+use polar::Polar;
 use raymarch::Raymarch;
 use wgpu::{Buffer, Device, Queue};
 
 /// The method that settings ask for, compiled.
 #[derive(Debug)]
 pub enum Method {
+    Flood(Box<Flood>),
     Holographic(Box<Holographic>),
+    Polar(Box<Polar>),
     Raymarch(Box<Raymarch>),
 }
 
@@ -23,8 +30,14 @@ impl Method {
     pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Result<Self> {
         check(settings)?;
         match settings.method {
+            lamplight::Method::Flood => {
+                Ok(Self::Flood(Box::new(Flood::new(device, queue, &settings.flood))))
+            }
             lamplight::Method::Holographic => {
                 Ok(Self::Holographic(Box::new(Holographic::new(device))))
+            }
+            lamplight::Method::Polar => {
+                Ok(Self::Polar(Box::new(Polar::new(device, &settings.polar))))
             }
             lamplight::Method::Raymarch => {
                 Ok(Self::Raymarch(Box::new(Raymarch::new(device, queue, settings))))
@@ -33,10 +46,21 @@ impl Method {
         }
     }
 
-    /// What turns matter into light.
-    pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
+    /// Takes the lamps of a frame, where it lights them by rule.
+    pub fn take(&self, lamps: &[Lamp], size: [u32; 2], settings: &Settings, list: &mut Lamps) {
         match self {
+            Self::Flood(_) => list.take(lamps, |lamp| flood::fan(lamp, size, &settings.flood)),
+            Self::Polar(_) => list.take(lamps, |lamp| polar::fan(lamp, size, &settings.polar)),
+            Self::Holographic(_) | Self::Raymarch(_) => (),
+        }
+    }
+
+    /// What turns matter into light.
+    pub fn plan(&mut self, site: &Site, light: &Buffer) -> Result<Run> {
+        match self {
+            Self::Flood(flood) => flood.plan(site, light),
             Self::Holographic(holographic) => holographic.plan(site, light),
+            Self::Polar(polar) => polar.plan(site, light),
             Self::Raymarch(raymarch) => raymarch.plan(site, light),
         }
     }

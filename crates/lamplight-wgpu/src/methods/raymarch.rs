@@ -106,7 +106,7 @@ impl Raymarch {
         }
         dispatches.push(self.gather(site, 0, bounces, &buffers));
         stages.push((Stage::Light, light.clone()));
-        Ok(Run { dispatches, stages })
+        Ok(Run { dispatches, stages, lamps: None })
     }
 
     /// Gathers light (entry 0), or what surfaces receive in a bounce (1), after so many bounces.

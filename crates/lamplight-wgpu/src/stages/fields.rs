@@ -75,6 +75,6 @@ impl Fields {
             (Stage::Nearest, nearest.clone()),
             (Stage::Distance, distance.clone()),
         ];
-        Ok(Measured { nearest, distance, run: Run { dispatches, stages } })
+        Ok(Measured { nearest, distance, run: Run { dispatches, stages, lamps: None } })
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod clearance;
 pub mod fields;
+pub mod ground;
 pub mod optics;
 pub mod output;
 pub mod walls;

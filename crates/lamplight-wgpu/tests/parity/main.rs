@@ -5,6 +5,9 @@ mod common;
 
 mod compare;
 mod cost;
+mod flood;
 mod holographic;
+mod lamps;
+mod polar;
 mod raymarch;
 mod stages;

@@ -138,11 +138,9 @@ impl Ground {
         !self.logs.is_empty()
     }
 
-    /// px from a point to the farthest corner of the grid.
-    pub fn farthest(&self, from: [f32; 2]) -> f32 {
-        let [x, y] =
-            std::array::from_fn(|a| from[a].abs().max((self.size[a] as f32 - from[a]).abs()));
-        x.hypot(y)
+    /// Columns and rows of the grid.
+    pub fn size(&self) -> [u32; 2] {
+        self.size.map(|v| v as u32)
     }
 
     /// Whether two cells of the grid (indices in the frame) touch by a side or a corner, or are one.

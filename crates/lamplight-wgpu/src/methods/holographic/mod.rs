@@ -271,7 +271,7 @@ impl Holographic {
         }
         dispatches.extend(seen.iter().map(|step| self.dispatch(intervals, &bound, step)));
         dispatches.push(site.over_cells(&self.faces, 1, &faces, None));
-        Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())] })
+        Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: None })
     }
 
     fn dispatch(&self, intervals: &Intervals, bound: &Bindings, step: &Step) -> Dispatch {

@@ -31,9 +31,15 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 
 /// The source's attenuation is `1/(1 + STEEPNESS·D·d²)`, d in grids of D px,
-const STEEPNESS: f32 = 0.75;
+pub const STEEPNESS: f32 = 0.75;
 /// and a ray ends where it falls under this.
-const FAINTEST: f32 = 0.01;
+pub const FAINTEST: f32 = 0.01;
+
+/// px that rays go by the source's rule, in a grid whose longer side is `diameter` px:
+/// `1/(1 + STEEPNESS·reach²/D) = FAINTEST`.
+pub fn reach(diameter: f32) -> f32 {
+    ((1.0 / FAINTEST - 1.0) * diameter / STEEPNESS).sqrt()
+}
 
 /// The method, its buffers and the energy of the frames before.
 #[derive(Debug)]
@@ -75,9 +81,7 @@ struct Fading<'a> {
 impl<'a> Fading<'a> {
     /// By the source's rule.
     fn seed(diameter: f32) -> Self {
-        // 1/(1 + STEEPNESS·reach²/D) = FAINTEST
-        let reach = ((1.0 / FAINTEST - 1.0) * diameter / STEEPNESS).sqrt();
-        Self { lamp: None, diameter, reach }
+        Self { lamp: None, diameter, reach: reach(diameter) }
     }
 
     /// Of a lamp.

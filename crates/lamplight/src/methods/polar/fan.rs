@@ -21,11 +21,11 @@ const FEWEST: f32 = 8.0;
 /// Most rays of a lamp: reached by ranges over 40 000 px only.
 const MOST: f32 = (1 << 18) as f32;
 /// Penumbrae are at most so many rays wide to either side, so that a pixel's cost is bounded.
-const WIDEST: f32 = 64.0;
-/// and at least so many, which makes an edge linear between two rays.
-const NARROWEST: f32 = 0.5;
+pub const WIDEST: f32 = 64.0;
+/// Penumbrae are at least so many rays wide, which makes an edge linear between two rays.
+pub const NARROWEST: f32 = 0.5;
 /// px under which a wall is not nearer, so that 1/length is finite.
-const NEAREST: f32 = 1e-3;
+pub const NEAREST: f32 = 1e-3;
 /// Rays that a thread walks at a time.
 const TOGETHER: usize = 128;
 
@@ -57,10 +57,13 @@ pub struct Fan {
     spread: f32,
 }
 
-/// How far and how dense the rays of a lamp are, within a grid.
-pub fn rays(lamp: &Lamp, ground: &Ground, settings: &Polar) -> (f32, usize) {
+/// How far the rays of a lamp go within a grid of so many columns and rows, px, and how many there are.
+pub fn rays(lamp: &Lamp, [width, height]: [u32; 2], settings: &Polar) -> (f32, usize) {
+    let [x, y] = lamp.position;
+    let farthest =
+        x.abs().max((width as f32 - x).abs()).hypot(y.abs().max((height as f32 - y).abs()));
     // A px more: the circle has to reach past the farthest corner's centre.
-    let reach = lamp.range.min(ground.farthest(lamp.position) + 1.0);
+    let reach = lamp.range.min(farthest + 1.0);
     let count = (TAU * reach * settings.density).ceil().clamp(FEWEST, MOST);
     (reach, count as usize)
 }
@@ -83,7 +86,7 @@ impl Fan {
             + size_of::<Option<Hit>>()
             + size_of::<[f32; 4]>()
             + size_of::<[u8; 2]>();
-        let (reach, count) = rays(lamp, ground, settings);
+        let (reach, count) = rays(lamp, ground.size(), settings);
         let media = if ground.has_media() { Knots::most_bytes(reach) } else { 0 };
         count.saturating_mul(RAY + media)
     }
@@ -98,7 +101,7 @@ impl Fan {
         settings: &Polar,
     ) {
         self.lamp = Lamp { falloff: settings.falloff.unwrap_or(lamp.falloff), ..*lamp };
-        (self.reach, self.count) = rays(lamp, ground, settings);
+        (self.reach, self.count) = rays(lamp, ground.size(), settings);
         self.per_radian = self.count as f32 / TAU;
         let size = if settings.edges == Edges::Soft { lamp.size } else { 0.0 };
         self.spread = size * self.per_radian;

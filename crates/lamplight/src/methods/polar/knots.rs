@@ -8,9 +8,9 @@ use crate::stages::transmittance::exp_negative;
 
 /// A ray keeps at most about twice so many knots: nearer ones than this share of its reach melt
 /// together.
-const FINEST: f32 = 1.0 / 256.0;
+pub const FINEST: f32 = 1.0 / 256.0;
 /// px between knots that are always kept apart.
-const APART: f32 = 0.25;
+pub const APART: f32 = 0.25;
 
 /// A corner of the polyline.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,6 +17,9 @@ mod canvas;
 mod fan;
 mod knots;
 
+pub use fan::{NARROWEST, NEAREST, WIDEST, rays};
+pub use knots::{APART, FINEST};
+
 use crate::clock::Clock;
 use crate::settings::Polar as Settings;
 use crate::stages::ground::Ground;
