@@ -20,7 +20,10 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let i = index(id.xy);
-    after[i] = select(0x01010101u, 0u, source[i].w == SOLID);
+    // Rays stop at walls, at what changed, and at fog where light fades with distance.
+    let fades = frame.fade_range > 0.0 && source[i].w == MEDIUM;
+    let closed = source[i].w == SOLID || logs[i].w > 0.0 || fades;
+    after[i] = select(0x01010101u, 0u, closed);
 }
 
 // Whether the square of side 2^power at a cell is all like the cell at i.
@@ -31,9 +34,7 @@ fn like(i: u32, at: vec2i, shift: u32, power: u32) -> bool {
         return clear;
     }
     let j = index(vec2u(at));
-    // Where light fades with distance each cell of fog is crossed by itself.
-    let fades = frame.fade_range > 0.0 && !clear;
-    let same = !fades && all(source[i] == source[j]) && all(logs[i] == logs[j]);
+    let same = all(source[i] == source[j]) && all(logs[i] == logs[j]);
     let kind = select(same, source[j].w == CLEAR, clear);
     return kind && (before[j] >> shift & 255u) > power;
 }

@@ -18,7 +18,14 @@ struct Frame {
     // px at which emission has faded; 0: it does not fade.
     fade_range: f32,
     fade_dropoff: f32,
+    // What is remembered of the frames before: one of the three below.
+    memory: u32,
 }
+
+const NOTHING: u32 = 0u;
+// What surfaces sent on, but no light and no matter: the sky is another.
+const SENT: u32 = 1u;
+const ALL: u32 = 2u;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 
@@ -26,6 +33,11 @@ struct Frame {
 const CLEAR: f32 = 0.0;
 const MEDIUM: f32 = 1.0;
 const SOLID: f32 = 2.0;
+
+// What sends light on, in `sent.w`; CHANGED more where it sees matter that changed.
+const FACE: f32 = 1.0;
+const VOLUME: f32 = 2.0;
+const CHANGED: f32 = 4.0;
 
 // Whether light notices what has this tint and opacity.
 fn occupied(tint_opacity: vec4f) -> bool {

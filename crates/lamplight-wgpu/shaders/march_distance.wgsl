@@ -23,17 +23,17 @@ fn distance_at(at: vec2f) -> f32 {
 }
 
 // What an occupied cell sends out on the side of a face.
-fn touch(cell: vec2u, face: u32, travelled: f32) -> vec3f {
+fn touch(cell: vec2u, face: u32, travelled: f32) -> vec4f {
     let i = index(cell);
     if source[i].w == SOLID {
-        return fade(wall(i, face), travelled);
+        return vec4f(fade(wall(i, face), travelled), 0.0);
     }
-    return fade(source[i].rgb, travelled);
+    return vec4f(fade(source[i].rgb, travelled), 0.0);
 }
 
 // Radiance that arrives along a ray that starts in an open cell; one from a face first has to leave
-// its wall.
-fn march(start: vec2f, first: vec2f, way: vec2f, from_face: bool) -> vec3f {
+// its wall. Changes are not looked for: leaps pass over cells that changed and are empty now.
+fn march(start: vec2f, first: vec2f, way: vec2f, from_face: bool) -> vec4f {
     let inverse = 1.0 / select(way, vec2f(NEVER), abs(way) < vec2f(NEVER));
     let ahead = select(vec2i(0), vec2i(1), way >= vec2f(0.0));
     let sign = select(vec2i(1), vec2i(-1), way < vec2f(0.0));
@@ -43,7 +43,7 @@ fn march(start: vec2f, first: vec2f, way: vec2f, from_face: bool) -> vec3f {
     var away = !from_face;
     for (var leap = 0u; leap < frame.steps; leap++) {
         if !inside(cell) || nearest[index(vec2u(cell))] == NONE {
-            return sky(way.y);
+            return vec4f(sky(way.y), 0.0);
         }
         let i = index(vec2u(cell));
         let close = distance_at(at);
@@ -83,5 +83,5 @@ fn march(start: vec2f, first: vec2f, way: vec2f, from_face: bool) -> vec3f {
         travelled += advance;
         at = to;
     }
-    return vec3f(0.0);
+    return vec4f(0.0);
 }

@@ -12,19 +12,6 @@ override GOLDEN: u32;
 // The texture's slices below one another, a byte a texel, four to a word.
 @group(0) @binding(1) var<storage, read> blue: array<u32>;
 
-// The first number of PCG4D (Jarzynski, Olano 2020).
-fn hash(key: vec4u) -> u32 {
-    var v = key * 1664525u + 1013904223u;
-    for (var i = 0; i < 2; i++) {
-        v.x += v.y * v.w;
-        v.y += v.z * v.x;
-        v.z += v.x * v.y;
-        v.w += v.y * v.z;
-        v ^= v >> vec4u(16u);
-    }
-    return v.x;
-}
-
 fn unit(bits: u32) -> f32 {
     return f32(bits >> 8u) * (1.0 / 16777216.0);
 }
@@ -32,7 +19,7 @@ fn unit(bits: u32) -> f32 {
 // A share of the step from ray to ray.
 fn first_angle(at: vec2u) -> f32 {
     if frame.noise == WHITE {
-        return unit(hash(vec4u(at, frame.number, frame.key)));
+        return unit(pcg(vec4u(at, frame.number, frame.key)).x);
     }
     if frame.noise == BLUE {
         let lap = frame.number / SLICES + frame.key;
@@ -40,7 +27,7 @@ fn first_angle(at: vec2u) -> f32 {
         let row = (at.y + (lap * STEP_Y >> 26u)) % SIDE;
         let texel = (frame.number % SLICES * SIDE + row) * SIDE + column;
         let byte = blue[texel / 4u] >> (8u * (texel % 4u)) & 255u;
-        return unit(byte << 24u | hash(vec4u(at, frame.number, frame.key)) >> 8u);
+        return unit(byte << 24u | pcg(vec4u(at, frame.number, frame.key)).x >> 8u);
     }
     return unit(at.x * STEP_X + at.y * STEP_Y + frame.number * GOLDEN + frame.key);
 }

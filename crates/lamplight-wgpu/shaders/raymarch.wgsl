@@ -3,11 +3,15 @@
 // wall by itself, fog.
 
 override GOLDEN_RATIO: f32;
+// Whether `traced` is asked for.
+override TRACED: bool = false;
 
 @group(0) @binding(2) var<storage, read> directions: array<vec2f>;
 @group(0) @binding(8) var albedo: texture_2d<f32>;
 // Light a cell, or what its faces send on.
 @group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
+// Variance of the light's noise; 1 where what the cell sees changed.
+@group(0) @binding(10) var<storage, read_write> traced: array<vec2f>;
 
 // Sine and cosine of an angle from 0 to 2π, within 2e-7: shaders' own may be off by far more.
 fn sine_cosine(angle: f32) -> vec2f {
@@ -22,32 +26,32 @@ fn sine_cosine(angle: f32) -> vec2f {
     return swapped * vec2f(select(1.0, -1.0, turn >= 2u), select(1.0, -1.0, turn == 1u || turn == 2u));
 }
 
-fn over_circle(at: vec2u) -> vec3f {
+fn over_circle(at: vec2u) -> Mean {
     let turn = sine_cosine(first_angle(at) * frame.gap);
-    var sum = vec3f(0.0);
+    var sum = Sum();
     for (var ray = 0u; ray < frame.rays; ray++) {
         let d = directions[ray];
         let way = vec2f(turn.y * d.x - turn.x * d.y, turn.x * d.x + turn.y * d.y);
-        sum += march(vec2f(at) + 0.5, vec2f(at), way, false);
+        add(&sum, ray, march(vec2f(at) + 0.5, vec2f(at), way, false));
     }
-    return sum / f32(frame.rays);
+    return mean(sum);
 }
 
 // The mean over rays that start evenly along a face and leave with a density of ½cosθ.
-fn over_face(at: vec2u, face: u32, normal: vec2f) -> vec3f {
+fn over_face(at: vec2u, face: u32, normal: vec2f) -> Mean {
     let turn = first_angle(at);
     let shift = first_angle(at + vec2u(17u * (face + 1u), 29u));
     let tangent = vec2f(-normal.y, normal.x);
     let centre = vec2f(at) + 0.5 + 0.5 * normal;
-    var sum = vec3f(0.0);
+    var sum = Sum();
     for (var ray = 0u; ray < frame.rays; ray++) {
         let sine = (f32(ray) + turn) * (2.0 / f32(frame.rays)) - 1.0;
         let cosine = sqrt(max(1.0 - sine * sine, 0.0));
         let along = fract(f32(ray) * GOLDEN_RATIO + shift) - 0.5;
         let way = cosine * normal + sine * tangent;
-        sum += march(centre + along * tangent, vec2f(at) + normal, way, true);
+        add(&sum, ray, march(centre + along * tangent, vec2f(at) + normal, way, true));
     }
-    return sum / f32(frame.rays);
+    return mean(sum);
 }
 
 // Left, right, top, bottom.
@@ -62,16 +66,26 @@ fn exposed(at: vec2u, face: u32) -> bool {
     return inside(open) && source[index(vec2u(open))].w != SOLID;
 }
 
-fn on_wall(at: vec2u) -> vec3f {
-    var sum = vec3f(0.0);
+// The mean over the faces of a wall; how noisy it is nobody asks.
+fn on_wall(at: vec2u) -> Mean {
+    var sum = Mean();
     var count = 0.0;
     for (var face = 0u; face < 4u; face++) {
         if exposed(at, face) {
-            sum += over_face(at, face, vec2f(normal(face)));
+            let received = over_face(at, face, vec2f(normal(face)));
+            sum.light += received.light;
+            sum.changed = max(sum.changed, received.changed);
             count += 1.0;
         }
     }
-    return sum / max(count, 1.0);
+    sum.light /= max(count, 1.0);
+    return sum;
+}
+
+// What a surface sends on of what it receives. Once it has seen a change it stays news for this frame.
+fn sends(slot: u32, kind: f32, share: vec3f, received: Mean) -> vec4f {
+    let news = TRACKS && (received.changed > 0.0 || (step > 0u && sent[slot].w >= CHANGED));
+    return vec4f(share * received.light, kind + select(0.0, CHANGED, news));
 }
 
 @compute @workgroup_size(8, 8)
@@ -84,13 +98,14 @@ fn receive(@builtin(global_invocation_id) id: vec3u) {
     let share = textureLoad(albedo, id.xy, 0).rgb;
     let reflects = any(share != vec3f(0.0));
     for (var face = 0u; face < 4u; face++) {
-        var received = vec3f(0.0);
+        let slot = 4u * i + face;
         if reflects && kind == SOLID && exposed(id.xy, face) {
-            received = over_face(id.xy, face, vec2f(normal(face)));
+            light[slot] = sends(slot, FACE, share, over_face(id.xy, face, vec2f(normal(face))));
         } else if reflects && kind == MEDIUM && face == 0u {
-            received = over_circle(id.xy);
+            light[slot] = sends(slot, VOLUME, share, over_circle(id.xy));
+        } else {
+            light[slot] = vec4f(0.0);
         }
-        light[4u * i + face] = vec4f(share * received, 0.0);
     }
 }
 
@@ -100,9 +115,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let i = index(id.xy);
+    var seen: Mean;
     if source[i].w == SOLID {
-        light[i] = vec4f(on_wall(id.xy), 1.0);
+        seen = on_wall(id.xy);
     } else {
-        light[i] = vec4f(over_circle(id.xy), 1.0);
+        seen = over_circle(id.xy);
+    }
+    light[i] = vec4f(seen.light, 1.0);
+    if TRACED {
+        traced[i] = vec2f(seen.variance, seen.changed);
     }
 }

@@ -1,5 +1,8 @@
 // What rays find where they end.
 
+// Whether rays tell if they met matter that changed since the frame before.
+override TRACKS: bool = false;
+
 @group(0) @binding(3) var<storage, read> source: array<vec4f>;
 // What surfaces send on, on each of four faces; it counts in steps after the first.
 @group(0) @binding(6) var<storage, read> sent: array<vec4f>;
@@ -26,4 +29,9 @@ fn wall(i: u32, face: u32) -> vec3f {
         radiance += sent[4u * i + face].rgb;
     }
     return radiance;
+}
+
+// Whether a face of a wall sees matter that changed.
+fn wall_changed(i: u32, face: u32) -> bool {
+    return step > 0u && sent[4u * i + face].w >= CHANGED;
 }

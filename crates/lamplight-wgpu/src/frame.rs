@@ -29,12 +29,23 @@ pub struct Frame {
     least_step: f32,
     fade_range: f32,
     fade_dropoff: f32,
+    memory: u32,
+    padding: [u32; 3],
+}
+
+/// What is remembered of the frames before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Memory {
+    Nothing,
+    /// What surfaces sent on, but no light and no matter: the sky is another.
+    Sent,
+    All,
 }
 
 impl Frame {
     /// Fields in order, with where they begin.
     #[cfg(test)]
-    pub const OFFSETS: [(&'static str, usize); 17] = [
+    pub const OFFSETS: [(&'static str, usize); 18] = [
         ("size", offset_of!(Frame, size)),
         ("number", offset_of!(Frame, number)),
         ("key", offset_of!(Frame, key)),
@@ -52,10 +63,11 @@ impl Frame {
         ("least_step", offset_of!(Frame, least_step)),
         ("fade_range", offset_of!(Frame, fade_range)),
         ("fade_dropoff", offset_of!(Frame, fade_dropoff)),
+        ("memory", offset_of!(Frame, memory)),
     ];
 
     /// Frame `number` of a grid.
-    pub fn new(size: [u32; 2], sky: Sky, settings: &Settings, number: u32) -> Self {
+    pub fn new(size: [u32; 2], sky: Sky, settings: &Settings, number: u32, memory: Memory) -> Self {
         let [zenith, horizon, ground] = match sky {
             Sky::Uniform(radiance) => [radiance; 3],
             Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
@@ -86,6 +98,12 @@ impl Frame {
                 false => 0.0,
             },
             fade_dropoff: raymarch.emission_dropoff,
+            memory: match memory {
+                Memory::Nothing => 0,
+                Memory::Sent => 1,
+                Memory::All => 2,
+            },
+            padding: [0; 3],
         }
     }
 }

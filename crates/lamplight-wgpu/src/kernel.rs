@@ -5,14 +5,14 @@ use crate::shaders::Shader;
 use std::num::NonZeroU64;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
-    BindGroupLayoutEntry, BindingResource, BindingType, BufferBindingType, ComputePass,
+    BindGroupLayoutEntry, BindingResource, BindingType, Buffer, BufferBindingType, ComputePass,
     ComputePipeline, ComputePipelineDescriptor, Device, PipelineCompilationOptions,
     PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages,
     StorageTextureAccess, TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
 /// Side of a workgroup, px, in shaders that run over cells.
-const WORKGROUP: u32 = 8;
+pub const WORKGROUP: u32 = 8;
 
 /// What is bound to a place of a shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,7 +167,15 @@ pub struct Dispatch {
     pub traffic: Traffic,
     /// Bytes to the step, or the parameters, that it is told.
     offset: Option<u32>,
-    groups: [u32; 3],
+    groups: Groups,
+}
+
+/// In how many workgroups a kernel runs.
+#[derive(Clone, Debug)]
+enum Groups {
+    So([u32; 3]),
+    /// As many as the GPU wrote into a buffer.
+    Told(Buffer),
 }
 
 impl Dispatch {
@@ -175,6 +183,7 @@ impl Dispatch {
     pub fn new(kernel: &Kernel, bound: &Bound, step: Option<u32>, groups: [u32; 3]) -> Self {
         let offset = step.map(|step| step * STEP_BYTES);
         let Bound { group, traffic } = bound.clone();
+        let groups = Groups::So(groups);
         Self { kernel: kernel.clone(), bound: group, traffic, offset, groups }
     }
 
@@ -189,12 +198,19 @@ impl Dispatch {
         Self::new(kernel, bound, step, groups)
     }
 
+    /// The same in as many workgroups as three numbers in a buffer say, which must not be bound too.
+    pub fn told_by(self, groups: &Buffer) -> Self {
+        Self { groups: Groups::Told(groups.clone()), ..self }
+    }
+
     pub fn record(&self, pass: &mut ComputePass) {
         pass.push_debug_group(self.kernel.label);
         pass.set_pipeline(&self.kernel.pipeline);
         pass.set_bind_group(0, &self.bound, self.offset.as_slice());
-        let [x, y, z] = self.groups;
-        pass.dispatch_workgroups(x, y, z);
+        match &self.groups {
+            &Groups::So([x, y, z]) => pass.dispatch_workgroups(x, y, z),
+            Groups::Told(buffer) => pass.dispatch_workgroups_indirect(buffer, 0),
+        }
         pass.pop_debug_group();
     }
 }

@@ -5,8 +5,9 @@
 //! into the host's [`wgpu::CommandEncoder`], and never creates a device, submits or waits. The same
 //! settings give the same light as on the CPU, but for rounding.
 //!
-//! Here so far: seed, jump flood, distance, clear squares, `raymarch` by both its rules with bounces
-//! inside a frame, `polar` and `flood` with all their settings; from uploaded cells, or the host's
+//! Here so far: seed, jump flood, distance, clear squares, `raymarch` with everything that goes with it
+//! (both its rules, bounces by count, feedback or until they converge, the mean over frames, denoising),
+//! `polar`, `flood` and `holographic` with all their settings; from uploaded cells, or the host's
 //! textures and lamps ([`Lighting::set_lamps`]). Whatever else settings ask for is refused by name
 //! ([`Error::NotYet`]).
 //!

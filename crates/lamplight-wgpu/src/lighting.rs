@@ -1,19 +1,19 @@
 //! The middleware: what a host makes once, prepares and records every frame.
 
 use crate::cost::Cost;
-use crate::frame::Frame;
+use crate::frame::{Frame, Memory};
 use crate::kernel::Dispatch;
 use crate::lamps::{Lamps, Room};
 use crate::matter::{Textures, Upload};
 use crate::methods;
 use crate::options::Options;
 use crate::shared::Shared;
-use crate::site::{FOUR, Run, Site, fits};
+use crate::site::{FOUR, Kept, Run, Site, fits};
 use crate::stages::fields::Fields;
 use crate::stages::output::Output;
 use crate::stages::walls::Walls;
 use crate::{Error, Result};
-use lamplight::settings::{BounceBy, Variant};
+use lamplight::settings::Variant;
 use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
 use wgpu::{
     Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
@@ -37,6 +37,8 @@ pub struct Lighting {
     lamps: Vec<Lamp>,
     list: Lamps,
     number: u32,
+    /// Size and sky of the frame before.
+    before: Option<([u32; 2], Sky)>,
 }
 
 /// Everything that depends on the host's textures.
@@ -49,6 +51,7 @@ struct Grid {
     light: Buffer,
     frame: Run,
     memory: u64,
+    kept: Vec<Kept>,
     /// Made when they are first asked for.
     fields: Option<Run>,
     output: Option<Dispatch>,
@@ -97,10 +100,12 @@ impl Lighting {
             lamps: Vec::new(),
             list: Lamps::default(),
             number: 0,
+            before: None,
         })
     }
 
-    /// Takes over the cells of the next frame.
+    /// Takes over the cells of the next frame. Each call is the next frame, to be recorded and
+    /// submitted: noise moves on, history and feedback grow.
     pub fn prepare(&mut self, device: &Device, queue: &Queue, cells: &Cells) -> Result<()> {
         cells.check()?;
         self.settings.method.suits(cells)?;
@@ -138,8 +143,9 @@ impl Lighting {
         Ok(())
     }
 
-    /// Takes over the host's textures for the next frame. Views that are equal to those of the frame
-    /// before cost nothing; others are bound anew.
+    /// Takes over the host's textures for the next frame, as [`Self::prepare`] does with cells. Views
+    /// that are equal to those of the frame before cost nothing; others are bound anew, and where
+    /// their size is the same history goes on.
     pub fn prepare_textures(
         &mut self,
         device: &Device,
@@ -161,26 +167,35 @@ impl Lighting {
         self.settings.method.suits_lamps(&self.lamps)?;
         self.method.take(&self.lamps, textures.size()?, &self.settings, &mut self.list);
         let need = self.list.need();
+        let before = self.before.take();
         let grid = match self.grid.take() {
             Some(grid)
                 if grid.textures == *textures && grid.tinted == tinted && grid.room.holds(need) =>
             {
                 grid
             }
-            before => self.plan(device, (textures, tinted), before)?,
+            grid => self.plan(device, (textures, tinted), grid)?,
         };
         let grid = self.grid.insert(grid);
         if let Some(lamps) = &grid.frame.lamps {
             self.list.write(queue, lamps);
         }
-        let frame = Frame::new(grid.size, sky, &self.settings, self.number);
+        let memory = match before {
+            Some((size, _)) if size != grid.size => Memory::Nothing,
+            Some((_, old)) if self.settings.temporal.reject && old != sky => Memory::Sent,
+            Some(_) => Memory::All,
+            None => Memory::Nothing,
+        };
+        self.before = Some((grid.size, sky));
+        let frame = Frame::new(grid.size, sky, &self.settings, self.number, memory);
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&frame));
         self.number = self.number.wrapping_add(1);
         Ok(())
     }
 
-    /// Makes buffers, and plans what runs on them. Where only lamps have become too many, what the host
-    /// was told of stays: the light, and where else it is written.
+    /// Makes buffers, and plans what runs on them. What frames hand on stays where only the host's
+    /// textures change; where only lamps have become too many, what the host was told of too: the
+    /// light, and where else it is written.
     fn plan(
         &mut self,
         device: &Device,
@@ -188,18 +203,28 @@ impl Lighting {
         before: Option<Grid>,
     ) -> Result<Grid> {
         let had = before.as_ref().map_or(Room::default(), |grid| grid.room);
+        let size = textures.size()?;
+        let kept = before.as_ref().filter(|grid| grid.size == size);
+        let kept = kept.map_or(Vec::new(), |grid| grid.kept.clone());
         let Self { shared, settings, options, list, .. } = self;
         let site = Site::new(device, shared, settings, *options, (textures, tinted))?
-            .with_room(had, list.need())?;
+            .with_room(had, list.need())?
+            .after(&kept);
         let (light, fields, output) = match before.filter(|grid| grid.textures == *textures) {
             Some(Grid { light, fields, output, .. }) => (site.counted(light), fields, output),
             None => (site.buffer("light", site.cells() * FOUR)?, None, None),
         };
         let mut frame = self.method.plan(&site, &light)?;
         frame.dispatches.extend(self.walls.plan(&site, &light)?);
-        let (size, room, memory) = (site.size, site.room, site.memory());
-        let textures = textures.clone();
-        Ok(Grid { size, textures, tinted, room, light, frame, memory, fields, output })
+        let (room, memory) = (site.room, site.memory());
+        let (textures, kept) = (textures.clone(), site.into_kept());
+        Ok(Grid { size, textures, tinted, room, light, frame, memory, kept, fields, output })
+    }
+
+    /// Forgets the frames before: the next one starts afresh, as after a cut or a jump of the view.
+    pub fn reset(&mut self) {
+        self.number = 0;
+        self.before = None;
     }
 
     /// Has [`Self::record`] write the light into a texture of the host's too, linear RGB and 1: of the
@@ -278,27 +303,17 @@ fn run<'a>(
 /// Refuses settings that are out of range, and what only the CPU can do so far.
 pub fn check(settings: &Settings) -> Result<()> {
     settings.check()?;
-    let missing = match () {
-        () if settings.method.lights_lamps() => return Ok(()),
-        () if !matches!(settings.method, Method::Raymarch | Method::Holographic) => {
-            format!("the method {}", settings.method.name())
+    let missing = match settings.method {
+        Method::Cascades => "the method cascades",
+        Method::Holographic if settings.holographic.variant == Variant::Paper => {
+            "`holographic.variant` = paper"
         }
-        () if settings.method == Method::Holographic
-            && settings.holographic.variant == Variant::Paper =>
-        {
-            "`holographic.variant` = paper".to_owned()
+        Method::Holographic if settings.bounces == Bounces::Converged => {
+            "`bounces` = converged by holographic"
         }
-        () if settings.bounces == Bounces::Converged => "`bounces` = converged".to_owned(),
-        () if settings.bounces != Bounces::Count(0)
-            && settings.raymarch.bounce == BounceBy::Feedback =>
-        {
-            "`raymarch.bounce` = feedback".to_owned()
-        }
-        () if settings.temporal.frames > 1 => "the mean over frames".to_owned(),
-        () if settings.denoise.passes > 0 => "denoising".to_owned(),
-        () => return Ok(()),
+        _ => return Ok(()),
     };
-    Err(Error::NotYet { what: missing })
+    Err(Error::NotYet { what: missing.to_owned() })
 }
 
 fn wrong_output(problem: String) -> Error {

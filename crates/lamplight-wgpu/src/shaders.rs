@@ -2,6 +2,8 @@
 //!
 //! A host that wants its own pipeline can load the same files in the same order.
 
+use lamplight::srgb;
+
 /// What all of them begin with.
 const FRAME: &str = include_str!("../shaders/frame.wgsl");
 
@@ -35,9 +37,15 @@ pub const JUMP_FLOOD: Shader = shader!("jump_flood");
 pub const DISTANCE: Shader = shader!("distance");
 pub const OPTICS: Shader = shader!("optics", "transmittance");
 pub const CLEARANCE: Shader = shader!("clearance");
-pub const RAYMARCH: Shader = shader!("raymarch", "noise", "sky", "surfaces", "march_edge");
+pub const CHANGES: Shader = shader!("changes", "pcg");
+pub const RAYMARCH: Shader =
+    shader!("raymarch", "pcg", "noise", "luminance", "gather", "sky", "surfaces", "march_edge");
 pub const RAYMARCH_DISTANCE: Shader =
-    shader!("raymarch", "noise", "sky", "surfaces", "march_distance");
+    shader!("raymarch", "pcg", "noise", "luminance", "gather", "sky", "surfaces", "march_distance");
+pub const FEEDBACK: Shader = shader!("feedback");
+pub const CONVERGENCE: Shader = shader!("convergence");
+pub const TEMPORAL: Shader = shader!("temporal");
+pub const DENOISE: Shader = shader!("denoise", "luminance");
 pub const GROUND: Shader = shader!("ground");
 pub const FLOOD_RAYS: Shader =
     shader!("flood_rays", "lamps", "angle", "walk", "sky", "transmittance");
@@ -52,9 +60,16 @@ pub const TRACE: Shader = shader!("trace", "sweep", "packed_rgb", "interval", "w
 pub const EXTEND: Shader = shader!("extend", "sweep", "interval");
 pub const CONES: Shader = shader!("cones", "sweep", "packed_rgb", "interval");
 pub const HOP: Shader = shader!("hop", "sweep", "packed_rgb", "interval", "ways");
-pub const FACES: Shader = shader!("faces", "packed_rgb");
+pub const REFLECT: Shader = shader!("reflect", "packed_rgb");
 pub const WALLS: Shader = shader!("walls");
 pub const OUTPUT: Shader = shader!("output");
+
+/// What shaders/luminance.wgsl is told.
+pub const LUMINANCE: [(&str, f64); 3] = [
+    ("LUMINANCE_RED", srgb::LUMINANCE[0] as f64),
+    ("LUMINANCE_GREEN", srgb::LUMINANCE[1] as f64),
+    ("LUMINANCE_BLUE", srgb::LUMINANCE[2] as f64),
+];
 
 #[cfg(test)]
 mod tests {
@@ -69,21 +84,26 @@ mod tests {
         JUMP_FLOOD,
         DISTANCE,
         OPTICS,
+        CHANGES,
         CLEARANCE,
         RAYMARCH,
         RAYMARCH_DISTANCE,
-        SLABS,
-        TRACE,
-        EXTEND,
-        CONES,
-        HOP,
-        FACES,
+        FEEDBACK,
+        CONVERGENCE,
+        TEMPORAL,
+        DENOISE,
         GROUND,
         FLOOD_RAYS,
         FLOOD,
         POLAR_RAYS,
         POLAR_BOUNDS,
         POLAR,
+        SLABS,
+        TRACE,
+        EXTEND,
+        CONES,
+        HOP,
+        REFLECT,
         WALLS,
         OUTPUT,
     ];

@@ -8,7 +8,7 @@ use crate::options::Options;
 use crate::shared::Shared;
 use crate::{Error, Result};
 use lamplight::Settings;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use wgpu::{BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView};
 
 /// Bytes of four floats.
@@ -31,7 +31,13 @@ pub struct Site<'a> {
     pub room: Room,
     /// Bytes of the buffers made so far.
     memory: Cell<u64>,
+    /// What the plan before kept for a grid of this size.
+    before: &'a [Kept],
+    kept: RefCell<Vec<Kept>>,
 }
+
+/// A buffer that frames hand on, by its label.
+pub type Kept = (&'static str, Buffer);
 
 /// What runs over a grid, in order, and what it leaves behind.
 #[derive(Debug)]
@@ -54,8 +60,21 @@ impl<'a> Site<'a> {
     ) -> Result<Self> {
         let size = textures.size()?;
         fits(device, size)?;
-        let (room, memory) = (Room::default(), Cell::new(0));
-        Ok(Self { device, shared, settings, options, textures, tinted, size, room, memory })
+        let (memory, kept) = Default::default();
+        let (room, before) = (Room::default(), &[]);
+        Ok(Self {
+            device,
+            shared,
+            settings,
+            options,
+            textures,
+            tinted,
+            size,
+            room,
+            memory,
+            before,
+            kept,
+        })
     }
 
     /// The same with room for lamps: as much as there was, or more; refuses more lamps than the device
@@ -68,6 +87,11 @@ impl<'a> Site<'a> {
             return Err(too_large(self.size, "bytes for the rays of its lamps", needed, largest));
         }
         Ok(Self { room: had.grown(need, most), ..self })
+    }
+
+    /// Takes over what frames of the same size before it handed on.
+    pub fn after(self, before: &'a [Kept]) -> Self {
+        Self { before, ..self }
     }
 
     /// So many workgroups, in rows as long as the device allows.
@@ -91,6 +115,12 @@ impl<'a> Site<'a> {
 
     /// Makes a buffer for the GPU's use; refuses one that the device cannot hold.
     pub fn buffer(&self, label: &str, bytes: u64) -> Result<Buffer> {
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        self.buffer_for(label, bytes, usage)
+    }
+
+    /// Makes a buffer of a kind of its own.
+    pub fn buffer_for(&self, label: &str, bytes: u64, usage: BufferUsages) -> Result<Buffer> {
         let most = self.most_bytes();
         if bytes > most {
             return Err(too_large(self.size, "bytes a buffer", bytes, most));
@@ -99,7 +129,7 @@ impl<'a> Site<'a> {
         Ok(self.device.create_buffer(&BufferDescriptor {
             label: Some(label),
             size: bytes,
-            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+            usage,
             mapped_at_creation: false,
         }))
     }
@@ -108,6 +138,23 @@ impl<'a> Site<'a> {
     pub fn counted(&self, buffer: Buffer) -> Buffer {
         self.memory.set(self.memory.get() + buffer.size());
         buffer
+    }
+
+    /// A buffer that each frame finds as the one before left it, also after the host's textures
+    /// changed; all 0 at first.
+    pub fn kept(&self, label: &'static str, bytes: u64) -> Result<Buffer> {
+        let known = self.before.iter().find(|(name, _)| *name == label);
+        let buffer = match known {
+            Some((_, buffer)) if buffer.size() == bytes => self.counted(buffer.clone()),
+            _ => self.buffer(label, bytes)?,
+        };
+        self.kept.borrow_mut().push((label, buffer.clone()));
+        Ok(buffer)
+    }
+
+    /// What the next plan may take over.
+    pub fn into_kept(self) -> Vec<Kept> {
+        self.kept.into_inner()
     }
 
     /// The halves of a ping-pong.

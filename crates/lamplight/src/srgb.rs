@@ -28,10 +28,13 @@ pub fn encode_u8(linear: f32) -> u8 {
     (encode(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
 }
 
-/// Relative luminance of linear RGB (Rec. 709).
+/// What red, green and blue count in relative luminance (Rec. 709).
+pub const LUMINANCE: Rgb = [0.2126, 0.7152, 0.0722];
+
+/// Relative luminance of linear RGB.
 #[inline(always)]
 pub fn luminance([r, g, b]: Rgb) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+    LUMINANCE[0] * r + LUMINANCE[1] * g + LUMINANCE[2] * b
 }
 
 #[cfg(test)]

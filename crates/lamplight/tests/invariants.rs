@@ -187,6 +187,21 @@ fn feedback_reaches_the_same_furnace_a_bounce_a_frame() {
 }
 
 #[test]
+fn walls_that_turn_black_send_on_nothing_of_the_frames_before() {
+    let settings = settings(|s| {
+        (s.raymarch.bounce, s.bounces) = (BounceBy::Feedback, Bounces::Count(1));
+    });
+    let mut solver = Solver::new(settings).unwrap();
+    for _ in 0..3 {
+        solver.solve(&furnace(0.8)).unwrap();
+    }
+    // One cell goes on reflecting, so that bounces are made at all.
+    let mut dim = furnace(0.0);
+    dim.albedo_mut()[1] = [1e-6; 3];
+    all_open_cells_are(solver.solve(&dim).unwrap(), in_the_furnace(0.0, 1), 1e-4);
+}
+
+#[test]
 fn perfect_mirrors_for_walls_stay_finite() {
     for bounces in [Bounces::Converged, Bounces::Count(Bounces::MAX)] {
         let light =

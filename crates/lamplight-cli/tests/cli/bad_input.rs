@@ -43,9 +43,9 @@ const CASES: &[Case] = &[
         &["the reference has no GPU", "hint: "],
     ),
     (
-        "probe small.toml 1,1 --backend gpu --method raymarch --bounces converged",
+        "probe small.toml 1,1 --backend gpu --method flood",
         2,
-        &["`bounces` = converged is not on"],
+        &["the method flood is not on the GPU yet"],
     ),
     (
         "stages small.toml -o there --backend gpu",

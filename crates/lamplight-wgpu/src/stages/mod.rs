@@ -1,8 +1,13 @@
 //! What methods share: each stage with its pipelines, buffers and runs over a grid.
 
+pub mod changes;
 pub mod clearance;
+pub mod convergence;
+pub mod denoise;
+pub mod feedback;
 pub mod fields;
 pub mod ground;
 pub mod optics;
 pub mod output;
+pub mod temporal;
 pub mod walls;

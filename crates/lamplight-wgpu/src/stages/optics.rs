@@ -21,10 +21,12 @@ pub struct Seen {
 }
 
 impl Optics {
-    pub fn new(device: &Device) -> Self {
+    /// With `apart`, rays leap over no two cells of fog that sends light on: squares are then right
+    /// whatever it sends.
+    pub fn new(device: &Device, apart: bool) -> Self {
         use Slot::{Read, Texture, Uniform, Write};
-        let slots = [Uniform, Texture, Texture, Write, Write, Read];
-        let constants = [("LOG_OF_ZERO", f64::from(LOG_OF_ZERO))];
+        let slots = [Uniform, Texture, Texture, Write, Write, Read, Texture];
+        let constants = [("LOG_OF_ZERO", f64::from(LOG_OF_ZERO)), ("APART", f64::from(apart))];
         Self(Kernels::new(device, &shaders::OPTICS, &["main", "light_fog"], &slots, &constants))
     }
 
@@ -53,6 +55,7 @@ impl Optics {
             whole(&seen.source),
             whole(&seen.logs),
             whole(sent),
+            view(&site.textures.albedo),
         ];
         site.over_cells(&self.0, entry, &site.bind(&self.0, &resources), None)
     }

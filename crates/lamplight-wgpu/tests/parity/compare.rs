@@ -30,7 +30,7 @@ pub const TOLERANCE: f64 = 1e-3;
 /// whether it is below `hit_distance` where both are equal; measured at up to 5e-5. `polar`: whether a
 /// line to a lamp in the middle of a cell, or on a corner, is stopped by a wall whose corner it passes
 /// exactly; none in the scenes here, and 2 in 700 000 pixels lit by one of 600 such lamps each.
-const TIES: f64 = 1e-4;
+pub const TIES: f64 = 1e-4;
 
 /// How much each pixel differs.
 pub fn differences(seen: &[Rgb], right: &[Rgb]) -> Vec<f64> {

@@ -3,11 +3,15 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod bounces;
 mod compare;
 mod cost;
+mod denoise;
 mod flood;
+mod frames;
 mod holographic;
 mod lamps;
 mod polar;
 mod raymarch;
 mod stages;
+mod temporal;

@@ -5,6 +5,7 @@
 //! `albedo·φ` for the share of light that it stops. A method gathers what they receive, turns it
 //! into what they send out, and gathers again: once a bounce.
 
+use super::seed::is_occupied;
 use crate::{Cells, Rgb};
 
 /// Unit normals of a cell's faces: left, right, top, bottom.
@@ -48,8 +49,9 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
-    /// Finds the surfaces of a grid; none sends anything on yet.
-    pub fn collect(&mut self, cells: &Cells) {
+    /// Finds the surfaces of a grid; none sends anything on yet. Cells of fog of an opacity up to
+    /// `threshold` count as empty.
+    pub fn collect(&mut self, cells: &Cells, threshold: f32) {
         self.width = cells.width();
         self.slots.clear();
         self.slots.resize(cells.len(), NONE);
@@ -59,7 +61,7 @@ impl Surfaces {
         cells.for_each_matter(|i| {
             let reflects = cells.albedo()[i] != [0.0; 3];
             if !cells.is_solid(i) {
-                if reflects {
+                if reflects && is_occupied(cells, i, threshold) {
                     self.slots[i] = self.fog.len() as u32;
                     self.fog.push(i as u32);
                 }
@@ -84,15 +86,19 @@ impl Surfaces {
         self.wall_changed.resize(self.walls.len(), Default::default());
     }
 
-    /// Takes what surfaces sent in the frame `before`, where the same cell was a surface then.
+    /// Takes what surfaces sent in the frame `before`, where the same cell was a surface then. Faces
+    /// that send nothing on now keep nothing: no gather would ever take it from them again.
     pub fn take_over(&mut self, before: &Self) {
         if (before.width, before.slots.len()) != (self.width, self.slots.len()) {
             return;
         }
-        for (wall, sent) in self.walls.iter().zip(&mut self.wall_sent) {
+        let walls = self.walls.iter().zip(&mut self.wall_sent);
+        for (wall, sent) in walls.filter(|(wall, _)| wall.reflects) {
             let slot = before.slots[wall.cell as usize] as usize;
             if before.walls.get(slot).is_some_and(|old| old.cell == wall.cell) {
-                *sent = before.wall_sent[slot];
+                for face in (0..4).filter(|&face| wall.exposed[face]) {
+                    sent[face] = before.wall_sent[slot][face];
+                }
             }
         }
         for (&cell, sent) in self.fog.iter().zip(&mut self.fog_sent) {

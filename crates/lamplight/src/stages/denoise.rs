@@ -18,12 +18,12 @@ use crate::{Cells, Rgb};
 use rayon::prelude::*;
 
 /// B-spline weights by distance in taps.
-const KERNEL: [f32; 3] = [3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0];
+pub const KERNEL: [f32; 3] = [3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0];
 /// Differences in light count against this many standard deviations of the noise: of 1 to 4 the one
 /// with the least error over the example scenes.
-const DEVIATIONS: f32 = 2.0;
+pub const DEVIATIONS: f32 = 2.0;
 /// How fast a difference in opacity ends the blur.
-const OPACITY: f32 = 8.0;
+pub const OPACITY: f32 = 8.0;
 
 /// Buffers of the passes.
 #[derive(Debug, Default)]

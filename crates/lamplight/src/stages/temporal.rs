@@ -17,7 +17,7 @@ use crate::{Cells, Rgb};
 pub const REACH: usize = 8;
 
 /// Frames that a bounce by feedback needs to forget: an albedo of ½ leaves 0.4 %.
-const FEEDBACK: u8 = 8;
+pub const FEEDBACK: u8 = 8;
 
 /// History and what ends it.
 #[derive(Debug, Default)]

@@ -42,7 +42,7 @@ pub struct Holographic {
     intervals: [Intervals; 2],
     hop: Kernels,
     onto: Kernels,
-    faces: Kernels,
+    reflect: Kernels,
 }
 
 /// Those that know how intervals are stored.
@@ -133,9 +133,9 @@ impl Holographic {
             intervals: [Intervals::new(device, 2, 32), Intervals::new(device, 3, 16)],
             hop: hop(false),
             onto: hop(true),
-            faces: Kernels::new(
+            reflect: Kernels::new(
                 device,
-                &shaders::FACES,
+                &shaders::REFLECT,
                 &["send", "show"],
                 &[Uniform, Texture, Texture, Read, Write, Write],
                 &[],
@@ -262,15 +262,15 @@ impl Holographic {
             whole(&sent),
             whole(light),
         ];
-        let faces = site.bind(&self.faces, &resources);
+        let faces = site.bind(&self.reflect, &resources);
         let mut dispatches = Vec::new();
         for bounce in 0..bounces {
             let gather = &bounced[usize::from(bounce > 0)];
             dispatches.extend(gather.iter().map(|step| self.dispatch(intervals, &bound, step)));
-            dispatches.push(site.over_cells(&self.faces, 0, &faces, None));
+            dispatches.push(site.over_cells(&self.reflect, 0, &faces, None));
         }
         dispatches.extend(seen.iter().map(|step| self.dispatch(intervals, &bound, step)));
-        dispatches.push(site.over_cells(&self.faces, 1, &faces, None));
+        dispatches.push(site.over_cells(&self.reflect, 1, &faces, None));
         Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: None })
     }
 

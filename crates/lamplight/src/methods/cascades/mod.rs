@@ -84,7 +84,7 @@ impl Cascades {
         clock: &mut Clock,
     ) {
         self.optics.prepare(cells, Reading::default(), &[]);
-        self.surfaces.collect(cells);
+        self.surfaces.collect(cells, 0.0);
         self.faces.collect(&self.surfaces);
         self.room.measure(&self.optics);
         let size = [cells.width(), cells.height()];

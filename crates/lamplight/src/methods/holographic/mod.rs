@@ -102,7 +102,7 @@ impl Holographic {
             return;
         }
         let Self { surfaces, fronts, .. } = self;
-        rayon::join(|| surfaces.collect(cells), || fronts.clear(cells));
+        rayon::join(|| surfaces.collect(cells, 0.0), || fronts.clear(cells));
         fronts.collect(cells, surfaces);
         clock.lap("surfaces");
         let mut sends = false;

@@ -27,7 +27,7 @@ impl Default for Published {
 impl Published {
     /// Solves one frame into `light`.
     pub fn solve(&mut self, cells: &Cells, bounces: Bounces, light: &mut Vec<Rgb>) {
-        self.surfaces.collect(cells);
+        self.surfaces.collect(cells, 0.0);
         self.fluence(cells, light);
         if bounces == Bounces::Count(0) || !self.surfaces.reflect() {
             return;

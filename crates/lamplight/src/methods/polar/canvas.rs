@@ -59,7 +59,7 @@ impl Canvas {
                 *open = f32::from(!cells.is_solid(y * w + x));
             }
         });
-        self.surfaces.collect(cells);
+        self.surfaces.collect(cells, 0.0);
     }
 
     /// Lights it with lamps.

@@ -18,7 +18,7 @@ pub const GOLDEN_RATIO: f32 = 0.618_034;
 /// Rays whose noise is taken together; even, so that what is seen all over a sector cancels. Of 2 to
 /// 16, and all rays at once, the one with the least error over the example scenes at 32 rays (2 is
 /// as good there and worse at 128).
-const SECTOR: u32 = 4;
+pub const SECTOR: u32 = 4;
 
 /// Radians by which a pixel's rays may be turned before they are the same again: a gap between two
 /// where they are evenly spaced.

@@ -112,8 +112,8 @@ impl Field<'_> {
         let inverse = direction.map(|d| 1.0 / if d.abs() < NEVER { NEVER } else { d });
         let sign = direction.map(|d| if d < 0.0 { -1 } else { 1 });
         let beyond = direction.map(|d| (d < 0.0) as i32);
+        let mut index = (cell[1] * self.optics.width + cell[0]) as usize;
         for _ in 0..self.settings.steps {
-            let Some(index) = self.index(cell) else { return self.leave(&mut path, direction) };
             let side = side(squares[index]).max(1);
             let next: [i32; 2] = std::array::from_fn(|a| cell[a] + sign[a] * side);
             let edge: [f32; 2] = std::array::from_fn(|a| (next[a] + beyond[a]) as f32);
@@ -134,9 +134,10 @@ impl Field<'_> {
             let (low, high) = (cell[other].min(last), cell[other].max(last));
             cell[other] = (along.floor() as i32).clamp(low, high);
             cell[axis] = next[axis];
-            if let Some(i) = self.index(cell).filter(|&i| self.optics.sites[i].kind == Kind::Solid)
-            {
-                return self.arrive(&mut path, i, face(axis, direction));
+            let Some(next) = self.index(cell) else { return self.leave(&mut path, direction) };
+            index = next;
+            if self.optics.sites[index].kind == Kind::Solid {
+                return self.arrive(&mut path, index, face(axis, direction));
             }
         }
         path.seen

@@ -24,7 +24,7 @@ pub use crate::stages::packet::NEVER;
 use crate::stages::traced::Traced;
 use fearless_simd::Level;
 use gather::{Directions, Gather, Mean};
-pub use gather::{GOLDEN_RATIO, directions, gap};
+pub use gather::{GOLDEN_RATIO, SECTOR, directions, gap};
 use march::Field;
 use rayon::prelude::*;
 
@@ -92,7 +92,7 @@ impl Raymarch {
         self.directions.prepare(&settings.raymarch);
         self.optics.prepare(cells, reading(settings), changed);
         std::mem::swap(&mut self.surfaces, &mut self.before);
-        self.surfaces.collect(cells);
+        self.surfaces.collect(cells, settings.raymarch.threshold);
         clock.lap("clearance");
 
         if settings.bounces != Bounces::Count(0) && self.surfaces.reflect() {
