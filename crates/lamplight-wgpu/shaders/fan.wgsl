@@ -3,6 +3,7 @@
 // From edge to edge, a px at a time, or by the distance field.
 override WALK: u32;
 override MARGIN: f32;
+const VISITS_EMPTY: bool = false;
 const BY_EDGES: u32 = 0u;
 const BY_DISTANCE: u32 = 2u;
 

@@ -4,19 +4,9 @@ override DECAY: f32;
 
 // How light flows: along x or y, and whether to both sides, from the one after or from the one before.
 @group(0) @binding(1) var<uniform> step: u32;
-@group(0) @binding(2) var<storage, read> kinds: array<u32>;
-@group(0) @binding(3) var<storage, read> before: array<vec4f>;
+@group(0) @binding(2) var<storage, read> before: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> after: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> light: array<vec4f>;
-
-fn open(cell: vec2i) -> bool {
-    if !inside(cell) {
-        return false;
-    }
-    let at = vec2u(cell);
-    let word = kinds[(at.y >> 2u) * ((frame.size.x + 3u) >> 2u) + (at.x >> 2u)];
-    return (word >> (((at.y & 3u) << 3u) | ((at.x & 3u) << 1u)) & 3u) < 2u;
-}
 
 // Takes some light from every cell, and all of it from those that are no longer open.
 @compute @workgroup_size(8, 8)
@@ -72,9 +62,8 @@ fn show(@builtin(global_invocation_id) id: vec3u) {
     }
     var sum = vec3f(0.0);
     var faces = 0.0;
-    for (var face = 0i; face < 4i; face++) {
-        let away = 1i - 2i * (face & 1i);
-        let beside = cell + select(vec2i(0i, away), vec2i(away, 0i), face < 2i);
+    for (var face = 0u; face < 4u; face++) {
+        let beside = cell + normal(face);
         if open(beside) {
             sum += after[index(vec2u(beside))].rgb;
             faces += 1.0;

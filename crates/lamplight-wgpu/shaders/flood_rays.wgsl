@@ -17,6 +17,7 @@ override REACH: f32;
 @group(0) @binding(7) var<storage, read_write> cells: array<atomic<u32>>;
 
 const BY_SOURCE: u32 = 3u;
+const VISITS_EMPTY: bool = true;
 
 // The ray on its way.
 var<private> color: vec3f;
@@ -119,8 +120,7 @@ fn glow(cell: vec2u) -> vec3f {
         return own * (1.0 - exp(log_transmittance(textureLoad(matter, cell, 0))));
     }
     for (var i = 0i; i < 9i; i++) {
-        let beside = kind_at(vec2i(cell) + vec2i(i % 3i - 1i, i / 3i - 1i));
-        if beside == EMPTY || beside == FOG {
+        if open(vec2i(cell) + vec2i(i % 3i - 1i, i / 3i - 1i)) {
             return own;
         }
     }

@@ -39,6 +39,12 @@ const FACE: f32 = 1.0;
 const VOLUME: f32 = 2.0;
 const CHANGED: f32 = 4.0;
 
+// What a cell is to a ray of a lamp, in two bits.
+const EMPTY: u32 = 0u;
+const FOG: u32 = 1u;
+const WALL: u32 = 2u;
+const BEYOND: u32 = 3u;
+
 // Whether light notices what has this tint and opacity.
 fn occupied(tint_opacity: vec4f) -> bool {
     return tint_opacity.a > frame.threshold || any(tint_opacity.rgb != vec3f(1.0));

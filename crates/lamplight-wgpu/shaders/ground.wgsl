@@ -6,16 +6,16 @@
 // What a frame counts from 0.
 @group(0) @binding(3) var<storage, read_write> used: u32;
 
-// Empty space, fog, wall, or beyond the grid, as in walk.wgsl.
 fn kind(at: vec2u) -> u32 {
     if outside(at) {
-        return 3u;
+        return BEYOND;
     }
     let tint_opacity = textureLoad(matter, at, 0);
     if tint_opacity.a >= 1.0 {
-        return 2u;
+        return WALL;
     }
-    return u32(tint_opacity.a > 0.0 || any(tint_opacity.rgb != vec3f(1.0)));
+    let seen = tint_opacity.a > 0.0 || any(tint_opacity.rgb != vec3f(1.0));
+    return select(EMPTY, FOG, seen);
 }
 
 @compute @workgroup_size(8, 8)

@@ -28,6 +28,10 @@ struct Lamps {
 
 @group(0) @binding(1) var<storage, read> lamps: Lamps;
 
+// What rays keep that met nothing. FAR stands for infinity, which a shader may not rely on.
+const FAR: f32 = 3.40282347e38;
+const NO_CELL: u32 = 0xffffffffu;
+
 const TURN: f32 = 6.2831855;
 const LINEAR: u32 = 0u;
 const SMOOTH: u32 = 1u;

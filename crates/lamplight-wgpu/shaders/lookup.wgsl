@@ -1,4 +1,7 @@
 // What a pixel reads from a lamp's fan: `Fan` of the library (`fan.rs`, which says why).
+//
+// Loops stand where the same call would stand twice: compilers write out every call, and a walk
+// through the grid takes many registers.
 
 override EDGES: u32;
 const NEAREST_RAY: u32 = 2u;
@@ -38,6 +41,10 @@ fn arriving(lamp: Lamp, off: vec2f, distance: f32) -> vec3f {
     return vec3f(share);
 }
 
+fn length_of(off: vec2f) -> f32 {
+    return sqrt(off.x * off.x + off.y * off.y);
+}
+
 fn wrapped(lamp: Lamp, ray: u32) -> u32 {
     return ray - select(0u, lamp.count, ray >= lamp.count);
 }
@@ -56,7 +63,7 @@ fn cone_at(lamp: Lamp, at: f32) -> f32 {
 fn partly_seen(lamp: Lamp, off: vec2f, at: f32) -> f32 {
     let nearest = u32(at + 0.5);
     let own = wrapped(lamp, nearest);
-    let inverse = 1.0 / sqrt(off.x * off.x + off.y * off.y);
+    let inverse = 1.0 / length_of(off);
     let beside_ray = f32(nearest) - at;
     let bound = bounds[lamp.first + own];
     let shadowed = bitcast<f32>(bound.z) > inverse;
@@ -69,24 +76,25 @@ fn partly_seen(lamp: Lamp, off: vec2f, at: f32) -> f32 {
         var wall = false;
         var i = own;
         var before_joined = false;
-        for (var k = 0u; k <= window; k++) {
+        for (var k = 0u; k <= window + 1u; k++) {
             let ray = bounds[lamp.first + i];
             let joined = (ray.w & JOINED) != 0u;
             let above = bitcast<f32>(ray.z) - inverse;
-            if above > 0.0 {
-                let width = clamp(lamp.spread * above, NARROWEST, WIDEST);
-                let middle = select(-beside_ray, beside_ray, forward) + f32(k);
-                if !(wall && select(joined, before_joined, forward)) {
-                    seen += gap(lamp, off, done, (middle - 0.5) / width, shadowed, forward);
-                }
+            let width = clamp(lamp.spread * above, NARROWEST, WIDEST);
+            let middle = select(-beside_ray, beside_ray, forward) + f32(k);
+            let last_gap = k > window;
+            let blocks = above > 0.0 && !last_gap;
+            if last_gap || (blocks && !(wall && select(joined, before_joined, forward))) {
+                let to = select((middle - 0.5) / width, 1.0, last_gap);
+                seen += gap(lamp, off, done, to, shadowed, forward);
+            }
+            if blocks {
                 done = max(done, (middle + 0.5) / width);
                 if done >= 1.0 {
                     break;
                 }
-                wall = true;
-            } else {
-                wall = false;
             }
+            wall = blocks;
             before_joined = joined;
             if forward {
                 i = wrapped(lamp, i + 1u);
@@ -94,7 +102,6 @@ fn partly_seen(lamp: Lamp, off: vec2f, at: f32) -> f32 {
                 i = select(i, lamp.count, i == 0u) - 1u;
             }
         }
-        seen += gap(lamp, off, done, 1.0, shadowed, forward);
     }
     return 0.5 * seen;
 }
@@ -112,14 +119,22 @@ fn gap(lamp: Lamp, off: vec2f, from_: f32, to: f32, shadowed: bool, forward: boo
 // Whether nothing stands between a pixel's side and the part β of the lamp, or between that and the
 // lamp's middle.
 fn arrives(lamp: Lamp, off: vec2f, part: f32, forward: bool) -> bool {
-    let turn = select(-1.0, 1.0, forward) / sqrt(off.x * off.x + off.y * off.y);
+    let turn = select(-1.0, 1.0, forward) / length_of(off);
     let aside = vec2f(-off.y, off.x) * turn;
     let size = part * lamp.spread / lamp.per_radian;
     let lamp_part = lamp.position + size * aside;
     // Half a px aside is within the pixel, whatever the direction.
     let here = lamp.position + off + 0.5 * aside;
     let round_the_grid = within(lamp.position) && !within(lamp_part);
-    return !round_the_grid && sees(here, lamp_part) && sees(lamp.position, lamp_part);
+    if round_the_grid {
+        return false;
+    }
+    for (var i = 0u; i < 2u; i++) {
+        if !sees(select(here, lamp.position, i == 1u), lamp_part) {
+            return false;
+        }
+    }
+    return true;
 }
 
 fn within(at: vec2f) -> bool {
@@ -128,7 +143,7 @@ fn within(at: vec2f) -> bool {
 
 fn sees(from_: vec2f, to: vec2f) -> bool {
     let off = to - from_;
-    let length = sqrt(off.x * off.x + off.y * off.y);
+    let length = length_of(off);
     let along = off / max(length, LEAST);
     let sign = select(vec2f(1.0), vec2f(-1.0), along < vec2f(0.0));
     return walk(from_, way(abs(along), sign), length, false, false).cell == NO_CELL;
@@ -136,13 +151,16 @@ fn sees(from_: vec2f, to: vec2f) -> bool {
 
 // Share of light that fog and glass let through to a pixel.
 fn through(lamp: Lamp, at: f32, distance: f32) -> vec3f {
-    if EDGES == NEAREST_RAY {
-        return along_ray(lamp, wrapped(lamp, u32(at + 0.5)), distance);
+    let first = select(u32(at), u32(at + 0.5), EDGES == NEAREST_RAY);
+    let rays = select(2u, 1u, EDGES == NEAREST_RAY);
+    var let_through: array<vec3f, 2>;
+    for (var i = 0u; i < rays; i++) {
+        let_through[i] = along_ray(lamp, wrapped(lamp, first + i), distance);
     }
-    let first = u32(at);
-    let a = along_ray(lamp, wrapped(lamp, first), distance);
-    let b = along_ray(lamp, wrapped(lamp, first + 1u), distance);
-    return a + (b - a) * (at - f32(first));
+    if rays == 1u {
+        return let_through[0];
+    }
+    return let_through[0] + (let_through[1] - let_through[0]) * (at - f32(first));
 }
 
 fn along_ray(lamp: Lamp, ray: u32, distance: f32) -> vec3f {

@@ -35,51 +35,38 @@ fn blend(sum: vec3f, more: vec3f) -> vec3f {
     return sum + share - sum * share;
 }
 
-fn in_open(lamp: Lamp, off: vec2f) -> vec3f {
-    let distance = sqrt(off.x * off.x + off.y * off.y);
-    let share = falloff(lamp, distance);
-    if share <= 0.0 {
-        return vec3f(0.0);
-    }
-    return lamp.strength * (share * arriving(lamp, off, distance));
-}
-
 // The faces of a wall that look at cells that are not solid, left, right, top, bottom, a bit each.
 fn exposed(cell: vec2i) -> u32 {
     var faces = 0u;
     for (var face = 0u; face < 4u; face++) {
-        let kind = kind_at(cell + normal(face));
-        faces |= select(0u, 1u << face, kind == EMPTY || kind == FOG);
+        faces |= select(0u, 1u << face, open(cell + normal(face)));
     }
     return faces;
 }
 
-fn normal(face: u32) -> vec2i {
-    let away = select(1i, -1i, (face & 1u) == 0u);
-    return select(vec2i(0i, away), vec2i(away, 0i), face < 2u);
-}
-
-// What the exposed faces of a wall receive, on the mean. Light of fluence φ from one direction is
-// `½∫L cosθ dθ = π·φ·cosθ` on a face. Whether it arrives is asked at the centre of the open cell
-// before the face: at the face itself every ray ends.
-fn on_wall(lamp: Lamp, off: vec2f, faces: u32) -> vec3f {
+// What a cell receives from a lamp: an open one at its centre; a wall (with `faces`) on the mean over
+// its exposed faces. Light of fluence φ from one direction is `½∫L cosθ dθ = π·φ·cosθ` on a face.
+// Whether it arrives is asked at the centre of the open cell before the face: at the face itself
+// every ray ends.
+fn received(lamp: Lamp, off: vec2f, faces: u32) -> vec3f {
     var sum = vec3f(0.0);
-    for (var face = 0u; face < 4u; face++) {
-        if (faces >> face & 1u) == 0u {
-            continue;
+    for (var face = 0u; face < select(4u, 1u, faces == 0u); face++) {
+        var place = off;
+        var share = 0.0;
+        if faces == 0u {
+            share = falloff(lamp, length_of(off));
+        } else if (faces >> face & 1u) == 1u {
+            let normal = vec2f(normal(face));
+            let on_face = off + 0.5 * normal;
+            let away = length_of(on_face);
+            share = PI * -dot(normal, on_face) / max(away, LEAST) * falloff(lamp, away);
+            place += normal;
         }
-        let normal = vec2f(normal(face));
-        let at = off + 0.5 * normal;
-        let away = sqrt(at.x * at.x + at.y * at.y);
-        let cosine = -dot(normal, at) / max(away, LEAST);
-        let arrives = PI * cosine * falloff(lamp, away);
-        if arrives > 0.0 {
-            let before_face = off + normal;
-            let distance = sqrt(before_face.x * before_face.x + before_face.y * before_face.y);
-            sum += arrives * arriving(lamp, before_face, distance);
+        if share > 0.0 {
+            sum += share * arriving(lamp, place, length_of(place));
         }
     }
-    return lamp.strength * sum / f32(countOneBits(faces));
+    return lamp.strength * sum / f32(max(countOneBits(faces), 1u));
 }
 
 @compute @workgroup_size(16, 16)
@@ -89,11 +76,11 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let cell = vec2i(id.xy);
-    let kind = kind_at(cell);
     var faces = 0u;
-    if kind == WALL {
+    if kind_at(cell) == WALL {
         faces = exposed(cell);
     }
+    let lit = open(cell) || faces != 0u;
     var sum = vec3f(0.0);
     for (var first = 0u; first < lamps.count; first += 256u) {
         if lane < 8u {
@@ -110,10 +97,8 @@ fn main(
                 let lamp = lamps.list[first + 32u * word + firstTrailingBit(left)];
                 left &= left - 1u;
                 let off = vec2f(id.xy) + 0.5 - lamp.position;
-                if kind == EMPTY || kind == FOG {
-                    sum = blend(sum, in_open(lamp, off));
-                } else if faces != 0u {
-                    sum = blend(sum, on_wall(lamp, off, faces));
+                if lit {
+                    sum = blend(sum, received(lamp, off, faces));
                 }
             }
         }

@@ -14,8 +14,6 @@ override CRISP: bool;
 // this ray's wall and the next ray's touch.
 @group(0) @binding(3) var<storage, read_write> bounds: array<vec4u>;
 
-const FAR: f32 = 3.40282347e38;
-const NO_CELL: u32 = 0xffffffffu;
 // WIDEST and one.
 const HALO: u32 = 65u;
 const RAYS: u32 = 64u + 2u * HALO;

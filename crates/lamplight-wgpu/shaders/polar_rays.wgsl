@@ -20,11 +20,11 @@ fn keep(knot: Knot, number: u32) {
 fn store_for(count: u32) -> u32 {
     let most = arrayLength(&knots);
     // A full store counts no further, so that the count never runs over.
-    if atomicLoad(&used) >= most {
+    if count > most || atomicLoad(&used) >= most {
         return most;
     }
     let first = atomicAdd(&used, count);
-    return select(most, first, first <= most - min(count, most));
+    return select(most, first, first <= most - count);
 }
 
 @compute @workgroup_size(64)

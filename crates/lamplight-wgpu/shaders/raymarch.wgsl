@@ -54,12 +54,6 @@ fn over_face(at: vec2u, face: u32, normal: vec2f) -> Mean {
     return mean(sum);
 }
 
-// Left, right, top, bottom.
-fn normal(face: u32) -> vec2i {
-    let away = select(1i, -1i, (face & 1u) == 0u);
-    return select(vec2i(0i, away), vec2i(away, 0i), face < 2u);
-}
-
 // Whether a face looks at a cell that is not solid.
 fn exposed(at: vec2u, face: u32) -> bool {
     let open = vec2i(at) + normal(face);

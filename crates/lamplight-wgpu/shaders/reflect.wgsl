@@ -13,8 +13,7 @@ fn solid(at: vec2i) -> bool {
 
 // Whether a face (left, right, top, bottom) looks at a cell that is not solid.
 fn exposed(at: vec2u, face: u32) -> bool {
-    let away = select(1i, -1i, (face & 1u) == 0u);
-    let open = vec2i(at) + select(vec2i(0i, away), vec2i(away, 0i), face < 2u);
+    let open = vec2i(at) + normal(face);
     return inside(open) && !solid(open);
 }
 

@@ -1,23 +1,15 @@
 // The way of lamps' rays through the grid, from cell edge to cell edge (Amanatides, Woo 1987): the
 // same numbers as `ground.rs` of the library, so that rays meet the same cells.
 //
-// Who walks with `visiting` is told of every cell on the way: `visit(enter, leave, cell, kind)`.
+// Who walks with `visiting` is told of cells on the way: `visit(enter, leave, cell, kind)`; of empty
+// ones only with `VISITS_EMPTY`, and otherwise blocks of empty cells are crossed at once.
 
 // Whether fog lets light through, or ends rays.
 override TRANSLUCENT: bool;
 
 @group(0) @binding(2) var matter: texture_2d<f32>;
-// Made by ground.wgsl.
-@group(0) @binding(3) var<storage, read> kinds: array<u32>;
 
-const EMPTY: u32 = 0u;
-const FOG: u32 = 1u;
-const WALL: u32 = 2u;
-const BEYOND: u32 = 3u;
-
-// Stands for infinity, which a shader may not rely on.
-const FAR: f32 = 3.40282347e38;
-const NO_CELL: u32 = 0xffffffffu;
+// The least number that is not 0, to precision.
 const LEAST: f32 = 1.17549435e-38;
 
 // How far a ray came, FAR where it met nothing, and the wall, packed as seeds are.
@@ -37,18 +29,6 @@ struct Way {
 fn way(magnitude: vec2f, sign: vec2f) -> Way {
     // Never 1/0, so that no edge is 0·∞ px away.
     return Way(sign * magnitude, sign, sign / max(magnitude, vec2f(LEAST)));
-}
-
-fn word_at(cell: vec2u) -> u32 {
-    return kinds[(cell.y >> 2u) * ((frame.size.x + 3u) >> 2u) + (cell.x >> 2u)];
-}
-
-fn kind_at(cell: vec2i) -> u32 {
-    if !inside(cell) {
-        return BEYOND;
-    }
-    let at = vec2u(cell);
-    return word_at(at) >> (((at.y & 3u) << 3u) | ((at.x & 3u) << 1u)) & 3u;
 }
 
 fn ends(kind: u32) -> bool {
@@ -74,6 +54,19 @@ fn cell_at(at: vec2f) -> vec2i {
     return clamp(vec2i(floor(at)), vec2i(0), vec2i(frame.size) - 1);
 }
 
+// How far a ray is at a distance along each axis, coming from a cell: behind all edges that it crosses
+// up to there, counted by the same numbers as step by step.
+fn reached(from_: vec2f, way: Way, start: vec2i, sign: vec2i, ahead: vec2i, distance: f32) -> vec2i {
+    let about = vec2i(floor(from_ + way.along * distance));
+    // Not behind the start, nor beyond its block.
+    let last = (start & vec2i(-4)) + 3 * ahead;
+    var cell = clamp(about, min(start, last), max(start, last));
+    let on = (vec2f(cell + ahead) - from_) * way.inverse <= vec2f(distance);
+    cell += select(vec2i(0), sign, on & (cell != last));
+    let early = (vec2f(cell + ahead - sign) - from_) * way.inverse > vec2f(distance);
+    return cell - select(vec2i(0), sign, early & (cell != start));
+}
+
 // Walks until a wall, the end of the grid or `reach`. With `leaving` the ray starts within its cell,
 // even if that is a wall.
 fn walk(from_: vec2f, way: Way, reach: f32, leaving: bool, visiting: bool) -> Hit {
@@ -83,18 +76,39 @@ fn walk(from_: vec2f, way: Way, reach: f32, leaving: bool, visiting: bool) -> Hi
         return nothing;
     }
     let sign = vec2i(way.sign);
+    // An edge ahead has the coordinate of the cell or of the one after.
+    let ahead = max(sign, vec2i(0));
     var at = grid.x;
     var cell = cell_at(from_ + way.along * at);
-    var edge = vec2f(cell) + max(way.sign, vec2f(0.0));
-    var next = (edge - from_) * way.inverse;
     // It crosses no more edges than there are.
     let most = frame.size.x + frame.size.y + 2u;
     for (var crossed = 0u; crossed < most; crossed++) {
-        let leave = min(next.x, next.y);
-        let kind = kind_at(cell);
-        if kind == BEYOND {
+        if !inside(cell) {
             return nothing;
         }
+        let word = word_at(vec2u(cell));
+        if word == 0u && !(visiting && VISITS_EMPTY) {
+            let far_edge = vec2f((cell & vec2i(-4)) + 4 * ahead);
+            let exit = (far_edge - from_) * way.inverse;
+            let leave = min(exit.x, exit.y);
+            if leave >= reach {
+                return nothing;
+            }
+            // Through the corner of a block goes who goes step by step.
+            if exit.x != exit.y {
+                let crosses = exit.xy < exit.yx;
+                cell = select(
+                    reached(from_, way, cell, sign, ahead, leave),
+                    vec2i(far_edge) + ahead - 1,
+                    crosses,
+                );
+                at = leave;
+                continue;
+            }
+        }
+        let next = (vec2f(cell + ahead) - from_) * way.inverse;
+        let leave = min(next.x, next.y);
+        let kind = kind_in(word, vec2u(cell));
         if ends(kind) {
             if !leaving || crossed > 0u {
                 return Hit(at, packed(cell));
@@ -114,8 +128,6 @@ fn walk(from_: vec2f, way: Way, reach: f32, leaving: bool, visiting: bool) -> Hi
         }
         let crosses = next.xy <= next.yx;
         cell += select(vec2i(0), sign, crosses);
-        edge += select(vec2f(0.0), way.sign, crosses);
-        next = (edge - from_) * way.inverse;
         at = leave;
     }
     return nothing;

@@ -38,29 +38,67 @@ pub const DISTANCE: Shader = shader!("distance");
 pub const OPTICS: Shader = shader!("optics", "transmittance");
 pub const CLEARANCE: Shader = shader!("clearance");
 pub const CHANGES: Shader = shader!("changes", "pcg");
-pub const RAYMARCH: Shader =
-    shader!("raymarch", "pcg", "noise", "luminance", "gather", "sky", "surfaces", "march_edge");
-pub const RAYMARCH_DISTANCE: Shader =
-    shader!("raymarch", "pcg", "noise", "luminance", "gather", "sky", "surfaces", "march_distance");
+pub const RAYMARCH: Shader = shader!(
+    "raymarch",
+    "pcg",
+    "noise",
+    "luminance",
+    "gather",
+    "faces",
+    "sky",
+    "surfaces",
+    "march_edge"
+);
+pub const RAYMARCH_DISTANCE: Shader = shader!(
+    "raymarch",
+    "pcg",
+    "noise",
+    "luminance",
+    "gather",
+    "faces",
+    "sky",
+    "surfaces",
+    "march_distance"
+);
 pub const FEEDBACK: Shader = shader!("feedback");
 pub const CONVERGENCE: Shader = shader!("convergence");
 pub const TEMPORAL: Shader = shader!("temporal");
 pub const DENOISE: Shader = shader!("denoise", "luminance");
 pub const GROUND: Shader = shader!("ground");
 pub const FLOOD_RAYS: Shader =
-    shader!("flood_rays", "lamps", "angle", "walk", "sky", "transmittance");
-pub const FLOOD: Shader = shader!("flood");
-pub const POLAR_RAYS: Shader =
-    shader!("polar_rays", "lamps", "angle", "walk", "circle", "transmittance", "knots", "fan");
+    shader!("flood_rays", "lamps", "angle", "kinds", "walk", "sky", "transmittance");
+pub const FLOOD: Shader = shader!("flood", "kinds", "faces");
+pub const POLAR_RAYS: Shader = shader!(
+    "polar_rays",
+    "lamps",
+    "angle",
+    "kinds",
+    "walk",
+    "circle",
+    "transmittance",
+    "knots",
+    "fan"
+);
 pub const POLAR_BOUNDS: Shader = shader!("polar_bounds", "lamps", "angle");
-pub const POLAR: Shader =
-    shader!("polar", "lamps", "angle", "walk", "circle", "transmittance", "knots", "fan", "lookup");
+pub const POLAR: Shader = shader!(
+    "polar",
+    "lamps",
+    "angle",
+    "kinds",
+    "walk",
+    "circle",
+    "transmittance",
+    "knots",
+    "fan",
+    "faces",
+    "lookup"
+);
 pub const SLABS: Shader = shader!("slabs", "sweep", "packed_rgb");
 pub const TRACE: Shader = shader!("trace", "sweep", "packed_rgb", "interval", "ways");
 pub const EXTEND: Shader = shader!("extend", "sweep", "interval");
 pub const CONES: Shader = shader!("cones", "sweep", "packed_rgb", "interval");
 pub const HOP: Shader = shader!("hop", "sweep", "packed_rgb", "interval", "ways");
-pub const REFLECT: Shader = shader!("reflect", "packed_rgb");
+pub const REFLECT: Shader = shader!("reflect", "faces", "packed_rgb");
 pub const WALLS: Shader = shader!("walls");
 pub const OUTPUT: Shader = shader!("output");
 

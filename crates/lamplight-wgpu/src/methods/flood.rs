@@ -97,7 +97,7 @@ impl Flood {
         let drawn = site.bind(&self.rays, &resources);
         let bind = |to: usize| {
             let (from, to) = (whole(&halves[1 - to]), whole(&halves[to]));
-            let resources = [site.shared.step(), whole(&ground.kinds), from, to, whole(light)];
+            let resources = [site.shared.step(), from, whole(&ground.kinds), to, whole(light)];
             site.bind(&self.blur, &resources)
         };
         let into = [bind(0), bind(1)];
