@@ -54,12 +54,6 @@ fn over_face(at: vec2u, face: u32, normal: vec2f) -> Mean {
     return mean(sum);
 }
 
-// Whether a face looks at a cell that is not solid.
-fn exposed(at: vec2u, face: u32) -> bool {
-    let open = vec2i(at) + normal(face);
-    return inside(open) && source[index(vec2u(open))].w != SOLID;
-}
-
 // The mean over the faces of a wall; how noisy it is nobody asks.
 fn on_wall(at: vec2u) -> Mean {
     var sum = Mean();

@@ -35,3 +35,9 @@ fn wall(i: u32, face: u32) -> vec3f {
 fn wall_changed(i: u32, face: u32) -> bool {
     return step > 0u && sent[4u * i + face].w >= CHANGED;
 }
+
+// Whether a face looks at a cell that is not solid.
+fn exposed(at: vec2u, face: u32) -> bool {
+    let open = vec2i(at) + normal(face);
+    return inside(open) && source[index(vec2u(open))].w != SOLID;
+}

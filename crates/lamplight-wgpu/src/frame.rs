@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use lamplight::methods::raymarch::gap;
-use lamplight::settings::Noise;
+use lamplight::settings::{Noise, Raymarch};
 use lamplight::stages::noise::fold;
-use lamplight::{Settings, Sky};
+use lamplight::{Method, Settings, Sky};
 #[cfg(test)]
 use std::mem::offset_of;
 
@@ -72,7 +72,15 @@ impl Frame {
             Sky::Uniform(radiance) => [radiance; 3],
             Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
         };
-        let raymarch = &settings.raymarch;
+        // Its settings are no other method's.
+        let plain = Raymarch {
+            threshold: 0.0,
+            emission_multiplier: 1.0,
+            attenuation: false,
+            ..settings.raymarch
+        };
+        let raymarch =
+            if settings.method == Method::Cascades { &plain } else { &settings.raymarch };
         Self {
             size,
             number,

@@ -7,9 +7,8 @@
 //!
 //! Here so far: seed, jump flood, distance, clear squares, `raymarch` with everything that goes with it
 //! (both its rules, bounces by count, feedback or until they converge, the mean over frames, denoising),
-//! `polar`, `flood` and `holographic` with all their settings; from uploaded cells, or the host's
-//! textures and lamps ([`Lighting::set_lamps`]). Whatever else settings ask for is refused by name
-//! ([`Error::NotYet`]).
+//! `polar`, `flood`, `cascades` and `holographic`; from uploaded cells, or the host's textures and lamps
+//! ([`Lighting::set_lamps`]). Whatever else settings ask for is refused by name ([`Error::NotYet`]).
 //!
 //! ```no_run
 //! # fn frame(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), Box<dyn std::error::Error>> {

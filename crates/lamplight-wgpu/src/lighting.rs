@@ -67,7 +67,7 @@ pub enum Stage {
     /// Distance field, `f32` a cell, `f32::MAX` in a grid without matter; made by
     /// [`Lighting::record_fields`].
     Distance,
-    /// `raymarch`: clear squares, four bytes a cell, one a quadrant.
+    /// `raymarch`, `cascades`: clear squares, four bytes a cell, one a quadrant.
     Clearance,
     /// The answer: four `f32` a cell, linear RGB and 1.
     Light,
@@ -303,13 +303,13 @@ fn run<'a>(
 /// Refuses settings that are out of range, and what only the CPU can do so far.
 pub fn check(settings: &Settings) -> Result<()> {
     settings.check()?;
+    let converged = settings.bounces == Bounces::Converged;
     let missing = match settings.method {
-        Method::Cascades => "the method cascades",
         Method::Holographic if settings.holographic.variant == Variant::Paper => {
             "`holographic.variant` = paper"
         }
-        Method::Holographic if settings.bounces == Bounces::Converged => {
-            "`bounces` = converged by holographic"
+        Method::Cascades | Method::Holographic if converged => {
+            "`bounces` = converged, but by raymarch,"
         }
         _ => return Ok(()),
     };

@@ -99,6 +99,24 @@ pub const EXTEND: Shader = shader!("extend", "sweep", "interval");
 pub const CONES: Shader = shader!("cones", "sweep", "packed_rgb", "interval");
 pub const HOP: Shader = shader!("hop", "sweep", "packed_rgb", "interval", "ways");
 pub const REFLECT: Shader = shader!("reflect", "faces", "packed_rgb");
+pub const CASCADES_FILL: Shader = shader!(
+    "cascades/fill",
+    "faces",
+    "sky",
+    "surfaces",
+    "packet",
+    "cascades/interval",
+    "cascades/merge"
+);
+pub const CASCADES_GATHER: Shader = shader!(
+    "cascades/gather",
+    "faces",
+    "sky",
+    "surfaces",
+    "packet",
+    "cascades/interval",
+    "cascades/merge"
+);
 pub const WALLS: Shader = shader!("walls");
 pub const OUTPUT: Shader = shader!("output");
 
@@ -114,6 +132,7 @@ mod tests {
     use super::*;
     use crate::frame::Frame;
     use crate::lamps::Lamp;
+    use crate::methods::cascades::ladder::{Layer, Path};
     use crate::methods::holographic::sweep::Sweep;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -142,6 +161,8 @@ mod tests {
         CONES,
         HOP,
         REFLECT,
+        CASCADES_FILL,
+        CASCADES_GATHER,
         WALLS,
         OUTPUT,
     ];
@@ -180,6 +201,8 @@ mod tests {
     #[test]
     fn structures_are_laid_out_as_the_shaders_read_them() {
         laid_out(&SEED, "Frame", &Frame::OFFSETS, size_of::<Frame>());
+        laid_out(&CASCADES_FILL, "Path", &Path::OFFSETS, size_of::<Path>());
+        laid_out(&CASCADES_FILL, "Layer", &Layer::OFFSETS, size_of::<Layer>());
         laid_out(&TRACE, "Sweep", &Sweep::OFFSETS, size_of::<Sweep>());
         laid_out(&POLAR, "Lamp", &Lamp::OFFSETS, size_of::<Lamp>());
     }

@@ -30,8 +30,13 @@ impl Shared {
 
     /// The number of a step; which one is said when it runs.
     pub fn step(&self) -> BindingResource<'_> {
-        let size = std::num::NonZeroU64::new(4);
-        BindingResource::Buffer(BufferBinding { buffer: &self.steps, offset: 0, size })
+        self.number(0)
+    }
+
+    /// This number, one of the steps'.
+    pub fn number(&self, number: u32) -> BindingResource<'_> {
+        let (offset, size) = (u64::from(number * STEP_BYTES), std::num::NonZeroU64::new(4));
+        BindingResource::Buffer(BufferBinding { buffer: &self.steps, offset, size })
     }
 }
 

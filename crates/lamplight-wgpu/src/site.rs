@@ -9,6 +9,7 @@ use crate::shared::Shared;
 use crate::{Error, Result};
 use lamplight::Settings;
 use std::cell::{Cell, RefCell};
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView};
 
 /// Bytes of four floats.
@@ -121,10 +122,7 @@ impl<'a> Site<'a> {
 
     /// Makes a buffer of a kind of its own.
     pub fn buffer_for(&self, label: &str, bytes: u64, usage: BufferUsages) -> Result<Buffer> {
-        let most = self.most_bytes();
-        if bytes > most {
-            return Err(too_large(self.size, "bytes a buffer", bytes, most));
-        }
+        self.allows(bytes)?;
         self.memory.set(self.memory.get() + bytes);
         Ok(self.device.create_buffer(&BufferDescriptor {
             label: Some(label),
@@ -155,6 +153,24 @@ impl<'a> Site<'a> {
     /// What the next plan may take over.
     pub fn into_kept(self) -> Vec<Kept> {
         self.kept.into_inner()
+    }
+
+    /// Makes a buffer with something in it that shaders only read.
+    pub fn filled(&self, label: &str, usage: BufferUsages, contents: &[u8]) -> Result<Buffer> {
+        let bytes = contents.len() as u64;
+        self.allows(bytes)?;
+        self.memory.set(self.memory.get() + bytes);
+        let label = Some(label);
+        Ok(self.device.create_buffer_init(&BufferInitDescriptor { label, contents, usage }))
+    }
+
+    /// Refuses a buffer that the device cannot hold.
+    pub fn allows(&self, bytes: u64) -> Result<()> {
+        let most = self.most_bytes();
+        if bytes > most {
+            return Err(too_large(self.size, "bytes a buffer", bytes, most));
+        }
+        Ok(())
     }
 
     /// The halves of a ping-pong.
@@ -208,7 +224,13 @@ pub fn fits(device: &Device, size: [u32; 2]) -> Result<()> {
     Ok(())
 }
 
-fn too_large([width, height]: [u32; 2], what: &'static str, needed: u64, allowed: u64) -> Error {
+/// More than the device allows.
+pub fn too_large(
+    [width, height]: [u32; 2],
+    what: &'static str,
+    needed: u64,
+    allowed: u64,
+) -> Error {
     Error::TooLarge { width, height, what, needed, allowed }
 }
 

@@ -20,10 +20,11 @@ fn raymarch() -> Settings {
 #[test]
 fn what_is_not_there_yet_is_refused_by_name() {
     let (device, queue) = device();
-    let settings = Settings { method: Method::Cascades, ..Settings::default() };
+    let bounces = Bounces::Converged;
+    let settings = Settings { method: Method::Cascades, bounces, ..Settings::default() };
     let error = Lighting::new(&device, &queue, settings).unwrap_err();
     assert!(matches!(error, Error::NotYet { .. }), "{error:?}");
-    assert_eq!(error.to_string(), "the method cascades is not on the GPU yet: use the CPU for it");
+    assert!(error.to_string().starts_with("`bounces` = converged"), "{error}");
 }
 
 #[test]
@@ -53,6 +54,13 @@ fn a_grid_beyond_the_devices_limits_is_refused_and_the_next_one_lit() {
     let error = lighting.prepare(&device, &queue, &large).unwrap_err().to_string();
     assert!(error.contains("bytes a buffer, but this device allows"), "{error}");
     assert!(lighting.stage(Stage::Light).is_none());
+    // Millions of rays.
+    let mut settings = Settings { method: Method::Cascades, ..Settings::default() };
+    (settings.cascades.rays, settings.cascades.interval) = (64, 0.25);
+    let mut cascades = Lighting::new(&device, &queue, settings).unwrap();
+    let long = Cells::new(8192, 1).unwrap();
+    let error = cascades.prepare(&device, &queue, &long).unwrap_err().to_string();
+    assert!(error.contains("bytes a buffer, but this device allows"), "{error}");
     assert_eq!(frame(&device, &queue, &mut lighting, &cells(9, 5, 1)).len(), 45);
 }
 

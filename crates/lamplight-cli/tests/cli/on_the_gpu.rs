@@ -41,5 +41,5 @@ fn probe_asks_the_gpu() {
 fn info_lists_it() {
     let answer = json(&Sandbox::new().run("info --json").done());
     assert!(!answer["adapters"].as_array().unwrap().is_empty());
-    assert_eq!(answer["backends"]["gpu"]["methods"], Value::from(vec!["raymarch"]));
+    assert_eq!(answer["backends"]["gpu"]["methods"], Value::from(vec!["raymarch", "cascades"]));
 }

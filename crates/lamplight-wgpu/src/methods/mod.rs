@@ -1,14 +1,16 @@
 //! The methods: each with its pipelines, its buffers and what it runs over a grid.
 
+pub mod cascades;
 pub mod flood;
 pub mod holographic;
 pub mod polar;
 pub mod raymarch;
 
+use crate::Result;
 use crate::lamps::Lamps;
 use crate::lighting::check;
 use crate::site::{Run, Site};
-use crate::{Error, Result};
+use cascades::Cascades;
 use flood::Flood;
 use holographic::Holographic;
 use lamplight::{Lamp, Settings};
@@ -19,6 +21,7 @@ use wgpu::{Buffer, Device, Queue};
 /// The method that settings ask for, compiled.
 #[derive(Debug)]
 pub enum Method {
+    Cascades(Box<Cascades>),
     Flood(Box<Flood>),
     Holographic(Box<Holographic>),
     Polar(Box<Polar>),
@@ -42,7 +45,9 @@ impl Method {
             lamplight::Method::Raymarch => {
                 Ok(Self::Raymarch(Box::new(Raymarch::new(device, queue, settings))))
             }
-            other => Err(Error::NotYet { what: format!("the method {}", other.name()) }),
+            lamplight::Method::Cascades => {
+                Ok(Self::Cascades(Box::new(Cascades::new(device, queue, settings))))
+            }
         }
     }
 
@@ -51,7 +56,7 @@ impl Method {
         match self {
             Self::Flood(_) => list.take(lamps, |lamp| flood::fan(lamp, size, &settings.flood)),
             Self::Polar(_) => list.take(lamps, |lamp| polar::fan(lamp, size, &settings.polar)),
-            Self::Holographic(_) | Self::Raymarch(_) => (),
+            Self::Cascades(_) | Self::Holographic(_) | Self::Raymarch(_) => (),
         }
     }
 
@@ -62,6 +67,7 @@ impl Method {
             Self::Holographic(holographic) => holographic.plan(site, light),
             Self::Polar(polar) => polar.plan(site, light),
             Self::Raymarch(raymarch) => raymarch.plan(site, light),
+            Self::Cascades(cascades) => cascades.plan(site, light),
         }
     }
 }

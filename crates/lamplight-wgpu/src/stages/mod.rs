@@ -9,5 +9,6 @@ pub mod fields;
 pub mod ground;
 pub mod optics;
 pub mod output;
+pub mod packet;
 pub mod temporal;
 pub mod walls;

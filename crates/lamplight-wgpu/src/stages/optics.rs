@@ -1,4 +1,4 @@
-//! The grid as rays of `raymarch` see it.
+//! The grid as rays of `raymarch` and `cascades` see it.
 
 use crate::Result;
 use crate::kernel::{Dispatch, Kernels, Slot};

@@ -58,6 +58,19 @@ pub fn agree(gpu: &(Device, Queue), name: &str, cells: &Cells, settings: Setting
     Both::new(gpu, settings).agree(gpu, name, cells);
 }
 
+/// Lets a share of the pixels be off: ties that rounding decides.
+#[track_caller]
+pub fn agree_but_for(
+    ties: f64,
+    gpu: &(Device, Queue),
+    name: &str,
+    cells: &Cells,
+    settings: Settings,
+) {
+    let [seen, right] = Both::new(gpu, settings).light(gpu, cells);
+    agrees(name, &seen, &right, ties);
+}
+
 /// CPU and GPU with the same settings, frame by frame.
 pub struct Both {
     pub solver: Solver,

@@ -4,6 +4,7 @@
 mod common;
 
 mod bounces;
+mod cascades;
 mod compare;
 mod cost;
 mod denoise;

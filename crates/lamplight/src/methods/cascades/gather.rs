@@ -1,6 +1,6 @@
 //! Where light is wanted: at the centres of cells and on the faces of walls.
 
-use super::ladder::edges;
+use super::ladder::cosine;
 use super::merge::{Caster, Points};
 use crate::stages::bounce::{Faces, NORMALS, Surfaces};
 use crate::stages::packet::LANES;
@@ -9,7 +9,7 @@ use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;
 
 /// px before a face from which its rays start, so that they start in the open.
-const BEFORE: f32 = 1.0 / 64.0;
+pub const BEFORE: f32 = 1.0 / 64.0;
 
 /// Adds what arrives at every open cell in one cone of the nearest cascade to the mean over the
 /// circle.
@@ -98,7 +98,7 @@ impl OnFaces {
         let ray = [caster.ray(cone)];
         let walls = &caster.field.surfaces.walls;
         for (face, (slots, light)) in self.slots.iter().zip(&mut self.light).enumerate() {
-            let weight = cosine(face, edges(cone, caster.cascade.rays));
+            let weight = cosine(face, cone, caster.cascade.rays);
             if weight <= 0.0 {
                 continue;
             }
@@ -128,13 +128,4 @@ impl OnFaces {
             }
         }
     }
-}
-
-/// `½∫cosθ dθ` over a cone, θ from the normal of a face; negative behind it. No cone of a quarter
-/// circle or less, counted from an axis, is on both sides.
-fn cosine(face: usize, [from, to]: [f64; 2]) -> f32 {
-    let [x, y] = NORMALS[face].map(f64::from);
-    let weight = 0.5 * (x * (to.sin() - from.sin()) - y * (to.cos() - from.cos()));
-    // Rounding must not have a cone beside the face count.
-    if weight.abs() < 1e-9 { 0.0 } else { weight as f32 }
 }

@@ -2,10 +2,10 @@
 //! probes of the next cascade have gathered.
 
 use super::interval::{Field, Interval};
-use super::ladder::{BRANCHES, Cascade, direction, edges};
+use super::ladder::{BRANCHES, Cascade, Path, mean_sine};
+use crate::Rgb;
 use crate::settings::Merge;
 use crate::stages::packet::LANES;
-use crate::{Rgb, Sky};
 use fearless_simd::{f32x16, prelude::*};
 
 /// Values after the last probe of a [`Far`]: packets are read whole.
@@ -45,15 +45,10 @@ pub struct Caster<'a> {
     pub far: Option<Far<'a>>,
 }
 
-/// One ray of each probe, as seen from the probe.
+/// One ray of each probe.
 #[derive(Clone, Copy)]
 pub struct Ray {
-    /// Where it starts and where it ends.
-    start: [f32; 2],
-    end: [f32; 2],
-    /// The unit direction and the length between them.
-    way: [f32; 2],
-    length: f32,
+    path: Path,
     /// The most px that it goes along an axis.
     reach: f32,
     /// Where what lies beyond is kept, or the sky.
@@ -62,38 +57,26 @@ pub struct Ray {
 }
 
 impl Caster<'_> {
-    /// A ray of the nearest cascade.
-    pub fn ray(&self, number: u32) -> Ray {
-        self.ray_from([0.0; 2], number)
-    }
-
-    /// The rays in one cone of the next nearer cascade. All start where the ray of that cone ends,
-    /// so that no path is broken.
+    /// The rays in one cone of the next nearer cascade.
     pub fn rays(&self, cone: u32) -> [Ray; BRANCHES as usize] {
-        let ahead = direction(cone, self.cascade.rays / BRANCHES);
-        let from = ahead.map(|v| v * self.cascade.start);
-        std::array::from_fn(|i| self.ray_from(from, BRANCHES * cone + i as u32))
+        std::array::from_fn(|i| self.ray(BRANCHES * cone + i as u32))
     }
 
-    fn ray_from(&self, start: [f32; 2], number: u32) -> Ray {
-        let Cascade { rays, start: near, end: far, .. } = *self.cascade;
-        let way = direction(number, rays);
+    /// One ray.
+    pub fn ray(&self, number: u32) -> Ray {
+        let path = self.cascade.path(number, self.overlap);
         let Some(beyond) = self.far else {
-            let (reach, sky) = (f32::INFINITY, self.field.optics.sky);
-            let sky = sky_in_cone(sky, number, rays);
-            return Ray { start, end: way, way, length: reach, reach, plane: 0, sky };
+            let sky = self.field.optics.sky.radiance(mean_sine(number, self.cascade.rays));
+            return Ray { path, reach: f32::INFINITY, plane: 0, sky };
         };
-        let end = way.map(|v| v * (far + self.overlap * (far - near)));
-        let step = [end[0] - start[0], end[1] - start[1]];
-        let length = step[0].hypot(step[1]);
+        let step = [path.end[0] - path.start[0], path.end[1] - path.start[1]];
         let reach = step[0].abs().max(step[1].abs());
         let reach = match self.merge {
             Merge::Plain => reach,
             Merge::BilinearFix => reach + beyond.cascade.lattice.spacing,
         };
         let plane = (number - beyond.first) as usize * 3 * beyond.cascade.lattice.len();
-        let way = step.map(|v| v / length);
-        Ray { start, end, way, length, reach, plane, sky: Rgb::default() }
+        Ray { path, reach, plane, sky: Rgb::default() }
     }
 
     /// Radiance that arrives at sixteen points, the mean over some rays.
@@ -107,7 +90,8 @@ impl Caster<'_> {
             None => None,
         };
         for ray in rays {
-            let start = [points.at[0] + ray.start[0], points.at[1] + ray.start[1]];
+            let [x, y] = ray.path.start;
+            let start = [points.at[0] + x, points.at[1] + y];
             match &around {
                 None => {
                     let near = self.along(simd, start, ray);
@@ -156,8 +140,8 @@ impl Caster<'_> {
         let mut whole = f32x16::splat(simd, 0.0);
         for corner in 0..4 {
             let shift = around.shift(points.at, corner);
-            let step =
-                [shift[0] + (ray.end[0] - ray.start[0]), shift[1] + (ray.end[1] - ray.start[1])];
+            let Path { start: from, end: to, .. } = ray.path;
+            let step = [shift[0] + (to[0] - from[0]), shift[1] + (to[1] - from[1])];
             let length = (step[0] * step[0] + step[1] * step[1]).sqrt();
             let length = length.max(f32::MIN_POSITIVE);
             let mut weight = around.weight[corner];
@@ -185,8 +169,9 @@ impl Caster<'_> {
     /// The ray itself.
     #[inline(always)]
     fn along<S: Simd>(&self, simd: S, start: [f32x16<S>; 2], ray: &Ray) -> Interval<S> {
-        let way = [f32x16::splat(simd, ray.way[0]), f32x16::splat(simd, ray.way[1])];
-        self.field.trace(simd, start, way, f32x16::splat(simd, ray.length))
+        let Path { way, length, .. } = ray.path;
+        let way = [f32x16::splat(simd, way[0]), f32x16::splat(simd, way[1])];
+        self.field.trace(simd, start, way, f32x16::splat(simd, length))
     }
 }
 
@@ -255,11 +240,4 @@ impl<'a, S: Simd> Around<'a, S> {
         }
         light
     }
-}
-
-/// Mean radiance of the sky over a cone.
-fn sky_in_cone(sky: Sky, cone: u32, cones: u32) -> Rgb {
-    // Cones do not reach over the horizon, on either side of which a gradient is linear in the sine.
-    let [from, to] = edges(cone, cones);
-    sky.radiance(((from.cos() - to.cos()) / (to - from)) as f32)
 }

@@ -27,9 +27,10 @@ use crate::stages::optics::{Optics, Reading};
 use crate::stages::packet::LANES;
 use crate::{Cells, Rgb};
 use fearless_simd::{Level, dispatch, f32x16, prelude::*};
+pub use gather::BEFORE;
 use gather::OnFaces;
 use interval::{Field, Room};
-use ladder::{BRANCHES, Cascade};
+pub use ladder::{BRANCHES, Cascade, Lattice, Path, cascades, cosine, mean_sine};
 use merge::{Caster, Far, PADDING, Points, Ray};
 use rayon::prelude::*;
 
@@ -88,7 +89,7 @@ impl Cascades {
         self.faces.collect(&self.surfaces);
         self.room.measure(&self.optics);
         let size = [cells.width(), cells.height()];
-        ladder::cascades(size, &settings.cascades, &mut self.cascades);
+        cascades(size, &settings.cascades, &mut self.cascades);
         clock.lap("clearance");
 
         if settings.bounces != Bounces::Count(0) && self.surfaces.reflect() {
