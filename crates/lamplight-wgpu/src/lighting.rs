@@ -13,7 +13,6 @@ use crate::stages::fields::Fields;
 use crate::stages::output::Output;
 use crate::stages::walls::Walls;
 use crate::{Error, Result};
-use lamplight::settings::Variant;
 use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
 use wgpu::{
     Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
@@ -305,9 +304,6 @@ pub fn check(settings: &Settings) -> Result<()> {
     settings.check()?;
     let converged = settings.bounces == Bounces::Converged;
     let missing = match settings.method {
-        Method::Holographic if settings.holographic.variant == Variant::Paper => {
-            "`holographic.variant` = paper"
-        }
         Method::Cascades | Method::Holographic if converged => {
             "`bounces` = converged, but by raymarch,"
         }

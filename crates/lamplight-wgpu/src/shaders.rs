@@ -94,9 +94,10 @@ pub const POLAR: Shader = shader!(
     "lookup"
 );
 pub const SLABS: Shader = shader!("slabs", "sweep", "packed_rgb");
-pub const TRACE: Shader = shader!("trace", "sweep", "packed_rgb", "interval", "ways");
-pub const EXTEND: Shader = shader!("extend", "sweep", "interval");
-pub const CONES: Shader = shader!("cones", "sweep", "packed_rgb", "interval");
+pub const TRACE: Shader =
+    shader!("trace", "sweep", "packed_rgb", "interval", "packed_interval", "ways");
+pub const EXTEND: Shader = shader!("extend", "sweep", "interval", "packed_interval");
+pub const CONES: Shader = shader!("cones", "sweep", "packed_rgb", "interval", "packed_interval");
 pub const HOP: Shader = shader!("hop", "sweep", "packed_rgb", "interval", "ways");
 pub const REFLECT: Shader = shader!("reflect", "faces", "packed_rgb");
 pub const CASCADES_FILL: Shader = shader!(
@@ -117,6 +118,14 @@ pub const CASCADES_GATHER: Shader = shader!(
     "cascades/interval",
     "cascades/merge"
 );
+pub const PAPER_SOURCE: Shader = shader!("paper_source");
+pub const PAPER_TRACE: Shader =
+    shader!("paper_trace", "sweep", "interval", "paper_interval", "transmittance");
+pub const PAPER_EXTEND: Shader =
+    shader!("paper_extend", "sweep", "interval", "paper_interval", "paper_load");
+pub const PAPER_MERGE: Shader =
+    shader!("paper_merge", "sweep", "interval", "paper_interval", "paper_load");
+pub const PAPER_GATHER: Shader = shader!("paper_gather");
 pub const WALLS: Shader = shader!("walls");
 pub const OUTPUT: Shader = shader!("output");
 
@@ -149,6 +158,11 @@ mod tests {
         CONVERGENCE,
         TEMPORAL,
         DENOISE,
+        PAPER_SOURCE,
+        PAPER_TRACE,
+        PAPER_EXTEND,
+        PAPER_MERGE,
+        PAPER_GATHER,
         GROUND,
         FLOOD_RAYS,
         FLOOD,

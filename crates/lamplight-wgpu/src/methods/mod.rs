@@ -13,6 +13,8 @@ use crate::site::{Run, Site};
 use cascades::Cascades;
 use flood::Flood;
 use holographic::Holographic;
+use holographic::paper::Paper;
+use lamplight::settings::Variant;
 use lamplight::{Lamp, Settings};
 use polar::Polar;
 use raymarch::Raymarch;
@@ -24,6 +26,7 @@ pub enum Method {
     Cascades(Box<Cascades>),
     Flood(Box<Flood>),
     Holographic(Box<Holographic>),
+    Paper(Box<Paper>),
     Polar(Box<Polar>),
     Raymarch(Box<Raymarch>),
 }
@@ -36,9 +39,10 @@ impl Method {
             lamplight::Method::Flood => {
                 Ok(Self::Flood(Box::new(Flood::new(device, queue, &settings.flood))))
             }
-            lamplight::Method::Holographic => {
-                Ok(Self::Holographic(Box::new(Holographic::new(device))))
-            }
+            lamplight::Method::Holographic => match settings.holographic.variant {
+                Variant::Paper => Ok(Self::Paper(Box::new(Paper::new(device)))),
+                Variant::Beams => Ok(Self::Holographic(Box::new(Holographic::new(device)))),
+            },
             lamplight::Method::Polar => {
                 Ok(Self::Polar(Box::new(Polar::new(device, &settings.polar))))
             }
@@ -56,7 +60,7 @@ impl Method {
         match self {
             Self::Flood(_) => list.take(lamps, |lamp| flood::fan(lamp, size, &settings.flood)),
             Self::Polar(_) => list.take(lamps, |lamp| polar::fan(lamp, size, &settings.polar)),
-            Self::Cascades(_) | Self::Holographic(_) | Self::Raymarch(_) => (),
+            Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => (),
         }
     }
 
@@ -65,6 +69,7 @@ impl Method {
         match self {
             Self::Flood(flood) => flood.plan(site, light),
             Self::Holographic(holographic) => holographic.plan(site, light),
+            Self::Paper(paper) => paper.plan(site, light),
             Self::Polar(polar) => polar.plan(site, light),
             Self::Raymarch(raymarch) => raymarch.plan(site, light),
             Self::Cascades(cascades) => cascades.plan(site, light),

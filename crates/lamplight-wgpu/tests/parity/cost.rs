@@ -47,3 +47,22 @@ fn holographic_fuses_levels_and_takes_little_memory() {
         }
     }
 }
+
+/// Megabytes that the published cascades may take at 512² and 1024².
+const PUBLISHED: [(u32, u64); 2] = [(512, 75), (1024, 310)];
+
+#[test]
+fn the_published_cascades_fit_within_the_limits_of_the_web() {
+    let gpu = device();
+    for (side, most) in PUBLISHED {
+        let cost = cost(&gpu, "paper", side, 1);
+        let moved = cost.traffic();
+        println!(
+            "paper {side}²: {} dispatches, {:.0} MB moved, {:.0} MB held",
+            cost.dispatches(),
+            (moved.read + moved.written) as f64 / 1e6,
+            cost.memory as f64 / 1e6
+        );
+        assert!(cost.memory <= most * 1_000_000, "{} of {most} MB", cost.memory);
+    }
+}

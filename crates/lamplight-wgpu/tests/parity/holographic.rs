@@ -1,7 +1,7 @@
 //! `holographic`, every preset.
 
 use crate::common::{cells, device, device_with, frame};
-use crate::compare::{SIZES, agree, differences, scenes};
+use crate::compare::{Both, SIZES, agree, differences, scenes};
 use lamplight::settings::Holographic;
 use lamplight::{Bounces, Cells, Gradient, Matter, Method, Rgb, Settings, Sky};
 use lamplight_wgpu::{Lighting, Options};
@@ -117,10 +117,59 @@ fn neither_fused_levels_nor_chunks_change_the_light() {
 }
 
 #[test]
-fn a_grid_that_does_not_fit_in_any_chunks_is_refused() {
+fn a_grid_that_does_not_fit_is_refused() {
     let (device, queue) = device_with(|limits| limits.max_storage_buffer_binding_size = 1 << 19);
-    let mut lighting = Lighting::new(&device, &queue, holographic("default")).unwrap();
-    let error = lighting.prepare(&device, &queue, &cells(400, 300, 1)).unwrap_err().to_string();
-    assert!(error.contains("bytes a buffer, but this device allows"), "{error}");
-    assert_eq!(frame(&device, &queue, &mut lighting, &cells(40, 30, 1)).len(), 1200);
+    for preset in ["default", "paper"] {
+        let mut lighting = Lighting::new(&device, &queue, holographic(preset)).unwrap();
+        let error = lighting.prepare(&device, &queue, &cells(400, 300, 1)).unwrap_err().to_string();
+        assert!(error.contains("bytes a buffer, but this device allows"), "{error}");
+        assert_eq!(frame(&device, &queue, &mut lighting, &cells(40, 30, 1)).len(), 1200);
+    }
+}
+
+#[test]
+fn the_published_cascades_agree_at_every_size() {
+    let gpu = device();
+    // The largest size costs a software GPU seconds.
+    for [w, h] in SIZES.into_iter().filter(|[w, h]| w * h <= 1 << 15) {
+        agree(&gpu, &format!("paper at {w}×{h}, walls"), &solid(w, h, 5), holographic("paper"));
+        agree(&gpu, &format!("paper at {w}×{h}"), &cells(w, h, 5), holographic("paper"));
+    }
+}
+
+#[test]
+fn the_published_cascades_agree_with_bounces_and_under_any_sky() {
+    let gpu = device();
+    let [zenith, horizon, ground] = [[0.1, 0.4, 2.0], [1.0, 0.8, 0.2], [0.05, 0.0, 0.0]];
+    let gradient = Sky::Gradient(Gradient { zenith, horizon, ground });
+    for (bounces, [w, h], sky) in
+        [(0, [45, 70], gradient), (2, [61, 43], gradient), (2, [40, 77], Sky::Uniform([0.0; 3]))]
+    {
+        let mut settings = holographic("paper");
+        settings.bounces = Bounces::Count(bounces);
+        settings.wall_depth = 2.5;
+        let mut both = Both::new(&gpu, settings);
+        // With tint, and without: each has its own intervals.
+        for (what, mut cells) in [("all", cells(w, h, 17)), ("walls", solid(w, h, 19))] {
+            cells.set_sky(sky);
+            let name = format!("paper, {bounces} bounces, {w}×{h}, {what}");
+            both.agree(&gpu, &name, &cells);
+            // The sky of another frame.
+            cells.set_sky(Sky::Uniform([0.3, 0.2, 0.1]));
+            both.agree(&gpu, &format!("{name}, another sky"), &cells);
+        }
+    }
+}
+
+#[test]
+fn the_published_cascades_agree_in_example_scenes() {
+    let gpu = device();
+    for (name, scene) in scenes() {
+        if ["fog", "stained_glass", "two_rooms"].contains(&name.as_str()) {
+            let Settings { wall_depth, .. } = scene.settings().unwrap();
+            let settings =
+                Settings { bounces: Bounces::Count(1), wall_depth, ..holographic("paper") };
+            agree(&gpu, &format!("paper, {name}"), &scene.cells().unwrap(), settings);
+        }
+    }
 }

@@ -4,6 +4,7 @@
 //! them level by level, merge cones down, and let the pixels of the chunk look at them.
 
 mod lattice;
+pub mod paper;
 mod quadrant;
 pub mod sweep;
 mod tables;
@@ -114,7 +115,6 @@ impl Holographic {
                 Texture,
             ];
             let own = [
-                ("WORDS", 2.0),
                 ("CLOSED", f64::from(CLOSED)),
                 ("REACH", REACH as f64),
                 ("ONTO", f64::from(u8::from(onto))),
@@ -180,16 +180,9 @@ impl Holographic {
             axes.push(Axis { axis, lattice, cones: begins, bits });
             bits += 3 * words as u32;
         }
-        let constant = |label, bytes: &[u8]| {
-            site.device.create_buffer_init(&BufferInitDescriptor {
-                label: Some(label),
-                contents: bytes,
-                usage: BufferUsages::STORAGE,
-            })
-        };
         let tables = [
-            constant("ways", bytemuck::cast_slice(&ways.words)),
-            constant("cones", bytemuck::cast_slice(&cones)),
+            constant(site, "ways", bytemuck::cast_slice(&ways.words)),
+            constant(site, "cones", bytemuck::cast_slice(&cones)),
         ];
         let bits = site.buffer("kinds of cells", u64::from(bits) * ONE)?;
         let held = site.buffer("intervals", interval_bytes)?;
@@ -288,6 +281,12 @@ impl Holographic {
         run.traffic = step.traffic;
         run
     }
+}
+
+/// A buffer of what never changes.
+fn constant(site: &Site, label: &str, contents: &[u8]) -> Buffer {
+    let usage = BufferUsages::STORAGE;
+    site.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
 }
 
 const CELLS: &[(&str, f64)] = &[

@@ -100,10 +100,16 @@ fn site(cells: &Cells, i: usize) -> Site {
 
 /// What a ray meets on its way, at offsets from the cell it starts in.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Piece {
+pub enum Piece {
     /// So many px through a cell.
-    Cross { at: [i32; 2], length: f32 },
-    /// The corner between two cells that it does not enter.
+    Cross {
+        /// The cell, by columns and rows.
+        at: [i32; 2],
+        /// px.
+        length: f32,
+    },
+    /// The corner between two cells that it does not enter: that of the next column, that of the next
+    /// row.
     Corner([[i32; 2]; 2]),
 }
 

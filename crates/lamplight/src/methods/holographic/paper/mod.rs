@@ -30,8 +30,9 @@ mod grid;
 mod interval;
 mod quadrant;
 
+pub use grid::Piece;
 pub use interval::{Interval, Through};
-pub use quadrant::Quadrant;
+pub use quadrant::{Quadrant, cone, rays, ways};
 
 use crate::{Cells, Rgb};
 use std::f32::consts::TAU;

@@ -1,6 +1,6 @@
 //! One quarter of the circle: intervals traced and extended, cones merged.
 
-use super::grid::{Grid, pieces};
+use super::grid::{Grid, Piece, pieces};
 use super::interval::{Interval, Through};
 use crate::{Cells, Rgb, Sky};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -89,8 +89,7 @@ impl<T: Through> Quadrant<T> {
     }
 
     fn trace(&self, level: u32, made: &mut Vec<Interval<T>>) {
-        let ways: Vec<_> =
-            (0..rays(level)).map(|k| pieces([1 << level, rise(level, k) as i32])).collect();
+        let ways = ways(level);
         for plane in 0..self.planes(level) {
             for way in &ways {
                 let row = |y| self.grid.trace(plane << level, y, way);
@@ -191,15 +190,11 @@ impl<T: Through> Quadrant<T> {
         match self.sky {
             Sky::Uniform(rgb) => rgb.map(|v| (f64::from(v) * angle(level, j)) as f32),
             Sky::Gradient(g) => {
-                let [from, to] = [j, j + 1].map(|k| {
-                    let (y, x) = (rise(level, k) as f64, f64::from(1u32 << level));
-                    y.atan2(x) + f64::from(self.turn) * FRAC_PI_2
-                });
-                let (up, down) = sines(from, to);
+                let [angle, up, down] = cone(level, j, self.turn);
                 std::array::from_fn(|c| {
                     let [zenith, horizon, ground] =
                         [g.zenith[c], g.horizon[c], g.ground[c]].map(f64::from);
-                    let sides = horizon * angle(level, j);
+                    let sides = horizon * angle;
                     (sides + (zenith - horizon) * up + (ground - horizon) * down) as f32
                 })
             }
@@ -207,8 +202,24 @@ impl<T: Through> Quadrant<T> {
     }
 }
 
+/// The ways of all rays of a level, from any cell.
+pub fn ways(level: u32) -> Vec<Vec<Piece>> {
+    (0..rays(level)).map(|k| pieces([1 << level, rise(level, k) as i32])).collect()
+}
+
+/// Of cone j of a level, in the quadrant turned by so many quarters: `∫ dθ`, `∫ max(−sin θ, 0) dθ`
+/// (up) and `∫ max(sin θ, 0) dθ` (down). Both sines weigh what a sky has overhead and underfoot.
+pub fn cone(level: u32, j: usize, turn: u32) -> [f64; 3] {
+    let [from, to] = [j, j + 1].map(|k| {
+        let (y, x) = (rise(level, k) as f64, f64::from(1u32 << level));
+        y.atan2(x) + f64::from(turn) * FRAC_PI_2
+    });
+    let (up, down) = sines(from, to);
+    [angle(level, j), up, down]
+}
+
 /// Rays of a level from one cell.
-fn rays(level: u32) -> usize {
+pub fn rays(level: u32) -> usize {
     (1 << level) + 1
 }
 
