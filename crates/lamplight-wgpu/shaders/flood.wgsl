@@ -8,7 +8,8 @@ override DECAY: f32;
 @group(0) @binding(4) var<storage, read_write> after: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> light: array<vec4f>;
 
-// Takes some light from every cell, and all of it from those that are no longer open.
+// Takes some light from every cell, and all of it from those that are no longer open, or when the frames
+// before are forgotten.
 @compute @workgroup_size(8, 8)
 fn decay(@builtin(global_invocation_id) id: vec3u) {
     if outside(id.xy) {
@@ -16,7 +17,7 @@ fn decay(@builtin(global_invocation_id) id: vec3u) {
     }
     let i = index(id.xy);
     let left = max(after[i] - DECAY, vec4f(0.0));
-    after[i] = select(vec4f(0.0), left, open(vec2i(id.xy)));
+    after[i] = select(vec4f(0.0), left, open(vec2i(id.xy)) && frame.memory != NOTHING);
 }
 
 fn flow(own: vec4f, beside: vec2i, share: f32) -> vec4f {

@@ -18,6 +18,8 @@ struct Frame {
     // px at which emission has faded; 0: it does not fade.
     fade_range: f32,
     fade_dropoff: f32,
+    // Where in the host's world the grid begins.
+    origin: vec2i,
     // What is remembered of the frames before: one of the three below.
     memory: u32,
 }

@@ -16,8 +16,10 @@ fn unit(bits: u32) -> f32 {
     return f32(bits >> 8u) * (1.0 / 16777216.0);
 }
 
-// A share of the step from ray to ray.
-fn first_angle(at: vec2u) -> f32 {
+// A share of the step from ray to ray. Noise belongs to the world: it stays where it is when the grid
+// moves over it.
+fn first_angle(here: vec2u) -> f32 {
+    let at = here + bitcast<vec2u>(frame.origin);
     if frame.noise == WHITE {
         return unit(pcg(vec4u(at, frame.number, frame.key)).x);
     }

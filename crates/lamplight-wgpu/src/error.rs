@@ -51,6 +51,9 @@ pub enum Error {
         /// What it may be.
         range: &'static str,
     },
+    /// The device refuses what was to be made on it, for a reason that only it knows.
+    #[error("the device refuses: {0}")]
+    Device(String),
     /// What the GPU computed could not be fetched.
     #[error("cannot read from the GPU: {0}")]
     ReadBack(String),

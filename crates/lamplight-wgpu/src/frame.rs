@@ -29,8 +29,10 @@ pub struct Frame {
     least_step: f32,
     fade_range: f32,
     fade_dropoff: f32,
+    origin: [i32; 2],
     memory: u32,
-    padding: [u32; 3],
+    /// Uniforms end at a multiple of 16 bytes.
+    padding: u32,
 }
 
 /// What is remembered of the frames before.
@@ -45,7 +47,7 @@ pub enum Memory {
 impl Frame {
     /// Fields in order, with where they begin.
     #[cfg(test)]
-    pub const OFFSETS: [(&'static str, usize); 18] = [
+    pub const OFFSETS: [(&'static str, usize); 19] = [
         ("size", offset_of!(Frame, size)),
         ("number", offset_of!(Frame, number)),
         ("key", offset_of!(Frame, key)),
@@ -63,11 +65,18 @@ impl Frame {
         ("least_step", offset_of!(Frame, least_step)),
         ("fade_range", offset_of!(Frame, fade_range)),
         ("fade_dropoff", offset_of!(Frame, fade_dropoff)),
+        ("origin", offset_of!(Frame, origin)),
         ("memory", offset_of!(Frame, memory)),
     ];
 
-    /// Frame `number` of a grid.
-    pub fn new(size: [u32; 2], sky: Sky, settings: &Settings, number: u32, memory: Memory) -> Self {
+    /// Frame `number` of a grid that begins at a cell of the world.
+    pub fn new(
+        (size, origin): ([u32; 2], [i32; 2]),
+        sky: Sky,
+        settings: &Settings,
+        number: u32,
+        memory: Memory,
+    ) -> Self {
         let [zenith, horizon, ground] = match sky {
             Sky::Uniform(radiance) => [radiance; 3],
             Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
@@ -106,12 +115,13 @@ impl Frame {
                 false => 0.0,
             },
             fade_dropoff: raymarch.emission_dropoff,
+            origin,
             memory: match memory {
                 Memory::Nothing => 0,
                 Memory::Sent => 1,
                 Memory::All => 2,
             },
-            padding: [0; 3],
+            padding: 0,
         }
     }
 }

@@ -5,10 +5,12 @@
 //! into the host's [`wgpu::CommandEncoder`], and never creates a device, submits or waits. The same
 //! settings give the same light as on the CPU, but for rounding.
 //!
-//! Here so far: seed, jump flood, distance, clear squares, `raymarch` with everything that goes with it
-//! (both its rules, bounces by count, feedback or until they converge, the mean over frames, denoising),
-//! `polar`, `flood`, `cascades` and `holographic`; from uploaded cells, or the host's textures and lamps
-//! ([`Lighting::set_lamps`]). Whatever else settings ask for is refused by name ([`Error::NotYet`]).
+//! [`Compose`] draws the light on the host's target, [`View`] moves a camera over a larger world, [`Timer`]
+//! says what each stage takes.
+//!
+//! All stages and methods of the library are here; what settings ask for beyond that (`bounces` =
+//! converged, but by `raymarch`) is refused by name ([`Error::NotYet`]). Matter comes from uploaded
+//! cells, or the host's textures and lamps ([`Lighting::set_lamps`]).
 //!
 //! ```no_run
 //! # fn frame(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), Box<dyn std::error::Error>> {
@@ -22,14 +24,17 @@
 //! lighting.prepare(device, queue, &cells)?;
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! lighting.record(&mut encoder);
+//! // and `Compose` to draw it, or `Lighting::write_to` to have it in a texture
 //! queue.submit([encoder.finish()]);
 //! # Ok(())
 //! # }
 //! ```
 
+mod compose;
 mod cost;
 pub mod error;
 mod frame;
+mod guarded;
 mod kernel;
 mod lamps;
 mod lighting;
@@ -41,11 +46,19 @@ mod shaders;
 mod shared;
 mod site;
 mod stages;
+mod tier;
+mod timing;
+mod view;
 
+pub use compose::{Color, Compose, Filter, Shown};
 pub use cost::{Cost, KernelCost, Traffic};
 pub use error::{Error, Result};
 pub use lighting::{Lighting, Stage, check};
 pub use matter::Textures;
 pub use options::Options;
+pub use stages::display::Target;
+pub use tier::{Tier, required_features, required_limits};
+pub use timing::Timer;
+pub use view::{Placed, View, Window};
 /// The crate of the device that [`Lighting`] is given.
 pub use wgpu;

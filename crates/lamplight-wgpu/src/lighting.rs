@@ -2,9 +2,10 @@
 
 use crate::cost::Cost;
 use crate::frame::{Frame, Memory};
+use crate::guarded::guarded;
 use crate::kernel::Dispatch;
 use crate::lamps::{Lamps, Room};
-use crate::matter::{Textures, Upload};
+use crate::matter::{self, Textures, Upload};
 use crate::methods;
 use crate::options::Options;
 use crate::shared::Shared;
@@ -12,6 +13,7 @@ use crate::site::{FOUR, Kept, Run, Site, fits};
 use crate::stages::fields::Fields;
 use crate::stages::output::Output;
 use crate::stages::walls::Walls;
+use crate::timing::Timer;
 use crate::{Error, Result};
 use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
 use wgpu::{
@@ -22,7 +24,15 @@ use wgpu::{
 /// Finds light on the host's device.
 ///
 /// Pipelines are built by [`Self::new`], buffers by [`Self::prepare`] when the size of the grid
-/// changes; in the steady state nothing is created. Any number of them can share a device.
+/// changes; in the steady state nothing is created. Any number of them can share a device; each stays
+/// with the device and the queue it was made with.
+///
+/// What a device refuses while things are made, such as a texture of another device, comes back as
+/// [`Error::Device`]; in a browser, where it says so only later, it goes to the host's handler of
+/// uncaptured errors. So do a queue of another device and a texture that was destroyed, which show
+/// themselves only when they are used, in every frame. A texture of another [`wgpu::Instance`] cannot
+/// be told from one of this. A device that was lost does nothing: prepare and record go on as if it
+/// were there, and [`crate::read_back`] gives an error.
 #[derive(Debug)]
 pub struct Lighting {
     settings: Settings,
@@ -35,9 +45,18 @@ pub struct Lighting {
     upload: Option<Upload>,
     lamps: Vec<Lamp>,
     list: Lamps,
+    origin: [i32; 2],
     number: u32,
-    /// Size and sky of the frame before.
-    before: Option<([u32; 2], Sky)>,
+    /// Size, origin and sky of the frame before.
+    before: Option<([u32; 2], [i32; 2], Sky)>,
+}
+
+/// What there is to show.
+pub struct Lit<'a> {
+    pub size: [u32; 2],
+    pub textures: &'a Textures,
+    pub light: &'a Buffer,
+    pub frame: &'a Buffer,
 }
 
 /// Everything that depends on the host's textures.
@@ -87,19 +106,22 @@ impl Lighting {
     ) -> Result<Self> {
         check(&settings)?;
         options.check()?;
-        Ok(Self {
-            shared: Shared::new(device, queue),
-            method: methods::Method::new(device, queue, &settings)?,
-            walls: Walls::new(device),
-            output: Output::new(device),
-            settings,
-            options,
-            grid: None,
-            upload: None,
-            lamps: Vec::new(),
-            list: Lamps::default(),
-            number: 0,
-            before: None,
+        guarded(device, || {
+            Ok(Self {
+                shared: Shared::new(device, queue),
+                method: methods::Method::new(device, queue, &settings)?,
+                walls: Walls::new(device),
+                output: Output::new(device),
+                settings,
+                options,
+                grid: None,
+                upload: None,
+                lamps: Vec::new(),
+                list: Lamps::default(),
+                origin: [0; 2],
+                number: 0,
+                before: None,
+            })
         })
     }
 
@@ -114,15 +136,11 @@ impl Lighting {
             _ => {
                 // Before anything is made for it.
                 fits(device, size)?;
-                Upload::new(device, size)
+                guarded(device, || Upload::new(device, size))?
             }
         };
         let upload = self.upload.insert(upload);
-        if self.settings.method.lights_lamps() {
-            upload.write(queue, cells);
-        } else {
-            upload.write(queue, &cells.drawn());
-        }
+        upload.write(queue, cells, !self.settings.method.lights_lamps());
         let textures = upload.textures.clone();
         self.lamps.clear();
         self.lamps.extend_from_slice(cells.lamps());
@@ -173,51 +191,61 @@ impl Lighting {
             {
                 grid
             }
-            grid => self.plan(device, (textures, tinted), grid)?,
+            grid => self.plan(device, (textures, tinted), grid.as_ref())?,
         };
         let grid = self.grid.insert(grid);
         if let Some(lamps) = &grid.frame.lamps {
             self.list.write(queue, lamps);
         }
+        let place = (grid.size, self.origin);
         let memory = match before {
-            Some((size, _)) if size != grid.size => Memory::Nothing,
-            Some((_, old)) if self.settings.temporal.reject && old != sky => Memory::Sent,
+            Some((size, origin, _)) if (size, origin) != place => Memory::Nothing,
+            Some((.., old)) if self.settings.temporal.reject && old != sky => Memory::Sent,
             Some(_) => Memory::All,
             None => Memory::Nothing,
         };
-        self.before = Some((grid.size, sky));
-        let frame = Frame::new(grid.size, sky, &self.settings, self.number, memory);
+        self.before = Some((grid.size, self.origin, sky));
+        let frame = Frame::new(place, sky, &self.settings, self.number, memory);
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&frame));
         self.number = self.number.wrapping_add(1);
         Ok(())
     }
 
-    /// Makes buffers, and plans what runs on them. What frames hand on stays where only the host's
-    /// textures change; where only lamps have become too many, what the host was told of too: the
-    /// light, and where else it is written.
+    /// Says which cell of the host's world is the grid's left and top one ([`crate::Placed::origin`]),
+    /// from the next frame prepared on: noise then stays with the world when the grid moves over it, and
+    /// with it the light. What is left is rounding: a cell in ten thousand has a ray that passes a corner
+    /// within a millionth of a px, on the other side. What frames hand on starts afresh. (0, 0) at first.
+    pub fn set_origin(&mut self, origin: [i32; 2]) {
+        self.origin = origin;
+    }
+
+    /// Makes buffers, and plans what runs on them. While the size is the same, what frames hand on stays,
+    /// and the light too: until the next frame it is still there to show.
     fn plan(
-        &mut self,
+        &self,
         device: &Device,
         (textures, tinted): (&Textures, bool),
-        before: Option<Grid>,
+        before: Option<&Grid>,
     ) -> Result<Grid> {
-        let had = before.as_ref().map_or(Room::default(), |grid| grid.room);
+        let had = before.map_or(Room::default(), |grid| grid.room);
         let size = textures.size()?;
-        let kept = before.as_ref().filter(|grid| grid.size == size);
-        let kept = kept.map_or(Vec::new(), |grid| grid.kept.clone());
+        let before = before.filter(|grid| grid.size == size);
         let Self { shared, settings, options, list, .. } = self;
-        let site = Site::new(device, shared, settings, *options, (textures, tinted))?
-            .with_room(had, list.need())?
-            .after(&kept);
-        let (light, fields, output) = match before.filter(|grid| grid.textures == *textures) {
-            Some(Grid { light, fields, output, .. }) => (site.counted(light), fields, output),
-            None => (site.buffer("light", site.cells() * FOUR)?, None, None),
-        };
-        let mut frame = self.method.plan(&site, &light)?;
-        frame.dispatches.extend(self.walls.plan(&site, &light)?);
-        let (room, memory) = (site.room, site.memory());
-        let (textures, kept) = (textures.clone(), site.into_kept());
-        Ok(Grid { size, textures, tinted, room, light, frame, memory, kept, fields, output })
+        guarded(device, || {
+            let site = Site::new(device, shared, settings, *options, (textures, tinted))?
+                .with_room(had, list.need())?
+                .after(before.map_or(&[], |grid| &grid.kept));
+            let (light, output) = match before {
+                Some(grid) => (site.counted(grid.light.clone()), grid.output.clone()),
+                None => (site.buffer("light", site.cells() * FOUR)?, None),
+            };
+            let mut frame = self.method.plan(&site, &light)?;
+            frame.dispatches.extend(self.walls.plan(&site, &light)?);
+            let (room, memory) = (site.room, site.memory());
+            let (textures, kept) = (textures.clone(), site.into_kept());
+            let fields = None;
+            Ok(Grid { size, textures, tinted, room, light, frame, memory, kept, fields, output })
+        })
     }
 
     /// Forgets the frames before: the next one starts afresh, as after a cut or a jump of the view.
@@ -226,9 +254,51 @@ impl Lighting {
         self.before = None;
     }
 
+    /// The settings at hand.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Takes over other settings, from the next frame on. The cells or textures last prepared stay, and
+    /// so does what was recorded before. Free where nothing changes but the seed; another depth of walls
+    /// makes buffers, anything else pipelines too, which takes as long as [`Self::new`].
+    ///
+    /// After an error everything is as before.
+    pub fn set_settings(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        settings: Settings,
+    ) -> Result<()> {
+        check(&settings)?;
+        let Settings { seed, wall_depth, .. } = self.settings;
+        let compiled = Settings { seed, wall_depth, ..settings.clone() } == self.settings;
+        let planned = compiled && settings.wall_depth == wall_depth;
+        let method = match compiled {
+            true => None,
+            false => Some(guarded(device, || methods::Method::new(device, queue, &settings))?),
+        };
+        let before = std::mem::replace(&mut self.settings, settings);
+        let method = method.map(|method| std::mem::replace(&mut self.method, method));
+        let Some(grid) = self.grid.take_if(|_| !planned) else { return Ok(()) };
+        self.method.take(&self.lamps, grid.size, &self.settings, &mut self.list);
+        match self.plan(device, (&grid.textures, grid.tinted), Some(&grid)) {
+            Ok(planned) => self.grid = Some(planned),
+            Err(error) => {
+                self.settings = before;
+                if let Some(method) = method {
+                    self.method = method;
+                }
+                self.grid = Some(grid);
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+
     /// Has [`Self::record`] write the light into a texture of the host's too, linear RGB and 1: of the
     /// format `Rgba16Float`, with the usage `STORAGE_BINDING`, as large as the grid last prepared. It
-    /// stays so until textures change.
+    /// stays so until that size changes.
     pub fn write_to(&mut self, device: &Device, picture: &TextureView) -> Result<()> {
         let Some(grid) = &mut self.grid else {
             return Err(wrong_output("comes before the first cells or textures".into()));
@@ -241,13 +311,14 @@ impl Lighting {
         if !texture.usage().contains(TextureUsages::STORAGE_BINDING) {
             return Err(wrong_output("lacks the usage STORAGE_BINDING".into()));
         }
-        let ([w, h], [width, height]) = ([texture.width(), texture.height()], grid.size);
+        let ([w, h], [width, height]) = (matter::single("output", picture)?, grid.size);
         if [w, h] != grid.size {
             return Err(wrong_output(format!("is {w}×{h}, but the grid is {width}×{height}")));
         }
         let matter = (&grid.textures, grid.tinted);
         let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
-        grid.output = Some(self.output.plan(&site, &grid.light, picture));
+        let output = guarded(device, || Ok(self.output.plan(&site, &grid.light, picture)))?;
+        grid.output = Some(output);
         Ok(())
     }
 
@@ -255,6 +326,12 @@ impl Lighting {
     pub fn record(&self, encoder: &mut CommandEncoder) {
         let Some(grid) = &self.grid else { return };
         run(encoder, "lamplight", grid.frame.dispatches.iter().chain(&grid.output));
+    }
+
+    /// As [`Self::record`], and times each stage, which is then a pass by itself.
+    pub fn record_timed(&self, encoder: &mut CommandEncoder, timer: &mut Timer) {
+        let Some(grid) = &self.grid else { return };
+        timer.record(encoder, grid.frame.dispatches.iter().chain(&grid.output));
     }
 
     /// Records the seed map, jump flood and distance field of the cells last prepared, for hosts that
@@ -267,7 +344,7 @@ impl Lighting {
             None => {
                 let matter = (&grid.textures, grid.tinted);
                 let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
-                Fields::new(device).plan(&site)?.run
+                guarded(device, || Ok(Fields::new(device).plan(&site)?.run))?
             }
         };
         run(encoder, "lamplight fields", grid.fields.insert(fields).dispatches.iter());
@@ -280,6 +357,12 @@ impl Lighting {
         let Grid { frame, fields, .. } = self.grid.as_ref()?;
         let mut stages = frame.stages.iter().chain(fields.iter().flat_map(|run| &run.stages));
         stages.find(|(name, _)| *name == stage).map(|(_, buffer)| buffer)
+    }
+
+    /// What there is to show; none before the first [`Self::prepare`].
+    pub(crate) fn lit(&self) -> Option<Lit<'_>> {
+        let Grid { size, textures, light, .. } = self.grid.as_ref()?;
+        Some(Lit { size: *size, textures, light, frame: &self.shared.frame })
     }
 
     /// What a frame of the grid last prepared takes; nothing before the first.

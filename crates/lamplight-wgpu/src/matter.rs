@@ -11,9 +11,9 @@ use wgpu::{
 /// Bytes of a texel: four floats.
 const TEXEL: u32 = 16;
 
-/// What the host's matter is made of: views of whole two-dimensional textures of one size, in any
-/// float or normalised format, with the usage `TEXTURE_BINDING`. All values are linear (an sRGB format
-/// decodes by itself).
+/// What the host's matter is made of: views of whole two-dimensional textures of one size, with one
+/// layer and one mip level, in any float or normalised format, with the usage `TEXTURE_BINDING`. All
+/// values are linear (an sRGB format decodes by itself).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Textures {
     /// Red, green, blue: radiance that cells give off.
@@ -32,42 +32,61 @@ impl Textures {
             ("tint_opacity", &self.tint_opacity),
             ("albedo", &self.albedo),
         ];
-        let [width, height] = [self.emission.texture().width(), self.emission.texture().height()];
+        let [width, height] = readable("emission", &self.emission)?;
         for (name, view) in named {
-            let texture = view.texture();
-            let wrong = |problem: String| Error::Texture { name, problem };
-            let sampled = texture.format().sample_type(None, None);
-            if !matches!(sampled, Some(TextureSampleType::Float { .. })) {
-                return Err(wrong(format!("has the format {:?}, not floats", texture.format())));
-            }
-            if !texture.usage().contains(TextureUsages::TEXTURE_BINDING) {
-                return Err(wrong("lacks the usage TEXTURE_BINDING".into()));
-            }
-            if texture.dimension() != TextureDimension::D2
-                || texture.depth_or_array_layers() != 1
-                || texture.sample_count() != 1
-            {
-                return Err(wrong("is not one two-dimensional picture".into()));
-            }
-            if [texture.width(), texture.height()] != [width, height] {
-                let (w, h) = (texture.width(), texture.height());
-                return Err(wrong(format!("is {w}×{h}, but emission is {width}×{height}")));
+            let [w, h] = readable(name, view)?;
+            if [w, h] != [width, height] {
+                let problem = format!("is {w}×{h}, but emission is {width}×{height}");
+                return Err(Error::Texture { name, problem });
             }
         }
         Ok([width, height])
     }
 }
 
+/// Columns and rows of a picture of the host's; refuses one that shaders could not read.
+pub fn readable(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
+    let texture = view.texture();
+    let wrong = |problem: String| Err(Error::Texture { name, problem });
+    let sampled = texture.format().sample_type(None, None);
+    if !matches!(sampled, Some(TextureSampleType::Float { .. })) {
+        return wrong(format!("has the format {:?}, not floats", texture.format()));
+    }
+    if !texture.usage().contains(TextureUsages::TEXTURE_BINDING) {
+        return wrong("lacks the usage TEXTURE_BINDING".into());
+    }
+    single(name, view)
+}
+
+/// Columns and rows of a picture that is one and no more: views of some of its layers or mip levels
+/// cannot be told from views of all.
+pub fn single(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
+    let texture = view.texture();
+    let wrong = |problem: String| Err(Error::Texture { name, problem });
+    if texture.dimension() != TextureDimension::D2
+        || texture.depth_or_array_layers() != 1
+        || texture.sample_count() != 1
+    {
+        return wrong("is not one two-dimensional picture".into());
+    }
+    if texture.mip_level_count() != 1 {
+        return wrong(format!("has {} mip levels, not one", texture.mip_level_count()));
+    }
+    Ok([texture.width(), texture.height()])
+}
+
 /// Pictures of its own, that cells are uploaded to.
 #[derive(Debug)]
 pub struct Upload {
     pub textures: Textures,
+    /// The cells with their lamps drawn in, where they have some.
+    drawn: Cells,
     /// Texels on their way.
     texels: Vec<[f32; 4]>,
 }
 
 impl Upload {
-    pub fn new(device: &Device, [width, height]: [u32; 2]) -> Self {
+    pub fn new(device: &Device, [width, height]: [u32; 2]) -> Result<Self> {
         let view = |label| {
             let texture = device.create_texture(&TextureDescriptor {
                 label: Some(label),
@@ -86,12 +105,20 @@ impl Upload {
             tint_opacity: view("tint and opacity"),
             albedo: view("albedo"),
         };
-        Self { textures, texels: Vec::new() }
+        Ok(Self { textures, drawn: Cells::new(1, 1)?, texels: Vec::new() })
     }
 
-    /// Takes the cells over.
-    pub fn write(&mut self, queue: &Queue, cells: &Cells) {
-        let Self { textures, texels } = self;
+    /// Takes the cells over; `draw`: with their lamps as glowing discs. The second time it allocates
+    /// nothing.
+    pub fn write(&mut self, queue: &Queue, cells: &Cells, draw: bool) {
+        let Self { textures, drawn, texels } = self;
+        let cells = if cells.lamps().is_empty() || !draw {
+            cells
+        } else {
+            drawn.clone_from(cells);
+            drawn.draw_lamps();
+            drawn
+        };
         for (view, rgb) in
             [(&textures.emission, cells.emission()), (&textures.albedo, cells.albedo())]
         {

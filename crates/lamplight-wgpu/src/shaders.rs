@@ -128,6 +128,7 @@ pub const PAPER_MERGE: Shader =
 pub const PAPER_GATHER: Shader = shader!("paper_gather");
 pub const WALLS: Shader = shader!("walls");
 pub const OUTPUT: Shader = shader!("output");
+pub const DISPLAY: Shader = shader!("display");
 
 /// What shaders/luminance.wgsl is told.
 pub const LUMINANCE: [(&str, f64); 3] = [
@@ -143,6 +144,7 @@ mod tests {
     use crate::lamps::Lamp;
     use crate::methods::cascades::ladder::{Layer, Path};
     use crate::methods::holographic::sweep::Sweep;
+    use crate::stages::display::Look;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
     const ALL: &[Shader] = &[
@@ -158,27 +160,28 @@ mod tests {
         CONVERGENCE,
         TEMPORAL,
         DENOISE,
-        PAPER_SOURCE,
-        PAPER_TRACE,
-        PAPER_EXTEND,
-        PAPER_MERGE,
-        PAPER_GATHER,
         GROUND,
         FLOOD_RAYS,
         FLOOD,
         POLAR_RAYS,
         POLAR_BOUNDS,
         POLAR,
+        CASCADES_FILL,
+        CASCADES_GATHER,
         SLABS,
         TRACE,
         EXTEND,
         CONES,
         HOP,
         REFLECT,
-        CASCADES_FILL,
-        CASCADES_GATHER,
+        PAPER_SOURCE,
+        PAPER_TRACE,
+        PAPER_EXTEND,
+        PAPER_MERGE,
+        PAPER_GATHER,
         WALLS,
         OUTPUT,
+        DISPLAY,
     ];
 
     fn parsed(shader: &Shader) -> naga::Module {
@@ -219,5 +222,6 @@ mod tests {
         laid_out(&CASCADES_FILL, "Layer", &Layer::OFFSETS, size_of::<Layer>());
         laid_out(&TRACE, "Sweep", &Sweep::OFFSETS, size_of::<Sweep>());
         laid_out(&POLAR, "Lamp", &Lamp::OFFSETS, size_of::<Lamp>());
+        laid_out(&DISPLAY, "Look", &Look::OFFSETS, size_of::<Look>());
     }
 }

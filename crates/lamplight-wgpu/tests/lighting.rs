@@ -1,17 +1,16 @@
 //! The middleware as hosts use it, and misuse it.
 
 mod common;
+#[path = "common/textures.rs"]
+mod textures;
 
 use common::{cells, device, frame};
 use lamplight::settings::BounceBy;
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{Error, Lighting, Stage, Textures};
-use wgpu::{
-    BufferDescriptor, BufferUsages, Device, Extent3d, Queue, TexelCopyBufferInfo,
-    TexelCopyBufferLayout, Texture, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, TextureView,
-};
+use textures::{fetch, filled, float, texture, view};
+use wgpu::{Device, Queue, TextureFormat, TextureUsages};
 
 fn raymarch() -> Settings {
     Settings { method: Method::Raymarch, ..Settings::default() }
@@ -88,29 +87,6 @@ fn nothing_is_recorded_before_the_first_cells() {
     assert!(lighting.stage(Stage::Light).is_none());
 }
 
-/// A texture as a host may have it.
-fn texture(
-    device: &Device,
-    [width, height]: [u32; 2],
-    format: TextureFormat,
-    usage: TextureUsages,
-) -> Texture {
-    device.create_texture(&TextureDescriptor {
-        label: None,
-        size: Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format,
-        usage: usage | TextureUsages::COPY_DST | TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
-}
-
-fn view(texture: &Texture) -> TextureView {
-    texture.create_view(&Default::default())
-}
-
 /// A lit room in a game's usual formats: a lamp, a wall, glass.
 fn host_textures(device: &Device, queue: &Queue) -> (Textures, Cells) {
     let size = [48, 32];
@@ -133,14 +109,7 @@ fn host_textures(device: &Device, queue: &Queue) -> (Textures, Cells) {
         tints.map(|(&[r, g, b], &a)| [unorm(r), unorm(g), unorm(b), unorm(a)]).collect();
     let albedo: Vec<[u8; 4]> =
         cells.albedo().iter().map(|&[r, g, b]| [unorm(r), unorm(g), unorm(b), 255]).collect();
-    let made = |format, bytes: &[u8]| {
-        let texture = texture(device, size, format, TextureUsages::TEXTURE_BINDING);
-        let row = bytes.len() as u32 / size[1];
-        let layout =
-            TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-        queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size());
-        view(&texture)
-    };
+    let made = |format, bytes: &[u8]| filled(device, queue, size, format, bytes);
     let textures = Textures {
         emission: made(TextureFormat::Rgba16Float, bytemuck::cast_slice(&emission)),
         tint_opacity: made(TextureFormat::Rgba8Unorm, bytemuck::cast_slice(&tints)),
@@ -166,28 +135,15 @@ fn a_hosts_textures_are_lit_into_its_own() {
     lighting.write_to(&device, &view(&output)).unwrap();
     let mut encoder = device.create_command_encoder(&Default::default());
     lighting.record(&mut encoder);
-    // Rows of a copy are multiples of 256 bytes, and 48 texels are 384.
-    let copied = device.create_buffer(&BufferDescriptor {
-        label: None,
-        size: 32 * 512,
-        usage: BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let layout =
-        TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(512), rows_per_image: None };
-    let target = TexelCopyBufferInfo { buffer: &copied, layout };
-    encoder.copy_texture_to_buffer(output.as_image_copy(), target, output.size());
     queue.submit([encoder.finish()]);
 
     let light: Vec<[f32; 4]> =
         read_back(&device, &queue, lighting.stage(Stage::Light).unwrap()).unwrap();
     assert_eq!(light, right);
-    let picture: Vec<[u16; 4]> = read_back(&device, &queue, &copied).unwrap();
-    let float = |half: u16| {
-        f32::from(half & 0x3ff | 0x400) / 1024.0 * 2f32.powi(i32::from(half >> 10) - 15)
-    };
+    let picture = fetch(&device, &queue, &output);
+    let picture: &[[u16; 4]] = bytemuck::cast_slice(&picture);
     for (i, right) in right.iter().enumerate() {
-        let seen = picture[i / 48 * 64 + i % 48].map(float);
+        let seen = picture[i].map(float);
         for c in 0..4 {
             let off = (seen[c] - right[c]).abs();
             assert!(off <= 1e-3 * right[c] + 1e-4, "texel {i}: {seen:?}, not {right:?}");

@@ -5,15 +5,32 @@
 use crate::Rgb;
 use std::sync::LazyLock;
 
+/// Linear values up to this are encoded by a straight line …
+pub const STRAIGHT: f32 = 0.003_130_8;
+/// … of this slope,
+pub const SLOPE: f32 = 12.92;
+/// and those above as `(1 + OFFSET)·v^(1/GAMMA) − OFFSET`.
+pub const OFFSET: f32 = 0.055;
+/// The power of the curve.
+pub const GAMMA: f32 = 2.4;
+
 /// Linear value of an sRGB-encoded one, both 0 to 1; values beyond 1 continue on the curve,
 /// negative ones on its straight part.
 pub fn decode(encoded: f32) -> f32 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    if encoded <= 0.04045 {
+        encoded / SLOPE
+    } else {
+        ((encoded + OFFSET) / (1.0 + OFFSET)).powf(GAMMA)
+    }
 }
 
 /// sRGB-encoded value of a linear one: the inverse of [`decode`].
 pub fn encode(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    if linear <= STRAIGHT {
+        linear * SLOPE
+    } else {
+        (1.0 + OFFSET) * linear.powf(1.0 / GAMMA) - OFFSET
+    }
 }
 
 /// Linear value of an 8-bit sRGB one, from a table.

@@ -25,8 +25,6 @@ pub struct Flood {
     rays: Kernels,
     blur: Kernels,
     ways: Buffer,
-    /// The light in the grid, and room to blur it, for this size.
-    kept: Option<([u32; 2], [Buffer; 2])>,
 }
 
 /// How a lamp is drawn into a grid.
@@ -74,17 +72,15 @@ impl Flood {
                 &[("DECAY", f64::from(settings.decay))],
             ),
             ways: filled(device, queue, "ways", BufferUsages::STORAGE, bytemuck::cast_slice(&ways)),
-            kept: None,
         }
     }
 
-    pub fn plan(&mut self, site: &Site, light: &Buffer) -> Result<Run> {
+    pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
         let ground = self.ground.plan(site)?;
         let lamps = site.buffer("lamps", Lamps::bytes(site.room.lamps))?;
-        let halves = match self.kept.take() {
-            Some((size, halves)) if size == site.size => halves.map(|half| site.counted(half)),
-            _ => site.pair("flood", site.cells() * FOUR)?,
-        };
+        let bytes = site.cells() * FOUR;
+        // The light in the grid, which is kept, and room to blur it.
+        let halves = [site.kept("flood", bytes)?, site.buffer("flood, blurred", bytes)?];
         let resources = [
             whole(&lamps),
             view(&site.textures.tint_opacity),
@@ -125,7 +121,6 @@ impl Flood {
             dispatches.extend(passes.iter().zip(halves).map(|(&step, half)| blur(1, half, step)));
         }
         dispatches.push(blur(2, 0, 0));
-        self.kept = Some((site.size, halves));
         Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: Some(lamps) })
     }
 }

@@ -65,7 +65,7 @@ impl Method {
     }
 
     /// What turns matter into light.
-    pub fn plan(&mut self, site: &Site, light: &Buffer) -> Result<Run> {
+    pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
         match self {
             Self::Flood(flood) => flood.plan(site, light),
             Self::Holographic(holographic) => holographic.plan(site, light),

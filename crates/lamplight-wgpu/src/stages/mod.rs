@@ -4,6 +4,7 @@ pub mod changes;
 pub mod clearance;
 pub mod convergence;
 pub mod denoise;
+pub mod display;
 pub mod feedback;
 pub mod fields;
 pub mod ground;

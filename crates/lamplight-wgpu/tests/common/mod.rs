@@ -1,21 +1,19 @@
 //! A device for tests, and cells to light.
 
+// Each test program uses its own part of this.
+#![allow(dead_code)]
+
 use lamplight::{Cells, Matter, Rgb};
 use lamplight_wgpu::read_back::read_back;
-use lamplight_wgpu::{Lighting, Stage};
+use lamplight_wgpu::{Lighting, Stage, Tier, required_features, required_limits};
 use wgpu::{
-    Backends, Device, DeviceDescriptor, Instance, InstanceDescriptor, Limits, PowerPreference,
-    Queue, RequestAdapterOptions,
+    Adapter, Backends, Device, DeviceDescriptor, Features, Instance, InstanceDescriptor, Limits,
+    PowerPreference, Queue, RequestAdapterOptions,
 };
 
-/// The machine's best GPU, a software one where there is no other, with no more than the web's
-/// default limits. Without any the test fails: `cargo xtask test` installs a software one.
-pub fn device() -> (Device, Queue) {
-    device_with(|_| ())
-}
-
-/// The same with lower limits.
-pub fn device_with(lower: impl Fn(&mut Limits)) -> (Device, Queue) {
+/// The machine's best GPU, a software one where there is no other. Without any the test fails:
+/// `cargo xtask test` installs a software one.
+pub fn adapter() -> Adapter {
     let mut descriptor = InstanceDescriptor::new_without_display_handle();
     descriptor.backends = Backends::PRIMARY;
     let instance = Instance::new(descriptor);
@@ -26,10 +24,40 @@ pub fn device_with(lower: impl Fn(&mut Limits)) -> (Device, Queue) {
     let adapter = pollster::block_on(instance.request_adapter(&options))
         .expect("no GPU; on Debian: apt-get install mesa-vulkan-drivers");
     println!("{:?}", adapter.get_info());
-    let mut required_limits = Limits::default();
-    lower(&mut required_limits);
-    let wanted = DeviceDescriptor { required_limits, ..DeviceDescriptor::default() };
-    pollster::block_on(adapter.request_device(&wanted)).unwrap()
+    adapter
+}
+
+/// Made with what a tier asks for.
+pub fn device_of(tier: Tier) -> (Device, Queue) {
+    open(&adapter(), tier)
+}
+
+/// A device of an adapter.
+pub fn open(adapter: &Adapter, tier: Tier) -> (Device, Queue) {
+    let features = required_features(tier, adapter);
+    open_with(adapter, features, required_limits(tier, adapter))
+}
+
+fn open_with(
+    adapter: &Adapter,
+    required_features: Features,
+    required_limits: Limits,
+) -> (Device, Queue) {
+    let descriptor =
+        DeviceDescriptor { required_features, required_limits, ..DeviceDescriptor::default() };
+    pollster::block_on(adapter.request_device(&descriptor)).unwrap()
+}
+
+/// With no more than the web grants.
+pub fn device() -> (Device, Queue) {
+    device_of(Tier::Web)
+}
+
+/// With less than the web grants.
+pub fn device_with(lower: impl Fn(&mut Limits)) -> (Device, Queue) {
+    let mut limits = Limits::default();
+    lower(&mut limits);
+    open_with(&adapter(), Features::empty(), limits)
 }
 
 /// Lights cells, and fetches the light.

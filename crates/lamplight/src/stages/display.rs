@@ -59,48 +59,59 @@ impl ToneMap {
 }
 
 /// Radiance beyond which every tone map gives the same as at it, to 8 bits.
-const BRIGHTEST: f32 = 1e9;
+pub const BRIGHTEST: f32 = 1e9;
 
-/// Narkowicz's fit of the ACES curve (2015), as seed 2 shows it: the brighter a pixel is, the more
-/// of its colour gives way to the curve of its luma (Rec. 601 weights).
+/// Narkowicz's fit of the ACES curve (2015), `x(ax + b) / (x(cx + d) + e)`: a to e.
+pub const ACES: [f32; 5] = [2.51, 0.03, 2.43, 0.59, 0.14];
+/// Luma² ÷ (this + luma) is the share of white in `aces`.
+pub const ACES_WHITE: f32 = 12.0;
+/// Luma of linear RGB as `aces` weighs it (Rec. 601).
+pub const ACES_LUMA: Rgb = [0.299, 0.587, 0.114];
+
+/// AgX: to the primaries in which its curve works, row by row (Wrensch 2023).
+pub const AGX_INSET: [Rgb; 3] = [
+    [0.842_479_06, 0.078_433_6, 0.079_223_745],
+    [0.042_328_24, 0.878_468_6, 0.079_166_13],
+    [0.042_375_655, 0.078_433_6, 0.879_143],
+];
+/// AgX: back from them, row by row.
+pub const AGX_OUTSET: [Rgb; 3] = [
+    [1.196_879, -0.098_020_88, -0.099_029_74],
+    [-0.052_896_85, 1.151_903_1, -0.098_961_18],
+    [-0.052_971_635, -0.098_043_45, 1.151_073_7],
+];
+/// AgX: the darkest and the brightest log2 of radiance that are told apart.
+pub const AGX_STOPS: [f32; 2] = [-12.473_93, 4.026_069];
+/// AgX: the contrast curve, coefficients of x⁶ … x⁰.
+pub const AGX_CONTRAST: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32];
+/// AgX: the gamma of the display that its curve is for.
+pub const AGX_GAMMA: f32 = 2.2;
+
+/// [`ACES`], as seed 2 shows it: the brighter a pixel is, the more of its colour gives way to the
+/// curve of its luma.
 ///
 /// Seed 2 lets the share of white run past 1, which turns colours brighter than luma 4 into their
 /// complements; here it ends at 1.
 fn aces(rgb: Rgb) -> Rgb {
-    /// Luma² ÷ (slope + luma) is the share of white.
-    const SLOPE: f32 = 12.0;
-    let curve = |x: f32| ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0);
-    let luma = rgb[0] * 0.299 + rgb[1] * 0.587 + rgb[2] * 0.114;
-    let white = (luma * luma / (SLOPE + luma)).min(1.0);
+    let [a, b, c, d, e] = ACES;
+    let curve = |x: f32| ((x * (a * x + b)) / (x * (c * x + d) + e)).clamp(0.0, 1.0);
+    let luma = rgb[0] * ACES_LUMA[0] + rgb[1] * ACES_LUMA[1] + rgb[2] * ACES_LUMA[2];
+    let white = (luma * luma / (ACES_WHITE + luma)).min(1.0);
     rgb.map(|v| curve(v) + (curve(luma) - curve(v)) * white)
 }
 
 /// Wrensch's minimal AgX (2023): rotate and desaturate the primaries, log2 over 16.5 stops, a
 /// sixth-degree fit of the contrast curve, back. The curve's output is for a display of gamma 2.2.
 fn agx(rgb: Rgb) -> Rgb {
-    const INSET: [Rgb; 3] = [
-        [0.842_479_06, 0.078_433_6, 0.079_223_745],
-        [0.042_328_24, 0.878_468_6, 0.079_166_13],
-        [0.042_375_655, 0.078_433_6, 0.879_143],
-    ];
-    const OUTSET: [Rgb; 3] = [
-        [1.196_879, -0.098_020_88, -0.099_029_74],
-        [-0.052_896_85, 1.151_903_1, -0.098_961_18],
-        [-0.052_971_635, -0.098_043_45, 1.151_073_7],
-    ];
-    const DARKEST_STOP: f32 = -12.473_93;
-    const BRIGHTEST_STOP: f32 = 4.026_069;
-    /// Coefficients of x⁶ … x⁰.
-    const CONTRAST: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32];
     let rotate = |m: &[Rgb; 3], v: Rgb| -> Rgb {
         std::array::from_fn(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
     };
+    let [darkest, brightest] = AGX_STOPS;
     let curve = |v: f32| {
-        let stop = v.log2().clamp(DARKEST_STOP, BRIGHTEST_STOP);
-        let x = (stop - DARKEST_STOP) / (BRIGHTEST_STOP - DARKEST_STOP);
-        CONTRAST.iter().fold(0.0, |sum, c| sum * x + c)
+        let x = (v.log2().clamp(darkest, brightest) - darkest) / (brightest - darkest);
+        AGX_CONTRAST.iter().fold(0.0, |sum, c| sum * x + c)
     };
-    rotate(&OUTSET, rotate(&INSET, rgb).map(curve)).map(|v| v.max(0.0).powf(2.2))
+    rotate(&AGX_OUTSET, rotate(&AGX_INSET, rgb).map(curve)).map(|v| v.max(0.0).powf(AGX_GAMMA))
 }
 
 /// How a picture of light is shown.

@@ -1,0 +1,192 @@
+//! What each stage of a frame takes on the GPU.
+
+use crate::kernel::Dispatch;
+use crate::{Error, Result};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::Duration;
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePassDescriptor,
+    ComputePassTimestampWrites, Device, Features, MapMode, PollType,
+    QUERY_RESOLVE_BUFFER_ALIGNMENT, QUERY_SIZE, QuerySet, QuerySetDescriptor, QueryType, Queue,
+};
+
+/// Stretches of a frame that are timed; what comes after is timed as one.
+const STRETCHES: u32 = 256;
+const QUERIES: u32 = 2 * STRETCHES;
+/// What the last stretch is called where there are more.
+const REST: &str = "rest";
+
+/// Frames whose times may be on their way at once. GPUs are two or three frames behind.
+const FRAMES: usize = 4;
+
+/// Times stages on the GPU, for [`crate::Lighting::record_timed`].
+///
+/// Reading never waits: it gives the times of the latest frame that the GPU has finished. Each stage
+/// gets a compute pass of its own, so that there is something to time; that keeps stages apart which
+/// would otherwise overlap, and makes the frame a little slower. Browsers round times to 0.1 ms.
+#[derive(Debug)]
+pub struct Timer {
+    queries: QuerySet,
+    resolved: Buffer,
+    /// Nanoseconds a tick.
+    period: f64,
+    frames: [Frame; FRAMES],
+    /// Frames timed so far.
+    count: u64,
+    times: Vec<(&'static str, Duration)>,
+    /// The frame that they are of.
+    of: u64,
+}
+
+/// The ticks of one frame, on their way to the CPU.
+#[derive(Debug)]
+struct Frame {
+    ticks: Buffer,
+    /// Labels of the stretches, in order.
+    stretches: Vec<&'static str>,
+    number: u64,
+    /// Shared with who is to be told; alone with a frame on its way, nobody will be.
+    state: Arc<AtomicU8>,
+}
+
+const FREE: u8 = 0;
+const UNDER_WAY: u8 = 1;
+const HERE: u8 = 2;
+/// For good: the device was lost.
+const FAILED: u8 = 3;
+
+impl Timer {
+    /// None where the device was not made with [`Features::TIMESTAMP_QUERY`]
+    /// ([`crate::required_features`] asks for it where there is one).
+    pub fn new(device: &Device, queue: &Queue) -> Option<Self> {
+        if !device.features().contains(Features::TIMESTAMP_QUERY) {
+            return None;
+        }
+        let bytes =
+            u64::from(QUERIES * QUERY_SIZE).next_multiple_of(QUERY_RESOLVE_BUFFER_ALIGNMENT);
+        let buffer = |usage| {
+            device.create_buffer(&BufferDescriptor {
+                label: Some("timestamps"),
+                size: bytes,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        Some(Self {
+            queries: device.create_query_set(&QuerySetDescriptor {
+                label: Some("timestamps"),
+                ty: QueryType::Timestamp,
+                count: QUERIES,
+            }),
+            resolved: buffer(BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC),
+            period: queue.get_timestamp_period().into(),
+            frames: std::array::from_fn(|_| Frame {
+                ticks: buffer(BufferUsages::COPY_DST | BufferUsages::MAP_READ),
+                stretches: Vec::new(),
+                number: 0,
+                state: Arc::default(),
+            }),
+            count: 0,
+            times: Vec::new(),
+            of: 0,
+        })
+    }
+
+    /// What each stage of the latest frame that is known took, in the order in which they ran; empty
+    /// before. To be asked after the queue was submitted to or the device polled.
+    pub fn read(&mut self) -> &[(&'static str, Duration)] {
+        for frame in &mut self.frames {
+            if frame.state.load(Ordering::Acquire) != HERE {
+                continue;
+            }
+            if frame.number > self.of {
+                self.of = frame.number;
+                frame.add_up(self.period, &mut self.times);
+            }
+            frame.ticks.unmap();
+            frame.state.store(FREE, Ordering::Release);
+        }
+        &self.times
+    }
+
+    /// Waits until all that was submitted is done, and reads: for tests and files, not for a game's
+    /// frame.
+    pub fn wait(&mut self, device: &Device) -> Result<&[(&'static str, Duration)]> {
+        let waited = device.poll(PollType::wait_indefinitely());
+        waited.map_err(|e| Error::ReadBack(e.to_string()))?;
+        Ok(self.read())
+    }
+
+    /// Records dispatches, a pass for each stretch under one label.
+    pub(crate) fn record<'a>(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        dispatches: impl Iterator<Item = &'a Dispatch>,
+    ) {
+        let frame = self.frames.iter_mut().find_map(|frame| frame.is_free().then_some(frame));
+        let mut stretches = Vec::new();
+        let mut dispatches = dispatches.peekable();
+        while let Some(first) = dispatches.peek() {
+            let number = stretches.len() as u32;
+            let rest = number + 1 == STRETCHES;
+            let label = if rest { REST } else { first.label() };
+            stretches.push(label);
+            let writes = ComputePassTimestampWrites {
+                query_set: &self.queries,
+                beginning_of_pass_write_index: Some(2 * number),
+                end_of_pass_write_index: Some(2 * number + 1),
+            };
+            let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+                label: Some(label),
+                timestamp_writes: Some(writes),
+            });
+            while let Some(dispatch) = dispatches.next_if(|next| rest || next.label() == label) {
+                dispatch.record(&mut pass);
+            }
+        }
+        // The CPU has not read for long: this frame goes untold.
+        let (Some(frame), false) = (frame, stretches.is_empty()) else { return };
+        let queries = 2 * stretches.len() as u32;
+        encoder.resolve_query_set(&self.queries, 0..queries, &self.resolved, 0);
+        let bytes = u64::from(queries * QUERY_SIZE);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &frame.ticks, 0, bytes);
+        self.count += 1;
+        frame.number = self.count;
+        frame.stretches = stretches;
+        frame.state = Arc::new(UNDER_WAY.into());
+        let state = frame.state.clone();
+        encoder.map_buffer_on_submit(&frame.ticks, MapMode::Read, 0..bytes, move |mapped| {
+            state.store(if mapped.is_ok() { HERE } else { FAILED }, Ordering::Release);
+        });
+    }
+}
+
+impl Frame {
+    /// Not under way; or it was, in an encoder that was dropped.
+    fn is_free(&mut self) -> bool {
+        // First, since who is to be told tells before it lets go.
+        let alone = Arc::get_mut(&mut self.state).is_some();
+        match self.state.load(Ordering::Acquire) {
+            FREE => true,
+            UNDER_WAY => alone,
+            _ => false,
+        }
+    }
+
+    fn add_up(&self, period: f64, times: &mut Vec<(&'static str, Duration)>) {
+        times.clear();
+        let bytes = self.stretches.len() as u64 * 2 * u64::from(QUERY_SIZE);
+        let ticks: Vec<[u64; 2]> =
+            bytemuck::pod_collect_to_vec(&self.ticks.get_mapped_range(..bytes));
+        for (&label, [begin, end]) in self.stretches.iter().zip(ticks) {
+            // Some GPUs' clocks start anew.
+            let nanoseconds = end.saturating_sub(begin) as f64 * period;
+            let time = Duration::from_nanos(nanoseconds as u64);
+            match times.iter_mut().find(|(known, _)| *known == label) {
+                Some((_, sum)) => *sum += time,
+                None => times.push((label, time)),
+            }
+        }
+    }
+}

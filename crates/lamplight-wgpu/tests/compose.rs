@@ -1,0 +1,309 @@
+//! What is shown, held to the CPU's pictures.
+
+mod common;
+#[path = "common/textures.rs"]
+mod textures;
+
+use common::{cells, device, frame};
+use lamplight::{Cells, Display, Light, Method, Rgb, Settings, ToneMap};
+use lamplight_wgpu::{Color, Compose, Error, Filter, Lighting, Shown, Target, Window};
+use textures::{fetch, filled, float, texture, view};
+use wgpu::{Device, Queue, TextureFormat, TextureUsages, TextureView};
+
+/// Neither the grid nor the rows of a copy are a multiple of anything.
+const SIZE: [u32; 2] = [67, 41];
+
+/// A grid and its light on the GPU, with a picture that it falls on.
+struct Scene {
+    device: Device,
+    queue: Queue,
+    lighting: Lighting,
+    cells: Cells,
+    light: Light,
+    color: TextureView,
+}
+
+fn scene() -> Scene {
+    let (device, queue) = device();
+    let mut cells = cells(SIZE[0], SIZE[1], 17);
+    let color: Vec<[f32; 4]> = (0..cells.len())
+        .map(|i| {
+            let share = |period: usize| (i % period) as f32 / period as f32;
+            [share(67), share(23), 1.0 - share(7), 1.0]
+        })
+        .collect();
+    for (to, &[r, g, b, _]) in cells.color_mut().iter_mut().zip(&color) {
+        *to = [r, g, b];
+    }
+    let format = TextureFormat::Rgba32Float;
+    let color = filled(&device, &queue, SIZE, format, bytemuck::cast_slice(&color));
+    let settings = Settings { method: Method::Raymarch, wall_depth: 3.0, ..Settings::default() };
+    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+    let light = frame(&device, &queue, &mut lighting, &cells);
+    let rgb = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
+    let light = Light::from_pixels(&cells, rgb).unwrap();
+    Scene { device, queue, lighting, cells, light, color }
+}
+
+impl Scene {
+    /// Bytes of a target on which the light was drawn.
+    fn drawn(&self, size: [u32; 2], format: TextureFormat, shown: &Shown) -> Vec<u8> {
+        let Self { device, queue, lighting, .. } = self;
+        let target = texture(device, size, format, TextureUsages::RENDER_ATTACHMENT);
+        let mut compose = Compose::new(device).unwrap();
+        compose.prepare(device, queue, lighting, format, shown).unwrap();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        compose.record(&mut encoder, &view(&target));
+        queue.submit([encoder.finish()]);
+        fetch(device, queue, &target)
+    }
+
+    fn shown(&self, tonemap: ToneMap, exposure: f32) -> Shown<'_> {
+        let display = Display { tonemap, exposure };
+        Shown { display, color: Color::Cells(&self.color), ..Shown::default() }
+    }
+}
+
+/// 8-bit steps by which both may differ: rounding of values that lie between two.
+const STEP: u8 = 1;
+
+/// Bytes that differ by more, red, green and blue.
+fn wrong(seen: &[u8], right: &[u8]) -> usize {
+    assert_eq!(seen.len() / 4, right.len() / 3);
+    let pixels = seen.chunks(4).zip(right.chunks(3));
+    pixels.flat_map(|(s, r)| s.iter().zip(r)).filter(|(s, r)| s.abs_diff(**r) > STEP).count()
+}
+
+const EXPOSURES: [f32; 4] = [-4.0, 0.0, 1.5, 6.0];
+
+#[test]
+fn every_tone_map_shows_the_cpus_picture_on_either_kind_of_format() {
+    let scene = scene();
+    for &tonemap in ToneMap::ALL {
+        for exposure in EXPOSURES {
+            let shown = scene.shown(tonemap, exposure);
+            let right = scene.light.compose(&scene.cells, &shown.display).unwrap().into_raw();
+            for format in [
+                TextureFormat::Rgba8Unorm,
+                TextureFormat::Rgba8UnormSrgb,
+                TextureFormat::Bgra8Unorm,
+                TextureFormat::Bgra8UnormSrgb,
+            ] {
+                let mut seen = scene.drawn(SIZE, format, &shown);
+                if matches!(format, TextureFormat::Bgra8Unorm | TextureFormat::Bgra8UnormSrgb) {
+                    seen.chunks_mut(4).for_each(|pixel| pixel.swap(0, 2));
+                }
+                let wrong = wrong(&seen, &right);
+                assert_eq!(wrong, 0, "{tonemap:?} at {exposure} on {format:?}");
+                assert!(seen.chunks(4).all(|pixel| pixel[3] == 255));
+            }
+        }
+    }
+}
+
+#[test]
+fn one_wrong_byte_is_rejected() {
+    let scene = scene();
+    let shown = scene.shown(ToneMap::Aces, 0.0);
+    let right = scene.light.compose(&scene.cells, &shown.display).unwrap().into_raw();
+    let mut seen = scene.drawn(SIZE, TextureFormat::Rgba8Unorm, &shown);
+    assert_eq!(wrong(&seen, &right), 0);
+    seen[401] = right[301].wrapping_add(2);
+    assert_eq!(wrong(&seen, &right), 1);
+    // The picture has dark and bright parts.
+    assert!(right.iter().any(|&v| v > 200) && right.iter().any(|&v| v < 50));
+}
+
+#[test]
+fn floats_are_given_linear_light() {
+    let scene = scene();
+    for &tonemap in ToneMap::ALL {
+        let shown = scene.shown(tonemap, 0.5);
+        let bytes = scene.drawn(SIZE, TextureFormat::Rgba16Float, &shown);
+        let seen: &[[u16; 4]] = bytemuck::cast_slice(&bytes);
+        let gain = shown.display.gain();
+        for (seen, right) in seen.iter().zip(scene.light.radiance(&scene.cells).unwrap()) {
+            let right = tonemap.map(right.map(|v| v * gain));
+            for c in 0..3 {
+                let seen = float(seen[c]);
+                // Half floats have eleven bits.
+                assert!((seen - right[c]).abs() < 1e-3, "{tonemap:?}: {seen}, not {right:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn nearest_enlarges_and_a_window_cuts_out() {
+    let scene = scene();
+    let format = TextureFormat::Rgba8Unorm;
+    let shown = scene.shown(ToneMap::Aces, 0.0);
+    let once = scene.drawn(SIZE, format, &shown);
+    let at = |bytes: &[u8], width: u32, x: u32, y: u32| -> [u8; 4] {
+        bytes[4 * (y * width + x) as usize..][..4].try_into().unwrap()
+    };
+    for scale in [2, 3] {
+        let [width, height] = SIZE.map(|v| v * scale);
+        let seen = scene.drawn([width, height], format, &shown);
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            assert_eq!(at(&seen, width, x, y), at(&once, SIZE[0], x / scale, y / scale));
+        }
+    }
+    let window = Some(Window { corner: [11.0, 7.0], extent: [20.0, 15.0] });
+    let part = scene.drawn([40, 30], format, &Shown { window, ..shown });
+    for (x, y) in (0..30).flat_map(|y| (0..40).map(move |x| (x, y))) {
+        assert_eq!(at(&part, 40, x, y), at(&once, SIZE[0], 11 + x / 2, 7 + y / 2));
+    }
+}
+
+/// Linear radiance between cell centres, as the CPU would show it.
+fn between(radiance: &[Rgb], x: f32, y: f32) -> Rgb {
+    let [width, height] = SIZE.map(|v| v as i32);
+    let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
+    let (fx, fy) = (x - 0.5 - left, y - 0.5 - top);
+    let mut sum = [0.0; 3];
+    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let column = (left as i32 + dx).clamp(0, width - 1);
+        let row = (top as i32 + dy).clamp(0, height - 1);
+        let share = |f: f32, d: i32| if d == 0 { 1.0 - f } else { f };
+        let weight = share(fx, dx) * share(fy, dy);
+        let rgb = radiance[(row * width + column) as usize];
+        (0..3).for_each(|c| sum[c] += weight * rgb[c]);
+    }
+    sum
+}
+
+#[test]
+fn linear_shows_what_lies_between_cells() {
+    let scene = scene();
+    let radiance = scene.light.radiance(&scene.cells).unwrap();
+    let filter = Filter::Linear;
+    for (corner, extent, size) in [
+        ([0.0, 0.0], SIZE.map(|v| v as f32), SIZE),
+        ([0.0, 0.0], SIZE.map(|v| v as f32), SIZE.map(|v| v * 3)),
+        ([10.375, 5.25], [24.0, 18.0], [48, 36]),
+    ] {
+        let shown = scene.shown(ToneMap::Reinhard, 0.0);
+        let shown = Shown { filter, window: Some(Window { corner, extent }), ..shown };
+        let seen = scene.drawn(size, TextureFormat::Rgba8Unorm, &shown);
+        let place = |i: u32, a: usize| corner[a] + (i as f32 + 0.5) * extent[a] / size[a] as f32;
+        let right: Vec<u8> = (0..size[0] * size[1])
+            .flat_map(|i| {
+                let (x, y) = (place(i % size[0], 0), place(i / size[0], 1));
+                shown.display.encode(between(&radiance, x, y))
+            })
+            .collect();
+        assert_eq!(wrong(&seen, &right), 0, "{corner:?}, {size:?}");
+    }
+}
+
+#[test]
+fn a_picture_of_the_hosts_takes_its_own_texels() {
+    let scene = scene();
+    let format = TextureFormat::Rgba8Unorm;
+    let by_cells = scene.shown(ToneMap::Agx, 0.0);
+    let over_view = Shown { color: Color::View(&scene.color), ..by_cells };
+    assert_eq!(scene.drawn(SIZE, format, &by_cells), scene.drawn(SIZE, format, &over_view));
+
+    // Twice as fine as the cells: black but for every other column.
+    let fine = SIZE.map(|v| 2 * v);
+    let stripes: Vec<[u8; 4]> =
+        (0..fine[0] * fine[1]).map(|i| [(i % fine[0] % 2) as u8 * 255; 4]).collect();
+    let stripes = filled(&scene.device, &scene.queue, fine, format, stripes.as_flattened());
+    let shown = |color| Shown { color, ..scene.shown(ToneMap::Reinhard, 0.0) };
+    let seen = scene.drawn(fine, format, &shown(Color::View(&stripes)));
+    let white = scene.drawn(fine, format, &shown(Color::White));
+    let open = |i: usize| scene.cells.opacity()[i] == 0.0 && scene.cells.tint()[i] == [1.0; 3];
+    let mut compared = 0;
+    for (i, (seen, white)) in seen.chunks(4).zip(white.chunks(4)).enumerate() {
+        let (x, y) = (i % fine[0] as usize, i / fine[0] as usize);
+        if open(y / 2 * SIZE[0] as usize + x / 2) {
+            assert_eq!(seen[..3], if x % 2 == 0 { [0; 3] } else { [white[0], white[1], white[2]] });
+            compared += 1;
+        }
+    }
+    assert!(compared > 5000);
+}
+
+#[test]
+fn passes_may_have_depth_and_samples() {
+    let scene = scene();
+    let Scene { device, queue, lighting, .. } = &scene;
+    let color = TextureFormat::Rgba8UnormSrgb;
+    let many = |format| {
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 4,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        });
+        view(&texture)
+    };
+    let (samples, depth) = (many(color), many(TextureFormat::Depth32Float));
+    let resolved = texture(device, SIZE, color, TextureUsages::RENDER_ATTACHMENT);
+    let mut compose = Compose::new(device).unwrap();
+    let target = Target { format: color, samples: 4, depth: Some(TextureFormat::Depth32Float) };
+    let shown = scene.shown(ToneMap::Aces, 0.0);
+    compose.prepare(device, queue, lighting, target, &shown).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    {
+        let (single, ops) = (view(&resolved), wgpu::Operations::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &samples,
+                depth_slice: None,
+                resolve_target: Some(&single),
+                ops,
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth,
+                depth_ops: Some(wgpu::Operations::default()),
+                stencil_ops: None,
+            }),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        compose.draw(&mut pass);
+    }
+    queue.submit([encoder.finish()]);
+    let right = scene.light.compose(&scene.cells, &shown.display).unwrap().into_raw();
+    assert_eq!(wrong(&fetch(device, queue, &resolved), &right), 0);
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    let scene = scene();
+    let Scene { device, queue, lighting, .. } = &scene;
+    let mut compose = Compose::new(device).unwrap();
+    let mut refused = |format: TextureFormat, shown: Shown| {
+        compose.prepare(device, queue, lighting, format, &shown).unwrap_err().to_string()
+    };
+    let format = TextureFormat::Rgba8Unorm;
+    for bad in [TextureFormat::Rgba8Uint, TextureFormat::Depth32Float, TextureFormat::R8Unorm] {
+        let error = refused(bad, Shown::default());
+        assert!(error.starts_with("the texture `target` has the format"), "{error}");
+    }
+    let exposure = Display { exposure: f32::NAN, ..Display::default() };
+    let error = refused(format, Shown { display: exposure, ..Shown::default() });
+    assert!(error.contains("from -32 to 32"), "{error}");
+    let small = texture(device, [3, 5], format, TextureUsages::TEXTURE_BINDING);
+    let error = refused(format, Shown { color: Color::Cells(&view(&small)), ..Shown::default() });
+    assert_eq!(error, "the texture `color` is 3×5, but the grid is 67×41");
+
+    // Before the first frame there is nothing to draw, and nothing is drawn.
+    let settings = Settings { method: Method::Raymarch, ..Settings::default() };
+    let dark = Lighting::new(device, queue, settings).unwrap();
+    compose.prepare(device, queue, &dark, format, &Shown::default()).unwrap();
+    let target = texture(device, SIZE, format, TextureUsages::RENDER_ATTACHMENT);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    compose.record(&mut encoder, &view(&target));
+    queue.submit([encoder.finish()]);
+    let drawn = fetch(device, queue, &target);
+    assert!(drawn.chunks(4).all(|pixel| pixel == [0, 0, 0, 255]));
+    let _: Error = compose
+        .prepare(device, queue, lighting, TextureFormat::Rgba8Snorm, &Shown::default())
+        .unwrap_err();
+}

@@ -1,0 +1,231 @@
+//! What hosts get wrong, or change their mind about.
+
+mod common;
+#[path = "common/textures.rs"]
+mod textures;
+
+use common::{adapter, cells, device, frame, open};
+use lamplight::{Bounces, Cells, Method, Settings, Sky};
+use lamplight_wgpu::read_back::read_back;
+use lamplight_wgpu::{Color, Compose, Error, Lighting, Shown, Stage, Textures, Tier};
+use textures::{fetch, filled, texture, view};
+use wgpu::{
+    Device, Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
+    TextureView, TextureViewDescriptor, TextureViewDimension,
+};
+
+fn raymarch() -> Settings {
+    Settings { method: Method::Raymarch, ..Settings::default() }
+}
+
+const BOUND: TextureUsages = TextureUsages::TEXTURE_BINDING;
+
+/// A texture of several layers or mip levels.
+fn several(device: &Device, layers: u32, levels: u32, format: TextureFormat) -> Texture {
+    device.create_texture(&TextureDescriptor {
+        label: None,
+        size: Extent3d { width: 16, height: 16, depth_or_array_layers: layers },
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage: BOUND | TextureUsages::STORAGE_BINDING,
+        view_formats: &[],
+    })
+}
+
+/// One size and format for all.
+fn textures_like(view: &TextureView) -> Textures {
+    Textures { emission: view.clone(), tint_opacity: view.clone(), albedo: view.clone() }
+}
+
+#[test]
+fn views_of_a_part_of_a_texture_are_refused() {
+    let (device, queue) = device();
+    let half = TextureFormat::Rgba16Float;
+    let one_level = TextureViewDescriptor {
+        base_mip_level: 1,
+        mip_level_count: Some(1),
+        ..TextureViewDescriptor::default()
+    };
+    let one_layer = TextureViewDescriptor {
+        dimension: Some(TextureViewDimension::D2),
+        base_array_layer: 2,
+        array_layer_count: Some(1),
+        ..TextureViewDescriptor::default()
+    };
+    let level = several(&device, 1, 3, half).create_view(&one_level);
+    let layer = several(&device, 4, 1, half).create_view(&one_layer);
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let mut compose = Compose::new(&device).unwrap();
+    let good = view(&texture(&device, [16, 16], half, BOUND));
+    for (part, problem) in
+        [(level, "has 3 mip levels, not one"), (layer, "is not one two-dimensional picture")]
+    {
+        let told = lighting.prepare_textures(&device, &queue, &textures_like(&part), Sky::BLACK);
+        let error = told.unwrap_err().to_string();
+        assert_eq!(error, format!("the texture `emission` {problem}"));
+
+        lighting.prepare_textures(&device, &queue, &textures_like(&good), Sky::BLACK).unwrap();
+        let error = lighting.write_to(&device, &part).unwrap_err().to_string();
+        assert_eq!(error, format!("the texture `output` {problem}"));
+        let shown = Shown { color: Color::View(&part), ..Shown::default() };
+        let format = TextureFormat::Rgba8Unorm;
+        let told = compose.prepare(&device, &queue, &lighting, format, &shown);
+        assert_eq!(told.unwrap_err().to_string(), format!("the texture `color` {problem}"));
+    }
+}
+
+#[test]
+fn what_only_the_device_knows_is_an_error_too() {
+    let adapter = adapter();
+    let [(device, queue), (other, _)] = [Tier::Web; 2].map(|tier| open(&adapter, tier));
+    let half = TextureFormat::Rgba16Float;
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let good = view(&texture(&device, [16, 16], half, BOUND | TextureUsages::STORAGE_BINDING));
+    let foreign = view(&texture(&other, [16, 16], half, BOUND | TextureUsages::STORAGE_BINDING));
+    // One layer, seen as an array of one.
+    let array = several(&device, 1, 1, half).create_view(&TextureViewDescriptor {
+        dimension: Some(TextureViewDimension::D2Array),
+        ..TextureViewDescriptor::default()
+    });
+    for bad in [foreign, array] {
+        let told = lighting.prepare_textures(&device, &queue, &textures_like(&bad), Sky::BLACK);
+        assert!(matches!(told, Err(Error::Device(_))), "{told:?}");
+        // The frame after is none the worse for it.
+        lighting.prepare_textures(&device, &queue, &textures_like(&good), Sky::BLACK).unwrap();
+        let told = lighting.write_to(&device, &bad);
+        assert!(matches!(told, Err(Error::Device(_))), "{told:?}");
+        let mut compose = Compose::new(&device).unwrap();
+        let shown = Shown { color: Color::View(&bad), ..Shown::default() };
+        let format = TextureFormat::Rgba8Unorm;
+        let told = compose.prepare(&device, &queue, &lighting, format, &shown);
+        assert!(matches!(told, Err(Error::Device(_))), "{told:?}");
+        let mut encoder = device.create_command_encoder(&Default::default());
+        lighting.record(&mut encoder);
+        queue.submit([encoder.finish()]);
+        let light = lighting.stage(Stage::Light).unwrap();
+        assert_eq!(read_back::<[f32; 4]>(&device, &queue, light).unwrap().len(), 256);
+    }
+}
+
+#[test]
+fn settings_may_change_between_frames() {
+    let (device, queue) = device();
+    let cells = cells(61, 37, 4);
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    // Before the first frame too.
+    lighting.set_settings(&device, &queue, Settings { seed: 1, ..raymarch() }).unwrap();
+    frame(&device, &queue, &mut lighting, &cells);
+    let half = TextureFormat::Rgba16Float;
+    let output = texture(&device, [61, 37], half, TextureUsages::STORAGE_BINDING);
+    lighting.write_to(&device, &view(&output)).unwrap();
+
+    let with = |change: fn(&mut Settings)| {
+        let mut settings = Settings { seed: 1, ..raymarch() };
+        change(&mut settings);
+        settings
+    };
+    let changes = [
+        with(|s| s.seed = 7),
+        with(|s| s.wall_depth = 5.0),
+        with(|s| s.bounces = Bounces::Count(2)),
+        with(|s| s.raymarch.rays = 5),
+        with(|s| s.raymarch.threshold = 0.5),
+        with(|s| s.raymarch = lamplight::settings::Raymarch::preset("godot").unwrap()),
+        with(|_| ()),
+    ];
+    let mut before = Vec::new();
+    for (number, settings) in (1..).zip(changes) {
+        let what = format!("{settings:?}");
+        lighting.set_settings(&device, &queue, settings.clone()).unwrap();
+        assert_eq!(lighting.settings(), &settings);
+        let light = frame(&device, &queue, &mut lighting, &cells);
+        // As if it had been so from the start, with as many frames before.
+        let mut fresh = Lighting::new(&device, &queue, settings).unwrap();
+        for _ in 0..number {
+            fresh.prepare(&device, &queue, &cells).unwrap();
+        }
+        assert_eq!(light, frame(&device, &queue, &mut fresh, &cells), "{what}");
+        // The texture to write to goes on.
+        let written = fetch(&device, &queue, &output);
+        assert_ne!(written, before, "{what}");
+        before = written;
+    }
+}
+
+#[test]
+fn settings_that_are_refused_change_nothing() {
+    let (device, queue) = device();
+    let cells = cells(31, 17, 4);
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let mut same = Lighting::new(&device, &queue, raymarch()).unwrap();
+    for refused in [
+        Settings { wall_depth: f32::NAN, ..raymarch() },
+        Settings { bounces: Bounces::Count(100_000), ..raymarch() },
+    ] {
+        let right = frame(&device, &queue, &mut same, &cells);
+        let memory = same.cost().unwrap().memory;
+        assert!(lighting.set_settings(&device, &queue, refused).is_err());
+        assert_eq!(lighting.settings(), &raymarch());
+        assert_eq!(frame(&device, &queue, &mut lighting, &cells), right);
+        assert_eq!(lighting.cost().unwrap().memory, memory);
+    }
+
+    // A grid that is just small enough, but not for what bounces need.
+    let (width, height) = (2048, 2048);
+    lighting.prepare(&device, &queue, &Cells::new(width, height).unwrap()).unwrap();
+    let told = lighting.set_settings(
+        &device,
+        &queue,
+        Settings { bounces: Bounces::Count(1), ..raymarch() },
+    );
+    assert!(matches!(told, Err(Error::TooLarge { .. })), "{told:?}");
+    assert_eq!(lighting.settings(), &raymarch());
+    lighting.prepare(&device, &queue, &cells).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    lighting.record(&mut encoder);
+    queue.submit([encoder.finish()]);
+}
+
+#[test]
+fn textures_may_alternate_and_the_output_goes_on() {
+    let (device, queue) = device();
+    let half = TextureFormat::Rgba16Float;
+    let glow = |byte: u8| {
+        let texels = [byte; 8 * 16 * 16];
+        textures_like(&filled(&device, &queue, [16, 16], half, &texels))
+    };
+    // As half floats 0x3838 is a little over a half, 0x3c3c a little over 1.
+    let pair = [glow(0x38), glow(0x3c)];
+    let lit = |lighting: &mut Lighting, textures: &Textures| {
+        lighting.prepare_textures(&device, &queue, textures, Sky::Uniform([1.0; 3])).unwrap();
+    };
+    let written = |lighting: &Lighting, output: &Texture| {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        lighting.record(&mut encoder);
+        queue.submit([encoder.finish()]);
+        fetch(&device, &queue, output)
+    };
+    let output = || texture(&device, [16, 16], half, TextureUsages::STORAGE_BINDING);
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let mut fresh = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let shared = output();
+    let mut seen = Vec::new();
+    for number in 0..4 {
+        let textures = &pair[number % 2];
+        lit(&mut lighting, textures);
+        lit(&mut fresh, textures);
+        if number == 0 {
+            lighting.write_to(&device, &view(&shared)).unwrap();
+        }
+        let own = output();
+        fresh.write_to(&device, &view(&own)).unwrap();
+        seen.push(written(&lighting, &shared));
+        assert_eq!(seen[number], written(&fresh, &own), "frame {number}");
+    }
+    assert_ne!(seen[0], seen[1]);
+    // Another size ends it, and is no error.
+    lighting.prepare(&device, &queue, &Cells::new(8, 8).unwrap()).unwrap();
+    assert_eq!(written(&lighting, &shared), seen[3]);
+}

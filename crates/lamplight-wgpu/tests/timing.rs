@@ -1,0 +1,96 @@
+//! Times of stages.
+
+mod common;
+
+use common::{cells, device, device_of, frame};
+use lamplight::{Bounces, Method, Settings};
+use lamplight_wgpu::read_back::read_back;
+use lamplight_wgpu::{Lighting, Stage, Tier, Timer};
+use std::time::{Duration, Instant};
+use wgpu::{Device, Features, Queue};
+
+fn raymarch() -> Settings {
+    Settings { method: Method::Raymarch, ..Settings::default() }
+}
+
+/// A device that can tell the time; none where the GPU cannot.
+fn clock() -> Option<(Device, Queue, Timer)> {
+    let (device, queue) = device_of(Tier::Native);
+    let timer = Timer::new(&device, &queue);
+    assert_eq!(timer.is_some(), device.features().contains(Features::TIMESTAMP_QUERY));
+    if timer.is_none() {
+        println!("this GPU has no timestamps: nothing is tested");
+    }
+    Some((device, queue, timer?))
+}
+
+#[test]
+fn without_the_feature_there_is_no_timer() {
+    let (device, queue) = device();
+    assert!(Timer::new(&device, &queue).is_none());
+}
+
+#[test]
+fn every_stage_is_timed_and_the_light_is_the_same() {
+    let Some((device, queue, mut timer)) = clock() else { return };
+    let cells = cells(96, 64, 3);
+    let mut plain = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let right = frame(&device, &queue, &mut plain, &cells);
+
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    assert!(timer.read().is_empty());
+    lighting.prepare(&device, &queue, &cells).unwrap();
+    let start = Instant::now();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    lighting.record_timed(&mut encoder, &mut timer);
+    queue.submit([encoder.finish()]);
+    let times = timer.wait(&device).unwrap();
+    let taken = start.elapsed();
+
+    println!("{times:?} of {taken:?}");
+    let names: Vec<_> = times.iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, ["optics", "clearance", "raymarch", "walls"]);
+    let sum: Duration = times.iter().map(|(_, time)| *time).sum();
+    assert!(sum > Duration::ZERO && sum <= taken, "{sum:?} of {taken:?}");
+    let light: Vec<[f32; 4]> =
+        read_back(&device, &queue, lighting.stage(Stage::Light).unwrap()).unwrap();
+    assert_eq!(light, right);
+}
+
+#[test]
+fn reading_never_waits_and_frames_that_come_to_nothing_do_no_harm() {
+    let Some((device, queue, mut timer)) = clock() else { return };
+    let cells = cells(31, 17, 3);
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    lighting.record_timed(&mut encoder, &mut timer);
+    queue.submit([encoder.finish()]);
+    assert!(timer.wait(&device).unwrap().is_empty(), "times of nothing");
+
+    for number in 0..40 {
+        lighting.prepare(&device, &queue, &cells).unwrap();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        lighting.record_timed(&mut encoder, &mut timer);
+        // Now and then a host changes its mind.
+        if number % 3 != 0 {
+            queue.submit([encoder.finish()]);
+        }
+        if number % 10 > 5 {
+            timer.read();
+        }
+    }
+    assert_eq!(timer.wait(&device).unwrap().len(), 4);
+}
+
+#[test]
+fn more_stretches_than_there_are_clocks_for_are_timed_as_one() {
+    let Some((device, queue, mut timer)) = clock() else { return };
+    let settings = Settings { bounces: Bounces::Count(120), ..raymarch() };
+    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+    lighting.prepare(&device, &queue, &cells(9, 5, 3)).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    lighting.record_timed(&mut encoder, &mut timer);
+    queue.submit([encoder.finish()]);
+    let names: Vec<_> = timer.wait(&device).unwrap().iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, ["optics", "clearance", "raymarch", "rest"]);
+}
