@@ -6,10 +6,10 @@ use crate::lighting::{Lit, to_json};
 use lamplight::{Cells, Light, Settings};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::wgpu::{
-    AdapterInfo, Backends, Device, DeviceDescriptor, DeviceType, Instance, InstanceDescriptor,
-    PowerPreference, Queue, RequestAdapterOptions,
+    Adapter, Backends, Device, DeviceDescriptor, DeviceType, Features, Instance,
+    InstanceDescriptor, PowerPreference, Queue, RequestAdapterOptions,
 };
-use lamplight_wgpu::{Lighting, Stage, check};
+use lamplight_wgpu::{Lighting, Stage, Tier, Timer, check, required_features, required_limits};
 use std::borrow::Cow;
 use std::time::Instant;
 
@@ -52,8 +52,8 @@ impl Gpu {
             return Err(none());
         }
         let wanted = DeviceDescriptor {
-            // As large grids as it can hold.
-            required_limits: adapter.limits(),
+            required_features: required_features(Tier::Native, &adapter),
+            required_limits: required_limits(Tier::Native, &adapter),
             ..DeviceDescriptor::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&wanted))
@@ -68,11 +68,15 @@ impl Gpu {
         let told = to_json(&settings)?;
         let (device, queue) = (&self.device, &self.queue);
         let mut lighting = Lighting::new(device, queue, settings)?;
+        let mut timer = Timer::new(device, queue);
         let start = Instant::now();
-        for _ in 0..frames {
+        for frame in 1..=frames {
             lighting.prepare(device, queue, cells)?;
             let mut encoder = device.create_command_encoder(&Default::default());
-            lighting.record(&mut encoder);
+            match &mut timer {
+                Some(timer) if frame == frames => lighting.record_timed(&mut encoder, timer),
+                _ => lighting.record(&mut encoder),
+            }
             queue.submit([encoder.finish()]);
         }
         let buffer = lighting.stage(Stage::Light);
@@ -84,15 +88,21 @@ impl Gpu {
             .ok_or_else(|| Failure::failed("the GPU gave back another number of cells"))?;
         let total = start.elapsed();
         let place = format!("on the GPU ({})", self.name);
-        let stages = vec![("gpu", total)];
+        // Of the last frame; a GPU that tells no times has one stage.
+        let timed = timer.as_mut().map_or(&[][..], |timer| timer.read());
+        let stages = if timed.is_empty() { vec![("gpu", total)] } else { timed.to_vec() };
         Ok(Lit { light, answer, backend: "gpu", place, stages, total, frames, settings: told })
     }
 }
 
 /// All GPUs that are found, software ones among them.
-pub fn adapters() -> Vec<AdapterInfo> {
-    let found = pollster::block_on(instance().enumerate_adapters(Backends::PRIMARY));
-    found.iter().map(|adapter| adapter.get_info()).collect()
+pub fn adapters() -> Vec<Adapter> {
+    pollster::block_on(instance().enumerate_adapters(Backends::PRIMARY))
+}
+
+/// Whether an adapter can tell what each stage takes.
+pub fn times_stages(adapter: &Adapter) -> bool {
+    required_features(Tier::Native, adapter).contains(Features::TIMESTAMP_QUERY)
 }
 
 fn instance() -> Instance {

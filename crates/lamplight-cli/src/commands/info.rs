@@ -1,7 +1,7 @@
 //! `lamplight info`: what this program and this machine can do.
 
 use crate::failure::Outcome;
-use crate::gpu::adapters;
+use crate::gpu::{adapters, times_stages};
 use crate::output;
 use lamplight::{Cells, Method, Settings};
 use lamplight_wgpu::check;
@@ -27,10 +27,15 @@ pub fn run(args: Args) -> Outcome {
                 "cpu": { "threads": threads, "features": features },
                 "gpu": { "methods": gpu_methods() },
             },
-            "adapters": adapters().iter().map(|info| json!({
-                "name": info.name, "api": info.backend.to_str(),
-                "kind": kind(info.device_type), "driver": info.driver_info,
-            })).collect::<Vec<_>>(),
+            "adapters": adapters().iter().map(|adapter| {
+                let info = adapter.get_info();
+                json!({
+                    "name": info.name, "api": info.backend.to_str(),
+                    "kind": kind(info.device_type), "driver": info.driver_info, "tier": "native",
+                    "side": adapter.limits().max_texture_dimension_2d,
+                    "times_stages": times_stages(adapter),
+                })
+            }).collect::<Vec<_>>(),
             "methods": methods,
             "presets": Method::ALL.iter().map(|m| (m.name().to_owned(), json!(m.presets())))
                 .collect::<Map<_, _>>(),
@@ -43,9 +48,13 @@ pub fn run(args: Args) -> Outcome {
         Method::ALL.iter().map(|m| format!("{}: {}", m.name(), m.presets().join(", "))).collect();
     let adapters: Vec<_> = adapters()
         .iter()
-        .map(|info| {
-            let kind = kind(info.device_type);
-            format!("{} ({kind}, {}, {})", info.name, info.backend, info.driver_info)
+        .map(|adapter| {
+            let info = adapter.get_info();
+            let (kind, side) = (kind(info.device_type), adapter.limits().max_texture_dimension_2d);
+            let times =
+                if times_stages(adapter) { "times stages" } else { "without times of stages" };
+            let about = format!("{kind}, {}, {}", info.backend, info.driver_info);
+            format!("{} ({about}): tier native, up to {side} cells a side, {times}", info.name)
         })
         .collect();
     let adapters = if adapters.is_empty() { "none".into() } else { adapters.join("\n          ") };

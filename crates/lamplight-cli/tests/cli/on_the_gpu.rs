@@ -21,7 +21,10 @@ fn render_says_where_it_was_lit_and_shows_the_same() {
     let worst = worst.fold(0.0, f32::max);
     assert!(worst < 1e-3, "{worst}");
     let told = sandbox.run("render small.toml --backend gpu --method raymarch --json").done();
-    assert_eq!(json(&told)["backend"], "gpu");
+    let told = json(&told);
+    assert_eq!(told["backend"], "gpu");
+    let stages = told["stages_ms"].as_object().unwrap();
+    assert!(stages.contains_key("raymarch") || stages.contains_key("gpu"), "{told}");
 }
 
 #[test]
@@ -41,5 +44,9 @@ fn probe_asks_the_gpu() {
 fn info_lists_it() {
     let answer = json(&Sandbox::new().run("info --json").done());
     assert!(!answer["adapters"].as_array().unwrap().is_empty());
-    assert_eq!(answer["backends"]["gpu"]["methods"], Value::from(vec!["raymarch", "cascades"]));
+    let methods = ["raymarch", "flood", "polar", "cascades", "holographic"];
+    assert_eq!(answer["backends"]["gpu"]["methods"], Value::from(methods.to_vec()));
+    let adapter = &answer["adapters"][0];
+    assert_eq!(adapter["tier"], "native");
+    assert!(adapter["times_stages"].is_boolean() && adapter["side"].as_u64() >= Some(8192));
 }
