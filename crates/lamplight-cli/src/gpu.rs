@@ -7,11 +7,13 @@ use lamplight::{Cells, Light, Settings};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::wgpu::{
     Adapter, Backends, Device, DeviceDescriptor, DeviceType, Features, Instance,
-    InstanceDescriptor, PowerPreference, Queue, RequestAdapterOptions,
+    InstanceDescriptor, PollType, PowerPreference, Queue, RequestAdapterOptions,
 };
-use lamplight_wgpu::{Lighting, Stage, Tier, Timer, check, required_features, required_limits};
+use lamplight_wgpu::{
+    Cost, Lighting, Stage, Tier, Timer, check, required_features, required_limits,
+};
 use std::borrow::Cow;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// An open device.
 pub struct Gpu {
@@ -61,6 +63,29 @@ impl Gpu {
         Ok(Self { device, queue, name: info.name })
     }
 
+    /// The GPU that commands run on that ask for one.
+    pub fn best() -> Outcome<Self> {
+        Self::open(false)
+    }
+
+    /// Which one it is.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Frames to be timed, and what each takes by the code's own account.
+    pub fn frames<'a>(
+        &'a self,
+        cells: &'a Cells,
+        settings: Settings,
+    ) -> Outcome<(Frames<'a>, Cost)> {
+        let (device, queue) = (&self.device, &self.queue);
+        let mut lighting = Lighting::new(device, queue, settings)?;
+        lighting.prepare(device, queue, cells)?;
+        let cost = lighting.cost().ok_or_else(|| Failure::failed("no frame was planned"))?;
+        Ok((Frames { gpu: self, cells, lighting, timer: Timer::new(device, queue) }, cost))
+    }
+
     /// Solves some frames and fetches the light of the last.
     pub fn solve(&self, cells: &Cells, settings: Settings, frames: u32) -> Outcome<Lit> {
         let answer = Answer::By(settings.method);
@@ -92,6 +117,34 @@ impl Gpu {
         let timed = timer.as_mut().map_or(&[][..], |timer| timer.read());
         let stages = if timed.is_empty() { vec![("gpu", total)] } else { timed.to_vec() };
         Ok(Lit { light, answer, backend: "gpu", place, stages, total, frames, settings: told })
+    }
+}
+
+/// One frame over and over, for who times it.
+pub struct Frames<'a> {
+    gpu: &'a Gpu,
+    cells: &'a Cells,
+    lighting: Lighting,
+    timer: Option<Timer>,
+}
+
+impl Frames<'_> {
+    /// Runs the next frame; says what each stage took or, where the GPU tells no times, all of it with
+    /// the way there and back.
+    pub fn next(&mut self) -> Outcome<Vec<(&'static str, Duration)>> {
+        let Self { gpu: Gpu { device, queue, .. }, cells, lighting, timer } = self;
+        lighting.prepare(device, queue, cells)?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        match timer {
+            Some(timer) => lighting.record_timed(&mut encoder, timer),
+            None => lighting.record(&mut encoder),
+        }
+        let start = Instant::now();
+        queue.submit([encoder.finish()]);
+        device.poll(PollType::wait_indefinitely()).map_err(Failure::failed)?;
+        let total = start.elapsed();
+        let timed = timer.as_mut().map_or(&[][..], |timer| timer.read());
+        Ok(if timed.is_empty() { vec![("gpu", total)] } else { timed.to_vec() })
     }
 }
 

@@ -1,7 +1,8 @@
 //! `lamplight bench`: how long a frame takes, and which stage takes it.
 
-use crate::args::{Machine, SettingFlags, by_name, threads_in_words};
+use crate::args::{Backend, Machine, SettingFlags, by_name, threads_in_words};
 use crate::failure::{Failure, Outcome};
+use crate::gpu::Gpu;
 use crate::lighting::{self, ms};
 use crate::output;
 use crate::progress::Progress;
@@ -10,6 +11,7 @@ use crate::stage::{Stage, View};
 use crate::table::table;
 use lamplight::methods::holographic::paper::Paper;
 use lamplight::{Cells, Display, Method, Settings, SettingsTable, Solver};
+use lamplight_wgpu::Cost;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -44,6 +46,9 @@ pub struct Args {
     /// methods that see what it sees: not polar and flood
     #[arg(long)]
     yardstick: bool,
+    /// With --backend gpu: run nothing, and only say what a frame would move and hold
+    #[arg(long)]
+    cost: bool,
     /// Print one JSON object a line, one for each case
     #[arg(long)]
     json: bool,
@@ -67,7 +72,16 @@ impl FromStr for Size {
 }
 
 pub fn run(args: Args) -> Outcome {
-    let backend = args.machine.backend.on_cpu("bench")?;
+    let gpu = (args.machine.backend == Backend::Gpu).then(Gpu::best).transpose()?;
+    if gpu.is_none() && args.cost {
+        let error = Failure::bad_input("--cost says what a frame takes on the GPU");
+        return Err(error.hint("say --backend gpu too"));
+    }
+    if gpu.is_some() && (args.yardstick || args.scale.is_some()) {
+        let error = Failure::bad_input("--yardstick and --scale time the CPU");
+        return Err(error.hint("leave --backend out"));
+    }
+    let backend = if gpu.is_some() { "gpu" } else { "cpu" };
     let methods = if args.method.is_empty() { Method::ALL } else { &args.method };
     args.machine.run(|threads| {
         let (grids, scene) = grids(&args)?;
@@ -88,12 +102,13 @@ pub fn run(args: Args) -> Outcome {
             } else {
                 cells
             };
-            let times = time(
-                cells,
-                settings.resolve()?,
-                args.scale,
-                args.yardstick && !method.lights_lamps(),
-            )?;
+            let settings = settings.resolve()?;
+            let times = match &gpu {
+                Some(gpu) => time_on_gpu(gpu, cells, settings, args.cost)?,
+                None => {
+                    time(cells, settings, args.scale, args.yardstick && !method.lights_lamps())?
+                }
+            };
             progress.step();
             if args.json {
                 let mut line = json!({
@@ -101,6 +116,13 @@ pub fn run(args: Args) -> Outcome {
                     "threads": threads, "median_ms": ms(times.median), "min_ms": ms(times.least),
                     "runs": times.runs, "stages_ms": times.stages_json(),
                 });
+                if let (Some(gpu), Some(cost)) = (&gpu, &times.cost) {
+                    line["adapter"] = gpu.name().into();
+                    line["dispatches"] = cost.dispatches().into();
+                    line["bytes_read"] = cost.traffic().read.into();
+                    line["bytes_written"] = cost.traffic().written.into();
+                    line["bytes_held"] = cost.memory.into();
+                }
                 if let Some(scene) = &args.scene {
                     line["scene"] = scene.display().to_string().into();
                 }
@@ -126,6 +148,11 @@ pub fn run(args: Args) -> Outcome {
                 times.runs.to_string(),
                 stages.join(", "),
             ];
+            if let Some(cost) = &times.cost {
+                let moved = cost.traffic().read + cost.traffic().written;
+                row.push(cost.dispatches().to_string());
+                row.extend([moved, cost.memory].map(|bytes| format!("{:.0}", bytes as f64 / 1e6)));
+            }
             if let Some(yardstick) = times.yardstick {
                 row.push(format!("{:.2}", ms(yardstick)));
                 row.push(format!("{:.2}", times.ratio(yardstick)));
@@ -139,11 +166,17 @@ pub fn run(args: Args) -> Outcome {
             return Ok(());
         }
         let mut header = vec!["method", "size", "median ms", "least ms", "runs", "ms by stage"];
+        if gpu.is_some() {
+            header.extend(["dispatches", "MB moved", "MB held"]);
+        }
         if args.yardstick {
             header.extend(["yardstick ms", "times faster"]);
         }
         output::print(table(&header, &[0, 5], rows))?;
-        output::print(format_args!("on the CPU, {}", threads_in_words(threads)))
+        match &gpu {
+            Some(gpu) => output::print(format_args!("on the GPU ({})", gpu.name())),
+            None => output::print(format_args!("on the CPU, {}", threads_in_words(threads))),
+        }
     })
 }
 
@@ -170,6 +203,8 @@ struct Times {
     present: Option<Duration>,
     /// Median of the yardstick, where asked for.
     yardstick: Option<Duration>,
+    /// What a frame takes on the GPU.
+    cost: Option<Cost>,
 }
 
 impl Times {
@@ -195,18 +230,13 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) 
     }
     let mut frames: Vec<Duration> = Vec::new();
     let mut plain_frames: Vec<Duration> = Vec::new();
-    let mut stages: Vec<(&'static str, Vec<Duration>)> = Vec::new();
+    let mut stages = Stages::default();
     let start = Instant::now();
-    while frames.len() < LEAST_RUNS || (start.elapsed() < TIME && frames.len() < MOST_RUNS) {
+    while goes_on(&frames, start) {
         let frame = Instant::now();
         solver.solve(cells)?;
         frames.push(frame.elapsed());
-        for &(name, time) in solver.timings() {
-            match stages.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, times)) => times.push(time),
-                None => stages.push((name, vec![time])),
-            }
-        }
+        stages.add(solver.timings());
         if yardstick {
             let frame = Instant::now();
             plain.solve(&drawn);
@@ -229,8 +259,60 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) 
         median: median(&mut frames),
         present: scale.map(|_| median(&mut presents)),
         yardstick: yardstick.then(|| median(&mut plain_frames)),
-        stages: stages.into_iter().map(|(name, mut times)| (name, median(&mut times))).collect(),
+        stages: stages.medians(),
+        cost: None,
     })
+}
+
+/// Times frames on the GPU, by its own clock where it has one; the first, which makes the buffers, does
+/// not count.
+fn time_on_gpu(gpu: &Gpu, cells: &Cells, settings: Settings, only_cost: bool) -> Outcome<Times> {
+    let (mut runs, cost) = gpu.frames(cells, settings)?;
+    let mut frames: Vec<Duration> = Vec::new();
+    let mut stages = Stages::default();
+    if !only_cost {
+        runs.next()?;
+        let start = Instant::now();
+        while goes_on(&frames, start) {
+            let frame = runs.next()?;
+            frames.push(frame.iter().map(|(_, time)| *time).sum());
+            stages.add(&frame);
+        }
+    }
+    Ok(Times {
+        runs: frames.len(),
+        least: frames.iter().min().copied().unwrap_or_default(),
+        median: median(&mut frames),
+        stages: stages.medians(),
+        present: None,
+        yardstick: None,
+        cost: Some(cost),
+    })
+}
+
+/// Whether a case is to be timed once more.
+fn goes_on(frames: &[Duration], start: Instant) -> bool {
+    frames.len() < LEAST_RUNS || (start.elapsed() < TIME && frames.len() < MOST_RUNS)
+}
+
+/// What stages took in each frame.
+#[derive(Default)]
+struct Stages(Vec<(&'static str, Vec<Duration>)>);
+
+impl Stages {
+    /// Takes over a frame.
+    fn add(&mut self, frame: &[(&'static str, Duration)]) {
+        for &(name, time) in frame {
+            match self.0.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, times)) => times.push(time),
+                None => self.0.push((name, vec![time])),
+            }
+        }
+    }
+
+    fn medians(self) -> Vec<(&'static str, Duration)> {
+        self.0.into_iter().map(|(name, mut times)| (name, median(&mut times))).collect()
+    }
 }
 
 fn median(times: &mut [Duration]) -> Duration {

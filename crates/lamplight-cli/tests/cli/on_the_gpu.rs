@@ -41,6 +41,22 @@ fn probe_asks_the_gpu() {
 }
 
 #[test]
+fn bench_times_it_and_says_what_frames_take() {
+    let bench = |flags: &str| {
+        let flags = format!("bench --backend gpu --method polar --size 32x24 --json {flags}");
+        json(&Sandbox::new().run(&flags).done())
+    };
+    let timed = bench("");
+    assert_eq!(timed["backend"], "gpu");
+    assert!(timed["median_ms"].as_f64() > Some(0.0) && timed["runs"].as_u64() >= Some(5));
+    let told = bench("--cost");
+    assert_eq!(told["runs"], 0);
+    for key in ["dispatches", "bytes_read", "bytes_written", "bytes_held"] {
+        assert!(told[key].as_u64() > Some(0) && told[key] == timed[key], "{key}: {told} {timed}");
+    }
+}
+
+#[test]
 fn info_lists_it() {
     let answer = json(&Sandbox::new().run("info --json").done());
     assert!(!answer["adapters"].as_array().unwrap().is_empty());
