@@ -54,6 +54,69 @@ pub fn run() -> Result<()> {
     insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)
 }
 
+/// Sizes at which frames on the GPU are accounted for, and timed where there is a hardware one.
+const GPU_SIZES: &str = "512x512,1024x1024,1920x1080";
+
+/// The page on the GPU: what frames move and hold, and what they take on a hardware one.
+pub fn gpu() -> Result<()> {
+    cargo(&["build", "--release", "--package", "lamplight-cli"])?;
+    insert("docs/performance.md", "costs", &gpu_table(true)?)?;
+    let info: Value = serde_json::from_str(&lamplight(&["info", "--json"])?)?;
+    let adapters = info["adapters"].as_array().context("`info --json` lists adapters")?;
+    let hardware = adapters.iter().any(|adapter| adapter["kind"] != "software");
+    let times = match hardware {
+        true => gpu_table(false)?,
+        false => "Not measured: no hardware GPU was at hand when this page was made.\n".to_owned(),
+    };
+    insert("docs/performance.md", "times", &times)
+}
+
+/// What a frame of each method and preset moves and holds, or takes, on the GPU.
+fn gpu_table(cost: bool) -> Result<String> {
+    let mut table = String::from(match cost {
+        true => "| preset | cells | dispatches | MB read | MB written | MB held |\n",
+        false => "| preset | cells | a frame | of it |\n",
+    });
+    table += if cost {
+        "| --- | --- | --- | --- | --- | --- |\n"
+    } else {
+        "| --- | --- | --- | --- |\n"
+    };
+    let mut adapter = String::new();
+    for method in Method::ALL {
+        for preset in method.presets() {
+            println!("bench {}, {preset}, on the GPU", method.name());
+            let set = format!("{}.preset={preset}", method.name());
+            let name = method.name();
+            let mut arguments = vec!["bench", "--backend", "gpu", "--method", name, "--json"];
+            arguments.extend(["--size", GPU_SIZES, "--set", &set]);
+            arguments.extend(cost.then_some("--cost"));
+            for line in lamplight(&arguments)?.lines() {
+                let case: Value = serde_json::from_str(line)?;
+                let (width, height) = (number(&case, "width")?, number(&case, "height")?);
+                write!(table, "| `{name}`, `{preset}` | {width}×{height} |")?;
+                if cost {
+                    write!(table, " {} |", number(&case, "dispatches")?)?;
+                    for key in ["bytes_read", "bytes_written", "bytes_held"] {
+                        write!(table, " {:.0} |", number(&case, key)? / 1e6)?;
+                    }
+                } else {
+                    let stages = case["stages_ms"].as_object().context("a case has stages")?;
+                    let stages = stages.iter().map(|(name, ms)| format!("{name} {ms:.2}"));
+                    let stages = stages.collect::<Vec<_>>().join(", ");
+                    write!(table, " {:.2} ms | {stages} |", number(&case, "median_ms")?)?;
+                }
+                table.push('\n');
+                case["adapter"].as_str().unwrap_or_default().clone_into(&mut adapter);
+            }
+        }
+    }
+    if !cost {
+        writeln!(table, "\nMedian of several frames on {adapter}, by its own clock.")?;
+    }
+    Ok(table)
+}
+
 /// The page that sets all methods side by side.
 fn methods(machine: &str) -> Result<()> {
     let mut judged = Vec::new();

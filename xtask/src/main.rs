@@ -33,7 +33,11 @@ enum Chore {
     /// Draw the example scenes.
     Scenes(Generate),
     /// Make the pictures and measure the figures in the documents.
-    Docs,
+    Docs {
+        /// Only the page on the GPU.
+        #[arg(long)]
+        gpu: bool,
+    },
     /// Write the JSON Schema of scene files.
     Schema(Generate),
     /// Make the blue-noise texture.
@@ -66,7 +70,8 @@ fn main() -> ExitCode {
 fn run(chore: Chore) -> Result<()> {
     match chore {
         Chore::Test { without_gpu } => test::run(!without_gpu),
-        Chore::Docs => docs::run(),
+        Chore::Docs { gpu: true } => docs::gpu(),
+        Chore::Docs { gpu: false } => docs::run().and_then(|()| docs::gpu()),
         Chore::Schema(args) => schema::run(args.mode()),
         Chore::Noise(args) => noise::run(args.mode()),
         Chore::Scenes(args) => scenes::run(args.mode()),
