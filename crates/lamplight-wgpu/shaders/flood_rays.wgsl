@@ -86,19 +86,15 @@ fn lamp_rays(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let ray = (group.y * groups.x + group.x) * 64u + lane;
-    if ray >= lamps.rays {
+    let ray = ray_of(group, groups, lane);
+    if !ray.is_one {
         return;
     }
-    fading = lamps.list[lamp_of(ray)];
-    let own = ray - fading.first;
-    if own >= fading.count {
-        return;
-    }
+    fading = lamps.list[ray.lamp];
     color = fading.strength;
-    energy = in_cone(fading, own, fading.count);
+    energy = in_cone(fading, ray.number, fading.count);
     if energy > 0.0 && any(color > vec3f(0.0)) {
-        draw(fading.position, way_at(own), false);
+        draw(fading.position, way_at(ray.number), false);
     }
 }
 

@@ -51,6 +51,26 @@ fn lamp_of(ray: u32) -> u32 {
     return low;
 }
 
+// A ray among those of all lamps, and what it is of its lamp.
+struct LampRay {
+    place: u32,
+    lamp: u32,
+    number: u32,
+    // Not so beyond the last ray of a lamp, and of all.
+    is_one: bool,
+}
+
+// The ray of a thread, 64 a workgroup.
+fn ray_of(group: vec3u, groups: vec3u, lane: u32) -> LampRay {
+    let place = (group.y * groups.x + group.x) * 64u + lane;
+    if place >= lamps.rays {
+        return LampRay();
+    }
+    let lamp = lamp_of(place);
+    let number = place - lamps.list[lamp].first;
+    return LampRay(place, lamp, number, number < lamps.list[lamp].count);
+}
+
 // Share of a lamp's light that arrives at a distance in the open: linear; smooth; or that of a disc,
 // `asin(size/d)/π`, under the window of Karis (2013).
 fn falloff(lamp: Lamp, distance: f32) -> f32 {

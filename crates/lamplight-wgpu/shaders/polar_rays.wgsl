@@ -33,19 +33,15 @@ fn main(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let ray = (group.y * groups.x + group.x) * 64u + lane;
-    if ray >= lamps.rays {
+    let ray = ray_of(group, groups, lane);
+    if !ray.is_one {
         return;
     }
-    let lamp = lamps.list[lamp_of(ray)];
-    let own = ray - lamp.first;
-    if own >= lamp.count {
-        return;
-    }
+    let lamp = lamps.list[ray.lamp];
     begin_knots(lamp);
-    let hit = send(lamp, own);
+    let hit = send(lamp, ray.number);
     end_knots();
-    hits[ray] = vec2u(bitcast<u32>(hit.length), hit.cell);
+    hits[ray.place] = vec2u(bitcast<u32>(hit.length), hit.cell);
     if !TRANSLUCENT {
         return;
     }
@@ -56,9 +52,9 @@ fn main(
         storing = first_knot < arrayLength(&knots);
         if storing {
             begin_knots(lamp);
-            _ = send(lamp, own);
+            _ = send(lamp, ray.number);
             end_knots();
         }
     }
-    stretches[ray] = vec2u(first_knot, count);
+    stretches[ray.place] = vec2u(first_knot, count);
 }

@@ -1,15 +1,10 @@
 // What the faces of walls, and fog, make of the light that they receive: `send` turns it into what they
 // send on, `show` lets walls be seen by the mean over their faces.
 
-@group(0) @binding(1) var matter: texture_2d<f32>;
 @group(0) @binding(2) var albedo: texture_2d<f32>;
 @group(0) @binding(3) var<storage, read> received: array<vec2u>;
 @group(0) @binding(4) var<storage, read_write> sent: array<vec2u>;
 @group(0) @binding(5) var<storage, read_write> light: array<vec4f>;
-
-fn solid(at: vec2i) -> bool {
-    return textureLoad(matter, at, 0).a >= 1.0;
-}
 
 // Whether a face (left, right, top, bottom) looks at a cell that is not solid.
 fn exposed(at: vec2u, face: u32) -> bool {

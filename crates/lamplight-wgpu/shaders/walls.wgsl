@@ -1,16 +1,11 @@
 // What is seen of solid cells: light sinks from the faces inwards, emission shows on top.
 
-@group(0) @binding(1) var<uniform> step: u32;
-@group(0) @binding(2) var emission: texture_2d<f32>;
-@group(0) @binding(3) var matter: texture_2d<f32>;
+@group(0) @binding(2) var<uniform> step: u32;
+@group(0) @binding(3) var emission: texture_2d<f32>;
 // 0: not reached, otherwise 1 + the ring.
 @group(0) @binding(4) var<storage, read> before: array<u32>;
 @group(0) @binding(5) var<storage, read_write> after: array<u32>;
 @group(0) @binding(6) var<storage, read_write> light: array<vec4f>;
-
-fn solid(at: vec2i) -> bool {
-    return textureLoad(matter, at, 0).a >= 1.0;
-}
 
 fn open(at: vec2i) -> bool {
     return inside(at) && !solid(at);

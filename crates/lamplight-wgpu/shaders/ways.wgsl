@@ -3,7 +3,6 @@
 override MATTER: u32;
 override FRACTION: u32;
 override GLOWING: u32;
-override LOG_OF_ZERO: f32;
 
 const TILE: u32 = 64u;
 // Slabs that a tile looks at: one behind, its own, and those ahead.
@@ -95,9 +94,7 @@ fn march(slab: u32, row: u32, lane: u32, first: u32, count: u32) -> Interval {
         let solid = !is(FRACTION, lane, slabs, rows);
         var through = vec3f(0.0);
         if !solid {
-            let tint_opacity = textureLoad(matter, at, 0);
-            let passing = (1.0 - tint_opacity.a) * tint_opacity.rgb;
-            let logarithm = select(max(log(passing), vec3f(LOG_OF_ZERO)), vec3f(LOG_OF_ZERO), passing <= vec3f(0.0));
+            let logarithm = log_transmittance(textureLoad(matter, at, 0));
             through = exp(logarithm * bitcast<f32>(ways[i + 1u]));
         }
         if is(GLOWING, lane, slabs, rows) {

@@ -203,11 +203,6 @@ impl Dispatch {
         Self { groups: Groups::Told(groups.clone()), ..self }
     }
 
-    /// The name of the shader.
-    pub fn label(&self) -> &'static str {
-        self.kernel.label
-    }
-
     pub fn record(&self, pass: &mut ComputePass) {
         pass.push_debug_group(self.kernel.label);
         pass.set_pipeline(&self.kernel.pipeline);

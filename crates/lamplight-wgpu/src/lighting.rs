@@ -109,7 +109,7 @@ impl Lighting {
         guarded(device, || {
             Ok(Self {
                 shared: Shared::new(device, queue),
-                method: methods::Method::new(device, queue, &settings)?,
+                method: methods::Method::new(device, queue, &settings),
                 walls: Walls::new(device),
                 output: Output::new(device),
                 settings,
@@ -276,7 +276,7 @@ impl Lighting {
         let planned = compiled && settings.wall_depth == wall_depth;
         let method = match compiled {
             true => None,
-            false => Some(guarded(device, || methods::Method::new(device, queue, &settings))?),
+            false => Some(guarded(device, || Ok(methods::Method::new(device, queue, &settings)))?),
         };
         let before = std::mem::replace(&mut self.settings, settings);
         let method = method.map(|method| std::mem::replace(&mut self.method, method));

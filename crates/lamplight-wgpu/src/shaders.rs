@@ -47,6 +47,7 @@ pub const RAYMARCH: Shader = shader!(
     "faces",
     "sky",
     "surfaces",
+    "packet",
     "march_edge"
 );
 pub const RAYMARCH_DISTANCE: Shader = shader!(
@@ -95,16 +96,17 @@ pub const POLAR: Shader = shader!(
 );
 pub const SLABS: Shader = shader!("slabs", "sweep", "packed_rgb");
 pub const TRACE: Shader =
-    shader!("trace", "sweep", "packed_rgb", "interval", "packed_interval", "ways");
+    shader!("trace", "sweep", "packed_rgb", "interval", "packed_interval", "transmittance", "ways");
 pub const EXTEND: Shader = shader!("extend", "sweep", "interval", "packed_interval");
 pub const CONES: Shader = shader!("cones", "sweep", "packed_rgb", "interval", "packed_interval");
-pub const HOP: Shader = shader!("hop", "sweep", "packed_rgb", "interval", "ways");
-pub const REFLECT: Shader = shader!("reflect", "faces", "packed_rgb");
+pub const HOP: Shader = shader!("hop", "sweep", "packed_rgb", "interval", "transmittance", "ways");
+pub const REFLECT: Shader = shader!("reflect", "faces", "packed_rgb", "solid");
 pub const CASCADES_FILL: Shader = shader!(
     "cascades/fill",
     "faces",
     "sky",
     "surfaces",
+    "interval",
     "packet",
     "cascades/interval",
     "cascades/merge"
@@ -114,6 +116,7 @@ pub const CASCADES_GATHER: Shader = shader!(
     "faces",
     "sky",
     "surfaces",
+    "interval",
     "packet",
     "cascades/interval",
     "cascades/merge"
@@ -126,7 +129,7 @@ pub const PAPER_EXTEND: Shader =
 pub const PAPER_MERGE: Shader =
     shader!("paper_merge", "sweep", "interval", "paper_interval", "paper_load");
 pub const PAPER_GATHER: Shader = shader!("paper_gather");
-pub const WALLS: Shader = shader!("walls");
+pub const WALLS: Shader = shader!("walls", "solid");
 pub const OUTPUT: Shader = shader!("output");
 pub const DISPLAY: Shader = shader!("display");
 

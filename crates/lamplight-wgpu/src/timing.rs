@@ -130,7 +130,7 @@ impl Timer {
         while let Some(first) = dispatches.peek() {
             let number = stretches.len() as u32;
             let rest = number + 1 == STRETCHES;
-            let label = if rest { REST } else { first.label() };
+            let label = if rest { REST } else { first.kernel.label };
             stretches.push(label);
             let writes = ComputePassTimestampWrites {
                 query_set: &self.queries,
@@ -141,7 +141,8 @@ impl Timer {
                 label: Some(label),
                 timestamp_writes: Some(writes),
             });
-            while let Some(dispatch) = dispatches.next_if(|next| rest || next.label() == label) {
+            while let Some(dispatch) = dispatches.next_if(|next| rest || next.kernel.label == label)
+            {
                 dispatch.record(&mut pass);
             }
         }

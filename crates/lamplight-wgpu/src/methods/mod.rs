@@ -8,7 +8,6 @@ pub mod raymarch;
 
 use crate::Result;
 use crate::lamps::Lamps;
-use crate::lighting::check;
 use crate::site::{Run, Site};
 use cascades::Cascades;
 use flood::Flood;
@@ -33,24 +32,21 @@ pub enum Method {
 
 impl Method {
     /// Compiles what these settings need.
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Result<Self> {
-        check(settings)?;
+    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
         match settings.method {
+            lamplight::Method::Cascades => {
+                Self::Cascades(Box::new(Cascades::new(device, queue, settings)))
+            }
             lamplight::Method::Flood => {
-                Ok(Self::Flood(Box::new(Flood::new(device, queue, &settings.flood))))
+                Self::Flood(Box::new(Flood::new(device, queue, &settings.flood)))
             }
             lamplight::Method::Holographic => match settings.holographic.variant {
-                Variant::Paper => Ok(Self::Paper(Box::new(Paper::new(device)))),
-                Variant::Beams => Ok(Self::Holographic(Box::new(Holographic::new(device)))),
+                Variant::Paper => Self::Paper(Box::new(Paper::new(device))),
+                Variant::Beams => Self::Holographic(Box::new(Holographic::new(device))),
             },
-            lamplight::Method::Polar => {
-                Ok(Self::Polar(Box::new(Polar::new(device, &settings.polar))))
-            }
+            lamplight::Method::Polar => Self::Polar(Box::new(Polar::new(device, &settings.polar))),
             lamplight::Method::Raymarch => {
-                Ok(Self::Raymarch(Box::new(Raymarch::new(device, queue, settings))))
-            }
-            lamplight::Method::Cascades => {
-                Ok(Self::Cascades(Box::new(Cascades::new(device, queue, settings))))
+                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings)))
             }
         }
     }

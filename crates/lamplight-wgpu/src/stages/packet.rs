@@ -4,7 +4,7 @@ use lamplight::methods::raymarch::NEVER;
 use lamplight::stages::clearance::{LONGEST, MATTER};
 use lamplight::stages::transmittance::OPAQUE;
 
-/// Constants of shaders/packet.wgsl but `ENDS`: whether rays have an end of their own.
+/// Constants of shaders/packet.wgsl but `ENDS`.
 pub const PACKET: &[(&str, f64)] = &[
     ("NEVER", NEVER as f64),
     ("OPAQUE", OPAQUE as f64),

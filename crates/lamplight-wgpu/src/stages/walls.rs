@@ -13,7 +13,7 @@ pub struct Walls(Kernels);
 impl Walls {
     pub fn new(device: &Device) -> Self {
         use Slot::{Read, Step, Texture, Uniform, Write};
-        let slots = [Uniform, Step, Texture, Texture, Read, Write, Write];
+        let slots = [Uniform, Texture, Step, Texture, Read, Write, Write];
         Self(Kernels::new(device, &shaders::WALLS, &["begin", "sink", "finish"], &slots, &[]))
     }
 
@@ -21,9 +21,9 @@ impl Walls {
         let rings = site.pair("walls", site.cells() * ONE)?;
         let bind = |to: usize| {
             let resources = [
+                view(&site.textures.tint_opacity),
                 site.shared.step(),
                 view(&site.textures.emission),
-                view(&site.textures.tint_opacity),
                 whole(&rings[1 - to]),
                 whole(&rings[to]),
                 whole(light),

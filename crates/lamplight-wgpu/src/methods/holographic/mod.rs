@@ -22,7 +22,6 @@ use lattice::Lattice;
 use quadrant::{Axis, Quadrant, Step, Work};
 use sweep::Sweeps;
 use tables::Ways;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages, Device};
 
 /// Bytes of light in a lattice, and on a face.
@@ -160,13 +159,14 @@ impl Holographic {
         };
         // In smaller chunks where much memory would be held, or more than the device can bind.
         let enough = (site.cells() * words * MOST_HELD).max(LITTLE);
-        let halvings = (0..u32::BITS).find(|&halvings| {
-            let (lattices, bytes) = lay_out(halvings);
+        let fits = |(lattices, bytes): &([Lattice; 2], [u64; 2])| {
             let smallest = lattices.iter().all(|l| l.chunk == l.first + 1);
             let bound = bytes.iter().all(|&bytes| bytes <= site.most_bytes());
             smallest || (bound && bytes.iter().sum::<u64>() <= enough)
-        });
-        let (lattices, [interval_bytes, radiance_bytes]) = lay_out(halvings.unwrap_or(0));
+        };
+        let laid_out = (0..u32::BITS).map(lay_out).find(fits);
+        let (lattices, [interval_bytes, radiance_bytes]) =
+            laid_out.unwrap_or_else(|| lay_out(u32::BITS));
 
         let ways = Ways::new(look, settings.beams);
         let mut cones: Vec<[f32; 4]> = Vec::new();
@@ -181,8 +181,8 @@ impl Holographic {
             bits += 3 * words as u32;
         }
         let tables = [
-            constant(site, "ways", bytemuck::cast_slice(&ways.words)),
-            constant(site, "cones", bytemuck::cast_slice(&cones)),
+            site.filled("ways", BufferUsages::STORAGE, bytemuck::cast_slice(&ways.words))?,
+            site.filled("cones", BufferUsages::STORAGE, bytemuck::cast_slice(&cones))?,
         ];
         let bits = site.buffer("kinds of cells", u64::from(bits) * ONE)?;
         let held = site.buffer("intervals", interval_bytes)?;
@@ -200,7 +200,7 @@ impl Holographic {
             false => Vec::new(),
         });
         let seen = quadrant.gather(&axes, bounces > 0, true);
-        let sweeps = Sweeps::new(site.device, quadrant.sweeps());
+        let sweeps = Sweeps::new(site, quadrant.sweeps())?;
         let told = || sweeps.binding();
         let (emission, matter) = (&site.textures.emission, &site.textures.tint_opacity);
         let [ways, cones] = &tables;
@@ -281,12 +281,6 @@ impl Holographic {
         run.traffic = step.traffic;
         run
     }
-}
-
-/// A buffer of what never changes.
-fn constant(site: &Site, label: &str, contents: &[u8]) -> Buffer {
-    let usage = BufferUsages::STORAGE;
-    site.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
 }
 
 const CELLS: &[(&str, f64)] = &[

@@ -1,12 +1,13 @@
 //! What a dispatch is told of its quadrant and its group of levels.
 
+use crate::Result;
 use crate::kernel::STEP_BYTES;
+use crate::site::Site;
 use bytemuck::{Pod, Zeroable};
 #[cfg(test)]
 use std::mem::offset_of;
 use std::num::NonZeroU64;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages, Device};
+use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};
 
 /// `Sweep` of shaders/sweep.wgsl, where its fields are explained.
 #[repr(C)]
@@ -83,16 +84,12 @@ impl Sweep {
 pub struct Sweeps(Buffer);
 
 impl Sweeps {
-    pub fn new(device: &Device, sweeps: &[Sweep]) -> Self {
+    pub fn new(site: &Site, sweeps: &[Sweep]) -> Result<Self> {
         let mut bytes = vec![0; sweeps.len().max(1) * STEP_BYTES as usize];
         for (sweep, bytes) in sweeps.iter().zip(bytes.chunks_exact_mut(STEP_BYTES as usize)) {
             bytes[..size_of::<Sweep>()].copy_from_slice(bytemuck::bytes_of(sweep));
         }
-        Self(device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("sweeps"),
-            contents: &bytes,
-            usage: BufferUsages::UNIFORM,
-        }))
+        Ok(Self(site.filled("sweeps", BufferUsages::UNIFORM, &bytes)?))
     }
 
     pub fn binding(&self) -> BindingResource<'_> {

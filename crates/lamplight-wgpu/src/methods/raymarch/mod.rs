@@ -13,14 +13,13 @@ use crate::stages::clearance::Clearance;
 use crate::stages::denoise::Denoise;
 use crate::stages::fields::Fields;
 use crate::stages::optics::{Optics, Seen};
+use crate::stages::packet::PACKET;
 use crate::stages::temporal::Temporal;
 use bounce::Bounce;
 use lamplight::methods::raymarch::{GOLDEN_RATIO, NEVER, SECTOR, directions};
 use lamplight::settings::Hit;
-use lamplight::stages::clearance::{LONGEST, MATTER};
 use lamplight::stages::distance::MARGIN;
 use lamplight::stages::seed::NONE;
-use lamplight::stages::transmittance::OPAQUE;
 use lamplight::{Settings, stages::noise};
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
@@ -75,7 +74,7 @@ impl Raymarch {
         let stops = [("STOPS", f64::from(tracks || settings.raymarch.attenuation))];
         let (shader, march, by) = match settings.raymarch.hit {
             Hit::Edge => {
-                let march = [MARCH_EDGE, &stops].concat();
+                let march = [PACKET, &[("ENDS", 0.0)], &stops].concat();
                 (&shaders::RAYMARCH, march, By::Squares(Clearance::new(device)))
             }
             Hit::Distance => {
@@ -186,8 +185,6 @@ const GATHER: &[(&str, f64)] = &[
     ("GOLDEN", noise::GOLDEN as f64),
     ("GOLDEN_RATIO", GOLDEN_RATIO as f64),
     ("SECTOR", SECTOR as f64),
-    ("NEVER", NEVER as f64),
 ];
-const MARCH_EDGE: &[(&str, f64)] =
-    &[("OPAQUE", OPAQUE as f64), ("LONGEST", LONGEST as f64), ("MATTER", MATTER as f64)];
-const MARCH_DISTANCE: &[(&str, f64)] = &[("NONE", NONE as f64), ("MARGIN", MARGIN as f64)];
+const MARCH_DISTANCE: &[(&str, f64)] =
+    &[("NEVER", NEVER as f64), ("NONE", NONE as f64), ("MARGIN", MARGIN as f64)];

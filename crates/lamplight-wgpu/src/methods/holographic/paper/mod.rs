@@ -10,8 +10,8 @@
 
 mod tables;
 
+use super::TILE;
 use super::sweep::{Sweep, Sweeps};
-use super::{TILE, constant};
 use crate::Result;
 use crate::cost::Traffic;
 use crate::kernel::{Dispatch, Kernels, Slot};
@@ -22,7 +22,7 @@ use lamplight::methods::holographic::paper::{Paper as Cpu, rays};
 use lamplight::methods::holographic::planes;
 use lamplight::stages::transmittance::LOG_OF_ZERO;
 use std::num::NonZeroU64;
-use wgpu::{BindingResource, Buffer, BufferBinding, Device};
+use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages, Device};
 
 /// Bytes of light, in cones and of a cell.
 const LIGHT: u64 = 3 * ONE;
@@ -256,11 +256,11 @@ impl Paper {
             |level| site.buffer("intervals", most(level, Axis::intervals) * levels.bytes);
         let cones_held = (0..=top).map(|level| most(level, Axis::cones)).max().unwrap_or(0);
         let buffers = Buffers {
-            sweeps: Sweeps::new(site.device, &sweeps),
+            sweeps: Sweeps::new(site, &sweeps)?,
             traced,
             source,
-            ways: constant(site, "ways", bytemuck::cast_slice(&ways)),
-            cones: constant(site, "cones", bytemuck::cast_slice(&cones)),
+            ways: site.filled("ways", BufferUsages::STORAGE, bytemuck::cast_slice(&ways))?,
+            cones: site.filled("cones", BufferUsages::STORAGE, bytemuck::cast_slice(&cones))?,
             intervals: (0..=top).map(interval).collect::<Result<_>>()?,
             radiance: site.pair("light of cones", cones_held * LIGHT)?,
             fluence,
