@@ -4,6 +4,7 @@
 @group(0) @binding(1) var emission: texture_2d<f32>;
 @group(0) @binding(2) var matter: texture_2d<f32>;
 @group(0) @binding(3) var albedo: texture_2d<f32>;
+// 0 where nothing is known of the frame before.
 @group(0) @binding(4) var<storage, read_write> hashes: array<vec2u>;
 // Gets 1 in the fourth place of cells that changed.
 @group(0) @binding(5) var<storage, read_write> logs: array<vec4f>;
@@ -29,7 +30,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var hash = pcg(bits(vec4f(textureLoad(emission, id.xy, 0).rgb, 0.0)));
     hash = pcg(hash ^ bits(textureLoad(matter, id.xy, 0)));
     hash = pcg(pcg(hash ^ bits(vec4f(textureLoad(albedo, id.xy, 0).rgb, 0.0))));
-    let changed = frame.memory == ALL && any(hash.xy != hashes[i]);
+    let known = frame.memory == ALL && any(hashes[i] != vec2u(0u));
+    let changed = known && any(hash.xy != hashes[i]);
     hashes[i] = hash.xy;
     if changed {
         logs[i].w = 1.0;

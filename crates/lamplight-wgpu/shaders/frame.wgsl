@@ -20,6 +20,8 @@ struct Frame {
     fade_dropoff: f32,
     // Where in the host's world the grid begins.
     origin: vec2i,
+    // By how many cells it has moved there since the frame before.
+    moved: vec2i,
     // What is remembered of the frames before: one of the three below.
     memory: u32,
 }

@@ -30,9 +30,10 @@ pub struct Frame {
     fade_range: f32,
     fade_dropoff: f32,
     origin: [i32; 2],
+    moved: [i32; 2],
     memory: u32,
     /// Uniforms end at a multiple of 16 bytes.
-    padding: u32,
+    padding: [u32; 3],
 }
 
 /// What is remembered of the frames before.
@@ -44,10 +45,20 @@ pub enum Memory {
     All,
 }
 
+/// Where a grid lies.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    pub size: [u32; 2],
+    /// The cell of the world that is its left and top one.
+    pub origin: [i32; 2],
+    /// By how many cells that has moved since the frame before.
+    pub moved: [i32; 2],
+}
+
 impl Frame {
     /// Fields in order, with where they begin.
     #[cfg(test)]
-    pub const OFFSETS: [(&'static str, usize); 19] = [
+    pub const OFFSETS: [(&'static str, usize); 20] = [
         ("size", offset_of!(Frame, size)),
         ("number", offset_of!(Frame, number)),
         ("key", offset_of!(Frame, key)),
@@ -66,12 +77,13 @@ impl Frame {
         ("fade_range", offset_of!(Frame, fade_range)),
         ("fade_dropoff", offset_of!(Frame, fade_dropoff)),
         ("origin", offset_of!(Frame, origin)),
+        ("moved", offset_of!(Frame, moved)),
         ("memory", offset_of!(Frame, memory)),
     ];
 
-    /// Frame `number` of a grid that begins at a cell of the world.
+    /// Frame `number` of a grid.
     pub fn new(
-        (size, origin): ([u32; 2], [i32; 2]),
+        Place { size, origin, moved }: Place,
         sky: Sky,
         settings: &Settings,
         number: u32,
@@ -116,12 +128,13 @@ impl Frame {
             },
             fade_dropoff: raymarch.emission_dropoff,
             origin,
+            moved,
             memory: match memory {
                 Memory::Nothing => 0,
                 Memory::Sent => 1,
                 Memory::All => 2,
             },
-            padding: 0,
+            padding: [0; 3],
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The middleware: what a host makes once, prepares and records every frame.
 
 use crate::cost::Cost;
-use crate::frame::{Frame, Memory};
+use crate::frame::{Frame, Memory, Place};
 use crate::guarded::guarded;
 use crate::kernel::Dispatch;
 use crate::lamps::{Lamps, Room};
@@ -10,6 +10,7 @@ use crate::methods;
 use crate::options::Options;
 use crate::shared::Shared;
 use crate::site::{FOUR, Kept, Run, Site, fits};
+use crate::stages::carry::Carry;
 use crate::stages::fields::Fields;
 use crate::stages::output::Output;
 use crate::stages::walls::Walls;
@@ -40,6 +41,7 @@ pub struct Lighting {
     shared: Shared,
     method: methods::Method,
     walls: Walls,
+    carry: Carry,
     output: Output,
     grid: Option<Grid>,
     upload: Option<Upload>,
@@ -70,6 +72,10 @@ struct Grid {
     frame: Run,
     memory: u64,
     kept: Vec<Kept>,
+    /// Moves what is kept along with the grid; made when that first moves.
+    carry: Option<Vec<Dispatch>>,
+    /// Whether it has moved since the frame before.
+    moved: bool,
     /// Made when they are first asked for.
     fields: Option<Run>,
     output: Option<Dispatch>,
@@ -89,6 +95,14 @@ pub enum Stage {
     Clearance,
     /// The answer: four `f32` a cell, linear RGB and 1.
     Light,
+}
+
+impl Grid {
+    /// What a frame runs, in order.
+    fn dispatches(&self) -> impl Iterator<Item = &Dispatch> {
+        let carry = self.carry.iter().flatten().filter(|_| self.moved);
+        carry.chain(&self.frame.dispatches).chain(&self.output)
+    }
 }
 
 impl Lighting {
@@ -111,6 +125,7 @@ impl Lighting {
                 shared: Shared::new(device, queue),
                 method: methods::Method::new(device, queue, &settings),
                 walls: Walls::new(device),
+                carry: Carry::new(device),
                 output: Output::new(device),
                 settings,
                 options,
@@ -197,14 +212,23 @@ impl Lighting {
         if let Some(lamps) = &grid.frame.lamps {
             self.list.write(queue, lamps);
         }
-        let place = (grid.size, self.origin);
-        let memory = match before {
-            Some((size, origin, _)) if (size, origin) != place => Memory::Nothing,
-            Some((.., old)) if self.settings.temporal.reject && old != sky => Memory::Sent,
-            Some(_) => Memory::All,
-            None => Memory::Nothing,
+        let (memory, from) = match before {
+            Some((size, origin, old)) if size == grid.size => {
+                let other = self.settings.temporal.reject && old != sky;
+                (if other { Memory::Sent } else { Memory::All }, origin)
+            }
+            _ => (Memory::Nothing, self.origin),
         };
+        let moved = [0, 1].map(|a| self.origin[a].saturating_sub(from[a]));
+        grid.moved = moved != [0; 2];
+        if grid.moved && grid.carry.is_none() {
+            let matter = (&grid.textures, grid.tinted);
+            let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
+            grid.carry = Some(guarded(device, || self.carry.plan(&site, &grid.kept))?);
+            grid.memory += site.memory();
+        }
         self.before = Some((grid.size, self.origin, sky));
+        let place = Place { size: grid.size, origin: self.origin, moved };
         let frame = Frame::new(place, sky, &self.settings, self.number, memory);
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&frame));
         self.number = self.number.wrapping_add(1);
@@ -214,7 +238,8 @@ impl Lighting {
     /// Says which cell of the host's world is the grid's left and top one ([`crate::Placed::origin`]),
     /// from the next frame prepared on: noise then stays with the world when the grid moves over it, and
     /// with it the light. What is left is rounding: a cell in ten thousand has a ray that passes a corner
-    /// within a millionth of a px, on the other side. What frames hand on starts afresh. (0, 0) at first.
+    /// within a millionth of a px, on the other side. What frames hand on moves along; what comes into the
+    /// grid starts afresh. (0, 0) at first.
     pub fn set_origin(&mut self, origin: [i32; 2]) {
         self.origin = origin;
     }
@@ -243,8 +268,20 @@ impl Lighting {
             frame.dispatches.extend(self.walls.plan(&site, &light)?);
             let (room, memory) = (site.room, site.memory());
             let (textures, kept) = (textures.clone(), site.into_kept());
-            let fields = None;
-            Ok(Grid { size, textures, tinted, room, light, frame, memory, kept, fields, output })
+            Ok(Grid {
+                size,
+                textures,
+                tinted,
+                room,
+                light,
+                frame,
+                memory,
+                kept,
+                carry: None,
+                moved: false,
+                fields: None,
+                output,
+            })
         })
     }
 
@@ -325,13 +362,13 @@ impl Lighting {
     /// Records what turns the cells last prepared into light; nothing before the first.
     pub fn record(&self, encoder: &mut CommandEncoder) {
         let Some(grid) = &self.grid else { return };
-        run(encoder, "lamplight", grid.frame.dispatches.iter().chain(&grid.output));
+        run(encoder, "lamplight", grid.dispatches());
     }
 
     /// As [`Self::record`], and times each stage, which is then a pass by itself.
     pub fn record_timed(&self, encoder: &mut CommandEncoder, timer: &mut Timer) {
         let Some(grid) = &self.grid else { return };
-        timer.record(encoder, grid.frame.dispatches.iter().chain(&grid.output));
+        timer.record(encoder, grid.dispatches());
     }
 
     /// Records the seed map, jump flood and distance field of the cells last prepared, for hosts that
@@ -368,7 +405,7 @@ impl Lighting {
     /// What a frame of the grid last prepared takes; nothing before the first.
     pub fn cost(&self) -> Option<Cost> {
         let grid = self.grid.as_ref()?;
-        Some(Cost::new(grid.frame.dispatches.iter().chain(&grid.output), grid.memory))
+        Some(Cost::new(grid.dispatches(), grid.memory))
     }
 }
 

@@ -130,6 +130,7 @@ pub const PAPER_MERGE: Shader =
     shader!("paper_merge", "sweep", "interval", "paper_interval", "paper_load");
 pub const PAPER_GATHER: Shader = shader!("paper_gather");
 pub const WALLS: Shader = shader!("walls", "solid");
+pub const CARRY: Shader = shader!("carry");
 pub const OUTPUT: Shader = shader!("output");
 pub const DISPLAY: Shader = shader!("display");
 
@@ -183,6 +184,7 @@ mod tests {
         PAPER_MERGE,
         PAPER_GATHER,
         WALLS,
+        CARRY,
         OUTPUT,
         DISPLAY,
     ];

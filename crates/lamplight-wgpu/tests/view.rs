@@ -5,7 +5,7 @@ mod common;
 mod textures;
 
 use common::{Chance, device, frame};
-use lamplight::settings::Noise;
+use lamplight::settings::{BounceBy, Noise, Temporal};
 use lamplight::{Bounces, Cells, Display, Matter, Method, Settings, ToneMap};
 use lamplight_wgpu::{Compose, Filter, Lighting, Placed, Shown, View};
 use textures::{fetch, texture, view};
@@ -109,6 +109,59 @@ fn light_stays_in_the_world_when_the_camera_moves_by_whole_cells() {
             let [off, all] = moved([(&here, &first), (&there, &astray)]);
             assert!(off > all / 3, "{noise:?}, {step:?}: {off} of {all}");
         }
+    }
+}
+
+/// A camera that runs on for some frames, each a step further, and one that stays where it ends.
+#[test]
+fn the_mean_over_frames_stays_in_the_world_when_the_camera_moves() {
+    const FRAMES: u32 = 6;
+    let (device, queue) = device();
+    for feedback in [false, true] {
+        let mut settings = settings(Noise::Blue);
+        settings.temporal = Temporal { frames: 32, reject: true };
+        if feedback {
+            settings.raymarch.bounce = BounceBy::Feedback;
+        }
+        let place = |x: f64| camera([x, -x]).place([320, 240]).unwrap();
+        let end = place(f64::from(FRAMES - 1));
+        let run = |place: &dyn Fn(u32) -> Placed, resets: bool| {
+            let mut lighting = Lighting::new(&device, &queue, settings.clone()).unwrap();
+            let mut light = Vec::new();
+            for number in 0..FRAMES {
+                let placed = place(number);
+                lighting.set_origin(placed.origin);
+                if resets {
+                    lighting.reset();
+                }
+                light = frame(&device, &queue, &mut lighting, &World::new().cells(&placed));
+            }
+            light
+        };
+        let still = run(&|_| end, false);
+        let moving = run(&|number| place(f64::from(number)), false);
+        let forgetful = run(&|number| place(f64::from(number)), true);
+        // What came into the grid on the way has less of a past.
+        let edge = FRAMES as usize;
+        let width = end.size[0] as usize;
+        let inner = |light: &[[f32; 4]]| -> Vec<[f32; 4]> {
+            let rows = light.chunks(width).skip(edge);
+            let rows: Vec<_> = rows.map(|row| row[edge..width - edge].to_vec()).collect();
+            rows[..rows.len() - edge].concat()
+        };
+        let off = |light: &[[f32; 4]]| {
+            let pairs = inner(light).into_iter().zip(inner(&still));
+            pairs
+                .filter(|(a, b)| (0..3).any(|c| (a[c] - b[c]).abs() > 1e-4 * b[c].max(1.0)))
+                .count()
+        };
+        let (off, lost, all) = (off(&moving), off(&forgetful), inner(&still).len());
+        println!("feedback {feedback}: {off} of {all} cells differ, {lost} of those that forget");
+        assert!(
+            off as f64 <= f64::from(FRAMES) * CORNERS * all as f64,
+            "feedback {feedback}: {off}"
+        );
+        assert!(lost > all / 3, "feedback {feedback}: {lost} of {all}");
     }
 }
 

@@ -1,5 +1,6 @@
 //! What methods share: each stage with its pipelines, buffers and runs over a grid.
 
+pub mod carry;
 pub mod changes;
 pub mod clearance;
 pub mod convergence;
