@@ -9,8 +9,8 @@
 
 // Rows of a tile.
 override TILE: u32;
-// Planes times cones times rows of two levels, at most, in tiles of 32 rows.
-const HELD: u32 = 1184u;
+// Planes times cones times rows of two levels, at most.
+override HELD: u32;
 
 // Of each cone of each level: its angle, the sky's share of light from above and from below, and from
 // ahead: ∫ dθ, ∫ |sin θ| dθ of both signs, ∫ cos θ dθ.

@@ -4,10 +4,10 @@
 // rays between two rays k and k + 1 of the lowest. Levels between are held in workgroup memory; of them
 // only the planes of odd index are needed later and written.
 
-// Rows of a tile: 16 where matter tints, for want of workgroup memory.
+// Rows of a tile.
 override TILE: u32;
-// Words of two levels that are held, at most: in tiles of 32 rows or, with three words each, of 16.
-const HELD: u32 = 3392u;
+// Words of two levels that are held, at most.
+override HELD: u32;
 
 @group(0) @binding(2) var<storage, read_write> intervals: array<u32>;
 

@@ -30,6 +30,7 @@
 //! # }
 //! ```
 
+mod compiled;
 mod compose;
 mod cost;
 pub mod error;

@@ -1,5 +1,6 @@
 //! The middleware: what a host makes once, prepares and records every frame.
 
+use crate::compiled::{Compiled, alike};
 use crate::cost::Cost;
 use crate::frame::{Frame, Memory, Place};
 use crate::guarded::guarded;
@@ -17,6 +18,7 @@ use crate::stages::walls::Walls;
 use crate::timing::Timer;
 use crate::{Error, Result};
 use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
+use std::sync::Arc;
 use wgpu::{
     Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
     TextureView,
@@ -39,7 +41,8 @@ pub struct Lighting {
     settings: Settings,
     options: Options,
     shared: Shared,
-    method: methods::Method,
+    compiled: Compiled,
+    method: Arc<methods::Method>,
     walls: Walls,
     carry: Carry,
     output: Output,
@@ -120,10 +123,13 @@ impl Lighting {
     ) -> Result<Self> {
         check(&settings)?;
         options.check()?;
+        let mut compiled = Compiled::default();
+        let method = compiled.method(device, queue, &settings)?;
         guarded(device, || {
             Ok(Self {
                 shared: Shared::new(device, queue),
-                method: methods::Method::new(device, queue, &settings),
+                compiled,
+                method,
                 walls: Walls::new(device),
                 carry: Carry::new(device),
                 output: Output::new(device),
@@ -296,9 +302,23 @@ impl Lighting {
         &self.settings
     }
 
+    /// Builds the pipelines of settings that are to come, so that [`Self::set_settings`] need not when they
+    /// do, in the middle of a game. Those of the sixteen settings announced or used last are kept.
+    pub fn precompile(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        settings: &Settings,
+    ) -> Result<()> {
+        check(settings)?;
+        self.compiled.method(device, queue, settings)?;
+        Ok(())
+    }
+
     /// Takes over other settings, from the next frame on. The cells or textures last prepared stay, and
     /// so does what was recorded before. Free where nothing changes but the seed; another depth of walls
-    /// makes buffers, anything else pipelines too, which takes as long as [`Self::new`].
+    /// makes buffers, anything else pipelines too, which takes as long as [`Self::new`], where these
+    /// settings were not used before or announced ([`Self::precompile`]).
     ///
     /// After an error everything is as before.
     pub fn set_settings(
@@ -308,24 +328,18 @@ impl Lighting {
         settings: Settings,
     ) -> Result<()> {
         check(&settings)?;
-        let Settings { seed, wall_depth, .. } = self.settings;
-        let compiled = Settings { seed, wall_depth, ..settings.clone() } == self.settings;
-        let planned = compiled && settings.wall_depth == wall_depth;
-        let method = match compiled {
-            true => None,
-            false => Some(guarded(device, || Ok(methods::Method::new(device, queue, &settings)))?),
-        };
+        let planned =
+            alike(&settings, &self.settings) && settings.wall_depth == self.settings.wall_depth;
+        let method = self.compiled.method(device, queue, &settings)?;
         let before = std::mem::replace(&mut self.settings, settings);
-        let method = method.map(|method| std::mem::replace(&mut self.method, method));
+        let method = std::mem::replace(&mut self.method, method);
         let Some(grid) = self.grid.take_if(|_| !planned) else { return Ok(()) };
         self.method.take(&self.lamps, grid.size, &self.settings, &mut self.list);
         match self.plan(device, (&grid.textures, grid.tinted), Some(&grid)) {
             Ok(planned) => self.grid = Some(planned),
             Err(error) => {
                 self.settings = before;
-                if let Some(method) = method {
-                    self.method = method;
-                }
+                self.method = method;
                 self.grid = Some(grid);
                 return Err(error);
             }

@@ -229,3 +229,35 @@ fn textures_may_alternate_and_the_output_goes_on() {
     lighting.prepare(&device, &queue, &Cells::new(8, 8).unwrap()).unwrap();
     assert_eq!(written(&lighting, &shared), seen[3]);
 }
+
+#[test]
+fn settings_that_were_announced_build_no_pipelines_when_they_come() {
+    let (device, queue) = device();
+    let cells = cells(31, 17, 4);
+    let pipelines = || device.get_internal_counters().hal.compute_pipelines.read();
+    let other = Settings { bounces: Bounces::Count(1), ..raymarch() };
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let first = frame(&device, &queue, &mut lighting, &cells);
+    let alone = pipelines();
+    lighting.precompile(&device, &queue, &other).unwrap();
+    let both = pipelines();
+    assert!(both > alone, "{both} pipelines, {alone} before: nobody counts");
+    assert_eq!(lighting.settings(), &raymarch());
+    for settings in [other, raymarch()] {
+        lighting.set_settings(&device, &queue, settings.clone()).unwrap();
+        lighting.reset();
+        let light = frame(&device, &queue, &mut lighting, &cells);
+        assert_eq!(light == first, settings == raymarch());
+        assert_eq!(pipelines(), both, "{settings:?}");
+    }
+    // However long a slider is drawn, not all of what it passed is kept.
+    for rays in 1..40 {
+        let mut drawn = raymarch();
+        drawn.raymarch.rays = rays;
+        lighting.set_settings(&device, &queue, drawn).unwrap();
+    }
+    let most = 20 * both;
+    assert!(pipelines() < most, "{} pipelines are kept", pipelines());
+    let refused = Settings { wall_depth: f32::NAN, ..raymarch() };
+    assert!(lighting.precompile(&device, &queue, &refused).is_err());
+}

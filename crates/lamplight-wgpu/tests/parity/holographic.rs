@@ -1,10 +1,11 @@
 //! `holographic`, every preset.
 
-use crate::common::{cells, device, device_with, frame};
+use crate::common::{cells, device, device_of, device_with, frame};
 use crate::compare::{Both, SIZES, agree, differences, scenes};
 use lamplight::settings::Holographic;
 use lamplight::{Bounces, Cells, Gradient, Matter, Method, Rgb, Settings, Sky};
-use lamplight_wgpu::{Lighting, Options};
+use lamplight_wgpu::{Lighting, Options, Tier};
+use std::time::{Duration, Instant};
 
 fn holographic(preset: &str) -> Settings {
     let mut settings = Settings { method: Method::Holographic, ..Settings::default() };
@@ -171,5 +172,37 @@ fn the_published_cascades_agree_in_example_scenes() {
                 Settings { bounces: Bounces::Count(1), wall_depth, ..holographic("paper") };
             agree(&gpu, &format!("paper, {name}"), &scene.cells().unwrap(), settings);
         }
+    }
+}
+
+/// Where workgroups have more memory, tiles are taller: it saves work, and changes no bit.
+#[test]
+fn tiers_agree_to_the_bit() {
+    for (name, cells) in [("walls", solid(211, 127, 5)), ("tint", cells(211, 127, 5))] {
+        let mut tiers = [Tier::Web, Tier::Native].map(|tier| {
+            let (device, queue) = device_of(tier);
+            let memory = device.limits().max_compute_workgroup_storage_size;
+            let lighting = Lighting::new(&device, &queue, holographic("default")).unwrap();
+            (device, queue, lighting, memory, Duration::MAX)
+        });
+        let mut lights = [Vec::new(), Vec::new()];
+        for _ in 0..3 {
+            for ((device, queue, lighting, _, least), light) in tiers.iter_mut().zip(&mut lights) {
+                let start = Instant::now();
+                *light = frame(device, queue, lighting, &cells);
+                *least = start.elapsed().min(*least);
+            }
+        }
+        let [web, native] = tiers.map(|(.., memory, least)| (memory, least.as_secs_f64() * 1e3));
+        println!(
+            "{name}: {} bytes {:.0} ms, {} bytes {:.0} ms: ratio {:.2}",
+            web.0,
+            web.1,
+            native.0,
+            native.1,
+            native.1 / web.1
+        );
+        assert!(native.0 > web.0, "the adapter has no more than the web grants");
+        assert_eq!(lights[0], lights[1], "{name}");
     }
 }

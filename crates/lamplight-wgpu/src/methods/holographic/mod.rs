@@ -8,6 +8,7 @@ pub mod paper;
 mod quadrant;
 pub mod sweep;
 mod tables;
+mod tiles;
 mod traffic;
 
 use crate::Result;
@@ -22,17 +23,18 @@ use lattice::Lattice;
 use quadrant::{Axis, Quadrant, Step, Work};
 use sweep::Sweeps;
 use tables::Ways;
+use tiles::Tiles;
 use wgpu::{Buffer, BufferUsages, Device};
 
 /// Bytes of light in a lattice, and on a face.
 const PACKED: u64 = 8;
-/// Bytes of a quadrant that are held a cell, for each word of an interval; less means more dispatches.
+/// Bytes of a quadrant that are held a cell, of a grid filled up to a power of two, for each word of an
+/// interval; less means more dispatches.
 const MOST_HELD: u64 = 58;
 /// Bytes that are not worth a dispatch.
 const LITTLE: u64 = 16 << 20;
-/// Rows of a workgroup that traces or looks; rows of one that merges cones.
+/// Rows of a workgroup that traces or looks.
 const TILE: u32 = 64;
-const CONES_TILE: u32 = 32;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -50,17 +52,18 @@ pub struct Holographic {
 struct Intervals {
     /// Words of an interval.
     words: u32,
-    /// Rows of a workgroup that extends them.
-    tile: u32,
+    tiles: Tiles,
     trace: Kernels,
     extend: Kernels,
     cones: Kernels,
 }
 
 impl Intervals {
-    fn new(device: &Device, words: u32, tile: u32) -> Self {
+    fn new(device: &Device, words: u32) -> Self {
         use Slot::{Read, Texture, Uniform, Write};
         let stored = ("WORDS", f64::from(words));
+        let tiles = Tiles::new(device.limits().max_compute_workgroup_storage_size, words);
+        let fused = |tile: u32, held: u32| [stored, ("TILE", tile.into()), ("HELD", held.into())];
         let tracing = [CELLS, MARCH, &[stored]].concat();
         let slots = [Uniform, Slot::Step, Read, Read, Texture, Texture, Read, Write];
         let kernels = |shader, entries: &[&'static str], slots: &[_], constants: &[_]| {
@@ -68,19 +71,19 @@ impl Intervals {
         };
         Self {
             words,
-            tile,
+            tiles,
             trace: kernels(&shaders::TRACE, &["main"], &slots, &tracing),
             extend: kernels(
                 &shaders::EXTEND,
                 &["main"],
                 &[Uniform, Slot::Step, Write],
-                &[stored, ("TILE", f64::from(tile))],
+                &fused(tiles.extend, tiles.intervals() * words),
             ),
             cones: kernels(
                 &shaders::CONES,
                 &["main", "finish"],
                 &[Uniform, Slot::Step, Read, Read, Write],
-                &[stored, ("TILE", f64::from(CONES_TILE))],
+                &fused(tiles.cones, tiles.light()),
             ),
         }
     }
@@ -129,7 +132,7 @@ impl Holographic {
                 &[Uniform, Slot::Step, Texture, Texture, Read, Write, Write],
                 CELLS,
             ),
-            intervals: [Intervals::new(device, 2, 32), Intervals::new(device, 3, 16)],
+            intervals: [2, 3].map(|words| Intervals::new(device, words)),
             hop: hop(false),
             onto: hop(true),
             reflect: Kernels::new(
@@ -158,7 +161,8 @@ impl Holographic {
             (lattices, bytes)
         };
         // In smaller chunks where much memory would be held, or more than the device can bind.
-        let enough = (site.cells() * words * MOST_HELD).max(LITTLE);
+        let filled_up = sides.map(|[depth, rows]| (depth.next_power_of_two() * rows) as u64);
+        let enough = (filled_up.iter().sum::<u64>() / 2 * words * MOST_HELD).max(LITTLE);
         let fits = |(lattices, bytes): &([Lattice; 2], [u64; 2])| {
             let smallest = lattices.iter().all(|l| l.chunk == l.first + 1);
             let bound = bytes.iter().all(|&bytes| bytes <= site.most_bytes());
@@ -193,7 +197,7 @@ impl Holographic {
         let sent = site.buffer("sent", if bounces > 0 { faces } else { PACKED })?;
 
         let mut quadrant =
-            Quadrant::new(look, &ways, settings.beams, [intervals.tile, intervals.words]);
+            Quadrant::new(look, &ways, settings.beams, intervals.tiles, intervals.words);
         // Bounces after the first are all the same.
         let bounced = [false, true].map(|sends| match bounces > u32::from(sends) {
             true => quadrant.gather(&axes, sends, false),

@@ -1,10 +1,11 @@
 //! The runs of a gather, in order: which kernel, over what, told what.
 
+use super::TILE;
 use super::lattice::Lattice;
 use super::sweep::Sweep;
 use super::tables::Ways;
+use super::tiles::Tiles;
 use super::traffic::traffic;
-use super::{CONES_TILE, TILE};
 use crate::cost::Traffic;
 use lamplight::methods::holographic::planes;
 use lamplight::methods::holographic::ways::Look;
@@ -49,17 +50,17 @@ pub struct Quadrant {
     beams: u32,
     views: u32,
     width: u32,
-    /// Rows of a workgroup that extends, and words of an interval.
-    tile: u32,
+    tiles: Tiles,
+    /// Words of an interval.
     words: u32,
     sweeps: Vec<Sweep>,
     steps: Vec<Step>,
 }
 
 impl Quadrant {
-    pub fn new(look: Look, ways: &Ways, width: u32, [tile, words]: [u32; 2]) -> Self {
+    pub fn new(look: Look, ways: &Ways, width: u32, tiles: Tiles, words: u32) -> Self {
         let Ways { beams, views, .. } = *ways;
-        Self { look, beams, views, width, tile, words, sweeps: Vec::new(), steps: Vec::new() }
+        Self { look, beams, views, width, tiles, words, sweeps: Vec::new(), steps: Vec::new() }
     }
 
     /// What the runs are told.
@@ -182,7 +183,7 @@ impl Quadrant {
             ..sweep
         };
         let slant = ((1usize << levels) - 2) << level;
-        let tiles = tiles(lattice.rows, slant, self.tile as usize);
+        let tiles = tiles(lattice.rows, slant, self.tiles.extend as usize);
         self.push(Work::Extend, sweep, [tiles, 2 << level, planes.len()]);
     }
 
@@ -206,7 +207,7 @@ impl Quadrant {
                 cones_top: axis.cones_from(level + 1)[0],
                 ..sweep
             };
-            let tiles = tiles(lattice.rows, 1 << level, CONES_TILE as usize);
+            let tiles = tiles(lattice.rows, 1 << level, self.tiles.cones as usize);
             self.push(Work::Cones, sweep, [tiles, 2 << level, 1]);
         }
     }
@@ -237,7 +238,7 @@ impl Quadrant {
                 ..sweep
             };
             let slant = ((1usize << levels) - 1) << level;
-            let tiles = tiles(lattice.rows, slant, CONES_TILE as usize);
+            let tiles = tiles(lattice.rows, slant, self.tiles.cones as usize);
             self.push(Work::Cones, sweep, [tiles, 2 << level, sources.len()]);
         }
         let all = 1 << (lattice.chunk - first - 1);
