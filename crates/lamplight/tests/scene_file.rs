@@ -2,7 +2,10 @@
 
 use lamplight::scene::Layers;
 use lamplight::sky::Gradient;
-use lamplight::{Bounces, Cone, Display, Falloff, Lamp, Scene, Shape, Sky, ToneMap};
+use lamplight::{
+    Bounces, Cone, Display, Falloff, Lamp, Method, Scene, Settings, Shape, Sky, ToneMap,
+};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -402,6 +405,52 @@ fn the_schema_knows_every_key_and_no_other() {
     shapes.dedup();
     assert_eq!(keys(&definitions["Shape"]["properties"]), shapes);
     assert_eq!(definitions["Shape"]["oneOf"].as_array().unwrap().len(), 5);
+}
+
+#[test]
+fn the_schema_knows_every_setting_and_its_range() {
+    let schema = Scene::schema();
+    let defaults = serde_json::to_value(Settings::default()).unwrap();
+    let check = |key: &str, name: &str, value: f64| {
+        let whole = (value.fract() == 0.0).then_some(value as i64);
+        let value = whole.map_or(serde_json::json!(value), |whole| serde_json::json!(whole));
+        let mut table = defaults.clone();
+        match name {
+            "" => table[key] = value,
+            name => table[name][key] = value,
+        }
+        serde_json::from_value::<Settings>(table).is_ok_and(|settings| settings.check().is_ok())
+    };
+    let mut ranges = 0;
+    let tables = defaults.as_object().unwrap().iter().filter(|(_, value)| value.is_object());
+    let tables = tables.map(|(name, table)| (name.as_str(), table));
+    for (name, table) in tables.chain([("", &defaults)]) {
+        let type_name = if name.is_empty() { "settings" } else { name };
+        let type_name = type_name[..1].to_uppercase() + &type_name[1..];
+        let mut properties = schema["$defs"][&type_name]["properties"].as_object().unwrap().clone();
+        let preset = properties.remove("preset");
+        assert_eq!(preset.is_some(), Method::ALL.iter().any(|method| method.name() == name));
+        // A setting that is left open is not written.
+        let written = properties.iter().filter(|(_, property)| property.get("default").is_some());
+        let written: BTreeSet<_> = written.map(|(key, _)| key).collect();
+        assert_eq!(written, table.as_object().unwrap().keys().collect(), "{type_name}");
+        for (key, property) in &properties {
+            let [Some(low), Some(high)] =
+                ["minimum", "maximum"].map(|bound| property[bound].as_f64())
+            else {
+                continue;
+            };
+            ranges += 1;
+            let whole = property["type"] == "integer";
+            let step = if whole { 1.0 } else { 1e-3 * high.max(1.0) };
+            for (value, fits) in
+                [(low, true), (high, true), (low - step, false), (high + step, false)]
+            {
+                assert_eq!(check(key, name, value), fits, "{name}.{key} = {value}");
+            }
+        }
+    }
+    assert!(ranges > 20, "{ranges}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::fmt;
 #[serde(untagged)]
 pub enum Bounces {
     /// At most this many times; 0 is direct light only.
-    Count(u32),
+    Count(#[schemars(range(min = 0, max = Bounces::MAX))] u32),
     /// Until the largest change is under 0.1 % of the mean.
     #[serde(serialize_with = "converged::serialize")]
     #[schemars(with = "converged::Word")]

@@ -1,6 +1,6 @@
 //! The settings of `cascades`.
 
-use super::table::preset_property;
+use super::table::with_preset;
 use super::within;
 use crate::{Error, Result};
 use schemars::JsonSchema;
@@ -22,22 +22,26 @@ pub enum Merge {
 /// The settings of `cascades`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-#[schemars(extend("properties" = preset_property(Self::PRESETS)))]
+#[schemars(transform = with_preset(Self::PRESETS))]
 pub struct Cascades {
     /// How cascades are merged.
     pub merge: Merge,
     /// Rays of the nearest cascade, 4, 16 or 64; each further one has four times as many. Time
     /// grows with it; more rays see smaller lights. 0 is 4 with `merge = "plain"`, else 16.
+    #[schemars(extend("enum" = [0, 4, 16, 64]))]
     pub rays: u32,
     /// px that the rays of the nearest cascade reach, 0.25 to 64; each further one reaches four
     /// times as far. Higher: softer steps from one cascade to the next, but lights may fall between
     /// two rays. 0 is what has the least error: 1.5, 3 and 8 with 4, 16 and 64 rays.
+    #[schemars(range(min = 0.0, max = 64.0))]
     pub interval: f32,
     /// Probes of the c-th further cascade stand `spacing·2^c` px apart, 0.5 to 8 (the nearest one
     /// has a probe at every px). Lower: sharper penumbrae; time and memory grow as 1/spacing².
+    #[schemars(range(min = 0.5, max = 8.0))]
     pub spacing: f32,
     /// Share of its length by which each interval reaches into the next, 0 to 1. Higher: with
     /// `merge = "plain"` less light leaks, contact shadows get darker, and fog counts twice.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub overlap: f32,
 }
 

@@ -1,6 +1,6 @@
 //! The settings of `flood`.
 
-use super::table::preset_property;
+use super::table::with_preset;
 use super::within;
 use crate::Result;
 use schemars::JsonSchema;
@@ -33,23 +33,28 @@ pub enum Sweeps {
 /// The settings of `flood`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-#[schemars(extend("properties" = preset_property(Self::PRESETS)))]
+#[schemars(transform = with_preset(Self::PRESETS))]
 pub struct Flood {
     /// Rays from each lamp, 1 to 4096. Higher: fewer fingers far from lamps; time grows with rays ×
     /// lamps.
+    #[schemars(range(min = 1, max = 4096))]
     pub rays: u32,
     /// Rays from each cell that glows, and from each at the border under a sky, 0 to 4096. Time grows
     /// with it × cells that glow.
+    #[schemars(range(min = 0, max = 4096))]
     pub matter_rays: u32,
     /// Rays sent on from where a ray meets a wall, 0 to 64; 0 is no bounce.
+    #[schemars(range(min = 0, max = 64))]
     pub bounce_rays: u32,
     /// Rounds of blur a frame, 0 to 1024. Light flows about √(rounds/2) px a frame round corners and
     /// between rays; time grows with rounds × cells.
+    #[schemars(range(min = 0, max = 1024))]
     pub rounds: u32,
     /// In what order neighbours are mixed.
     pub sweeps: Sweeps,
     /// Light that every cell loses before each frame, 0 to 1e6. Lower: lights that moved leave
     /// longer trails, and light flows farther.
+    #[schemars(range(min = 0.0, max = 1e6))]
     pub decay: f32,
     /// How lamps fade with distance.
     pub fade: Fade,

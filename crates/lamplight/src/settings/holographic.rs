@@ -1,6 +1,6 @@
 //! The settings of `holographic`.
 
-use super::table::preset_property;
+use super::table::with_preset;
 use super::within;
 use crate::Result;
 use schemars::JsonSchema;
@@ -21,23 +21,27 @@ pub enum Variant {
 /// The settings of `holographic`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-#[schemars(extend("properties" = preset_property(Self::PRESETS)))]
+#[schemars(transform = with_preset(Self::PRESETS))]
 pub struct Holographic {
     /// Which holographic cascades.
     pub variant: Variant,
     /// Planes that pixels look at are 2^hop px apart, 1 to 4; a pixel sends 16·2^hop rays to them.
     /// Higher: fewer stars and stripes round small lights; time and memory of the last hop grow by
     /// 3 to 4 a step.
+    #[schemars(range(min = 1, max = 4))]
     pub hop: u32,
     /// The last hop is at least this many px long, 1 to 16, and less than 2^hop longer; more than
     /// 2^hop counts as that. Higher: fewer stars round small lights, and time of the hop in
     /// proportion.
+    #[schemars(range(min = 1, max = 16))]
     pub least: u32,
     /// Rays through each cone of the last hop where something glows, 1 to 16; elsewhere it is one.
     /// Higher: smoother light right beside small lights, for time where there are some.
+    #[schemars(range(min = 1, max = 16))]
     pub rays: u32,
     /// Parallel rays of a beam, of which the traced rays of the lattice are the mean, 1 to 16.
     /// Higher: fewer stripes far from small lights, for a little time where there is matter.
+    #[schemars(range(min = 1, max = 16))]
     pub beams: u32,
 }
 

@@ -105,6 +105,7 @@ pub struct Settings {
     pub bounces: Bounces,
     /// px that light sinks into solid walls, 0 to 64, so that they are seen and not black; 0
     /// lights only the cells that touch open space. Costs next to nothing.
+    #[schemars(range(min = 0.0, max = 64.0))]
     pub wall_depth: f32,
     /// Seed of everything random. The same seed gives the same bytes.
     pub seed: u64,
@@ -130,6 +131,7 @@ pub struct Settings {
 pub struct Temporal {
     /// Most frames that the mean looks back, 0 to 4096; 0 or 1 is off. Higher: less noise on a
     /// still picture (about 1/√frames). Costs two copies of the light, no time to speak of.
+    #[schemars(range(min = 0, max = 4096))]
     pub frames: u32,
     /// Drop history where emission, opacity, tint or albedo changed in what a pixel sees. Off: old
     /// light fades over `frames` frames and leaves trails.
@@ -148,9 +150,11 @@ impl Default for Temporal {
 pub struct Denoise {
     /// Passes, 0 to 6; each doubles the reach (3 reach 14 px, 5 reach 62). 0 is off. Higher:
     /// smoother with very few rays, blurrier shadows, a few ms a pass at 320×180. 3 suit 32 rays.
+    #[schemars(range(min = 0, max = 6))]
     pub passes: u32,
     /// How large a difference in light, against the noise, still counts as noise, 0 to 16. Higher:
     /// smoother; lower: keeps fine shadows and more noise. 1 has about the least error.
+    #[schemars(range(min = 0.0, max = 16.0))]
     pub strength: f32,
 }
 

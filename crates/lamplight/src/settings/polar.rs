@@ -1,6 +1,6 @@
 //! The settings of `polar`.
 
-use super::table::preset_property;
+use super::table::with_preset;
 use super::within;
 use crate::{Falloff, Result};
 use schemars::JsonSchema;
@@ -49,10 +49,11 @@ pub enum Blend {
 /// The settings of `polar`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-#[schemars(extend("properties" = preset_property(Self::PRESETS)))]
+#[schemars(transform = with_preset(Self::PRESETS))]
 pub struct Polar {
     /// Rays a px of the circle that a lamp reaches, 0.25 to 8: a lamp of range R has `⌈2πR·density⌉`.
     /// Higher: finer shadows of thin things; walking costs grow with it, lighting pixels does not.
+    #[schemars(range(min = 0.25, max = 8.0))]
     pub density: f32,
     /// How a ray finds its way.
     pub walk: Walk,

@@ -1,6 +1,6 @@
 //! The settings of `raymarch`.
 
-use super::table::preset_property;
+use super::table::with_preset;
 use super::within;
 use crate::Result;
 use schemars::JsonSchema;
@@ -59,36 +59,44 @@ pub enum BounceBy {
 /// The settings of `raymarch`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-#[schemars(extend("properties" = preset_property(Self::PRESETS)))]
+#[schemars(transform = with_preset(Self::PRESETS))]
 pub struct Raymarch {
     /// Rays a pixel, 1 to 65536. Time grows with it; noise falls between 1/√rays and 1/rays.
+    #[schemars(range(min = 1, max = 65_536))]
     pub rays: u32,
     /// Most steps a ray makes, 1 to 65536 (a leap by the distance field or one cell is a step). Low
     /// values are faster and darken what lies far or behind fog.
+    #[schemars(range(min = 1, max = 65_536))]
     pub steps: u32,
     /// Where a ray ends.
     pub hit: Hit,
     /// With `hit = "distance"`: px from a surface at which a ray has arrived, 0.01 to 4. Higher:
     /// rounder and fatter shapes.
+    #[schemars(range(min = 0.01, max = 4.0))]
     pub hit_distance: f32,
     /// With `hit = "distance"`: the least px that a ray advances, 0.1 to 8. Higher is faster and
     /// misses corners (never whole cells).
+    #[schemars(range(min = 0.1, max = 8.0))]
     pub least_step: f32,
     /// Where rays start round the circle.
     pub noise: Noise,
     /// From one ray to the next.
     pub spacing: Spacing,
     /// Multiplies all emission, 0 to 1000 (seed 1: 1, its demo 1.5).
+    #[schemars(range(min = 0.0, max = 1000.0))]
     pub emission_multiplier: f32,
     /// Fade emission with distance d by `max(1 − (d/range)², 0)^dropoff` (seed 1). Not physical,
     /// so off by default; adds nothing to the cost.
     pub attenuation: bool,
     /// Range of the attenuation in heights of the grid, 0.001 to 1000.
+    #[schemars(range(min = 0.001, max = 1000.0))]
     pub emission_range: f32,
     /// Exponent of the attenuation, 0 to 16.
+    #[schemars(range(min = 0.0, max = 16.0))]
     pub emission_dropoff: f32,
     /// Opacity above which a cell is occupied in the seed map, 0 to 0.999. With `hit = "edge"`
     /// cells at or under it are passed as if empty.
+    #[schemars(range(min = 0.0, max = 0.999))]
     pub threshold: f32,
     /// How a bounce is made.
     pub bounce: BounceBy,

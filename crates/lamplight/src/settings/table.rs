@@ -5,7 +5,7 @@ use crate::explain::explain;
 use crate::{Error, Method, Result};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
 /// Settings as a file or a command line writes them: only the keys that were named.
@@ -130,10 +130,16 @@ fn expand_preset<T: Serialize>(
     Ok(())
 }
 
-/// The key `preset` in the JSON Schema of a method's table.
-pub(super) fn preset_property(names: &[&str]) -> Value {
-    serde_json::json!({ "preset": {
-        "description": "Starting point that the other keys change.",
-        "enum": names,
-    } })
+/// Adds the key `preset` to the JSON Schema of a method's table.
+pub(super) fn with_preset(names: &'static [&'static str]) -> impl Fn(&mut Schema) {
+    move |schema| {
+        let properties = schema.ensure_object().entry("properties").or_insert_with(|| json!({}));
+        if let Value::Object(properties) = properties {
+            let preset = json!({
+                "description": "Starting point that the other keys change.",
+                "enum": names,
+            });
+            properties.shift_insert(0, "preset".to_owned(), preset);
+        }
+    }
 }
