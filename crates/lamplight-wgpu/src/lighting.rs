@@ -406,7 +406,8 @@ impl Lighting {
     /// first [`Self::prepare`].
     pub fn stage(&self, stage: Stage) -> Option<&Buffer> {
         let Grid { frame, fields, .. } = self.grid.as_ref()?;
-        let mut stages = frame.stages.iter().chain(fields.iter().flat_map(|run| &run.stages));
+        // First what was asked for: a frame that makes its own fields may never have been recorded.
+        let mut stages = fields.iter().flat_map(|run| &run.stages).chain(&frame.stages);
         stages.find(|(name, _)| *name == stage).map(|(_, buffer)| buffer)
     }
 

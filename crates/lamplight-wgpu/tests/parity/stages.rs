@@ -2,12 +2,13 @@
 
 use crate::common::{cells, device};
 use crate::compare::SIZES;
+use lamplight::settings::{Hit, Raymarch};
 use lamplight::stages::clearance::{Ground, clearance};
 use lamplight::stages::distance::distance;
 use lamplight::stages::jump_flood::{jump_flood, settle};
 use lamplight::stages::seed::{is_occupied, seed};
 use lamplight::stages::transmittance::log_transmittance;
-use lamplight::{Cells, Method, Settings};
+use lamplight::{Cells, Method, Settings, Solver};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{Lighting, Stage};
 use wgpu::{Device, Queue};
@@ -49,6 +50,25 @@ fn seeds_jump_flood_and_distance_agree() {
             assert!((seen - right).abs() <= 1e-6 * right, "distance {seen}, not {right}");
         }
     }
+}
+
+/// Such a frame has fields too, in buffers of its own.
+#[test]
+fn fields_are_made_without_a_frame_that_goes_by_them() {
+    let (device, queue) = device();
+    let cells = cells(40, 30, 13);
+    let raymarch = Raymarch { hit: Hit::Distance, ..Raymarch::default() };
+    let settings = Settings { method: Method::Raymarch, raymarch, ..Settings::default() };
+    let mut lighting = Lighting::new(&device, &queue, settings.clone()).unwrap();
+    lighting.prepare(&device, &queue, &cells).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    lighting.record_fields(&device, &mut encoder).unwrap();
+    queue.submit([encoder.finish()]);
+    let mut solver = Solver::new(settings).unwrap();
+    solver.solve(&cells).unwrap();
+    let read = |stage| read_back::<u32>(&device, &queue, lighting.stage(stage).unwrap()).unwrap();
+    assert_eq!(read(Stage::Seeds), solver.stages().seeds);
+    assert_eq!(read(Stage::Nearest), solver.stages().nearest);
 }
 
 #[test]
