@@ -71,10 +71,14 @@ pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit
         flags.idle(answer).iter().for_each(|text| warn(text));
     }
     match answer {
-        Answer::By(_) => match Gpu::choose(flags.machine.backend, &settings)? {
-            Some(gpu) => gpu.solve(cells, settings, flags.frames),
-            None => solve(cells, settings, flags.frames, flags.machine.quiet),
-        },
+        Answer::By(_) => {
+            let gpu = Gpu::choose(flags.machine.backend, &settings)?;
+            let settings = averaged(settings, flags.frames);
+            match gpu {
+                Some(gpu) => gpu.solve(cells, settings, flags.frames),
+                None => solve(cells, settings, flags.frames, flags.machine.quiet),
+            }
+        }
         Answer::Reference => {
             flags.machine.backend.on_cpu("the reference")?;
             reference(cells, &settings, flags.samples.unwrap_or(SAMPLES), flags.machine.quiet)
@@ -82,14 +86,19 @@ pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit
     }
 }
 
-/// Solves some frames; where they show the same light with other noise, their mean.
-pub fn solve(cells: &Cells, mut settings: Settings, frames: u32, quiet: bool) -> Outcome<Lit> {
+/// Settings whose last frame is the mean of so many, where these show the same light with other noise.
+fn averaged(mut settings: Settings, frames: u32) -> Settings {
     // Frames that each add a bounce are not to be averaged: the first ones are darker.
     let growing =
         settings.raymarch.bounce == BounceBy::Feedback && settings.bounces != Bounces::Count(0);
     if frames > 1 && settings.temporal.frames <= 1 && !growing {
         settings.temporal.frames = frames;
     }
+    settings
+}
+
+/// Solves some frames on the CPU, for the light of the last.
+fn solve(cells: &Cells, settings: Settings, frames: u32, quiet: bool) -> Outcome<Lit> {
     let answer = Answer::By(settings.method);
     let told = to_json(&settings)?;
     let mut solver = Solver::new(settings)?;
