@@ -51,19 +51,6 @@ pub enum Backend {
     Gpu,
 }
 
-impl Backend {
-    /// For commands that use the CPU only so far.
-    pub fn on_cpu(self, command: &str) -> Outcome<&'static str> {
-        match self {
-            Self::Auto | Self::Cpu => Ok("cpu"),
-            Self::Gpu => {
-                Err(Failure::bad_input(format_args!("{command} has no GPU backend so far"))
-                    .hint("leave --backend out, or say --backend cpu"))
-            }
-        }
-    }
-}
-
 /// A parser for values that go by name; `--help` and errors list the names.
 pub fn by_name<T: Copy + Send + Sync + 'static>(
     all: &'static [T],

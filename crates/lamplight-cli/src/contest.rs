@@ -4,9 +4,11 @@
 //! cannot light the scene is named with its reason, and the others go on.
 
 use crate::failure::{Failure, Outcome};
+use crate::frames::Frames;
+use crate::gpu::Gpu;
 use crate::progress::Progress;
 use lamplight::settings::BounceBy;
-use lamplight::{Bounces, Cells, Display, Light, Method, Rgb, Settings, SettingsTable, Solver};
+use lamplight::{Bounces, Cells, Display, Light, Method, Rgb, Settings, SettingsTable};
 use lamplight_truth::Measures;
 use lamplight_truth::flip::{PIXELS_PER_DEGREE, flip};
 use std::time::{Duration, Instant};
@@ -27,10 +29,11 @@ const FRAMES: [u32; 3] = [1, 8, 64];
 const FLOOD_FRAMES: u32 = 32;
 
 /// Settings that take part.
-struct Entry {
+pub struct Entry {
     label: String,
     preset: Option<&'static str>,
-    settings: Settings,
+    /// The settings.
+    pub settings: Settings,
     /// After which frames to measure.
     after: Vec<u32>,
 }
@@ -116,39 +119,27 @@ impl Judge<'_> {
     }
 }
 
-/// Runs the presets of the methods, what the scene and the flags set where that is none of them, and
-/// with `sweep` more settings of each method.
-pub fn run(
-    judge: &Judge,
-    methods: &[Method],
-    table: &SettingsTable,
-    sweep: bool,
-    quiet: bool,
-) -> Outcome<Contest> {
-    let mut entries = Vec::new();
-    for &method in methods {
-        entries.push((method, self::entries(method, table, sweep)?));
-    }
-    let count: usize = entries.iter().map(|(_, entries)| entries.len()).sum();
-    let progress = Progress::new("solving", count as u64, quiet);
+/// Runs the entries, on that GPU or the CPU.
+pub fn run(judge: &Judge, entries: Vec<Entry>, gpu: Option<&Gpu>, quiet: bool) -> Outcome<Contest> {
+    let progress = Progress::new("solving", entries.len() as u64, quiet);
     let picture = match judge.truth {
         Truth::Everywhere(light) => Some(judge.picture(light)?),
         Truth::At(..) => None,
     };
     let mut contest = Contest { rows: Vec::new(), refusals: Vec::new() };
-    for (method, entries) in entries {
-        for entry in entries {
+    for entry in entries {
+        let method = entry.settings.method;
+        if !contest.refusals.iter().any(|refusal| refusal.method == method) {
             progress.say(&format!("solving: {}, {}", method.name(), entry.label));
-            match lights(&entry, judge.cells) {
+            match lights(&entry, judge.cells, gpu) {
                 Ok(solved) => contest.rows.extend(rows(entry, solved, judge, picture.as_deref())?),
                 // The reference has been made from the same cells, so it is the method that cannot.
-                Err(error) => {
-                    contest.refusals.push(Refusal { method, reason: error.to_string() });
-                    break;
+                Err(failure) => {
+                    contest.refusals.push(Refusal { method, reason: failure.refusal()? });
                 }
             }
-            progress.step();
         }
+        progress.step();
     }
     match contest.refusals.first() {
         Some(refusal) if contest.rows.is_empty() => Err(Failure::bad_input(refusal.words())),
@@ -156,8 +147,18 @@ pub fn run(
     }
 }
 
+/// The presets of the methods, what the scene and the flags set where that is none of them, and with
+/// `sweep` more settings of each method.
+pub fn entries(methods: &[Method], table: &SettingsTable, sweep: bool) -> Outcome<Vec<Entry>> {
+    let mut all = Vec::new();
+    for &method in methods {
+        all.extend(entries_of(method, table, sweep)?);
+    }
+    Ok(all)
+}
+
 /// What a method is looked at with.
-fn entries(method: Method, table: &SettingsTable, sweep: bool) -> Outcome<Vec<Entry>> {
+fn entries_of(method: Method, table: &SettingsTable, sweep: bool) -> Outcome<Vec<Entry>> {
     let mut table = table.clone();
     table.set("method", method.name());
     let as_set = table.resolve()?;
@@ -232,35 +233,24 @@ struct Solved {
 }
 
 /// Solves frames, keeps the light after some of them, then times more of them.
-fn lights(entry: &Entry, cells: &Cells) -> lamplight::Result<Solved> {
-    let mut solver = Solver::new(entry.settings.clone())?;
+fn lights(entry: &Entry, cells: &Cells, gpu: Option<&Gpu>) -> Outcome<Solved> {
+    let mut frames = Frames::new(gpu, cells, entry.settings.clone())?;
     let mut times = Vec::new();
     let mut lights = Vec::new();
     for frame in 1..=entry.after.iter().copied().max().unwrap_or(1) {
-        let light = timed(&mut solver, cells, &mut times)?;
+        times.push(frames.next()?);
         if entry.after.contains(&frame) {
-            lights.push((frame, light.clone()));
+            lights.push((frame, frames.light()?));
         }
     }
     // The first frame makes the buffers, and is no measure of the others.
     times.remove(0);
     let start = Instant::now();
     while times.is_empty() || (start.elapsed() < TIME && times.len() < MOST_RUNS) {
-        timed(&mut solver, cells, &mut times)?;
+        times.push(frames.next()?);
     }
     times.sort_unstable();
     Ok(Solved { lights, time: times[times.len() / 2] })
-}
-
-fn timed<'s>(
-    solver: &'s mut Solver,
-    cells: &Cells,
-    times: &mut Vec<Duration>,
-) -> lamplight::Result<&'s Light> {
-    let start = Instant::now();
-    let light = solver.solve(cells)?;
-    times.push(start.elapsed());
-    Ok(light)
 }
 
 /// Judges what was solved; FLIP where there is a picture to compare with.
@@ -302,7 +292,7 @@ mod tests {
     }
 
     fn labels(changes: &[&str], sweep: bool) -> Vec<String> {
-        let entries = entries(Method::Raymarch, &table(changes), sweep).unwrap();
+        let entries = entries(&[Method::Raymarch], &table(changes), sweep).unwrap();
         entries.into_iter().map(|entry| entry.label).collect()
     }
 
@@ -318,7 +308,7 @@ mod tests {
     #[test]
     fn a_preset_is_itself_whatever_is_set_beside_it() {
         let changes = ["raymarch.rays=7", "bounces=2"];
-        for entry in entries(Method::Raymarch, &table(&changes), false).unwrap() {
+        for entry in entries(&[Method::Raymarch], &table(&changes), false).unwrap() {
             let rays = match &*entry.label {
                 "as set" => 7,
                 "unity" => 16,
@@ -335,7 +325,8 @@ mod tests {
         let truth = Truth::Everywhere(Light::from_pixels(&cells, vec![[1.0; 3]; 12]).unwrap());
         cells.emission_mut()[7] = [-1.0; 3];
         let judge = Judge { cells: &cells, truth: &truth, display: Display::default() };
-        let told = run(&judge, &[Method::Raymarch], &table(&[]), false, true);
+        let entries = entries(&[Method::Raymarch], &table(&[]), false).unwrap();
+        let told = run(&judge, entries, None, true);
         let failure = format!("{:?}", told.map(|_| "a light").unwrap_err());
         assert!(failure.contains("raymarch cannot light this scene: cell (3, 1)"), "{failure}");
     }

@@ -47,6 +47,14 @@ impl Failure {
         self
     }
 
+    /// Why what was asked cannot be done, where that is what is wrong.
+    pub fn refusal(self) -> Outcome<String> {
+        match self.kind {
+            Kind::BadInput => Ok(self.message),
+            Kind::Failed | Kind::ReaderLeft => Err(self),
+        }
+    }
+
     /// Says what is wrong on stderr and gives the exit code.
     pub fn report(self) -> ExitCode {
         let code = match self.kind {

@@ -3,10 +3,12 @@
 use crate::args::{Answer, Backend};
 use crate::failure::{Failure, Outcome};
 use crate::lighting::{Lit, to_json};
+use crate::place::Place;
+use crate::stage::Fields;
 use lamplight::{Cells, Light, Settings};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::wgpu::{
-    Adapter, Backends, Device, DeviceDescriptor, DeviceType, Features, Instance,
+    Adapter, Backends, Buffer, Device, DeviceDescriptor, DeviceType, Features, Instance,
     InstanceDescriptor, PollType, PowerPreference, Queue, RequestAdapterOptions,
 };
 use lamplight_wgpu::{
@@ -23,16 +25,20 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The GPU that these settings are to be solved on; none: the CPU is to do it.
-    pub fn choose(backend: Backend, settings: &Settings) -> Outcome<Option<Self>> {
+    /// The GPU that all these settings are to be solved on; none: the CPU is to do it.
+    pub fn choose<'s>(
+        backend: Backend,
+        settings: impl IntoIterator<Item = &'s Settings>,
+    ) -> Outcome<Option<Self>> {
+        let checked = settings.into_iter().try_for_each(check);
         match backend {
             Backend::Cpu => Ok(None),
             Backend::Gpu => {
-                check(settings)?;
+                checked?;
                 Self::open(false).map(Some)
             }
             // What the GPU cannot do, or a GPU that fails, is no reason to stop.
-            Backend::Auto if check(settings).is_ok() => Ok(Self::open(true).ok()),
+            Backend::Auto if checked.is_ok() => Ok(Self::open(true).ok()),
             Backend::Auto => Ok(None),
         }
     }
@@ -73,6 +79,12 @@ impl Gpu {
         &self.name
     }
 
+    /// Where what it computes was computed.
+    pub fn place(&self) -> Place {
+        let has_clock = self.device.features().contains(Features::TIMESTAMP_QUERY);
+        Place::Gpu { adapter: self.name.clone(), has_clock }
+    }
+
     /// Frames to be timed, and what each takes by the code's own account.
     pub fn frames<'a>(
         &'a self,
@@ -83,13 +95,14 @@ impl Gpu {
         let mut lighting = Lighting::new(device, queue, settings)?;
         lighting.prepare(device, queue, cells)?;
         let cost = lighting.cost().ok_or_else(|| Failure::failed("no frame was planned"))?;
+        // This one is never run: the next is the first.
+        lighting.reset();
         Ok((Frames { gpu: self, cells, lighting, timer: Timer::new(device, queue) }, cost))
     }
 
     /// Solves some frames and fetches the light of the last.
     pub fn solve(&self, cells: &Cells, settings: Settings, frames: u32) -> Outcome<Lit> {
         let answer = Answer::By(settings.method);
-        let by_rule = settings.method.lights_lamps();
         let told = to_json(&settings)?;
         let (device, queue) = (&self.device, &self.queue);
         let mut lighting = Lighting::new(device, queue, settings)?;
@@ -104,20 +117,47 @@ impl Gpu {
             }
             queue.submit([encoder.finish()]);
         }
-        let buffer = lighting.stage(Stage::Light);
-        let buffer = buffer.ok_or_else(|| Failure::failed("no frame was solved"))?;
-        let light: Vec<[f32; 4]> = read_back(device, queue, buffer)?;
-        let rgb = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-        let matter = if by_rule { Cow::Borrowed(cells) } else { cells.drawn() };
-        let light = Light::from_pixels(&matter, rgb)
-            .ok_or_else(|| Failure::failed("the GPU gave back another number of cells"))?;
+        let light = self.light(&lighting, cells)?;
         let total = start.elapsed();
-        let place = format!("on the GPU ({})", self.name);
         // Of the last frame; a GPU that tells no times has one stage.
         let timed = timer.as_mut().map_or(&[][..], |timer| timer.read());
         let stages = if timed.is_empty() { vec![("gpu", total)] } else { timed.to_vec() };
-        Ok(Lit { light, answer, backend: "gpu", place, stages, total, frames, settings: told })
+        let place = self.place();
+        Ok(Lit { light, answer, place, stages, total, frames, settings: told })
     }
+
+    /// Fetches the light of the last frame of these cells.
+    fn light(&self, lighting: &Lighting, cells: &Cells) -> Outcome<Light> {
+        let buffer = made(lighting, Stage::Light)?;
+        let light: Vec<[f32; 4]> = read_back(&self.device, &self.queue, buffer)?;
+        let rgb = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
+        let by_rule = lighting.settings().method.lights_lamps();
+        let matter = if by_rule { Cow::Borrowed(cells) } else { cells.drawn() };
+        Light::from_pixels(&matter, rgb)
+            .ok_or_else(|| Failure::failed("the GPU gave back another number of cells"))
+    }
+
+    /// Finds the nearest occupied cell of each cell, and how far it is.
+    pub fn fields(&self, cells: &Cells, settings: Settings) -> Outcome<Fields> {
+        let (device, queue) = (&self.device, &self.queue);
+        let mut lighting = Lighting::new(device, queue, settings)?;
+        lighting.prepare(device, queue, cells)?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        lighting.record_fields(device, &mut encoder)?;
+        queue.submit([encoder.finish()]);
+        let nearest = read_back(device, queue, made(&lighting, Stage::Nearest)?)?;
+        let distance: Vec<f32> = read_back(device, queue, made(&lighting, Stage::Distance)?)?;
+        // Where there is no matter: shaders do without infinity.
+        let far = |d| if d == f32::MAX { f32::INFINITY } else { d };
+        let distance = distance.into_iter().map(far).collect();
+        Ok(Fields { nearest, distance, place: self.place() })
+    }
+}
+
+/// What a stage has left behind.
+fn made(lighting: &Lighting, stage: Stage) -> Outcome<&Buffer> {
+    let none = || Failure::failed(format_args!("the GPU has made no {stage:?}"));
+    lighting.stage(stage).ok_or_else(none)
 }
 
 /// One frame over and over, for who times it.
@@ -145,6 +185,11 @@ impl Frames<'_> {
         let total = start.elapsed();
         let timed = timer.as_mut().map_or(&[][..], |timer| timer.read());
         Ok(if timed.is_empty() { vec![("gpu", total)] } else { timed.to_vec() })
+    }
+
+    /// Fetches the light of the last frame.
+    pub fn light(&self) -> Outcome<Light> {
+        self.gpu.light(&self.lighting, self.cells)
     }
 }
 

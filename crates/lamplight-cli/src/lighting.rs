@@ -1,12 +1,14 @@
 //! From a scene file to light, for every command that needs it.
 
-use crate::args::{Answer, Lighting, threads_in_words};
+use crate::args::{Answer, Backend, Lighting};
 use crate::failure::Failure;
 use crate::failure::{Outcome, warn};
 use crate::gpu::Gpu;
+use crate::place::Place;
 use crate::progress::Progress;
-use lamplight::settings::BounceBy;
-use lamplight::{Bounces, Cells, Light, Rgb, Scene, Settings, Solver};
+use crate::stage::Fields;
+use lamplight::settings::{BounceBy, Raymarch};
+use lamplight::{Bounces, Cells, Light, Method, Rgb, Scene, Settings, Solver};
 use lamplight_truth::{Estimate, PathTracer};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -31,10 +33,8 @@ pub struct Lit {
     pub light: Light,
     /// Who answered.
     pub answer: Answer,
-    /// What computed, by name.
-    pub backend: &'static str,
-    /// The same in words.
-    pub place: String,
+    /// Where.
+    pub place: Place,
     /// Time of each stage, summed over the frames.
     pub stages: Vec<(&'static str, Duration)>,
     /// Time of all.
@@ -57,8 +57,25 @@ pub fn ms(time: Duration) -> f64 {
     time.as_micros() as f64 / 1000.0
 }
 
-/// Lights cells as the flags say.
-pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit> {
+/// The GPU that the flags put these settings on; none: the CPU is to do it.
+pub fn gpu(flags: &Lighting, settings: &Settings) -> Outcome<Option<Gpu>> {
+    match (flags.answer(settings), flags.machine.backend) {
+        (Answer::By(_), backend) => Gpu::choose(backend, [settings]),
+        (Answer::Reference, Backend::Gpu) => {
+            Err(Failure::bad_input("the reference has no GPU backend so far")
+                .hint("leave --backend out, or say --backend cpu"))
+        }
+        (Answer::Reference, _) => Ok(None),
+    }
+}
+
+/// Lights cells as the flags say, on that GPU or the CPU.
+pub fn light(
+    cells: &Cells,
+    flags: &Lighting,
+    gpu: Option<&Gpu>,
+    settings: Settings,
+) -> Outcome<Lit> {
     let answer = flags.answer(&settings);
     let cones = cells.lamps().iter().any(|lamp| lamp.cone.is_some());
     if cones && !answer.lights_lamps() && !flags.machine.quiet {
@@ -72,7 +89,6 @@ pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit
     }
     match answer {
         Answer::By(_) => {
-            let gpu = Gpu::choose(flags.machine.backend, &settings)?;
             let settings = averaged(settings, flags.frames);
             match gpu {
                 Some(gpu) => gpu.solve(cells, settings, flags.frames),
@@ -80,7 +96,6 @@ pub fn light(cells: &Cells, flags: &Lighting, settings: Settings) -> Outcome<Lit
             }
         }
         Answer::Reference => {
-            flags.machine.backend.on_cpu("the reference")?;
             reference(cells, &settings, flags.samples.unwrap_or(SAMPLES), flags.machine.quiet)
         }
     }
@@ -117,13 +132,27 @@ fn solve(cells: &Cells, settings: Settings, frames: u32, quiet: bool) -> Outcome
     }
     let light = solver.light().clone();
     let total = start.elapsed();
-    let (backend, place) = on_cpu();
-    Ok(Lit { light, answer, backend, place, stages, total, frames, settings: told })
+    let place = Place::cpu();
+    Ok(Lit { light, answer, place, stages, total, frames, settings: told })
 }
 
-/// The CPU by name, and in words.
-fn on_cpu() -> (&'static str, String) {
-    ("cpu", format!("on the CPU, {}", threads_in_words(rayon::current_num_threads())))
+/// Finds the nearest occupied cell of each cell, and how far it is, on that GPU or the CPU.
+pub fn fields(cells: &Cells, gpu: Option<&Gpu>, settings: &Settings) -> Outcome<Fields> {
+    // Of all settings they depend on this one; a ray is the least that a frame can have.
+    let threshold = settings.raymarch.threshold;
+    let settings = Settings {
+        method: Method::Raymarch,
+        raymarch: Raymarch { rays: 1, threshold, ..Raymarch::default() },
+        ..Settings::default()
+    };
+    if let Some(gpu) = gpu {
+        return gpu.fields(cells, settings);
+    }
+    let mut solver = Solver::new(settings)?;
+    solver.solve(cells)?;
+    let stages = solver.stages();
+    let (nearest, distance) = (stages.nearest.to_vec(), stages.distance.to_vec());
+    Ok(Fields { nearest, distance, place: Place::cpu() })
 }
 
 /// Runs the path tracer.
@@ -134,12 +163,10 @@ pub fn reference(cells: &Cells, settings: &Settings, samples: u32, quiet: bool) 
         "bounces": settings.bounces, "wall_depth": settings.wall_depth,
         "seed": settings.seed, "samples": samples, "relative_standard_error": error,
     });
-    let (backend, place) = on_cpu();
     Ok(Lit {
         light: estimate.light,
         answer: Answer::Reference,
-        backend,
-        place,
+        place: Place::cpu(),
         stages: vec![("reference", total)],
         total,
         frames: 1,

@@ -1,9 +1,10 @@
 //! The stages of a frame as pictures.
 
 use crate::failure::{Failure, Outcome};
+use crate::place::Place;
 use image::{Rgb as Pixel, RgbImage, imageops};
 use lamplight::stages::seed::{NONE, unpack};
-use lamplight::{Cells, Display, Light, Rgb, Settings, Solver, ToneMap};
+use lamplight::{Cells, Display, Light, Rgb, ToneMap};
 
 /// What of a frame is to be seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -73,7 +74,7 @@ impl Stage {
         matches!(self, Self::Light | Self::Final)
     }
 
-    /// Whether the stage shows what a solver leaves behind.
+    /// Whether the stage shows [`Fields`].
     pub fn needs_fields(self) -> bool {
         matches!(self, Self::Voronoi | Self::Distance)
     }
@@ -83,14 +84,18 @@ impl Stage {
 pub struct View<'a> {
     cells: &'a Cells,
     light: Option<&'a Light>,
-    fields: Option<Fields>,
+    fields: Option<&'a Fields>,
     display: Display,
 }
 
-/// What a solver leaves behind: the nearest occupied cell of each cell, and how far it is.
-struct Fields {
-    nearest: Vec<u32>,
-    distance: Vec<f32>,
+/// The stages before the rays.
+pub struct Fields {
+    /// The nearest occupied cell of each cell, packed; [`NONE`] where there is no matter.
+    pub nearest: Vec<u32>,
+    /// px to it; infinite where there is no matter.
+    pub distance: Vec<f32>,
+    /// Where they were found.
+    pub place: Place,
 }
 
 impl<'a> View<'a> {
@@ -106,17 +111,9 @@ impl<'a> View<'a> {
     }
 
     /// With the stages before the rays.
-    pub fn with_fields(mut self, mut settings: Settings) -> Outcome<Self> {
-        // They do not depend on the light: one ray each is the least that a frame can have.
-        settings.method = lamplight::Method::Raymarch;
-        settings.raymarch.rays = 1;
-        settings.bounces = lamplight::Bounces::Count(0);
-        let mut solver = Solver::new(settings)?;
-        solver.solve(self.cells)?;
-        let stages = solver.stages();
-        self.fields =
-            Some(Fields { nearest: stages.nearest.to_vec(), distance: stages.distance.to_vec() });
-        Ok(self)
+    pub fn with_fields(mut self, fields: &'a Fields) -> Self {
+        self.fields = Some(fields);
+        self
     }
 
     /// A stage as a picture, each cell as `scale` × `scale` pixels.
@@ -167,7 +164,7 @@ impl<'a> View<'a> {
     }
 
     fn fields(&self) -> Outcome<&Fields> {
-        self.fields.as_ref().ok_or_else(|| Failure::failed("this frame has not been solved"))
+        self.fields.ok_or_else(|| Failure::failed("this frame has not been solved"))
     }
 
     fn voronoi(&self) -> Outcome<RgbImage> {

@@ -1,10 +1,11 @@
 //! `lamplight bench`: how long a frame takes, and which stage takes it.
 
-use crate::args::{Backend, Machine, SettingFlags, by_name, threads_in_words};
+use crate::args::{Backend, Machine, SettingFlags, by_name};
 use crate::failure::{Failure, Outcome};
 use crate::gpu::Gpu;
 use crate::lighting::{self, ms};
 use crate::output;
+use crate::place::Place;
 use crate::progress::Progress;
 use crate::room::{lamp_room, room};
 use crate::stage::{Stage, View};
@@ -173,10 +174,7 @@ pub fn run(args: Args) -> Outcome {
             header.extend(["yardstick ms", "times faster"]);
         }
         output::print(table(&header, &[0, 5], rows))?;
-        match &gpu {
-            Some(gpu) => output::print(format_args!("on the GPU ({})", gpu.name())),
-            None => output::print(format_args!("on the CPU, {}", threads_in_words(threads))),
-        }
+        output::print(gpu.as_ref().map_or_else(Place::cpu, Gpu::place))
     })
 }
 

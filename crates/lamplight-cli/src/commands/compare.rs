@@ -1,10 +1,12 @@
 //! `lamplight compare`: the methods against the path tracer.
 
-use crate::args::{Machine, SettingFlags, Show, by_name, threads_in_words};
-use crate::contest::{self, Contest, Judge, Row, Truth};
+use crate::args::{Backend, Machine, SettingFlags, Show, by_name};
+use crate::contest::{self, Contest, Entry, Judge, Row, Truth};
 use crate::failure::{Failure, Outcome};
+use crate::gpu::Gpu;
 use crate::lighting::{self, ms};
 use crate::output;
+use crate::place::Place;
 use crate::report::{self, Reference};
 use crate::table;
 use lamplight::{Cells, Method, Rgb, Settings};
@@ -47,7 +49,6 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Outcome {
-    let backend = args.machine.backend.on_cpu("compare")?;
     let methods = if args.methods.is_empty() { Method::ALL } else { &args.methods };
     args.machine.run(|threads| {
         let quiet = args.machine.quiet;
@@ -55,13 +56,15 @@ pub fn run(args: Args) -> Outcome {
         let table_of_scene = args.settings.over(&scene.light)?;
         let settings = table_of_scene.resolve()?;
         let display = args.show.display(scene.display)?;
+        let entries = contest::entries(methods, &table_of_scene, args.sweep)?;
+        let gpu = gpu(args.machine.backend, &entries)?;
+        let place = gpu.as_ref().map_or_else(Place::cpu, Gpu::place);
         if let Some(folder) = &args.report {
             output::make_directory(folder)?;
         }
         let (truth, reference) = truth(&args, &cells, &settings)?;
         let judge = Judge { cells: &cells, truth: &truth, display };
-        let Contest { rows, refusals } =
-            contest::run(&judge, methods, &table_of_scene, args.sweep, quiet)?;
+        let Contest { rows, refusals } = contest::run(&judge, entries, gpu.as_ref(), quiet)?;
 
         let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
         let bounces = lighting::to_json(&settings.bounces)?;
@@ -70,7 +73,7 @@ pub fn run(args: Args) -> Outcome {
             let subject = report::Subject {
                 name: &name,
                 bounces: &bounces,
-                threads,
+                place: &place,
                 judge: &judge,
                 truth: light,
                 reference: &reference,
@@ -81,9 +84,9 @@ pub fn run(args: Args) -> Outcome {
             report::write(folder, &subject)?;
         }
         if args.json {
-            return output::print(json!({
+            let mut answer = json!({
                 "scene": args.scene, "width": cells.width(), "height": cells.height(),
-                "bounces": settings.bounces, "backend": backend, "threads": threads,
+                "bounces": settings.bounces, "backend": place.backend(), "threads": threads,
                 "reference": { "samples": reference.samples, "cells": args.cells,
                                "ms": ms(reference.time),
                                "relative_standard_error": reference.standard_error },
@@ -91,13 +94,16 @@ pub fn run(args: Args) -> Outcome {
                 "refused": refusals.iter().map(|refusal| json!({
                     "method": refusal.method.name(), "reason": refusal.reason,
                 })).collect::<Vec<_>>(),
-            }));
+            });
+            if let Place::Gpu { adapter, .. } = place {
+                answer["adapter"] = adapter.into();
+            }
+            return output::print(answer);
         }
         output::print(format_args!(
-            "{name}: {}×{} cells, bounces {bounces}, on the CPU with {}\n",
+            "{name}: {}×{} cells, bounces {bounces}, {place}\n",
             cells.width(),
             cells.height(),
-            threads_in_words(threads),
         ))?;
         let header = ["", "rel. RMSE %", "bias %", "p99 %", "FLIP", "ms a frame"];
         output::print(table::table(&header, &[0], rows.iter().map(row_cells)))?;
@@ -105,6 +111,9 @@ pub fn run(args: Args) -> Outcome {
             output::print(format_args!("{}", refusal.words()))?;
         }
         output::print(format_args!("\n{}", reference.words(&rows)))?;
+        if let Some(clock) = place.clock() {
+            output::print(format_args!("times: of a frame {clock}."))?;
+        }
         match &args.report {
             Some(folder) if !quiet => {
                 output::print(format_args!("wrote {}", folder.join(report::PAGE).display()))
@@ -112,6 +121,18 @@ pub fn run(args: Args) -> Outcome {
             _ => Ok(()),
         }
     })
+}
+
+/// The GPU that all entries run on, or none of them: times of the two are not to be held against each
+/// other.
+fn gpu(backend: Backend, entries: &[Entry]) -> Outcome<Option<Gpu>> {
+    match backend {
+        // What it cannot do so far is named with its reason, and the others go on.
+        Backend::Gpu => Gpu::best().map(Some),
+        Backend::Auto | Backend::Cpu => {
+            Gpu::choose(backend, entries.iter().map(|entry| &entry.settings))
+        }
+    }
 }
 
 /// Traces the whole picture, or some cells of it.

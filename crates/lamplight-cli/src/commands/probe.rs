@@ -63,7 +63,8 @@ pub fn run(args: Args) -> Outcome {
             .map(|&point| Ok((point, point.cell(&cells)?)))
             .collect::<Outcome<_>>()?;
         let settings = args.lighting.resolve(&scene.light)?;
-        let lit = lighting::light(&cells, &args.lighting, settings)?;
+        let gpu = lighting::gpu(&args.lighting, &settings)?;
+        let lit = lighting::light(&cells, &args.lighting, gpu.as_ref(), settings)?;
         let answers = at
             .into_iter()
             .map(|(Point([x, y]), cell)| (x, y, lit.light.sample([x, y]), lit.light.solid()[cell]));
@@ -76,7 +77,7 @@ pub fn run(args: Args) -> Outcome {
                 .collect();
             return output::print(json!({
                 "width": cells.width(), "height": cells.height(), "method": lit.answer.name(),
-                "backend": lit.backend, "points": points,
+                "backend": lit.place.backend(), "points": points,
             }));
         }
         let rows = answers.map(|(x, y, light, solid)| {

@@ -2,8 +2,9 @@
 
 use crate::args::{Lighting, Show};
 use crate::failure::{Failure, Outcome};
-use crate::lighting::{self, Lit, ms};
+use crate::lighting::{self, ms};
 use crate::output::{self, Format};
+use crate::place::Place;
 use crate::stage::{Stage, View};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -44,19 +45,25 @@ pub fn run(args: Args) -> Outcome {
         let display = args.show.display(scene.display)?;
         let drawn = cells.drawn();
 
+        let stage = args.stage;
+        let computed = stage.needs_fields() || stage.needs_light();
+        let gpu = if computed { lighting::gpu(&args.lighting, &settings)? } else { None };
+        let gpu = gpu.as_ref();
+        let fields = stage.needs_fields().then(|| lighting::fields(&drawn, gpu, &settings));
+        let fields = fields.transpose()?;
+        let lit = stage.needs_light().then(|| lighting::light(&cells, &args.lighting, gpu, settings));
+        let lit = lit.transpose()?;
         let mut view = View::new(&drawn, display);
-        let mut lit: Option<Lit> = None;
-        if args.stage.needs_fields() {
-            view = view.with_fields(settings.clone())?;
+        if let Some(fields) = &fields {
+            view = view.with_fields(fields);
         }
-        if args.stage.needs_light() {
-            let lit = lit.insert(lighting::light(&cells, &args.lighting, settings.clone())?);
+        if let Some(lit) = &lit {
             view = view.lit(&lit.light);
         }
         let bytes = match format {
-            Format::Png => output::png(&view.picture(args.stage, args.show.scale)?)?,
+            Format::Png => output::png(&view.picture(stage, args.show.scale)?)?,
             Format::Exr if args.show.scale == 1 => {
-                output::exr(cells.width(), cells.height(), &view.floats(args.stage)?)?
+                output::exr(cells.width(), cells.height(), &view.floats(stage)?)?
             }
             Format::Exr => {
                 return Err(Failure::bad_input("--scale is for pictures (.png), not for .exr"));
@@ -66,15 +73,15 @@ pub fn run(args: Args) -> Outcome {
 
         let shown = output.display();
         let (w, h) = (cells.width(), cells.height());
+        let place = lit.as_ref().map(|lit| &lit.place).or(fields.as_ref().map(|f| &f.place));
         if args.json {
             let mut done = json!({
-                "scene": args.scene, "output": output, "stage": args.stage.name(),
-                "width": w, "height": h, "backend": "cpu", "threads": threads,
+                "scene": args.scene, "output": output, "stage": stage.name(), "width": w, "height": h,
+                "backend": place.map_or("cpu", Place::backend), "threads": threads,
                 "total_ms": ms(start.elapsed()),
             });
             if let Some(lit) = &lit {
                 done["method"] = lit.answer.name().into();
-                done["backend"] = lit.backend.into();
                 done["frames"] = lit.frames.into();
                 done["stages_ms"] = lit.stages_json().into();
                 done["settings"] = lit.settings.clone();
@@ -84,16 +91,16 @@ pub fn run(args: Args) -> Outcome {
         if args.lighting.machine.quiet {
             return Ok(());
         }
-        match &lit {
-            Some(lit) => output::print(format_args!(
-                "wrote {shown}: {w}×{h} cells lit by {} in {} ms {}",
-                lit.answer.name(),
-                ms(lit.total).round(),
-                lit.place,
-            )),
-            None => {
-                output::print(format_args!("wrote {shown}: {} of {w}×{h} cells", args.stage.name()))
+        let done = match &lit {
+            Some(lit) => {
+                let (name, took) = (lit.answer.name(), ms(lit.total).round());
+                format!("{w}×{h} cells lit by {name} in {took} ms")
             }
+            None => format!("{} of {w}×{h} cells", stage.name()),
+        };
+        match place {
+            Some(place) => output::print(format_args!("wrote {shown}: {done} {place}")),
+            None => output::print(format_args!("wrote {shown}: {done}")),
         }
     })
 }

@@ -28,14 +28,15 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Outcome {
-    args.lighting.machine.backend.on_cpu("stages")?;
     args.lighting.machine.run(|_| {
         let (scene, cells) = lighting::open(&args.scene, args.lighting.machine.quiet)?;
         let settings = args.lighting.resolve(&scene.light)?;
         let display = args.show.display(scene.display)?;
-        let lit = lighting::light(&cells, &args.lighting, settings.clone())?;
+        let gpu = lighting::gpu(&args.lighting, &settings)?;
         let drawn = cells.drawn();
-        let view = View::new(&drawn, display).with_fields(settings)?.lit(&lit.light);
+        let fields = lighting::fields(&drawn, gpu.as_ref(), &settings)?;
+        let lit = lighting::light(&cells, &args.lighting, gpu.as_ref(), settings)?;
+        let view = View::new(&drawn, display).with_fields(&fields).lit(&lit.light);
         // Everything is made before anything is written.
         let mut pictures = Vec::new();
         for stage in Stage::ALL {
@@ -49,11 +50,12 @@ pub fn run(args: Args) -> Outcome {
         }
         let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
         let subtitle = format!(
-            "{}×{} cells, lit by {} in {:.0} ms",
+            "{}×{} cells, lit by {} in {:.0} ms {}",
             cells.width(),
             cells.height(),
             lit.answer.name(),
-            ms(lit.total)
+            ms(lit.total),
+            lit.place,
         );
         files.push((SHEET.to_owned(), output::png(&sheet(&name, &subtitle, COLUMNS, &pictures))?));
 
@@ -65,8 +67,9 @@ pub fn run(args: Args) -> Outcome {
             return Ok(());
         }
         output::print(format_args!(
-            "wrote {} pictures of {name}, all of them on {}",
+            "wrote {} pictures of {name}, computed {}, all of them on {}",
             pictures.len(),
+            fields.place,
             args.output.join(SHEET).display()
         ))
     })

@@ -7,6 +7,7 @@ use crate::contest::{Judge, Refusal, Row};
 use crate::failure::{Failure, Outcome};
 use crate::lighting::ms;
 use crate::output;
+use crate::place::Place;
 use crate::stage::enlarge;
 use lamplight::{Light, Method};
 use lamplight_cli::plot::{self, Point, Series};
@@ -38,7 +39,7 @@ impl Reference {
         let Self { samples, cells, standard_error, time } = self;
         let of_cells = cells.map_or_else(String::new, |count| format!(" at {count} open cells"));
         let mut words = format!(
-            "reference: path tracer, {samples} paths a pixel{of_cells}, {:.0} ms; its own standard \
+            "reference: path tracer on the CPU, {samples} paths a pixel{of_cells}, {:.0} ms; its own standard \
              error is {:.2} % of the mean light",
             ms(*time),
             standard_error * 100.0
@@ -60,7 +61,8 @@ impl Reference {
 pub struct Subject<'a> {
     pub name: &'a str,
     pub bounces: &'a str,
-    pub threads: usize,
+    /// Where the methods ran.
+    pub place: &'a Place,
     pub judge: &'a Judge<'a>,
     /// The light of the reference.
     pub truth: &'a Light,

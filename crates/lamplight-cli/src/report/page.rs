@@ -2,7 +2,6 @@
 
 use super::heat;
 use super::{Reference, Subject};
-use crate::args::threads_in_words;
 use crate::contest::{Refusal, Row};
 use crate::lighting::ms;
 use lamplight_cli::plot;
@@ -20,7 +19,7 @@ pub fn error_file(row: usize) -> String {
 
 /// The page; `plot` is an SVG.
 pub fn page(subject: &Subject, plot: &str) -> String {
-    let Subject { name, bounces, threads, judge, reference, rows, refusals, .. } = subject;
+    let Subject { name, bounces, place, judge, reference, rows, refusals, .. } = subject;
     let name = escape(name);
     let (w, h) = (judge.cells.width(), judge.cells.height());
     let Reference { samples, standard_error, time, .. } = reference;
@@ -37,10 +36,10 @@ pub fn page(subject: &Subject, plot: &str) -> String {
 <body>
 <main>
 <h1>{name}</h1>
-<p class="dim">{w}×{h} cells · bounces: {bounces} · CPU, {threads} · lamplight {version}</p>
+<p class="dim">{w}×{h} cells · bounces: {bounces} · {place} · lamplight {version}</p>
 <figure class="hero">
 <img src="reference.png" width="{w}" height="{h}" alt="The reference picture of {name}">
-<figcaption>The reference: a path tracer with {samples} paths a pixel, {seconds:.1} s. Its own
+<figcaption>The reference: a path tracer with {samples} paths a pixel, {seconds:.1} s on the CPU. Its own
 standard error is {own:.2} % of the mean light.</figcaption>
 </figure>
 
@@ -55,7 +54,7 @@ standard error is {own:.2} % of the mean light.</figcaption>
 </div>
 {refused}<p class="dim">Errors are over the open cells, each ÷ the mean of the reference. Bias above 0 is too
 bright; 99 of 100 values are off by less than p99; FLIP compares the final pictures as an eye
-does, 0 to 1. A time is the median of a frame.</p>
+does, 0 to 1. A time is the median of a frame{clock}.</p>
 
 <h2>Error against time</h2>
 <div class="plot">
@@ -77,7 +76,8 @@ cell's error ÷ the mean light:</p>
 "#,
         style = include_str!("page.css"),
         bounces = escape(bounces),
-        threads = threads_in_words(*threads),
+        place = escape(&place.to_string()),
+        clock = place.clock().map_or_else(String::new, |clock| format!(", {clock}")),
         version = env!("CARGO_PKG_VERSION"),
         seconds = time.as_secs_f64(),
         own = standard_error * 100.0,

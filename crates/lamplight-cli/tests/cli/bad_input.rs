@@ -1,6 +1,6 @@
 //! What users get wrong, and what they are told.
 
-use super::sandbox::Sandbox;
+use super::sandbox::{Run, Sandbox};
 
 /// Arguments, exit code, and what stderr says, in this order.
 type Case = (&'static str, i32, &'static [&'static str]);
@@ -43,12 +43,12 @@ const CASES: &[Case] = &[
         &["`bounces` = converged, but by raymarch, is not on the GPU yet"],
     ),
     (
-        "stages small.toml -o there --backend gpu",
+        "stages small.toml -o there --backend gpu --method reference",
         2,
-        &["stages has no GPU backend so far", "hint: "],
+        &["the reference has no GPU", "hint: "],
     ),
     ("bench --cost", 2, &["--cost", "hint: ", "--backend gpu"]),
-    ("compare small.toml --backend gpu", 2, &["compare has no GPU backend so far", "hint: "]),
+    ("compare small.toml --backend vulkan", 2, &["'vulkan'", "--backend", "auto, cpu, gpu"]),
     ("render small.toml --bounces -1", 2, &["'-1'"]),
     ("render small.toml --bounces many", 2, &["many", "0 to 256", "converged"]),
     ("render small.toml --threads 0", 2, &["'0'", "--threads", "1..=1024"]),
@@ -109,6 +109,26 @@ fn is_answered_by_what_is_wrong_and_leaves_nothing() {
         assert_eq!(sandbox.files(), before, "`lamplight {arguments}` left files");
     }
     assert!(wrong.is_empty(), "see above for {wrong:#?}");
+}
+
+#[test]
+fn what_is_to_run_on_a_gpu_fails_where_there_is_none() {
+    let sandbox = Sandbox::small();
+    for arguments in [
+        "render small.toml --stage voronoi",
+        "render small.toml --stage distance",
+        "render small.toml --stage light",
+        "stages small.toml -o there",
+        "compare small.toml --samples 1",
+        "probe small.toml 1,1",
+        "bench --size 8x8",
+    ] {
+        let arguments: Vec<_> = arguments.split(' ').chain(["--backend", "gpu"]).collect();
+        // OpenGL is none of those that are looked for.
+        let run = sandbox.command(&arguments).env("WGPU_BACKEND", "gl").output().unwrap();
+        Run::from(run).failed(1, &["error: there is no GPU here", "hint: ", "--backend cpu"]);
+    }
+    assert_eq!(sandbox.files(), ["small.toml"]);
 }
 
 /// A directory that no one can write to, the superuser included.

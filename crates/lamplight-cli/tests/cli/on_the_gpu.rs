@@ -7,24 +7,148 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
 
+/// How far the light that the GPU finds is from the CPU's at most, relative to it or, where it is dark,
+/// to the mean.
+fn apart(sandbox: &Sandbox, flags: &str) -> f32 {
+    let light = |backend: &str| {
+        let name = format!("{backend}.exr");
+        let run =
+            format!("render small.toml -q --stage light --backend {backend} -o {name} {flags}");
+        sandbox.run(&run).done();
+        floats(sandbox, &name)
+    };
+    let (cpu, gpu) = (light("cpu"), light("gpu"));
+    let mean = cpu.iter().sum::<f32>() / cpu.len() as f32;
+    let apart = cpu.iter().zip(&gpu).map(|(a, b)| (a - b).abs() / a.max(mean));
+    apart.fold(0.0, f32::max)
+}
+
+fn floats(sandbox: &Sandbox, name: &str) -> Vec<f32> {
+    image::load_from_memory(&sandbox.read(name)).unwrap().to_rgb32f().into_raw()
+}
+
 #[test]
 fn render_says_where_it_was_lit_and_shows_the_same() {
     let sandbox = Sandbox::small();
-    let flags = "--method raymarch --stage light --set wall_depth=3";
-    sandbox.run(&format!("render small.toml --backend cpu {flags} -o cpu.exr")).done();
-    let said = sandbox.run(&format!("render small.toml --backend gpu {flags} -o gpu.exr")).done();
-    assert!(said.contains("lit by raymarch in ") && said.contains(" ms on the GPU ("), "{said}");
-    let light = |name: &str| image::load_from_memory(&sandbox.read(name)).unwrap().to_rgb32f();
-    let (cpu, gpu) = (light("cpu.exr"), light("gpu.exr"));
-    let mean = cpu.iter().sum::<f32>() / cpu.len() as f32;
-    let worst = cpu.iter().zip(gpu.iter()).map(|(a, b)| (a - b).abs() / a.max(mean));
-    let worst = worst.fold(0.0, f32::max);
+    let worst = apart(&sandbox, "--method raymarch --set wall_depth=3");
     assert!(worst < 1e-3, "{worst}");
+    let said = sandbox.run("render small.toml --backend gpu --method raymarch").done();
+    assert!(said.contains("lit by raymarch in ") && said.contains(" ms on the GPU ("), "{said}");
     let told = sandbox.run("render small.toml --backend gpu --method raymarch --json").done();
     let told = json(&told);
     assert_eq!(told["backend"], "gpu");
     let stages = told["stages_ms"].as_object().unwrap();
     assert!(stages.contains_key("raymarch") || stages.contains_key("gpu"), "{told}");
+}
+
+#[test]
+fn render_averages_frames() {
+    let sandbox = Sandbox::small();
+    let few = "--method raymarch --set raymarch.rays=4";
+    let worst = apart(&sandbox, &format!("{few} --frames 5"));
+    assert!(worst < 1e-3, "{worst}");
+    let mean = floats(&sandbox, "gpu.exr");
+    apart(&sandbox, few);
+    assert!(mean != floats(&sandbox, "gpu.exr"), "five frames look like one");
+}
+
+#[test]
+fn render_shows_the_fields_that_it_measured() {
+    let sandbox = Sandbox::small();
+    let told = |flags: &str, backend: &str| {
+        let flags = format!("render small.toml --json --backend {backend} {flags}");
+        json(&sandbox.run(&flags).done())["backend"].clone()
+    };
+    for backend in ["cpu", "gpu"] {
+        // Glass is occupied, and rays that go by distances leave fields of their own behind.
+        let flags = "--method raymarch --set raymarch.hit=distance";
+        assert_eq!(told(&format!("{flags} --stage voronoi -o {backend}.png"), backend), backend);
+        assert_eq!(told(&format!("--stage distance -o {backend}.exr"), backend), backend);
+    }
+    assert!(sandbox.read("cpu.png") == sandbox.read("gpu.png"), "the jump floods differ");
+    let (cpu, gpu) = (floats(&sandbox, "cpu.exr"), floats(&sandbox, "gpu.exr"));
+    assert!(cpu.iter().any(|&px| px > 4.0));
+    for (right, seen) in cpu.iter().zip(&gpu) {
+        assert!((seen - right).abs() <= 1e-6 * right, "{seen} px, not {right}");
+    }
+    assert_eq!(told("--stage emission", "gpu"), "cpu", "there is nothing to compute");
+}
+
+#[test]
+fn stages_are_those_that_it_went_through() {
+    let sandbox = Sandbox::small();
+    sandbox.write("dot.toml", "size = [1, 1]\nsky = [1.0, 1.0, 1.0]\n");
+    sandbox.write("empty.toml", "size = [20, 9]\nsky = [1.0, 0.5, 0.2]\n");
+    for name in ["small", "dot", "empty"] {
+        for (backend, place) in [("cpu", "computed on the CPU, "), ("gpu", "computed on the GPU (")]
+        {
+            let flags = format!("stages {name}.toml --method raymarch --backend {backend}");
+            let said = sandbox.run(&format!("{flags} -o {name}-{backend}")).done();
+            assert!(said.contains("8 pictures") && said.contains(place), "{said}");
+            assert_eq!(
+                std::fs::read_dir(sandbox.path(format!("{name}-{backend}"))).unwrap().count(),
+                9
+            );
+        }
+        for stage in ["emission", "opacity", "albedo", "tint", "voronoi"] {
+            let bytes = |backend: &str| sandbox.read(&format!("{name}-{backend}/{stage}.png"));
+            assert!(bytes("cpu") == bytes("gpu"), "{stage} of {name} differs");
+        }
+        // Rounding may move a colour by a level or two, and a contour line by a cell.
+        for (stage, percent) in [("distance", 1), ("light", 0), ("final", 0)] {
+            let picture = |backend: &str| {
+                sandbox.picture(&format!("{name}-{backend}/{stage}.png")).into_raw()
+            };
+            let (cpu, gpu) = (picture("cpu"), picture("gpu"));
+            let off = cpu.iter().zip(&gpu).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+            assert!(off <= cpu.len() * percent / 100, "{stage} of {name}: {off} are off");
+        }
+    }
+}
+
+#[test]
+fn compare_judges_what_it_finds() {
+    let sandbox = Sandbox::small();
+    // Of the sweep, some rows are the mean over frames: each has to be the frame that it says.
+    let compare = |backend: &str| {
+        let flags = "compare small.toml --methods raymarch,polar --sweep --samples 64 --json";
+        json(&sandbox.run(&format!("{flags} --backend {backend}")).done())
+    };
+    let (cpu, gpu) = (compare("cpu"), compare("gpu"));
+    assert_eq!((&cpu["backend"], &gpu["backend"]), (&"cpu".into(), &"gpu".into()));
+    assert!(cpu["adapter"].is_null() && gpu["adapter"].is_string(), "{gpu}");
+    let rows = |answer: &Value| answer["rows"].as_array().unwrap().clone();
+    assert_eq!(rows(&cpu).len(), rows(&gpu).len());
+    for (cpu, gpu) in rows(&cpu).iter().zip(&rows(&gpu)) {
+        assert_eq!(cpu["name"], gpu["name"]);
+        assert!(gpu["ms"].as_f64() > Some(0.0), "{gpu}");
+        for measure in ["relative_rmse", "bias", "p99", "flip"] {
+            let [right, seen] = [cpu, gpu].map(|row| row[measure].as_f64().unwrap());
+            let name = &cpu["name"];
+            assert!((seen - right).abs() < 1e-3, "{measure} of {name}: {seen}, not {right}");
+        }
+    }
+}
+
+#[test]
+fn compare_says_where_it_ran_and_what_is_not_there_yet() {
+    let sandbox = Sandbox::small();
+    let flags = "--methods raymarch,cascades --samples 16 --bounces converged --report report";
+    let said = sandbox.run(&format!("compare small.toml --backend gpu {flags}")).done();
+    for words in [
+        "bounces converged, on the GPU (",
+        "raymarch, default",
+        "cascades cannot light this scene: `bounces` = converged",
+        "reference: path tracer on the CPU",
+        "times: of a frame ",
+    ] {
+        assert!(said.contains(words), "`{words}` is missing in {said}");
+    }
+    assert!(!said.contains("cascades, default"), "{said}");
+    let page = String::from_utf8(sandbox.read("report/index.html")).unwrap();
+    for words in ["on the GPU (", " s on the CPU. ", "A time is the median of a frame, "] {
+        assert!(page.contains(words), "`{words}` is missing in the page");
+    }
 }
 
 #[test]
