@@ -123,7 +123,9 @@ fn methods(machine: &str) -> Result<()> {
     for name in scenes::NAMES {
         println!("compare {name}");
         let flags = ["--bounces", "0", "--cells", frontier::CELLS, "--samples", frontier::SAMPLES];
-        let said = lamplight(&[&["compare", &file(name), "--json"], &flags[..]].concat())?;
+        let said = lamplight(
+            &[&["compare", &file(name), "--backend", "cpu", "--json"], &flags[..]].concat(),
+        )?;
         judged.push(Scene::read(name, &said)?);
     }
     let plot = frontier::svg(&judged)?;
@@ -206,7 +208,7 @@ fn pictures() -> Result<()> {
     }
     let folder = tempfile::tempdir()?;
     let path = folder.path().to_str().context("the temporary folder's name is text")?;
-    lamplight(&["stages", &file("cave"), "-o", path])?;
+    lamplight(&["stages", &file("cave"), "--backend", "cpu", "-o", path])?;
     let sheet = image::open(folder.path().join("contact-sheet.png"))?;
     generated::picture(Mode::Write, "docs/pictures/cave-stages.png", &sheet, "docs")
 }
@@ -240,7 +242,7 @@ fn errors(method: &[&str], machine: &str) -> Result<String> {
     println!("compare {JUDGED} by {}", method[0]);
     let direct = ["--bounces", "0", "--samples", SAMPLES, "--json"];
     let scene = file(JUDGED);
-    let compare = ["compare", &scene, "--methods"];
+    let compare = ["compare", &scene, "--backend", "cpu", "--methods"];
     let said = lamplight(&[&compare[..], method, &direct].concat())?;
     let judged: Value = serde_json::from_str(&said)?;
     let percent = |row: &Value, key: &str| Ok::<_, anyhow::Error>(number(row, key)? * 100.0);
