@@ -11,9 +11,7 @@ use lamplight_wgpu::wgpu::{
     Adapter, Backends, Buffer, Device, DeviceDescriptor, DeviceType, Features, Instance,
     InstanceDescriptor, PollType, PowerPreference, Queue, RequestAdapterOptions,
 };
-use lamplight_wgpu::{
-    Cost, Lighting, Stage, Tier, Timer, check, required_features, required_limits,
-};
+use lamplight_wgpu::{Cost, Lighting, Stage, Tier, Timer, required_features, required_limits};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
@@ -25,21 +23,13 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The GPU that all these settings are to be solved on; none: the CPU is to do it.
-    pub fn choose<'s>(
-        backend: Backend,
-        settings: impl IntoIterator<Item = &'s Settings>,
-    ) -> Outcome<Option<Self>> {
-        let checked = settings.into_iter().try_for_each(check);
+    /// The GPU to solve on; none: the CPU is to do it.
+    pub fn choose(backend: Backend) -> Outcome<Option<Self>> {
         match backend {
             Backend::Cpu => Ok(None),
-            Backend::Gpu => {
-                checked?;
-                Self::open(false).map(Some)
-            }
-            // What the GPU cannot do, or a GPU that fails, is no reason to stop.
-            Backend::Auto if checked.is_ok() => Ok(Self::open(true).ok()),
-            Backend::Auto => Ok(None),
+            Backend::Gpu => Self::open(false).map(Some),
+            // A GPU that fails is no reason to stop.
+            Backend::Auto => Ok(Self::open(true).ok()),
         }
     }
 
@@ -214,9 +204,6 @@ impl From<lamplight_wgpu::Error> for Failure {
         match error {
             lamplight_wgpu::Error::Refused(error) => error.into(),
             lamplight_wgpu::Error::ReadBack(_) => Self::failed(error),
-            lamplight_wgpu::Error::NotYet { .. } => {
-                Self::bad_input(error).hint("leave --backend out, or say --backend cpu")
-            }
             _ => Self::bad_input(error),
         }
     }

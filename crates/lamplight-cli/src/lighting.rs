@@ -60,7 +60,7 @@ pub fn ms(time: Duration) -> f64 {
 /// The GPU that the flags put these settings on; none: the CPU is to do it.
 pub fn gpu(flags: &Lighting, settings: &Settings) -> Outcome<Option<Gpu>> {
     match (flags.answer(settings), flags.machine.backend) {
-        (Answer::By(_), backend) => Gpu::choose(backend, [settings]),
+        (Answer::By(_), backend) => Gpu::choose(backend),
         (Answer::Reference, Backend::Gpu) => {
             Err(Failure::bad_input("the reference has no GPU backend so far")
                 .hint("leave --backend out, or say --backend cpu"))

@@ -10,12 +10,6 @@ pub enum Error {
     /// The library refuses the settings or the cells.
     #[error(transparent)]
     Refused(#[from] lamplight::Error),
-    /// The CPU can do it and the GPU cannot so far.
-    #[error("{what} is not on the GPU yet: use the CPU for it")]
-    NotYet {
-        /// A method, or a setting and its value.
-        what: String,
-    },
     /// The grid is larger than the device's limits allow.
     #[error(
         "a grid of {width}×{height} needs {needed} {what}, but this device allows {allowed}: request \

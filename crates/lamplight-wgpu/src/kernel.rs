@@ -167,15 +167,10 @@ pub struct Dispatch {
     pub traffic: Traffic,
     /// Bytes to the step, or the parameters, that it is told.
     offset: Option<u32>,
-    groups: Groups,
-}
-
-/// In how many workgroups a kernel runs.
-#[derive(Clone, Debug)]
-enum Groups {
-    So([u32; 3]),
-    /// As many as the GPU wrote into a buffer.
-    Told(Buffer),
+    /// In how many workgroups it runs; where the GPU says it, in how many otherwise.
+    pub groups: [u32; 3],
+    /// The buffer in which the GPU says it, and bytes to there.
+    told: Option<(Buffer, u64)>,
 }
 
 impl Dispatch {
@@ -183,8 +178,7 @@ impl Dispatch {
     pub fn new(kernel: &Kernel, bound: &Bound, step: Option<u32>, groups: [u32; 3]) -> Self {
         let offset = step.map(|step| step * STEP_BYTES);
         let Bound { group, traffic } = bound.clone();
-        let groups = Groups::So(groups);
-        Self { kernel: kernel.clone(), bound: group, traffic, offset, groups }
+        Self { kernel: kernel.clone(), bound: group, traffic, offset, groups, told: None }
     }
 
     /// Over every cell of a grid.
@@ -198,18 +192,20 @@ impl Dispatch {
         Self::new(kernel, bound, step, groups)
     }
 
-    /// The same in as many workgroups as three numbers in a buffer say, which must not be bound too.
-    pub fn told_by(self, groups: &Buffer) -> Self {
-        Self { groups: Groups::Told(groups.clone()), ..self }
+    /// The same in as many workgroups as three numbers say, so many bytes into a buffer that must not
+    /// be bound too.
+    pub fn told_by(self, groups: &Buffer, offset: u64) -> Self {
+        Self { told: Some((groups.clone(), offset)), ..self }
     }
 
     pub fn record(&self, pass: &mut ComputePass) {
         pass.push_debug_group(self.kernel.label);
         pass.set_pipeline(&self.kernel.pipeline);
         pass.set_bind_group(0, &self.bound, self.offset.as_slice());
-        match &self.groups {
-            &Groups::So([x, y, z]) => pass.dispatch_workgroups(x, y, z),
-            Groups::Told(buffer) => pass.dispatch_workgroups_indirect(buffer, 0),
+        let [x, y, z] = self.groups;
+        match &self.told {
+            None => pass.dispatch_workgroups(x, y, z),
+            Some((buffer, offset)) => pass.dispatch_workgroups_indirect(buffer, *offset),
         }
         pass.pop_debug_group();
     }

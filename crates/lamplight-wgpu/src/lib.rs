@@ -8,8 +8,7 @@
 //! [`Compose`] draws the light on the host's target, [`View`] moves a camera over a larger world, [`Timer`]
 //! says what each stage takes.
 //!
-//! All stages and methods of the library are here; what settings ask for beyond that (`bounces` =
-//! converged, but by `raymarch`) is refused by name ([`Error::NotYet`]). Matter comes from uploaded
+//! All stages and methods of the library are here, with all their settings. Matter comes from uploaded
 //! cells, or the host's textures and lamps ([`Lighting::set_lamps`]).
 //!
 //! ```no_run
@@ -54,7 +53,7 @@ mod view;
 pub use compose::{Color, Compose, Filter, Shown};
 pub use cost::{Cost, KernelCost, Traffic};
 pub use error::{Error, Result};
-pub use lighting::{Lighting, Stage, check};
+pub use lighting::{Lighting, Stage};
 pub use matter::Textures;
 pub use options::Options;
 pub use stages::display::Target;

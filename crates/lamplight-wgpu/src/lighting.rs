@@ -17,7 +17,7 @@ use crate::stages::output::Output;
 use crate::stages::walls::Walls;
 use crate::timing::Timer;
 use crate::{Error, Result};
-use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
+use lamplight::{Bounces, Cells, Lamp, Settings, Sky};
 use std::sync::Arc;
 use wgpu::{
     Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
@@ -121,7 +121,7 @@ impl Lighting {
         settings: Settings,
         options: Options,
     ) -> Result<Self> {
-        check(&settings)?;
+        settings.check()?;
         options.check()?;
         let mut compiled = Compiled::default();
         let method = compiled.method(device, queue, &settings)?;
@@ -310,7 +310,7 @@ impl Lighting {
         queue: &Queue,
         settings: &Settings,
     ) -> Result<()> {
-        check(settings)?;
+        settings.check()?;
         self.compiled.method(device, queue, settings)?;
         Ok(())
     }
@@ -327,7 +327,7 @@ impl Lighting {
         queue: &Queue,
         settings: Settings,
     ) -> Result<()> {
-        check(&settings)?;
+        settings.check()?;
         let planned =
             alike(&settings, &self.settings) && settings.wall_depth == self.settings.wall_depth;
         let method = self.compiled.method(device, queue, &settings)?;
@@ -432,19 +432,6 @@ fn run<'a>(
     let descriptor = ComputePassDescriptor { label: Some(label), timestamp_writes: None };
     let mut pass = encoder.begin_compute_pass(&descriptor);
     dispatches.for_each(|dispatch| dispatch.record(&mut pass));
-}
-
-/// Refuses settings that are out of range, and what only the CPU can do so far.
-pub fn check(settings: &Settings) -> Result<()> {
-    settings.check()?;
-    let converged = settings.bounces == Bounces::Converged;
-    let missing = match settings.method {
-        Method::Cascades | Method::Holographic if converged => {
-            "`bounces` = converged, but by raymarch,"
-        }
-        _ => return Ok(()),
-    };
-    Err(Error::NotYet { what: missing.to_owned() })
 }
 
 fn wrong_output(problem: String) -> Error {

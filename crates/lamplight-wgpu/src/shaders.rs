@@ -62,7 +62,8 @@ pub const RAYMARCH_DISTANCE: Shader = shader!(
     "march_distance"
 );
 pub const FEEDBACK: Shader = shader!("feedback");
-pub const CONVERGENCE: Shader = shader!("convergence");
+pub const COMPARE: Shader = shader!("compare", "found");
+pub const CONVERGENCE: Shader = shader!("convergence", "found");
 pub const TEMPORAL: Shader = shader!("temporal");
 pub const DENOISE: Shader = shader!("denoise", "luminance");
 pub const GROUND: Shader = shader!("ground");
@@ -100,7 +101,7 @@ pub const TRACE: Shader =
 pub const EXTEND: Shader = shader!("extend", "sweep", "interval", "packed_interval");
 pub const CONES: Shader = shader!("cones", "sweep", "packed_rgb", "interval", "packed_interval");
 pub const HOP: Shader = shader!("hop", "sweep", "packed_rgb", "interval", "transmittance", "ways");
-pub const REFLECT: Shader = shader!("reflect", "faces", "packed_rgb", "solid");
+pub const REFLECT: Shader = shader!("reflect", "found", "faces", "packed_rgb", "solid");
 pub const CASCADES_FILL: Shader = shader!(
     "cascades/fill",
     "faces",
@@ -121,7 +122,7 @@ pub const CASCADES_GATHER: Shader = shader!(
     "cascades/interval",
     "cascades/merge"
 );
-pub const PAPER_SOURCE: Shader = shader!("paper_source");
+pub const PAPER_SOURCE: Shader = shader!("paper_source", "faces", "found");
 pub const PAPER_TRACE: Shader =
     shader!("paper_trace", "sweep", "interval", "paper_interval", "transmittance");
 pub const PAPER_EXTEND: Shader =
@@ -161,6 +162,7 @@ mod tests {
         RAYMARCH,
         RAYMARCH_DISTANCE,
         FEEDBACK,
+        COMPARE,
         CONVERGENCE,
         TEMPORAL,
         DENOISE,

@@ -17,16 +17,6 @@ fn raymarch() -> Settings {
 }
 
 #[test]
-fn what_is_not_there_yet_is_refused_by_name() {
-    let (device, queue) = device();
-    let bounces = Bounces::Converged;
-    let settings = Settings { method: Method::Cascades, bounces, ..Settings::default() };
-    let error = Lighting::new(&device, &queue, settings).unwrap_err();
-    assert!(matches!(error, Error::NotYet { .. }), "{error:?}");
-    assert!(error.to_string().starts_with("`bounces` = converged"), "{error}");
-}
-
-#[test]
 fn bad_settings_and_cells_are_refused_as_on_the_cpu() {
     let (device, queue) = device();
     let mut settings = raymarch();

@@ -1,6 +1,6 @@
 //! `lamplight compare`: the methods against the path tracer.
 
-use crate::args::{Backend, Machine, SettingFlags, Show, by_name};
+use crate::args::{Machine, SettingFlags, Show, by_name};
 use crate::contest::{self, Contest, Entry, Judge, Row, Truth};
 use crate::failure::{Failure, Outcome};
 use crate::gpu::Gpu;
@@ -57,7 +57,7 @@ pub fn run(args: Args) -> Outcome {
         let settings = table_of_scene.resolve()?;
         let display = args.show.display(scene.display)?;
         let entries = contest::entries(methods, &table_of_scene, args.sweep)?;
-        let gpu = gpu(args.machine.backend, &entries)?;
+        let gpu = Gpu::choose(args.machine.backend)?;
         let place = gpu.as_ref().map_or_else(Place::cpu, Gpu::place);
         if let Some(folder) = &args.report {
             output::make_directory(folder)?;
@@ -121,18 +121,6 @@ pub fn run(args: Args) -> Outcome {
             _ => Ok(()),
         }
     })
-}
-
-/// The GPU that all entries run on, or none of them: times of the two are not to be held against each
-/// other.
-fn gpu(backend: Backend, entries: &[Entry]) -> Outcome<Option<Gpu>> {
-    match backend {
-        // What it cannot do so far is named with its reason, and the others go on.
-        Backend::Gpu => Gpu::best().map(Some),
-        Backend::Auto | Backend::Cpu => {
-            Gpu::choose(backend, entries.iter().map(|entry| &entry.settings))
-        }
-    }
 }
 
 /// Traces the whole picture, or some cells of it.

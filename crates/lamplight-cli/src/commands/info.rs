@@ -3,8 +3,7 @@
 use crate::failure::Outcome;
 use crate::gpu::{adapters, times_stages};
 use crate::output;
-use lamplight::{Cells, Method, Settings};
-use lamplight_wgpu::check;
+use lamplight::{Cells, Method};
 use lamplight_wgpu::wgpu::DeviceType;
 use serde_json::{Map, json};
 
@@ -19,13 +18,14 @@ pub struct Args {
 pub fn run(args: Args) -> Outcome {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let features = vector_features();
-    let methods: Vec<_> = Method::ALL.iter().map(|m| m.name()).chain(["reference"]).collect();
+    let on_gpu: Vec<_> = Method::ALL.iter().map(|m| m.name()).collect();
+    let methods: Vec<_> = on_gpu.iter().copied().chain(["reference"]).collect();
     if args.json {
         return output::print(json!({
             "version": env!("CARGO_PKG_VERSION"),
             "backends": {
                 "cpu": { "threads": threads, "features": features },
-                "gpu": { "methods": gpu_methods() },
+                "gpu": { "methods": on_gpu },
             },
             "adapters": adapters().iter().map(|adapter| {
                 let info = adapter.get_info();
@@ -69,18 +69,11 @@ limits    {side} cells a side, {cells} million cells in all",
         version = env!("CARGO_PKG_VERSION"),
         arch = std::env::consts::ARCH,
         methods = methods.join(", "),
-        gpu = gpu_methods().join(", "),
+        gpu = on_gpu.join(", "),
         presets = presets.join("\n          "),
         side = Cells::MAX_SIDE,
         cells = Cells::MAX_CELLS / 1_000_000,
     ))
-}
-
-/// Methods that run on a GPU so far.
-fn gpu_methods() -> Vec<&'static str> {
-    let runs =
-        |method: &&Method| check(&Settings { method: **method, ..Settings::default() }).is_ok();
-    Method::ALL.iter().filter(runs).map(|method| method.name()).collect()
 }
 
 fn kind(device: DeviceType) -> &'static str {

@@ -38,11 +38,6 @@ const CASES: &[Case] = &[
         &["the reference has no GPU", "hint: "],
     ),
     (
-        "probe small.toml 1,1 --backend gpu --method cascades --bounces converged",
-        2,
-        &["`bounces` = converged, but by raymarch, is not on the GPU yet"],
-    ),
-    (
         "stages small.toml -o there --backend gpu --method reference",
         2,
         &["the reference has no GPU", "hint: "],

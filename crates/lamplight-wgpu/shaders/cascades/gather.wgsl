@@ -46,12 +46,12 @@ fn on_wall(at: vec2u) -> vec3f {
     return sum / max(count, 1.0);
 }
 
-fn put(i: u32, found: vec3f) {
+fn put(i: u32, found: vec3f, kind: f32) {
     var sum = found;
     if layer.cone > 0u {
         sum += light[i].rgb;
     }
-    light[i] = vec4f(sum, 1.0);
+    light[i] = vec4f(sum, kind);
 }
 
 // What faces and fog send on of what they receive.
@@ -65,13 +65,14 @@ fn receive(@builtin(global_invocation_id) id: vec3u) {
     let share = textureLoad(albedo, id.xy, 0).rgb;
     let reflects = any(share != vec3f(0.0));
     for (var face = 0u; face < 4u; face++) {
-        var received = vec3f(0.0);
+        let slot = 4u * i + face;
         if reflects && kind == SOLID && exposed(id.xy, face) {
-            received = over_face(id.xy, face);
+            put(slot, share * over_face(id.xy, face), FACE);
         } else if reflects && kind == MEDIUM && face == 0u {
-            received = over_circle(id.xy);
+            put(slot, share * over_circle(id.xy), VOLUME);
+        } else {
+            light[slot] = vec4f(0.0);
         }
-        put(4u * i + face, share * received);
     }
 }
 
@@ -81,8 +82,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     if source[index(id.xy)].w == SOLID {
-        put(index(id.xy), on_wall(id.xy));
+        put(index(id.xy), on_wall(id.xy), 1.0);
     } else {
-        put(index(id.xy), over_circle(id.xy));
+        put(index(id.xy), over_circle(id.xy), 1.0);
     }
 }

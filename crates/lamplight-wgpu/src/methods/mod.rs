@@ -41,8 +41,10 @@ impl Method {
                 Self::Flood(Box::new(Flood::new(device, queue, &settings.flood)))
             }
             lamplight::Method::Holographic => match settings.holographic.variant {
-                Variant::Paper => Self::Paper(Box::new(Paper::new(device))),
-                Variant::Beams => Self::Holographic(Box::new(Holographic::new(device))),
+                Variant::Paper => Self::Paper(Box::new(Paper::new(device, settings.bounces))),
+                Variant::Beams => {
+                    Self::Holographic(Box::new(Holographic::new(device, settings.bounces)))
+                }
             },
             lamplight::Method::Polar => Self::Polar(Box::new(Polar::new(device, &settings.polar))),
             lamplight::Method::Raymarch => {

@@ -3,6 +3,7 @@
 pub mod carry;
 pub mod changes;
 pub mod clearance;
+pub mod compare;
 pub mod convergence;
 pub mod denoise;
 pub mod display;

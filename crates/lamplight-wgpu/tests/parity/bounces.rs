@@ -1,10 +1,11 @@
 //! Light that bounces from frame to frame, and until it has converged.
 
-use crate::common::{cells, device};
+use crate::common::{cells, device, frame};
 use crate::compare::{Both, agree, differences};
 use crate::frames::{FRAMES, frames_agree, moving};
-use lamplight::settings::{BounceBy, Raymarch};
-use lamplight::{Bounces, Cells, Matter, Method, Settings, Solver};
+use lamplight::settings::{BounceBy, Cascades, Holographic, Raymarch};
+use lamplight::{Bounces, Cells, Matter, Method, Rgb, Settings, Sky, Solver};
+use lamplight_wgpu::Lighting;
 
 fn raymarch(preset: &str, by: BounceBy, bounces: Bounces) -> Settings {
     let mut settings = Settings { method: Method::Raymarch, bounces, ..Settings::default() };
@@ -43,16 +44,34 @@ fn converged_light_agrees() {
     frames_agree(&gpu, "with a mean", settings, (0..4).map(|n| moving(31, 17, n)));
 }
 
-/// A room in which light goes on for a while, with fog.
-fn bright_room() -> Cells {
+/// The methods that light bounces in within a frame, beside presets of `raymarch`.
+fn methods(bounces: Bounces) -> Vec<(String, Settings)> {
+    let of = |method, preset: &str| {
+        let mut settings = Settings { method, bounces, ..Settings::default() };
+        match method {
+            Method::Cascades => settings.cascades = Cascades::preset(preset).unwrap(),
+            _ => settings.holographic = Holographic::preset(preset).unwrap(),
+        }
+        (format!("{method:?}, {preset}"), settings)
+    };
+    let mut all = vec![("Raymarch".into(), raymarch("default", BounceBy::Frame, bounces))];
+    all.extend(["default", "plain"].map(|preset| of(Method::Cascades, preset)));
+    all.extend(["default", "paper"].map(|preset| of(Method::Holographic, preset)));
+    all
+}
+
+/// A room in which light goes on for a while: with fog that sends it on too, and with a pane of glass.
+fn bright_room(fog: bool, tinted: bool) -> Cells {
     let mut cells = Cells::new(33, 21).unwrap();
     let wall = Matter { opacity: 1.0, albedo: [0.8, 0.7, 0.6], ..Matter::EMPTY };
     for y in 0..21 {
         for x in 0..33 {
             if x % 32 == 0 || y % 20 == 0 {
                 cells.set(x, y, wall);
-            } else if x > 20 {
+            } else if fog && x > 20 {
                 cells.set(x, y, Matter { opacity: 0.1, albedo: [0.9; 3], ..Matter::EMPTY });
+            } else if tinted && x == 15 {
+                cells.set(x, y, Matter { tint: [0.9, 1.0, 0.8], ..Matter::EMPTY });
             }
         }
     }
@@ -61,18 +80,83 @@ fn bright_room() -> Cells {
 }
 
 #[test]
-fn rounds_end_where_the_cpu_ends_them() {
-    let cells = bright_room();
-    let settings = |bounces| raymarch("default", BounceBy::Frame, bounces);
+fn every_method_converges_frame_by_frame() {
     let gpu = device();
-    let [seen, right] = Both::new(&gpu, settings(Bounces::Converged)).light(&gpu, &cells);
-    let worst = |other: &[_]| differences(&seen, other).into_iter().fold(0.0, f64::max);
-    let after = |rounds| {
-        let mut solver = Solver::new(settings(Bounces::Count(rounds))).unwrap();
-        solver.solve(&cells).unwrap().pixels().to_vec()
-    };
-    let rounds = (1..100).find(|&rounds| after(rounds) == right).unwrap();
-    let (here, less, more) = (worst(&right), worst(&after(rounds - 1)), worst(&after(rounds + 1)));
-    println!("{rounds} rounds: {here:.1e} off; one less {less:.1e}, one more {more:.1e}");
-    assert!(rounds > 10 && 10.0 * here < less.min(more));
+    for (name, settings) in methods(Bounces::Converged) {
+        let mut both = Both::new(&gpu, settings);
+        for [w, h] in [[1, 1], [1, 37], [31, 17]] {
+            both.agree(&gpu, &format!("{name} at {w}×{h}"), &cells(w, h, 7));
+        }
+        for (fog, tinted) in [(false, false), (false, true), (true, false), (true, true)] {
+            let mut cells = bright_room(fog, tinted);
+            let name = format!("{name}, fog: {fog}, tint: {tinted}");
+            both.agree(&gpu, &name, &cells);
+            // Nothing of the frame before is left.
+            cells.set(9, 7, Matter { emission: [0.0, 0.2, 3.0], opacity: 1.0, ..Matter::EMPTY });
+            both.agree(&gpu, &format!("{name}, another light"), &cells);
+        }
+        // Nothing that sends light on, then nothing that is lit.
+        let mut dark = Cells::new(20, 13).unwrap();
+        dark.set(7, 5, Matter { emission: [2.0; 3], opacity: 1.0, ..Matter::EMPTY });
+        both.agree(&gpu, &format!("{name}, black"), &dark);
+        dark.set(7, 5, Matter { opacity: 1.0, albedo: [0.5; 3], ..Matter::EMPTY });
+        dark.set_sky(Sky::BLACK);
+        both.agree(&gpu, &format!("{name}, dark"), &dark);
+    }
+}
+
+/// Rounds by which both may end apart. In `holographic` rounding decides now and then how many rays a
+/// pixel sends; light that comes and goes with them is a change, too.
+fn slack(settings: &Settings) -> u32 {
+    u32::from(settings.method == Method::Holographic)
+}
+
+#[test]
+fn rounds_end_where_the_cpu_ends_them() {
+    let (device, queue) = device();
+    let cells = bright_room(false, true);
+    for (name, settings) in methods(Bounces::Converged) {
+        let cpu = |bounces| {
+            let mut solver = Solver::new(Settings { bounces, ..settings.clone() }).unwrap();
+            solver.solve(&cells).unwrap().pixels().to_vec()
+        };
+        let right = cpu(Bounces::Converged);
+        let rounds = (1..100).find(|&n| cpu(Bounces::Count(n)) == right).unwrap();
+
+        let gpu = |bounces| {
+            let settings = Settings { bounces, ..settings.clone() };
+            let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+            // Two frames: the second begins anew.
+            [(), ()].map(|()| frame(&device, &queue, &mut lighting, &cells))
+        };
+        let seen = gpu(Bounces::Converged);
+        let near = [rounds, rounds - 1, rounds + 1];
+        // Bit by bit what so many bounces give: rounds that are left out do nothing.
+        let here = near.into_iter().find(|&n| gpu(Bounces::Count(n)) == seen);
+        println!("{name}: {rounds} rounds on the CPU, {here:?} on the GPU");
+        let apart = here.map_or(u32::MAX, |here| here.abs_diff(rounds));
+        assert!(rounds > 10 && apart <= slack(&settings), "{name}: {rounds}, but {here:?}");
+    }
+}
+
+#[test]
+fn rounds_in_fog_end_where_the_cpu_ends_them() {
+    let gpu = device();
+    let cells = bright_room(true, true);
+    let exact = |settings: &Settings| slack(settings) == 0;
+    for (name, settings) in methods(Bounces::Converged).into_iter().filter(|(_, s)| exact(s)) {
+        let worst =
+            |seen: &[Rgb], right: &[Rgb]| differences(seen, right).into_iter().fold(0.0, f64::max);
+        let after = |bounces| {
+            let mut solver = Solver::new(Settings { bounces, ..settings.clone() }).unwrap();
+            solver.solve(&cells).unwrap().pixels().to_vec()
+        };
+        let [seen, right] = Both::new(&gpu, settings.clone()).light(&gpu, &cells);
+        let rounds = (1..100).find(|&n| after(Bounces::Count(n)) == right).unwrap();
+        let here = worst(&seen, &right);
+        let [less, more] =
+            [rounds - 1, rounds + 1].map(|n| worst(&seen, &after(Bounces::Count(n))));
+        println!("{name}, {rounds} rounds: {here:.1e}; one less {less:.1e}, one more {more:.1e}");
+        assert!(rounds > 10 && 10.0 * here < less.min(more), "{name}");
+    }
 }

@@ -15,6 +15,8 @@ use crate::shaders;
 use crate::shared::filled;
 use crate::site::{FOUR, Run, Site, view, whole};
 use crate::stages::clearance::Clearance;
+use crate::stages::compare::Compare;
+use crate::stages::convergence::Convergence;
 use crate::stages::optics::{Optics, Seen};
 use crate::stages::packet::PACKET;
 use ladder::Ladder;
@@ -31,6 +33,8 @@ pub struct Cascades {
     fill: Kernels,
     gather: Kernels,
     cosines: Buffer,
+    /// Where light bounces until it has converged.
+    convergence: Option<(Convergence, Compare)>,
 }
 
 /// What runs over a grid, and the buffers that it reads and writes.
@@ -43,9 +47,6 @@ struct Plan<'a> {
     halves: [Buffer; 2],
     seen: Seen,
     squares: Buffer,
-    /// What surfaces send on, by face; next to nothing where light does not bounce.
-    sent: [Buffer; 2],
-    light: &'a Buffer,
 }
 
 /// What the last gather finds: light; the others find what surfaces send on.
@@ -62,8 +63,10 @@ impl Cascades {
         let cosines = |cone| [0, 1, 2, 3].map(|face| cosine(face, cone, rays));
         let cosines: Vec<[f32; 4]> = (0..rays).map(cosines).collect();
         let cosines = bytemuck::cast_slice(&cosines);
+        let converges = settings.bounces == Bounces::Converged;
         Self {
-            optics: Optics::new(device, false),
+            // As in `raymarch`, where many rounds are recorded no squares are found anew.
+            optics: Optics::new(device, converges),
             clearance: Clearance::new(device),
             fill: Kernels::new(device, &shaders::CASCADES_FILL, &["main"], &slots, &merge),
             gather: Kernels::new(
@@ -74,6 +77,7 @@ impl Cascades {
                 &[&merge[..], &[("BEFORE", BEFORE.into())]].concat(),
             ),
             cosines: filled(device, queue, "cosines", BufferUsages::STORAGE, cosines),
+            convergence: converges.then(|| (Convergence::new(device), Compare::new(device))),
         }
     }
 
@@ -86,31 +90,50 @@ impl Cascades {
         let faces = if site.settings.bounces == Bounces::Count(0) { 0 } else { 4 };
         let sent = site.pair("sent", (site.cells() * faces).max(1) * FOUR)?;
         let (squares, found) = self.clearance.plan(site, &seen)?;
-        let plan = Plan { site, ladder, paths, layers, halves, seen, squares, sent, light };
+        let plan = Plan { site, ladder, paths, layers, halves, seen, squares };
 
-        let mut dispatches = vec![self.optics.read(site, &plan.seen, &plan.sent[0])];
+        let mut dispatches = vec![self.optics.read(site, &plan.seen, &sent[0])];
         dispatches.extend_from_slice(&found);
-        for bounce in 0..bounces {
-            self.gather(&plan, SENT, bounce, &mut dispatches);
-            let sent = &plan.sent[bounce as usize % 2];
-            dispatches.push(self.optics.light_fog(site, &plan.seen, sent));
-            // Fog that sends other light on is other matter, to squares.
-            dispatches.extend_from_slice(&found);
+        let [mut from, mut to] = sent.each_ref();
+        if let Some((convergence, compare)) = &self.convergence {
+            let found = Convergence::found(site)?;
+            let rounds = [0, 1].map(|step| {
+                let mut round = self.gather(&plan, SENT, step, [from, to]);
+                round.push(compare.run(site, [to, from], &found, step));
+                round.push(self.optics.light_fog(site, &plan.seen, from));
+                round
+            });
+            dispatches.extend(convergence.plan(site, &found, rounds)?);
+        } else {
+            for bounce in 0..bounces {
+                dispatches.extend(self.gather(&plan, SENT, bounce.min(1), [from, to]));
+                dispatches.push(self.optics.light_fog(site, &plan.seen, to));
+                // Fog that sends other light on is other matter, to squares.
+                dispatches.extend_from_slice(&found);
+                (from, to) = (to, from);
+            }
         }
-        self.gather(&plan, LIGHT, bounces, &mut dispatches);
+        dispatches.extend(self.gather(&plan, LIGHT, bounces.min(1), [from, light]));
         let stages = vec![(Stage::Clearance, plan.squares), (Stage::Light, light.clone())];
         Ok(Run { dispatches, stages, lamps: None })
     }
 
-    /// All cones of the nearest cascade, batch by batch, after so many bounces.
-    fn gather(&self, plan: &Plan, entry: usize, bounces: u32, dispatches: &mut Vec<Dispatch>) {
-        let this = bounces as usize % 2;
-        let fill = [0, 1].map(|to: usize| {
-            plan.bind(&self.fill, bounces, &plan.halves[1 - to], &plan.halves[to], &[])
+    /// All cones of the nearest cascade, batch by batch: from what surfaces send, which counts from step
+    /// 1 on, into light or what they send next.
+    fn gather(
+        &self,
+        plan: &Plan,
+        entry: usize,
+        step: u32,
+        [from, to]: [&Buffer; 2],
+    ) -> Vec<Dispatch> {
+        let fill = [0, 1].map(|half: usize| {
+            let [far, near] = [&plan.halves[1 - half], &plan.halves[half]];
+            plan.bind(&self.fill, (step, from), [far, near], &[])
         });
-        let to = if entry == LIGHT { plan.light } else { &plan.sent[this] };
         let more = [view(&plan.site.textures.albedo), whole(&self.cosines)];
-        let gather = plan.bind(&self.gather, bounces, &plan.halves[1], to, &more);
+        let gather = plan.bind(&self.gather, (step, from), [&plan.halves[1], to], &more);
+        let mut dispatches = Vec::new();
         for batch in 0..plan.ladder.batches() {
             for further in (1..plan.ladder.cascades.len()).rev() {
                 let [columns, rows] = plan.ladder.cascades[further].lattice.count;
@@ -123,28 +146,29 @@ impl Cascades {
             let nearest = plan.ladder.layer(batch, 0);
             dispatches.push(plan.site.over_cells(&self.gather, entry, &gather, Some(nearest)));
         }
+        dispatches
     }
 }
 
 impl Plan<'_> {
-    /// Binds what merging takes: what lies beyond `from`, what is found `to`.
+    /// Binds what merging takes: what surfaces send from a step on, what lies beyond `far`, where what is
+    /// found goes.
     fn bind(
         &self,
         kernels: &Kernels,
-        bounces: u32,
-        from: &Buffer,
-        to: &Buffer,
+        (step, sent): (u32, &Buffer),
+        [far, to]: [&Buffer; 2],
         more: &[BindingResource],
     ) -> Bound {
         let Self { site, seen, .. } = self;
         let mut resources = vec![
             whole(&self.paths),
-            whole(from),
+            whole(far),
             whole(&seen.source),
             whole(&seen.logs),
             whole(&self.squares),
-            whole(&self.sent[1 - bounces as usize % 2]),
-            site.shared.number(bounces.min(1)),
+            whole(sent),
+            site.shared.number(step),
             ladder::first(&self.layers),
             whole(to),
         ];

@@ -16,6 +16,8 @@ use crate::kernel::{Bound, Dispatch, Kernels, Slot};
 use crate::lighting::Stage;
 use crate::shaders;
 use crate::site::{ONE, Run, Site, view, whole};
+use crate::stages::convergence::Convergence;
+use lamplight::Bounces;
 use lamplight::methods::holographic::ways::Look;
 use lamplight::methods::holographic::{CLOSED, FRACTION, GLOWING, MATTER, REACH};
 use lamplight::stages::transmittance::LOG_OF_ZERO;
@@ -45,6 +47,8 @@ pub struct Holographic {
     hop: Kernels,
     onto: Kernels,
     reflect: Kernels,
+    /// Where light bounces until it has converged, with what sends it on then.
+    convergence: Option<(Convergence, Kernels)>,
 }
 
 /// Those that know how intervals are stored.
@@ -99,7 +103,7 @@ struct Bindings {
 }
 
 impl Holographic {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(device: &Device, bounces: Bounces) -> Self {
         use Slot::{Read, Texture, Uniform, Write};
         let hop = |onto: bool| {
             let slots = [
@@ -124,6 +128,11 @@ impl Holographic {
             let constants = [CELLS, MARCH, &own].concat();
             Kernels::new(device, &shaders::HOP, &["main"], &slots, &constants)
         };
+        let reflect = |entries: &[&'static str], more: &[_]| {
+            let slots = [&[Uniform, Texture, Texture, Read, Write, Write], more].concat();
+            Kernels::new(device, &shaders::REFLECT, entries, &slots, &[])
+        };
+        let converges = bounces == Bounces::Converged;
         Self {
             slabs: Kernels::new(
                 device,
@@ -135,13 +144,9 @@ impl Holographic {
             intervals: [2, 3].map(|words| Intervals::new(device, words)),
             hop: hop(false),
             onto: hop(true),
-            reflect: Kernels::new(
-                device,
-                &shaders::REFLECT,
-                &["send", "show"],
-                &[Uniform, Texture, Texture, Read, Write, Write],
-                &[],
-            ),
+            reflect: reflect(&["send", "show"], &[]),
+            convergence: converges
+                .then(|| (Convergence::new(device), reflect(&["send_on"], &[Write, Slot::Step]))),
         }
     }
 
@@ -260,13 +265,26 @@ impl Holographic {
             whole(light),
         ];
         let faces = site.bind(&self.reflect, &resources);
+        let gather = |steps: &[Step]| -> Vec<_> {
+            steps.iter().map(|step| self.dispatch(intervals, &bound, step)).collect()
+        };
+        let gathers = bounced.each_ref().map(|steps| gather(steps));
         let mut dispatches = Vec::new();
-        for bounce in 0..bounces {
-            let gather = &bounced[usize::from(bounce > 0)];
-            dispatches.extend(gather.iter().map(|step| self.dispatch(intervals, &bound, step)));
-            dispatches.push(site.over_cells(&self.reflect, 0, &faces, None));
+        if let Some((convergence, send_on)) = &self.convergence {
+            let found = Convergence::found(site)?;
+            let more = [whole(&found), site.shared.step()];
+            let faces = site.bind(send_on, &[&resources[..], &more].concat());
+            let [mut first, mut later] = gathers;
+            first.push(site.over_cells(send_on, 0, &faces, Some(0)));
+            later.push(site.over_cells(send_on, 0, &faces, Some(1)));
+            dispatches = convergence.plan(site, &found, [first, later])?;
+        } else {
+            for bounce in 0..bounces {
+                dispatches.extend_from_slice(&gathers[usize::from(bounce > 0)]);
+                dispatches.push(site.over_cells(&self.reflect, 0, &faces, None));
+            }
         }
-        dispatches.extend(seen.iter().map(|step| self.dispatch(intervals, &bound, step)));
+        dispatches.extend(gather(&seen));
         dispatches.push(site.over_cells(&self.reflect, 1, &faces, None));
         Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: None })
     }

@@ -5,7 +5,8 @@ use super::{Buffers, FOUR, Gather, Raymarch};
 use crate::Result;
 use crate::kernel::Dispatch;
 use crate::site::Site;
-use crate::stages::convergence::{Convergence, Round};
+use crate::stages::compare::Compare;
+use crate::stages::convergence::Convergence;
 use crate::stages::feedback::Feedback;
 use lamplight::Settings;
 use lamplight::settings::{BounceBy, Bounces};
@@ -18,7 +19,7 @@ const FACES: u64 = 4;
 #[derive(Debug)]
 pub enum Bounce {
     Times(u32),
-    Converged(Convergence),
+    Converged(Convergence, Compare),
     Feedback(Feedback),
 }
 
@@ -29,7 +30,7 @@ impl Bounce {
             (_, BounceBy::Feedback) => Self::Feedback(Feedback::new(device)),
             (Bounces::Count(times), BounceBy::Frame) => Self::Times(times),
             (Bounces::Converged, BounceBy::Frame) => {
-                Self::Converged(Convergence::new(device, FACES as u32))
+                Self::Converged(Convergence::new(device), Compare::new(device))
             }
         }
     }
@@ -38,7 +39,7 @@ impl Bounce {
     /// anew in each of many rounds, most of which are recorded in vain; once fog is lit its cells differ
     /// anyway.
     pub fn keeps_fog_apart(&self) -> bool {
-        matches!(self, Self::Converged(_))
+        matches!(self, Self::Converged(..))
     }
 
     /// What surfaces send on, before and after a bounce; next to nothing where light does not bounce.
@@ -82,10 +83,14 @@ impl Raymarch {
                 }
                 return Ok((dispatches, from.clone()));
             }
-            Bounce::Converged(convergence) => {
-                let round =
-                    |step| Round { gather: vec![gather(step, other, one)], follow: follow(other) };
-                convergence.plan(site, one, other, round)?
+            Bounce::Converged(convergence, compare) => {
+                let found = Convergence::found(site)?;
+                let rounds = [0, 1].map(|step| {
+                    let compare = compare.run(site, [one, other], &found, step);
+                    let gathered = vec![gather(step, other, one), compare];
+                    gathered.into_iter().chain(follow(other)).collect()
+                });
+                convergence.plan(site, &found, rounds)?
             }
             Bounce::Feedback(feedback) => {
                 let mut dispatches = vec![feedback.take_over(site, &buffers.seen, other, one)];

@@ -18,6 +18,8 @@ use crate::kernel::{Dispatch, Kernels, Slot};
 use crate::lighting::Stage;
 use crate::shaders;
 use crate::site::{FOUR, ONE, Run, Site, view, whole};
+use crate::stages::convergence::Convergence;
+use lamplight::Bounces;
 use lamplight::methods::holographic::paper::{Paper as Cpu, rays};
 use lamplight::methods::holographic::planes;
 use lamplight::stages::transmittance::LOG_OF_ZERO;
@@ -34,6 +36,8 @@ pub struct Paper {
     /// Where no matter tints, and where some does.
     levels: [Levels; 2],
     gather: Kernels,
+    /// Where light bounces until it has converged, with what sends it on then.
+    convergence: Option<(Convergence, Kernels)>,
 }
 
 /// Those that know how intervals are stored.
@@ -174,19 +178,22 @@ struct Buffers<'a> {
 }
 
 impl Paper {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(device: &Device, bounces: Bounces) -> Self {
         use Slot::{Read, Texture, Uniform, Write};
         let kernels = |shader, entries: &[&'static str], slots: &[_]| {
             Kernels::new(device, shader, entries, slots, &[])
         };
+        let source = |entries: &[&'static str], more: &[_]| {
+            let slots = [&[Uniform, Texture, Texture, Texture, Read, Write], more].concat();
+            kernels(&shaders::PAPER_SOURCE, entries, &slots)
+        };
+        let converges = bounces == Bounces::Converged;
         Self {
-            source: kernels(
-                &shaders::PAPER_SOURCE,
-                &["main", "bounce"],
-                &[Uniform, Texture, Texture, Texture, Read, Write],
-            ),
+            source: source(&["main", "bounce"], &[]),
             levels: [Levels::new(device, 4), Levels::new(device, 6)],
             gather: kernels(&shaders::PAPER_GATHER, &["main"], &[Uniform, Texture, Read, Write]),
+            convergence: converges
+                .then(|| (Convergence::new(device), source(&["bounce_on"], &[Write]))),
         }
     }
 
@@ -195,24 +202,31 @@ impl Paper {
         let fluence = site.buffer("fluence", site.cells() * LIGHT)?;
         let quadrants = self.quadrants(site, &source, &fluence)?;
         let textures = site.textures;
-        let see = site.bind(
-            &self.source,
-            &[
-                view(&textures.emission),
-                view(&textures.albedo),
-                view(&textures.tint_opacity),
-                whole(light),
-                whole(&source),
-            ],
-        );
+        let seen = [
+            view(&textures.emission),
+            view(&textures.albedo),
+            view(&textures.tint_opacity),
+            whole(light),
+            whole(&source),
+        ];
+        let see = site.bind(&self.source, &seen);
         let resources = [view(&textures.tint_opacity), whole(&fluence), whole(light)];
         let show = site.bind(&self.gather, &resources);
-        let mut dispatches = Vec::new();
+        let solve = |see: Dispatch| -> Vec<_> {
+            let show = site.over_cells(&self.gather, 0, &show, None);
+            [see].into_iter().chain(quadrants.iter().cloned()).chain([show]).collect()
+        };
         // Direct light, then what it makes surfaces send on, as often as light bounces.
-        for bounce in 0..=site.settings.bounces.limit() {
-            dispatches.push(site.over_cells(&self.source, bounce.min(1) as usize, &see, None));
-            dispatches.extend_from_slice(&quadrants);
-            dispatches.push(site.over_cells(&self.gather, 0, &show, None));
+        let mut dispatches = solve(site.over_cells(&self.source, 0, &see, None));
+        if let Some((convergence, bounce_on)) = &self.convergence {
+            let found = Convergence::found(site)?;
+            let see = site.bind(bounce_on, &[&seen[..], &[whole(&found)]].concat());
+            let round = solve(site.over_cells(bounce_on, 0, &see, None));
+            dispatches.extend(convergence.plan(site, &found, [round.clone(), round])?);
+        } else {
+            for _ in 0..site.settings.bounces.limit() {
+                dispatches.extend(solve(site.over_cells(&self.source, 1, &see, None)));
+            }
         }
         Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: None })
     }
