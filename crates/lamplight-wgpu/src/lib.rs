@@ -36,6 +36,7 @@ pub mod error;
 mod frame;
 mod guarded;
 mod kernel;
+mod known;
 mod lamps;
 mod lighting;
 mod matter;

@@ -5,6 +5,7 @@ use crate::cost::Cost;
 use crate::frame::{Frame, Memory, Place};
 use crate::guarded::guarded;
 use crate::kernel::Dispatch;
+use crate::known::Known;
 use crate::lamps::{Lamps, Room};
 use crate::matter::{self, Textures, Upload};
 use crate::methods;
@@ -17,7 +18,7 @@ use crate::stages::output::Output;
 use crate::stages::walls::Walls;
 use crate::timing::Timer;
 use crate::{Error, Result};
-use lamplight::{Bounces, Cells, Lamp, Settings, Sky};
+use lamplight::{Cells, Lamp, Settings, Sky};
 use std::sync::Arc;
 use wgpu::{
     Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
@@ -69,7 +70,7 @@ pub struct Lit<'a> {
 struct Grid {
     size: [u32; 2],
     textures: Textures,
-    tinted: bool,
+    known: Known,
     room: Room,
     light: Buffer,
     frame: Run,
@@ -165,8 +166,8 @@ impl Lighting {
         let textures = upload.textures.clone();
         self.lamps.clear();
         self.lamps.extend_from_slice(cells.lamps());
-        let tinted = cells.tint().iter().any(|[r, g, b]| r != g || g != b);
-        self.take_over(device, queue, (&textures, tinted), cells.sky())
+        let known = Known::of(cells, self.settings.bounces);
+        self.take_over(device, queue, (&textures, known), cells.sky())
     }
 
     /// Takes over the lamps that light the host's textures ([`Self::prepare_textures`]) from the next
@@ -191,14 +192,14 @@ impl Lighting {
         textures: &Textures,
         sky: Sky,
     ) -> Result<()> {
-        self.take_over(device, queue, (textures, true), sky)
+        self.take_over(device, queue, (textures, Known::NOTHING), sky)
     }
 
     fn take_over(
         &mut self,
         device: &Device,
         queue: &Queue,
-        (textures, tinted): (&Textures, bool),
+        (textures, known): (&Textures, Known),
         sky: Sky,
     ) -> Result<()> {
         sky.check()?;
@@ -208,11 +209,13 @@ impl Lighting {
         let before = self.before.take();
         let grid = match self.grid.take() {
             Some(grid)
-                if grid.textures == *textures && grid.tinted == tinted && grid.room.holds(need) =>
+                if grid.textures == *textures
+                    && grid.known.serves(known)
+                    && grid.room.holds(need) =>
             {
                 grid
             }
-            grid => self.plan(device, (textures, tinted), grid.as_ref())?,
+            grid => self.plan(device, (textures, known), grid.as_ref())?,
         };
         let grid = self.grid.insert(grid);
         if let Some(lamps) = &grid.frame.lamps {
@@ -228,7 +231,7 @@ impl Lighting {
         let moved = [0, 1].map(|a| self.origin[a].saturating_sub(from[a]));
         grid.moved = moved != [0; 2];
         if grid.moved && grid.carry.is_none() {
-            let matter = (&grid.textures, grid.tinted);
+            let matter = (&grid.textures, grid.known);
             let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
             grid.carry = Some(guarded(device, || self.carry.plan(&site, &grid.kept))?);
             grid.memory += site.memory();
@@ -255,7 +258,7 @@ impl Lighting {
     fn plan(
         &self,
         device: &Device,
-        (textures, tinted): (&Textures, bool),
+        (textures, known): (&Textures, Known),
         before: Option<&Grid>,
     ) -> Result<Grid> {
         let had = before.map_or(Room::default(), |grid| grid.room);
@@ -263,7 +266,7 @@ impl Lighting {
         let before = before.filter(|grid| grid.size == size);
         let Self { shared, settings, options, list, .. } = self;
         guarded(device, || {
-            let site = Site::new(device, shared, settings, *options, (textures, tinted))?
+            let site = Site::new(device, shared, settings, *options, (textures, known))?
                 .with_room(had, list.need())?
                 .after(before.map_or(&[], |grid| &grid.kept));
             let (light, output) = match before {
@@ -277,7 +280,7 @@ impl Lighting {
             Ok(Grid {
                 size,
                 textures,
-                tinted,
+                known,
                 room,
                 light,
                 frame,
@@ -335,7 +338,8 @@ impl Lighting {
         let method = std::mem::replace(&mut self.method, method);
         let Some(grid) = self.grid.take_if(|_| !planned) else { return Ok(()) };
         self.method.take(&self.lamps, grid.size, &self.settings, &mut self.list);
-        match self.plan(device, (&grid.textures, grid.tinted), Some(&grid)) {
+        let known = grid.known.under(self.settings.bounces);
+        match self.plan(device, (&grid.textures, known), Some(&grid)) {
             Ok(planned) => self.grid = Some(planned),
             Err(error) => {
                 self.settings = before;
@@ -366,7 +370,7 @@ impl Lighting {
         if [w, h] != grid.size {
             return Err(wrong_output(format!("is {w}×{h}, but the grid is {width}×{height}")));
         }
-        let matter = (&grid.textures, grid.tinted);
+        let matter = (&grid.textures, grid.known);
         let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
         let output = guarded(device, || Ok(self.output.plan(&site, &grid.light, picture)))?;
         grid.output = Some(output);
@@ -393,7 +397,7 @@ impl Lighting {
         let fields = match grid.fields.take() {
             Some(fields) => fields,
             None => {
-                let matter = (&grid.textures, grid.tinted);
+                let matter = (&grid.textures, grid.known);
                 let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
                 guarded(device, || Ok(Fields::new(device).plan(&site)?.run))?
             }

@@ -1,6 +1,7 @@
 //! Where a frame is planned: the grid, its matter, and the buffers that are made for it.
 
 use crate::kernel::{Bound, Dispatch, Kernels};
+use crate::known::Known;
 use crate::lamps::{Lamps, RAY_BYTES, Room};
 use crate::lighting::Stage;
 use crate::matter::Textures;
@@ -25,8 +26,7 @@ pub struct Site<'a> {
     pub settings: &'a Settings,
     pub options: Options,
     pub textures: &'a Textures,
-    /// Whether matter may let channels through differently.
-    pub tinted: bool,
+    pub known: Known,
     pub size: [u32; 2],
     /// For lamps that are lit by rule.
     pub room: Room,
@@ -57,7 +57,7 @@ impl<'a> Site<'a> {
         shared: &'a Shared,
         settings: &'a Settings,
         options: Options,
-        (textures, tinted): (&'a Textures, bool),
+        (textures, known): (&'a Textures, Known),
     ) -> Result<Self> {
         let size = textures.size()?;
         fits(device, size)?;
@@ -69,7 +69,7 @@ impl<'a> Site<'a> {
             settings,
             options,
             textures,
-            tinted,
+            known,
             size,
             room,
             memory,

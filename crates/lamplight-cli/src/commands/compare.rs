@@ -1,7 +1,7 @@
 //! `lamplight compare`: the methods against the path tracer.
 
 use crate::args::{Machine, SettingFlags, Show, by_name};
-use crate::contest::{self, Contest, Entry, Judge, Row, Truth};
+use crate::contest::{self, Contest, Judge, Row, Truth};
 use crate::failure::{Failure, Outcome};
 use crate::gpu::Gpu;
 use crate::lighting::{self, ms};

@@ -4,7 +4,9 @@
 //! sent, is under [`CONVERGED`]. A frame is recorded before anything is known, so all rounds that
 //! there may be are recorded, in as many workgroups as a buffer on the GPU says: each round leaves what
 //! it changed, and once that is little a kernel writes 0 there. What follows then costs the launch of
-//! empty dispatches.
+//! empty dispatches, which is not nothing: wgpu checks each (unless the host leaves
+//! `InstanceFlags::VALIDATION_INDIRECT_CALL` out). So where the albedo is known, no more rounds are
+//! recorded than it can take ([`rounds`]).
 
 use crate::Result;
 use crate::kernel::{Dispatch, Kernels, Slot, WORKGROUP};
@@ -18,6 +20,25 @@ use wgpu::{Buffer, BufferUsages, Device};
 const FOUND: u64 = 3 * ONE;
 /// Bytes of three counts of workgroups.
 const GROUPS: u64 = 3 * ONE;
+
+/// Rounds are planned by so many, so that another albedo seldom makes another plan.
+const STEP: u32 = 16;
+
+/// Rounds after which light between surfaces of so large an albedo has converged, in so many cells. The
+/// largest change of a round is at most albedo × that of the one before, and the mean of what is sent,
+/// which only grows, at least the largest change of the first ÷ how many numbers are sent. One is far
+/// smaller and the other far larger as a rule, which leaves room for methods that make a little light.
+pub fn rounds(albedo: f32, cells: usize) -> u32 {
+    const NUMBERS: f64 = 4.0 * 3.0;
+    let most = Bounces::Converged.limit();
+    if albedo >= 1.0 {
+        return most;
+    }
+    let least = f64::from(CONVERGED) / (NUMBERS * cells as f64);
+    // Nothing at all is left where the albedo is 0.
+    let later = least.ln() / f64::from(albedo).ln();
+    (1 + later.ceil() as u32).next_multiple_of(STEP).min(most)
+}
 
 /// The pipelines.
 #[derive(Debug)]
@@ -64,9 +85,21 @@ impl Convergence {
         });
         let mut dispatches = vec![run(0)];
         dispatches.extend(first);
-        for _ in 1..Bounces::Converged.limit() {
+        let rounds = site.known.rounds.unwrap_or(Bounces::Converged.limit());
+        for _ in 1..rounds {
             dispatches.extend_from_slice(&later);
         }
         Ok(dispatches)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_grow_with_the_albedo_up_to_all() {
+        let of = |albedo| rounds(albedo, 320 * 180);
+        assert_eq!([0.0, 0.5, 0.8, 0.9, 0.95, 1.0].map(of), [16, 32, 96, 208, 256, 256]);
     }
 }

@@ -160,3 +160,41 @@ fn rounds_in_fog_end_where_the_cpu_ends_them() {
         assert!(rounds > 10 && 10.0 * here < less.min(more), "{name}");
     }
 }
+
+#[test]
+fn as_many_rounds_are_planned_as_the_albedo_can_take() {
+    let (device, queue) = device();
+    let [dull, bright] = [0.3, 0.9].map(|albedo| {
+        let mut cells = cells(31, 17, 7);
+        cells.albedo_mut().fill([albedo; 3]);
+        cells
+    });
+    let new = |bounces| {
+        let settings = Settings { bounces, ..Settings::default() };
+        Lighting::new(&device, &queue, settings).unwrap()
+    };
+    let planned = |lighting: &Lighting| lighting.cost().unwrap().dispatches();
+    let lit = |cells| {
+        let mut lighting = new(Bounces::Converged);
+        (frame(&device, &queue, &mut lighting, cells), planned(&lighting))
+    };
+    let [(dull_light, few), (bright_light, many)] = [&dull, &bright].map(lit);
+    assert!(3 * few < many, "{few} dispatches, and {many}");
+
+    // Whatever was planned before: a plan for fewer rounds, for more, for none.
+    let mut lighting = new(Bounces::Converged);
+    for (cells, light, dispatches) in
+        [(&dull, &dull_light, few), (&bright, &bright_light, many), (&dull, &dull_light, many)]
+    {
+        assert_eq!(&frame(&device, &queue, &mut lighting, cells), light);
+        assert_eq!(planned(&lighting), dispatches);
+    }
+    let mut lighting = new(Bounces::Count(1));
+    frame(&device, &queue, &mut lighting, &bright);
+    let settings = new(Bounces::Converged).settings().clone();
+    lighting.set_settings(&device, &queue, settings).unwrap();
+    // Nobody has looked at the albedo yet.
+    assert!(planned(&lighting) > many);
+    assert_eq!(frame(&device, &queue, &mut lighting, &bright), bright_light);
+    assert_eq!(planned(&lighting), many);
+}

@@ -153,7 +153,7 @@ impl Holographic {
     pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
         let settings = &site.settings.holographic;
         let look = Look::new(settings);
-        let intervals = &self.intervals[usize::from(site.tinted)];
+        let intervals = &self.intervals[usize::from(site.known.tinted)];
         let [width, height] = site.size.map(|side| side as usize);
         let sides = [[width, height], [height, width]];
         let words = u64::from(intervals.words);

@@ -233,7 +233,7 @@ impl Paper {
 
     /// What turns cells into the fluence of all four quadrants.
     fn quadrants(&self, site: &Site, source: &Buffer, fluence: &Buffer) -> Result<Vec<Dispatch>> {
-        let levels = &self.levels[usize::from(site.tinted)];
+        let levels = &self.levels[usize::from(site.known.tinted)];
         let [width, height] = site.size;
         let axes = [
             Axis { axis: 0, depth: width, rows: height },
