@@ -131,20 +131,19 @@ fn compare_judges_what_it_finds() {
 }
 
 #[test]
-fn compare_says_where_it_ran_and_what_is_not_there_yet() {
+fn compare_says_where_it_ran() {
     let sandbox = Sandbox::small();
     let flags = "--methods raymarch,cascades --samples 16 --bounces converged --report report";
     let said = sandbox.run(&format!("compare small.toml --backend gpu {flags}")).done();
     for words in [
         "bounces converged, on the GPU (",
         "raymarch, default",
-        "cascades cannot light this scene: `bounces` = converged",
+        "cascades, default",
         "reference: path tracer on the CPU",
         "times: of a frame ",
     ] {
         assert!(said.contains(words), "`{words}` is missing in {said}");
     }
-    assert!(!said.contains("cascades, default"), "{said}");
     let page = String::from_utf8(sandbox.read("report/index.html")).unwrap();
     for words in ["on the GPU (", " s on the CPU. ", "A time is the median of a frame, "] {
         assert!(page.contains(words), "`{words}` is missing in the page");
