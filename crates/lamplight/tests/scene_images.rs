@@ -261,3 +261,29 @@ fn images_that_will_not_do_are_refused_by_key_and_file() {
         )
     );
 }
+
+#[test]
+fn images_may_come_as_bytes() {
+    let bench = Bench::new();
+    bench.image("o.png", pair([51, 51, 51, 255], [255, 255, 255, 255]));
+    bench.image("s.png", RgbaImage::from_pixel(1, 1, Rgba([0, 255, 0, 255])));
+    let text = "size = [2, 1]\n[layers]\nopacity = \"o.png\"\n\
+                [[shape]]\nsprite = { image = \"s.png\", center = [0.5, 0.5] }\nemission = [1, 1, 1]";
+    let from_disk = bench.cells(text).unwrap();
+    let read = |name: &str| std::fs::read(bench.folder.path().join(name)).unwrap();
+    let files = [("o.png", read("o.png")), ("s.png", read("s.png"))];
+    let given = |path: &Path| {
+        files.iter().find(|(name, _)| Path::new(name) == path).map(|(_, bytes)| bytes.as_slice())
+    };
+    let scene = Scene::from_toml(text).unwrap();
+    assert_eq!(scene.cells_with(given).unwrap(), from_disk);
+    // What is not given is not looked for on disk, even where it is there.
+    let path = bench.folder.path().join("o.png");
+    let absolute = format!("size = [2, 1]\n[layers]\nopacity = {:?}", path.display().to_string());
+    let scene = Scene::from_toml(&absolute).unwrap();
+    assert!(scene.cells().is_ok());
+    let error = scene.cells_with(given).unwrap_err().to_string();
+    assert!(error.contains("not among the files that came with the scene"), "{error}");
+    let junk = |_: &Path| Some(&b"junk"[..]);
+    assert!(Scene::from_toml(text).unwrap().cells_with(junk).is_err());
+}

@@ -1,6 +1,7 @@
 //! Layers: images of the scene's size that hold one field of every cell.
 
 use super::picture::Picture;
+use super::source::Source;
 use crate::check;
 use crate::{Cells, Error, Result, Rgb};
 use schemars::JsonSchema;
@@ -66,10 +67,10 @@ impl Layers {
     }
 
     /// Reads every layer into the grid.
-    pub(crate) fn read(&self, folder: &Path, cells: &mut Cells) -> Result<()> {
+    pub(crate) fn read(&self, source: Source, cells: &mut Cells) -> Result<()> {
         let size = [cells.width(), cells.height()];
         let open = |key, path: &Option<PathBuf>| {
-            path.as_ref().map(|path| Layer::open(key, folder, path, size)).transpose()
+            path.as_ref().map(|path| Layer::open(key, source, path, size)).transpose()
         };
         if let Some(layer) = open("emission", &self.emission)? {
             let scale = self.emission_scale;
@@ -118,9 +119,9 @@ struct Layer {
 }
 
 impl Layer {
-    fn open(key: &str, folder: &Path, path: &Path, size: [u32; 2]) -> Result<Self> {
+    fn open(key: &str, source: Source, path: &Path, size: [u32; 2]) -> Result<Self> {
         let key = format!("layers.{key}");
-        let path = folder.join(path);
+        let path = source.place(path);
         let exact = |width, height| {
             if [width, height] == size {
                 return Ok(());
@@ -129,7 +130,7 @@ impl Layer {
             let found = format!("an image of {width}×{height} px ({})", path.display());
             Err(Error::value(&key, found, expected))
         };
-        let picture = Picture::open(&path, exact).map_err(|e| match e {
+        let picture = Picture::open(source, &path, exact).map_err(|e| match e {
             e @ Error::Value { .. } => e,
             e => e.under(&key),
         })?;

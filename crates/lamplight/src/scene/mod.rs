@@ -7,6 +7,7 @@ mod layers;
 mod picture;
 mod raster;
 mod shape;
+mod source;
 
 pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 pub use layers::Layers;
@@ -16,7 +17,8 @@ use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, exact};
 use coverage::Window;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use source::Source;
+use std::path::{Path, PathBuf};
 
 /// A scene as its author writes it; [`Scene::cells`] makes the grid that methods read.
 ///
@@ -99,18 +101,24 @@ impl Scene {
     ///
     /// Nothing that grows with the size is allocated before the size is found good.
     pub fn cells(&self) -> Result<Cells> {
-        self.grid().map_err(|e| self.in_its_file(e))
+        let folder = self.file.parent().unwrap_or(&self.file);
+        self.grid(Source::Folder(folder)).map_err(|e| self.in_its_file(e))
     }
 
-    fn grid(&self) -> Result<Cells> {
+    /// The same with images given as bytes, by the paths that the scene names; nothing is read from
+    /// disk, so that it suits a browser, and scenes from anywhere.
+    pub fn cells_with<'a>(&self, files: impl Fn(&Path) -> Option<&'a [u8]>) -> Result<Cells> {
+        self.grid(Source::Given(&|path: &Path| files(path))).map_err(|e| self.in_its_file(e))
+    }
+
+    fn grid(&self, source: Source) -> Result<Cells> {
         self.check()?;
-        let folder = self.file.parent().unwrap_or(&self.file);
         let mut cells = Cells::new(self.size[0], self.size[1])?;
         cells.set_sky(self.sky);
-        self.layers.read(folder, &mut cells)?;
+        self.layers.read(source, &mut cells)?;
         let mut images = raster::Images::default();
         for (i, shape) in self.shapes.iter().enumerate() {
-            raster::paint(shape, &format!("shape[{i}]"), folder, &mut images, &mut cells)?;
+            raster::paint(shape, &format!("shape[{i}]"), source, &mut images, &mut cells)?;
         }
         cells.lamps_mut().clone_from(&self.lamps);
         Ok(cells)

@@ -1,7 +1,9 @@
-//! Images from disk: their size is known and judged before a pixel is read.
+//! Images, from disk or from bytes: their size is known and judged before a pixel is read.
 
+use super::source::Source;
 use crate::{Error, Result, Rgb, srgb};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
+use std::io::{BufRead, Cursor, Seek};
 use std::path::Path;
 
 /// Bytes that decoding may take beside the pixels themselves.
@@ -21,8 +23,19 @@ pub(crate) enum Picture {
 }
 
 impl Picture {
-    /// Reads a PNG or EXR whose size `accept` does not refuse.
-    pub fn open(path: &Path, accept: impl FnOnce(u32, u32) -> Result<()>) -> Result<Self> {
+    /// Reads a PNG or EXR whose size `accept` does not refuse; `path` is placed already.
+    pub fn open(
+        source: Source,
+        path: &Path,
+        accept: impl FnOnce(u32, u32) -> Result<()>,
+    ) -> Result<Self> {
+        if let Source::Given(files) = source {
+            let bytes = files(path).ok_or_else(|| Error::Format {
+                path: path.to_owned(),
+                problem: "it is not among the files that came with the scene".into(),
+            })?;
+            return Self::decode(ImageReader::new(Cursor::new(bytes)), path, accept);
+        }
         let unread = |source| Error::Read { path: path.to_owned(), source };
         let metadata = std::fs::metadata(path).map_err(unread)?;
         if !metadata.is_file() {
@@ -31,8 +44,17 @@ impl Picture {
                 problem: "it is not a file; a PNG or EXR image is needed".into(),
             });
         }
-        let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
-        let mut decoder = reader.map_err(unread)?.into_decoder().map_err(|e| broken(path, e))?;
+        Self::decode(ImageReader::open(path).map_err(unread)?, path, accept)
+    }
+
+    fn decode(
+        reader: ImageReader<impl BufRead + Seek>,
+        path: &Path,
+        accept: impl FnOnce(u32, u32) -> Result<()>,
+    ) -> Result<Self> {
+        let unread = |source| Error::Read { path: path.to_owned(), source };
+        let reader = reader.with_guessed_format().map_err(unread)?;
+        let mut decoder = reader.into_decoder().map_err(|e| broken(path, e))?;
         let (width, height) = decoder.dimensions();
         accept(width, height)?;
         let mut limits = Limits::default();

@@ -4,10 +4,11 @@ use super::coverage::{self, Point, Window};
 use super::geometry::{Geometry, Sprite};
 use super::picture::Picture;
 use super::shape::Shape;
+use super::source::Source;
 use crate::check::BRIGHT;
 use crate::{Cells, Error, Matter, Result, Rgb};
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Alpha from which a sprite without antialiasing covers a cell.
 const HALF: f32 = 0.5;
@@ -20,7 +21,7 @@ pub(crate) struct Images {
 }
 
 impl Images {
-    fn get(&mut self, path: PathBuf, key: &str) -> Result<&Picture> {
+    fn get(&mut self, source: Source, path: PathBuf, key: &str) -> Result<&Picture> {
         if !self.read.contains_key(&path) {
             let fits = |width, height| {
                 Cells::check_size(u64::from(width), u64::from(height)).map_err(|_| {
@@ -33,7 +34,7 @@ impl Images {
                     Error::value(key, found, most)
                 })
             };
-            let picture = Picture::open(&path, fits).map_err(|e| match e {
+            let picture = Picture::open(source, &path, fits).map_err(|e| match e {
                 e @ Error::Value { .. } => e,
                 e => e.under(key),
             })?;
@@ -53,15 +54,15 @@ impl Images {
 pub(crate) fn paint(
     shape: &Shape,
     key: &str,
-    folder: &Path,
+    source: Source,
     images: &mut Images,
     cells: &mut Cells,
 ) -> Result<()> {
     let matter = shape.matter();
     if let Geometry::Sprite(sprite) = &shape.geometry {
         let key = format!("{key}.sprite.image");
-        let path = folder.join(&sprite.image);
-        let picture = images.get(path.clone(), &key)?;
+        let path = source.place(&sprite.image);
+        let picture = images.get(source, path.clone(), &key)?;
         return paint_sprite(shape, sprite, picture, cells)
             .map_err(|e| e.in_file(&path).under(&key));
     }

@@ -1,0 +1,25 @@
+//! Where the images of a scene come from.
+
+use std::path::{Path, PathBuf};
+
+/// The bytes of a named file, where there is one.
+pub(crate) type Given<'a> = &'a dyn Fn(&Path) -> Option<&'a [u8]>;
+
+/// A folder on disk, or files given as bytes.
+#[derive(Clone, Copy)]
+pub(crate) enum Source<'a> {
+    /// Relative paths start here.
+    Folder(&'a Path),
+    /// Nothing is read from disk.
+    Given(Given<'a>),
+}
+
+impl Source<'_> {
+    /// The path by which an image is opened, and named in errors.
+    pub fn place(&self, path: &Path) -> PathBuf {
+        match self {
+            Self::Folder(folder) => folder.join(path),
+            Self::Given(_) => path.to_owned(),
+        }
+    }
+}
