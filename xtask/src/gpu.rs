@@ -1,9 +1,9 @@
 //! A GPU for the tests: the machine's, or a software one.
 
+use crate::apt;
 use crate::generated::root;
 use crate::test::command;
 use anyhow::{Context, Result, bail, ensure};
-use std::process::Command;
 
 /// Debian's packages of a Vulkan loader and a software GPU (lavapipe).
 const PACKAGES: [&str; 2] = ["libvulkan1", "mesa-vulkan-drivers"];
@@ -19,14 +19,7 @@ pub fn ensure() -> Result<()> {
         return Ok(());
     }
     println!("== no GPU is found: installing a software one");
-    for arguments in [&["update", "-qq"][..], &["install", "-y", "-qq", PACKAGES[0], PACKAGES[1]]] {
-        let done = Command::new("apt-get")
-            .args(arguments)
-            .env("DEBIAN_FRONTEND", "noninteractive")
-            .status()
-            .with_context(|| advice.clone())?;
-        ensure!(done.success(), "apt-get {}: {done}; {advice}", arguments.join(" "));
-    }
+    apt::install(&PACKAGES, &advice)?;
     if !is_found()? {
         bail!("a software GPU is installed and not found; {advice}");
     }

@@ -1,5 +1,7 @@
 //! The project's own chores: `cargo xtask <chore>`.
 
+mod apt;
+mod display;
 mod docs;
 mod frontier;
 mod generated;

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything CI checks, on a machine that has only Rust and git.
 
 use crate::generated::{Mode, root};
-use crate::{gpu, noise, scenes, schema};
+use crate::{display, gpu, noise, scenes, schema};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -26,6 +26,7 @@ pub fn run(with_gpu: bool) -> Result<()> {
     let mut tests = vec!["test", "--workspace", "--quiet"];
     if with_gpu {
         step("a GPU", gpu::ensure)?;
+        step("a display", display::ensure)?;
     } else {
         tests.extend(["--exclude", "lamplight-wgpu", "--", "--skip", ON_THE_GPU]);
     }

@@ -24,9 +24,9 @@ pub struct Input {
     pub radius: f32,
     /// Direction keys: −1, 0 or 1 to the right and down.
     pub direction: [f32; 2],
-    /// Whether the key for doing something was struck since the last step.
+    /// Whether the key for doing something (Space) was struck since the last step.
     pub action: bool,
-    /// Whether the key for switching something was struck since the last step.
+    /// Whether the key for switching something (F) was struck since the last step.
     pub switch: bool,
 }
 

@@ -320,8 +320,8 @@ impl World for Room {
     }
 
     fn help(&self) -> &'static str {
-        "Walk with the direction keys; action opens doors, takes or puts down a lantern; switch \
-         lights it or puts it out."
+        "Walk with the arrow keys or WASD. Space opens doors, takes or puts down a lantern; F lights \
+         it or puts it out."
     }
 
     fn look(&self) -> Look {

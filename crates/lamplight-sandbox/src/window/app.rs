@@ -1,0 +1,407 @@
+//! The window's content, frame by frame.
+
+use super::Args;
+use crate::window::files;
+use crate::window::light::{Lit, Shown};
+use crate::window::panels::timings::Timings;
+use crate::window::panels::tools::Tools;
+use crate::window::panels::{settings, settings::Panel};
+use crate::window::probe::{Probe, meter};
+use crate::window::script::{Line, Script};
+use crate::window::subject::{Choice, Subject};
+use crate::window::view::{Pointer, View};
+use anyhow::{Context as _, Result};
+use eframe::CreationContext;
+use eframe::egui::{
+    self, CentralPanel, CollapsingHeader, Color32, Context, Event, Frame, Key, KeyboardShortcut,
+    Modifiers, PointerButton, RawInput, RichText, ScrollArea, Stroke, TextEdit, Ui, UserData,
+    ViewportCommand,
+};
+use lamplight::settings::Holographic;
+use lamplight::{Settings, SettingsTable};
+use lamplight_sandbox::worlds::Input;
+use std::path::PathBuf;
+
+/// Everything there is.
+pub struct App {
+    choice: Choice,
+    subject: Subject,
+    size: [u32; 2],
+    seed: u64,
+    settings: Settings,
+    shown: Shown,
+    /// Each cell as many whole pixels as fit.
+    whole: bool,
+    lit: Lit,
+    probe: Probe,
+    tools: Tools,
+    panel: Panel,
+    timings: Timings,
+    /// What went wrong, to be read.
+    message: Option<String>,
+    /// What files are saved as.
+    name: String,
+    script: Option<Script>,
+    /// What the script's person does to the window, in its next frame.
+    played: Vec<Event>,
+    /// Where the picture was in the last frame, for the script's person.
+    view: Option<(egui::Rect, [u32; 2])>,
+    shots: Vec<PathBuf>,
+}
+
+impl App {
+    pub fn new(context: &CreationContext, args: &Args, script: Option<Script>) -> Result<Self> {
+        let subject = Subject::new(args.world, args.size, args.seed)?;
+        let look = subject.look();
+        let mut settings = look.settings();
+        let lit = Lit::new(context, &settings, args.backend)?;
+        if !lit.is_gpu() {
+            // A GPU has time for more.
+            settings.holographic = Holographic::preset("fast").unwrap_or_default();
+        }
+        Ok(Self {
+            choice: args.world,
+            lit,
+            probe: Probe::default(),
+            subject,
+            size: args.size,
+            seed: args.seed,
+            settings,
+            shown: Shown { display: look.display, ..Shown::default() },
+            whole: true,
+            tools: Tools::default(),
+            panel: Panel::new(),
+            timings: Timings::default(),
+            message: None,
+            name: "painting".to_owned(),
+            script,
+            played: Vec::new(),
+            view: None,
+            shots: Vec::new(),
+        })
+    }
+
+    /// Goes over to another subject, lit as it asks to be, by the method at hand.
+    fn choose(&mut self, choice: Choice) {
+        match Subject::new(choice, self.size, self.seed) {
+            Ok(subject) => {
+                let look = subject.look();
+                let asked = look.settings();
+                self.settings.bounces = asked.bounces;
+                self.settings.wall_depth = asked.wall_depth;
+                self.shown.display = look.display;
+                (self.choice, self.subject) = (choice, subject);
+                self.tools.brush = 0;
+            }
+            Err(why) => self.message = Some(why.to_string()),
+        }
+    }
+
+    /// What is on, how it is lit, how fast.
+    fn bar(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            for choice in Choice::ALL {
+                if ui.selectable_label(self.choice == choice, choice.name()).clicked() {
+                    self.choose(choice);
+                }
+            }
+            if let Subject::World(playing) = &mut self.subject {
+                ui.separator();
+                let label = if playing.paused { "Play" } else { "Pause" };
+                if ui.button(label).clicked() {
+                    playing.paused = !playing.paused;
+                }
+                if ui.button("Restart").clicked() {
+                    self.choose(self.choice);
+                }
+            }
+            ui.separator();
+            ui.label(self.subject.help());
+        });
+    }
+
+    fn settings(&mut self, ui: &mut Ui) {
+        let [w, h] = self.subject.size();
+        ui.label(format!("{w}×{h} cells on {}", self.lit.place()));
+        let (ms, fps) = (self.timings.last(), self.timings.frames_a_second());
+        ui.label(format!("{ms:.1} ms of light, {fps:.0} frames a second"));
+        ui.label(RichText::new(self.probe.words()).monospace())
+            .on_hover_text("The light at the pointer: linear red, green, blue");
+        ui.separator();
+        self.panel.show(ui, &mut self.settings);
+        CollapsingHeader::new("Picture").default_open(true).show(ui, |ui| {
+            settings::display(ui, &mut self.shown.display);
+            ui.checkbox(&mut self.shown.light_alone, "light alone")
+                .on_hover_text("The light that arrives, on white");
+            ui.checkbox(&mut self.shown.smooth, "smooth")
+                .on_hover_text("Between cells; off: pixel art");
+            ui.checkbox(&mut self.whole, "whole pixels")
+                .on_hover_text("Each cell as many whole pixels as fit, so that all are alike");
+        });
+        CollapsingHeader::new("Save").default_open(true).show(ui, |ui| self.files(ui));
+        CollapsingHeader::new("Times").default_open(true).show(ui, |ui| {
+            self.timings.show(ui);
+            if let Some(bytes) = self.lit.memory() {
+                ui.label(format!("{:.1} MB held by the light", bytes as f64 / 1e6));
+            }
+        });
+    }
+
+    fn tools(&mut self, ui: &mut Ui) {
+        match &mut self.subject {
+            Subject::Canvas(canvas) => self.tools.show_canvas(ui, canvas),
+            Subject::World(playing) => self.tools.show_world(ui, playing.world.brushes()),
+        }
+    }
+
+    /// The picture: what the pointer and the keys do to it, then its light.
+    fn picture(&mut self, ui: &mut Ui) {
+        let view = View::new(ui, self.subject.size(), self.whole);
+        self.view = Some((view.place, self.subject.size()));
+        let pointer = view.pointer(ui);
+        let seconds = f64::from(ui.input(|input| input.stable_dt));
+        let told = match &mut self.subject {
+            Subject::Canvas(canvas) => self.tools.apply(canvas, pointer),
+            Subject::World(playing) => {
+                playing.play(seconds, &self.tools.input(ui, pointer));
+                Ok(())
+            }
+        };
+        if let Err(why) = told {
+            self.message = Some(why);
+        }
+        let found = self.lit.find(self.subject.cells(), &self.settings, self.shown);
+        match found {
+            Ok(()) => self.lit.draw(ui, view.place),
+            Err(why) => self.give_up(ui.ctx(), &why),
+        }
+        self.probe.look(&self.lit, self.subject.cells(), pointer.at);
+        if let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())
+            && let Some(lit) = playing.world.lit(light)
+        {
+            meter(ui, view.place, lit);
+        }
+        self.timings.push(self.lit.stages(), seconds);
+        if let (Some(at), Subject::Canvas(_)) = (pointer.at, &self.subject) {
+            let scale = view.place.width() / self.subject.size()[0] as f32;
+            let stroke = Stroke::new(1.0, Color32::from_white_alpha(140));
+            ui.painter().circle_stroke(view.to_window(at), self.tools.radius * scale, stroke);
+        }
+    }
+
+    /// Says what went wrong; where it was the GPU, the CPU goes on.
+    fn give_up(&mut self, context: &Context, why: &anyhow::Error) {
+        self.message = Some(format!("{why:#}"));
+        if self.lit.is_gpu()
+            && let Ok(lit) = Lit::on_cpu(context, &self.settings)
+        {
+            self.lit = lit;
+        }
+    }
+
+    /// Takes files that were dropped on the window.
+    fn take_files(&mut self, context: &Context) {
+        for file in context.input(|input| input.raw.dropped_files.clone()) {
+            match files::open(&file, &mut self.subject) {
+                Ok(said) => {
+                    self.choice = Choice::Paint;
+                    let look = self.subject.look();
+                    self.shown.display = look.display;
+                    self.message = said;
+                }
+                Err(why) => self.message = Some(format!("{why:#}")),
+            }
+        }
+    }
+
+    /// Where to save, and what.
+    fn files(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            ui.label("Name");
+            ui.add(TextEdit::singleline(&mut self.name).desired_width(120.0));
+        });
+        let cells = self.subject.cells();
+        let saved = ui.horizontal(|ui| {
+            let scene = ui.button("Scene").on_hover_text("NAME.toml and its layers, to load again");
+            let picture = ui.button("Picture").on_hover_text("NAME.png, as it is shown");
+            let light = ui.button("Light").on_hover_text("NAME-light.exr, linear light");
+            if let (true, Subject::Canvas(canvas)) = (scene.clicked(), &self.subject) {
+                return Some(files::save_scene(canvas, &self.name));
+            }
+            if picture.clicked() {
+                let display = self.shown.display;
+                return Some(
+                    self.lit
+                        .fetch(cells)
+                        .and_then(|l| files::save_picture(&l, cells, display, &self.name)),
+                );
+            }
+            light
+                .clicked()
+                .then(|| self.lit.fetch(cells).and_then(|l| files::save_light(&l, &self.name)))
+        });
+        if let Some(saved) = saved.inner {
+            self.message = Some(saved.unwrap_or_else(|why| format!("{why:#}")));
+        }
+    }
+
+    /// Keys that work everywhere.
+    fn keys(&mut self, context: &Context) {
+        let Subject::Canvas(canvas) = &mut self.subject else { return };
+        let struck = |modifiers, key| {
+            context
+                .input_mut(|input| input.consume_shortcut(&KeyboardShortcut::new(modifiers, key)))
+        };
+        // The longer one first: it holds the other.
+        if struck(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
+            || struck(Modifiers::COMMAND, Key::Y)
+        {
+            canvas.redo();
+        } else if struck(Modifiers::COMMAND, Key::Z) {
+            canvas.undo();
+        }
+    }
+
+    /// Does what the script says next.
+    fn follow(&mut self, context: &Context) {
+        let Some(script) = &mut self.script else { return };
+        // A picture of the window comes a frame later, and shows that frame.
+        if !self.shots.is_empty() {
+            return;
+        }
+        if script.is_over() {
+            context.send_viewport_cmd(ViewportCommand::Close);
+            return;
+        }
+        let Some(line) = script.next() else { return };
+        if let Err(why) = self.obey(context, line) {
+            self.message = Some(format!("{why:#}"));
+        }
+    }
+
+    fn obey(&mut self, context: &Context, line: Line) -> Result<()> {
+        let button = |pressed, pos| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        let there = context.pointer_latest_pos().unwrap_or_default();
+        match line {
+            Line::Frames(_) => {}
+            Line::World(choice) => self.choose(choice),
+            Line::Set(text) => {
+                let mut table: SettingsTable =
+                    serde_json::from_value(serde_json::to_value(&self.settings)?)?;
+                table.set_from_text(&text)?;
+                self.settings = table.resolve()?;
+            }
+            Line::Move([x, y]) => {
+                let (place, [w, h]) = self.view.context("there is no picture yet")?;
+                let across = egui::vec2(x / w as f32, y / h as f32);
+                self.played.push(Event::PointerMoved(place.min + across * place.size()));
+            }
+            Line::Press => self.played.push(button(true, there)),
+            Line::Release => self.played.push(button(false, there)),
+            Line::Clear => {
+                if let Subject::Canvas(canvas) = &mut self.subject {
+                    canvas.clear();
+                }
+            }
+            Line::Lamp => self.tools.choose_lamp(),
+            Line::Say(word) => println!("{word}"),
+            Line::Shot(path) => {
+                self.shots.push(path);
+                context.send_viewport_cmd(ViewportCommand::Screenshot(UserData::default()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Saves the pictures of the window that have come.
+    fn take_shots(&mut self, context: &Context) -> Result<()> {
+        let come = context.input(|input| {
+            let shots = input.events.iter().filter_map(|event| match event {
+                Event::Screenshot { image, .. } => Some(image.clone()),
+                _ => None,
+            });
+            shots.collect::<Vec<_>>()
+        });
+        for shot in come {
+            let Some(path) = (!self.shots.is_empty()).then(|| self.shots.remove(0)) else { break };
+            let [w, h] = shot.size.map(|side| side as u32);
+            let pixels: Vec<u8> = shot.pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
+            let picture = image::RgbaImage::from_raw(w, h, pixels).context("a broken picture")?;
+            picture.save(&path).with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        Ok(())
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        let context = ui.ctx().clone();
+        if let Err(why) = self.take_shots(&context) {
+            self.message = Some(format!("{why:#}"));
+        }
+        self.take_files(&context);
+        self.keys(&context);
+        self.follow(&context);
+        egui::Panel::top("bar").show(ui, |ui| self.bar(ui));
+        if let Some(message) = self.message.clone() {
+            egui::Panel::bottom("message").show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    ui.colored_label(ui.visuals().warn_fg_color, message);
+                    if ui.button("OK").clicked() {
+                        self.message = None;
+                    }
+                })
+            });
+        }
+        egui::Panel::left("tools").exact_size(130.0).show(ui, |ui| self.tools(ui));
+        egui::Panel::right("settings").exact_size(300.0).show(ui, |ui| {
+            ScrollArea::vertical().show(ui, |ui| self.settings(ui));
+        });
+        CentralPanel::default()
+            .frame(Frame::NONE.fill(Color32::BLACK))
+            .show(ui, |ui| self.picture(ui));
+        // Light and worlds go on.
+        context.request_repaint();
+    }
+
+    fn raw_input_hook(&mut self, _: &Context, input: &mut RawInput) {
+        input.events.append(&mut self.played);
+    }
+}
+
+impl Tools {
+    /// What a world is told.
+    fn input(&self, ui: &Ui, pointer: Pointer) -> Input {
+        // Who types a name does not walk.
+        if ui.ctx().egui_wants_keyboard_input() {
+            return self.pointing(pointer);
+        }
+        let (direction, action, switch) = ui.input(|input| {
+            let down =
+                |keys: [Key; 2]| f32::from(u8::from(keys.iter().any(|&key| input.key_down(key))));
+            let right = down([Key::ArrowRight, Key::D]) - down([Key::ArrowLeft, Key::A]);
+            let lower = down([Key::ArrowDown, Key::S]) - down([Key::ArrowUp, Key::W]);
+            let action = input.key_pressed(Key::Space) || input.key_pressed(Key::E);
+            ([right, lower], action, input.key_pressed(Key::F))
+        });
+        Input { direction, action, switch, ..self.pointing(pointer) }
+    }
+
+    /// The same without keys.
+    fn pointing(&self, pointer: Pointer) -> Input {
+        Input {
+            pointer: pointer.at,
+            pressed: pointer.held,
+            just_pressed: pointer.pressed,
+            just_released: pointer.released,
+            brush: self.brush,
+            radius: self.radius,
+            ..Input::default()
+        }
+    }
+}

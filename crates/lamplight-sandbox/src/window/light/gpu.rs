@@ -1,0 +1,159 @@
+//! On the GPU that draws the window: light is recorded before the window, and drawn within it.
+
+use super::Shown;
+use anyhow::{Context, Result};
+use eframe::egui::PaintCallbackInfo;
+use eframe::egui::{Rect, Ui};
+use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};
+use lamplight::{Cells, Light, Rgb, Settings};
+use lamplight_wgpu::read_back::read_back;
+use lamplight_wgpu::wgpu::{
+    Device, Extent3d, Queue, RenderPass, TexelCopyBufferLayout, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages, TextureView,
+};
+use lamplight_wgpu::{Color, Compose, Filter, Lighting, Stage, Timer};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// Light on the window's device.
+pub struct OnGpu {
+    name: String,
+    device: Device,
+    queue: Queue,
+    target: TextureFormat,
+    lighting: Lighting,
+    compose: Arc<Mutex<Compose>>,
+    timer: Option<Timer>,
+    stages: Vec<(&'static str, Duration)>,
+    colors: Option<Colors>,
+}
+
+/// What the light falls on, as a texture.
+struct Colors {
+    size: [u32; 2],
+    view: TextureView,
+    texels: Vec<[f32; 4]>,
+}
+
+impl Colors {
+    fn new(device: &Device, size: [u32; 2]) -> Self {
+        let [width, height] = size;
+        let texture = device.create_texture(&TextureDescriptor {
+            label: Some("colours"),
+            size: Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::Rgba32Float,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        Self { size, view: texture.create_view(&Default::default()), texels: Vec::new() }
+    }
+
+    fn write(&mut self, queue: &Queue, colors: &[Rgb]) {
+        self.texels.clear();
+        self.texels.extend(colors.iter().map(|&[r, g, b]| [r, g, b, 1.0]));
+        let [width, height] = self.size;
+        let layout = TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(16 * width),
+            rows_per_image: None,
+        };
+        let extent = Extent3d { width, height, depth_or_array_layers: 1 };
+        let bytes = bytemuck::cast_slice(&self.texels);
+        queue.write_texture(self.view.texture().as_image_copy(), bytes, layout, extent);
+    }
+}
+
+/// Draws the light of the last frame where the window has its place for it.
+struct Draw(Arc<Mutex<Compose>>);
+
+impl CallbackTrait for Draw {
+    fn paint(&self, _: PaintCallbackInfo, pass: &mut RenderPass<'static>, _: &CallbackResources) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).draw(pass);
+    }
+}
+
+impl OnGpu {
+    pub fn new(state: &RenderState, settings: &Settings) -> Result<Self> {
+        let (device, queue) = (state.device.clone(), state.queue.clone());
+        Ok(Self {
+            name: state.adapter.get_info().name,
+            target: state.target_format,
+            lighting: Lighting::new(&device, &queue, settings.clone())?,
+            compose: Arc::new(Mutex::new(Compose::new(&device)?)),
+            timer: Timer::new(&device, &queue),
+            stages: Vec::new(),
+            colors: None,
+            device,
+            queue,
+        })
+    }
+
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub fn find(&mut self, cells: &Cells, settings: &Settings, shown: Shown) -> Result<()> {
+        let Self { device, queue, lighting, timer, .. } = self;
+        lighting.set_settings(device, queue, settings.clone())?;
+        lighting.prepare(device, queue, cells)?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        match timer {
+            Some(timer) => lighting.record_timed(&mut encoder, timer),
+            None => lighting.record(&mut encoder),
+        }
+        queue.submit([encoder.finish()]);
+        if let Some(timer) = timer {
+            let read = timer.read();
+            if !read.is_empty() {
+                self.stages.clear();
+                self.stages.extend_from_slice(read);
+            }
+        }
+        self.prepare(cells, shown)
+    }
+
+    /// Makes ready what the window draws.
+    fn prepare(&mut self, cells: &Cells, shown: Shown) -> Result<()> {
+        let size = [cells.width(), cells.height()];
+        let color = match cells.color().filter(|_| !shown.light_alone) {
+            None => Color::White,
+            Some(colors) => {
+                let known = self.colors.take().filter(|known| known.size == size);
+                let known =
+                    self.colors.insert(known.unwrap_or_else(|| Colors::new(&self.device, size)));
+                known.write(&self.queue, colors);
+                Color::Cells(&known.view)
+            }
+        };
+        let shown = lamplight_wgpu::Shown {
+            display: shown.display,
+            filter: if shown.smooth { Filter::Linear } else { Filter::Nearest },
+            color,
+            window: None,
+        };
+        let mut compose = self.compose.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(compose.prepare(&self.device, &self.queue, &self.lighting, self.target, &shown)?)
+    }
+
+    pub fn draw(&self, ui: &Ui, place: Rect) {
+        ui.painter().add(Callback::new_paint_callback(place, Draw(self.compose.clone())));
+    }
+
+    pub fn fetch(&self, cells: &Cells) -> Result<Light> {
+        let buffer = self.lighting.stage(Stage::Light).context("nothing has been lit")?;
+        let light: Vec<[f32; 4]> = read_back(&self.device, &self.queue, buffer)?;
+        let pixels = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
+        Light::from_pixels(cells, pixels).context("the light has another size")
+    }
+
+    pub fn stages(&self) -> &[(&'static str, Duration)] {
+        &self.stages
+    }
+
+    pub fn memory(&self) -> Option<u64> {
+        self.lighting.cost().map(|cost| cost.memory)
+    }
+}

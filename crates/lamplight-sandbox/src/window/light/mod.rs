@@ -1,0 +1,112 @@
+//! The light of a frame, found on the GPU that draws the window or on the CPU, and shown.
+
+mod cpu;
+mod gpu;
+
+use anyhow::Result;
+use cpu::OnCpu;
+use eframe::CreationContext;
+use eframe::egui::{Context, Rect, Ui};
+use eframe::wgpu::DeviceType;
+use gpu::OnGpu;
+use lamplight::{Cells, Display, Light, Settings};
+use std::time::Duration;
+
+/// What the picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shown {
+    pub display: Display,
+    /// The light alone, on white.
+    pub light_alone: bool,
+    /// Between cells, instead of cell by cell.
+    pub smooth: bool,
+}
+
+/// Where light is to be found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Backend {
+    #[default]
+    Auto,
+    Cpu,
+    Gpu,
+}
+
+/// Finds light and shows it.
+pub enum Lit {
+    Gpu(Box<OnGpu>),
+    Cpu(Box<OnCpu>),
+}
+
+impl Lit {
+    /// On the window's GPU, or on the CPU.
+    pub fn new(context: &CreationContext, settings: &Settings, backend: Backend) -> Result<Self> {
+        let state = context.wgpu_render_state.as_ref().filter(|state| match backend {
+            Backend::Cpu => false,
+            Backend::Gpu => true,
+            // A GPU that is played by the CPU is slower than the CPU.
+            Backend::Auto => state.adapter.get_info().device_type != DeviceType::Cpu,
+        });
+        match state {
+            Some(state) => Ok(Self::Gpu(Box::new(OnGpu::new(state, settings)?))),
+            None => Self::on_cpu(&context.egui_ctx, settings),
+        }
+    }
+
+    /// On the CPU.
+    pub fn on_cpu(context: &Context, settings: &Settings) -> Result<Self> {
+        Ok(Self::Cpu(Box::new(OnCpu::new(context, settings)?)))
+    }
+
+    /// Where it is found.
+    pub fn place(&self) -> &str {
+        match self {
+            Self::Gpu(gpu) => gpu.name(),
+            Self::Cpu(_) => "CPU",
+        }
+    }
+
+    /// Finds the light of the next frame.
+    pub fn find(&mut self, cells: &Cells, settings: &Settings, shown: Shown) -> Result<()> {
+        match self {
+            Self::Gpu(gpu) => gpu.find(cells, settings, shown),
+            Self::Cpu(cpu) => cpu.find(cells, settings, shown),
+        }
+    }
+
+    /// Draws it into a rectangle.
+    pub fn draw(&self, ui: &Ui, place: Rect) {
+        match self {
+            Self::Gpu(gpu) => gpu.draw(ui, place),
+            Self::Cpu(cpu) => cpu.draw(ui, place),
+        }
+    }
+
+    /// The light of the last frame, fetched.
+    pub fn fetch(&self, cells: &Cells) -> Result<Light> {
+        match self {
+            Self::Gpu(gpu) => gpu.fetch(cells),
+            Self::Cpu(cpu) => Ok(cpu.light().clone()),
+        }
+    }
+
+    /// What each stage of a recent frame took; empty where nobody can tell.
+    pub fn stages(&self) -> &[(&'static str, Duration)] {
+        match self {
+            Self::Gpu(gpu) => gpu.stages(),
+            Self::Cpu(cpu) => cpu.stages(),
+        }
+    }
+
+    /// Whether it is found on the GPU.
+    pub fn is_gpu(&self) -> bool {
+        matches!(self, Self::Gpu(_))
+    }
+
+    /// Bytes that it holds; none where nobody counts.
+    pub fn memory(&self) -> Option<u64> {
+        match self {
+            Self::Gpu(gpu) => gpu.memory(),
+            Self::Cpu(_) => None,
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! What stands round the picture.
+
+pub mod settings;
+pub mod timings;
+pub mod tools;

@@ -1,0 +1,231 @@
+//! Every setting, live: the JSON Schema of settings says what there is, its range and what it costs.
+
+use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Response, Slider, Ui};
+use lamplight::settings::{Cascades, Flood, Holographic, Polar, Raymarch};
+use lamplight::{Bounces, Display, Method, Scene, Settings, ToneMap};
+use serde_json::{Value, json};
+
+/// Numbers beyond which a slider is logarithmic.
+const WIDE: f64 = 100.0;
+
+/// The schema, and what was refused.
+pub struct Panel {
+    schema: Value,
+    refused: Option<String>,
+}
+
+impl Panel {
+    pub fn new() -> Self {
+        Self { schema: serde_json::to_value(Scene::schema()).unwrap_or_default(), refused: None }
+    }
+
+    /// The method, its presets and settings, and what all methods share.
+    pub fn show(&mut self, ui: &mut Ui, settings: &mut Settings) {
+        ui.horizontal(|ui| {
+            ui.label("Method");
+            ComboBox::from_id_salt("method").selected_text(settings.method.name()).show_ui(
+                ui,
+                |ui| {
+                    for &method in Method::ALL {
+                        let label =
+                            ui.selectable_value(&mut settings.method, method, method.name());
+                        self.explain(label, "Method", method.name());
+                    }
+                },
+            );
+        });
+        preset(ui, settings);
+        let Ok(mut values) = serde_json::to_value(&*settings) else { return };
+        let before = values.clone();
+        let name = settings.method.name();
+        CollapsingHeader::new(format!("Settings of {name}")).default_open(true).show(ui, |ui| {
+            let type_name = name[..1].to_uppercase() + &name[1..];
+            self.table(ui, &type_name, &mut values[name]);
+        });
+        CollapsingHeader::new("Light").default_open(true).show(ui, |ui| {
+            bounces(ui, &mut values);
+            self.keys(ui, "Settings", &mut values, &["wall_depth", "seed"]);
+        });
+        if settings.method == Method::Raymarch {
+            for (title, key) in [("Mean over frames", "temporal"), ("Denoise", "denoise")] {
+                CollapsingHeader::new(title).show(ui, |ui| {
+                    let type_name = key[..1].to_uppercase() + &key[1..];
+                    self.table(ui, &type_name, &mut values[key]);
+                });
+            }
+        }
+        if values != before {
+            let changed: Result<Settings, _> = serde_json::from_value(values);
+            let checked = changed.map_err(|e| e.to_string());
+            let checked = checked.and_then(|s| s.check().map(|()| s).map_err(|e| e.to_string()));
+            match checked {
+                Ok(changed) => {
+                    *settings = changed;
+                    self.refused = None;
+                }
+                Err(why) => self.refused = Some(why),
+            }
+        }
+        if let Some(why) = &self.refused {
+            ui.colored_label(ui.visuals().warn_fg_color, why);
+        }
+    }
+
+    fn properties(&self, type_name: &str) -> Option<&serde_json::Map<String, Value>> {
+        self.schema["$defs"][type_name]["properties"].as_object()
+    }
+
+    /// All settings of a table.
+    fn table(&self, ui: &mut Ui, type_name: &str, values: &mut Value) {
+        let Some(properties) = self.properties(type_name) else { return };
+        let keys: Vec<&str> = properties.keys().map(String::as_str).collect();
+        self.keys(ui, type_name, values, &keys);
+    }
+
+    /// Some settings of a table.
+    fn keys(&self, ui: &mut Ui, type_name: &str, values: &mut Value, keys: &[&str]) {
+        let Some(properties) = self.properties(type_name) else { return };
+        for &key in keys {
+            let Some(property) = properties.get(key) else { continue };
+            if let Some(value) = values.get_mut(key) {
+                let response = self.edit(ui, key, property, value);
+                response.on_hover_text(property["description"].as_str().unwrap_or_default());
+            }
+        }
+    }
+
+    /// One setting.
+    fn edit(&self, ui: &mut Ui, key: &str, property: &Value, value: &mut Value) -> Response {
+        let label = key.replace('_', " ");
+        if let Some(mut on) = value.as_bool() {
+            let response = ui.checkbox(&mut on, label);
+            *value = json!(on);
+            return response;
+        }
+        let choices = self.choices(property);
+        if !choices.is_empty() {
+            return ui
+                .horizontal(|ui| {
+                    ui.label(&label);
+                    ComboBox::from_id_salt(key).selected_text(text(value)).show_ui(ui, |ui| {
+                        for (choice, words) in choices {
+                            let label = text(&choice);
+                            let response = ui.selectable_value(value, choice, label);
+                            response.on_hover_text(words);
+                        }
+                    });
+                })
+                .response;
+        }
+        let bounds = ["minimum", "maximum"].map(|bound| property[bound].as_f64());
+        let whole = property["type"] == "integer";
+        match (value.as_f64(), bounds) {
+            (Some(mut number), [Some(low), Some(high)]) => {
+                let slider = Slider::new(&mut number, low..=high)
+                    .text(label)
+                    .logarithmic(high - low > WIDE)
+                    .smallest_positive(if whole { 1.0 } else { 1e-3 });
+                let response = ui.add(if whole { slider.integer() } else { slider });
+                *value = if whole { json!(number.round() as u64) } else { json!(number as f32) };
+                response
+            }
+            (Some(_), _) => {
+                let mut number = value.as_u64().unwrap_or_default();
+                let response =
+                    ui.horizontal(|ui| ui.add(DragValue::new(&mut number)) | ui.label(label)).inner;
+                *value = json!(number);
+                response
+            }
+            (None, _) => ui.label(label),
+        }
+    }
+
+    /// The values that a setting can have, each with what it means; empty where it is no choice.
+    fn choices(&self, property: &Value) -> Vec<(Value, String)> {
+        if let Some(values) = property["enum"].as_array() {
+            return values.iter().map(|value| (value.clone(), String::new())).collect();
+        }
+        let Some(name) = property["$ref"].as_str().and_then(|path| path.rsplit('/').next()) else {
+            return Vec::new();
+        };
+        let definition = &self.schema["$defs"][name];
+        let words = |of: &Value| of["description"].as_str().unwrap_or_default().to_owned();
+        match definition["oneOf"].as_array() {
+            Some(all) => all.iter().map(|one| (one["const"].clone(), words(one))).collect(),
+            None => self.choices(definition),
+        }
+    }
+
+    /// Tells what a choice means when the pointer rests on it.
+    fn explain(&self, response: Response, type_name: &str, name: &str) {
+        let property = json!({ "$ref": format!("#/$defs/{type_name}") });
+        if let Some((_, words)) =
+            self.choices(&property).into_iter().find(|(value, _)| value == name)
+        {
+            response.on_hover_text(words);
+        }
+    }
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), |word| word.replace('_', " "))
+}
+
+/// Starting points of the method.
+fn preset(ui: &mut Ui, settings: &mut Settings) {
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Preset");
+        for &name in settings.method.presets() {
+            let mut wanted = settings.clone();
+            lay(&mut wanted, name);
+            if ui.selectable_label(wanted == *settings, name).clicked() {
+                *settings = wanted;
+            }
+        }
+    });
+}
+
+/// Lays a preset of its method over settings.
+fn lay(settings: &mut Settings, name: &str) {
+    match settings.method {
+        Method::Raymarch => settings.raymarch = Raymarch::preset(name).unwrap_or_default(),
+        Method::Flood => settings.flood = Flood::preset(name).unwrap_or_default(),
+        Method::Polar => settings.polar = Polar::preset(name).unwrap_or_default(),
+        Method::Cascades => settings.cascades = Cascades::preset(name).unwrap_or_default(),
+        Method::Holographic => {
+            settings.holographic = Holographic::preset(name).unwrap_or_default();
+        }
+    }
+}
+
+/// A number of bounces, or until little changes.
+fn bounces(ui: &mut Ui, values: &mut Value) {
+    let mut converged = values["bounces"] == "converged";
+    ui.horizontal(|ui| {
+        let mut count = values["bounces"].as_u64().unwrap_or(2);
+        if !converged {
+            ui.add(
+                Slider::new(&mut count, 0..=8)
+                    .clamping(eframe::egui::SliderClamping::Never)
+                    .text("bounces"),
+            )
+            .on_hover_text("How often light is sent on. Each costs one more gather.");
+        }
+        ui.checkbox(&mut converged, "converged")
+            .on_hover_text("Until the largest change is under 0.1 % of the mean.");
+        values["bounces"] = match converged {
+            true => json!("converged"),
+            false => json!(count.min(u64::from(Bounces::MAX))),
+        };
+    });
+}
+
+/// Tone map and exposure.
+pub fn display(ui: &mut Ui, display: &mut Display) {
+    ui.horizontal(|ui| {
+        for &map in ToneMap::ALL {
+            ui.selectable_value(&mut display.tonemap, map, map.name());
+        }
+    });
+    ui.add(Slider::new(&mut display.exposure, -8.0..=8.0).text("exposure, stops"));
+}

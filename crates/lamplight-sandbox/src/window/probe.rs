@@ -1,0 +1,57 @@
+//! How bright it is: under the pointer, and round a player.
+
+use crate::window::light::Lit;
+use eframe::egui::{Align2, Color32, FontId, Rect, Ui, Vec2};
+use lamplight::{Cells, Light};
+
+/// Frames from one look to the next. Light has to come back from the GPU for it, and the window waits.
+const EVERY: u32 = 6;
+
+/// The light as it was last looked at.
+#[derive(Default)]
+pub struct Probe {
+    light: Option<Light>,
+    at: Option<[f32; 2]>,
+    frame: u32,
+}
+
+impl Probe {
+    /// Looks at a frame, now and then.
+    pub fn look(&mut self, lit: &Lit, cells: &Cells, at: Option<[f32; 2]>) {
+        if self.frame.is_multiple_of(EVERY) {
+            self.light = lit.fetch(cells).ok();
+        }
+        self.frame = self.frame.wrapping_add(1);
+        self.at = at;
+    }
+
+    pub fn light(&self) -> Option<&Light> {
+        self.light.as_ref()
+    }
+
+    /// What is under the pointer.
+    pub fn words(&self) -> String {
+        let (Some(light), Some(at)) = (&self.light, self.at) else {
+            return "point at something".into();
+        };
+        let [r, g, b] = light.sample(at);
+        let [x, y] = at.map(f32::floor);
+        format!("{x:.0}, {y:.0}: {r:.3} {g:.3} {b:.3}")
+    }
+}
+
+/// How lit a player is, 0 to 1, in a corner of the picture.
+pub fn meter(ui: &Ui, place: Rect, lit: f32) {
+    let size = Vec2::new(160.0, 14.0);
+    let corner = place.left_bottom() + Vec2::new(10.0, -10.0 - size.y);
+    let frame = Rect::from_min_size(corner, size);
+    let painter = ui.painter();
+    painter.rect_filled(frame.expand(2.0), 3.0, Color32::from_black_alpha(170));
+    let lit = lit.clamp(0.0, 1.0);
+    let shade = 60 + (150.0 * lit) as u8;
+    let filled = Rect::from_min_size(corner, Vec2::new(size.x * lit, size.y));
+    painter.rect_filled(filled, 2.0, Color32::from_rgb(shade, shade, shade / 2));
+    let words = format!("you are {:.0} % lit", 100.0 * lit);
+    let font = FontId::proportional(12.0);
+    painter.text(frame.center(), Align2::CENTER_CENTER, words, font, Color32::WHITE);
+}

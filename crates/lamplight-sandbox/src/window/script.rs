@@ -1,0 +1,124 @@
+//! A person in a file: what a script says instead of mouse and keys, for tests and pictures.
+
+use crate::window::subject::Choice;
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+/// One line of a script.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Line {
+    /// Lets so many frames pass.
+    Frames(u32),
+    /// Chooses what is on.
+    World(Choice),
+    /// Sets a setting, as `--set` of the command line does.
+    Set(String),
+    /// Moves the pointer to a place in the picture, in cells.
+    Move([f32; 2]),
+    Press,
+    Release,
+    /// Clears the canvas.
+    Clear,
+    /// Chooses lamps.
+    Lamp,
+    /// Prints a word, for who watches.
+    Say(String),
+    /// Saves what the window shows.
+    Shot(PathBuf),
+}
+
+/// The lines that are still to come.
+#[derive(Debug, Default)]
+pub struct Script {
+    lines: VecDeque<Line>,
+    wait: u32,
+}
+
+impl Script {
+    pub fn open(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("cannot read {}", path.display()))?;
+        Self::read(&text).with_context(|| path.display().to_string())
+    }
+
+    /// Empty lines and what follows a `#` say nothing.
+    pub fn read(text: &str) -> Result<Self> {
+        let mut lines = VecDeque::new();
+        for (number, line) in (1..).zip(text.lines()) {
+            let line = line.split('#').next().unwrap_or_default();
+            let words: Vec<_> = line.split_whitespace().collect();
+            if words.is_empty() {
+                continue;
+            }
+            lines.push_back(read(&words).with_context(|| format!("line {number}: `{line}`"))?);
+        }
+        Ok(Self { lines, wait: 0 })
+    }
+
+    /// The next line, where its time has come: one a frame. None while it waits.
+    pub fn next(&mut self) -> Option<Line> {
+        if self.wait > 0 {
+            self.wait -= 1;
+            return None;
+        }
+        let line = self.lines.pop_front()?;
+        if let Line::Frames(frames) = line {
+            self.wait = frames;
+        }
+        Some(line)
+    }
+
+    pub fn is_over(&self) -> bool {
+        self.lines.is_empty() && self.wait == 0
+    }
+}
+
+fn read(words: &[&str]) -> Result<Line> {
+    Ok(match *words {
+        ["frames", count] => Line::Frames(count.parse()?),
+        ["world", name] => {
+            Line::World(Choice::from_str(name, true).map_err(|e| anyhow::anyhow!(e))?)
+        }
+        ["set", text] => Line::Set(text.to_owned()),
+        ["move", x, y] => Line::Move([x.parse()?, y.parse()?]),
+        ["press"] => Line::Press,
+        ["release"] => Line::Release,
+        ["clear"] => Line::Clear,
+        ["lamp"] => Line::Lamp,
+        ["say", word] => Line::Say(word.to_owned()),
+        ["shot", path] => Line::Shot(path.into()),
+        _ => bail!(
+            "expected one of: frames N, world NAME, set key=value, move X Y, press, release, lamp, shot FILE"
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_one_a_frame() {
+        let mut script =
+            Script::read("world sand # comment\n\nframes 2\nmove 3 4.5\npress").unwrap();
+        assert_eq!(script.next(), Some(Line::World(Choice::Sand)));
+        assert_eq!(script.next(), Some(Line::Frames(2)));
+        assert_eq!([script.next(), script.next()], [None, None]);
+        assert_eq!(script.next(), Some(Line::Move([3.0, 4.5])));
+        assert!(!script.is_over());
+        assert_eq!(script.next(), Some(Line::Press));
+        assert!(script.is_over() && script.next().is_none());
+    }
+
+    #[test]
+    fn what_is_no_line_is_named() {
+        for (text, told) in
+            [("frames", "line 1"), ("press\nworld moon", "line 2"), ("move 1 x", "line 1")]
+        {
+            let error = format!("{:#}", Script::read(text).unwrap_err());
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! What is lit: a canvas that is painted, or a world that moves.
+
+use anyhow::Result;
+use lamplight::Cells;
+use lamplight_sandbox::canvas::Canvas;
+use lamplight_sandbox::clock::Clock;
+use lamplight_sandbox::look::Look;
+use lamplight_sandbox::worlds::{Input, Kind, World};
+
+/// What there is to choose from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Choice {
+    #[default]
+    Paint,
+    Bodies,
+    Sand,
+    Room,
+}
+
+impl Choice {
+    pub const ALL: [Self; 4] = [Self::Paint, Self::Bodies, Self::Sand, Self::Room];
+
+    /// The name on its button.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paint => "Paint",
+            Self::Bodies => "Bodies",
+            Self::Sand => "Sand",
+            Self::Room => "Room",
+        }
+    }
+}
+
+/// What is on.
+pub enum Subject {
+    Canvas(Box<Canvas>),
+    World(Box<Playing>),
+}
+
+/// A world on its way.
+pub struct Playing {
+    pub world: Box<dyn World>,
+    clock: Clock,
+    cells: Cells,
+    pub paused: bool,
+}
+
+impl Playing {
+    /// Moves it on by so many seconds.
+    pub fn play(&mut self, seconds: f64, input: &Input) {
+        if !self.paused {
+            self.clock.play(self.world.as_mut(), seconds, input);
+        }
+        self.world.draw(&mut self.cells);
+    }
+}
+
+impl Subject {
+    pub fn new(choice: Choice, size: [u32; 2], seed: u64) -> Result<Self> {
+        let kind = match choice {
+            Choice::Paint => return Ok(Self::Canvas(Box::new(Canvas::welcome(size)?))),
+            Choice::Bodies => Kind::Bodies,
+            Choice::Sand => Kind::Sand,
+            Choice::Room => Kind::Room,
+        };
+        let world = kind.make(size, seed)?;
+        let mut cells = Cells::new(size[0], size[1])?;
+        world.draw(&mut cells);
+        let playing = Playing { world, clock: Clock::default(), cells, paused: false };
+        Ok(Self::World(Box::new(playing)))
+    }
+
+    pub fn cells(&self) -> &Cells {
+        match self {
+            Self::Canvas(canvas) => canvas.cells(),
+            Self::World(playing) => &playing.cells,
+        }
+    }
+
+    pub fn size(&self) -> [u32; 2] {
+        [self.cells().width(), self.cells().height()]
+    }
+
+    pub fn look(&self) -> Look {
+        match self {
+            Self::Canvas(canvas) => canvas.look(),
+            Self::World(playing) => playing.world.look(),
+        }
+    }
+
+    /// How it is played, in a line.
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::Canvas(_) => {
+                "Paint with the mouse; the right button erases. Lamps can be dragged. Drop pictures and scenes here."
+            }
+            Self::World(playing) => playing.world.help(),
+        }
+    }
+}
