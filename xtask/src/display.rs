@@ -1,8 +1,9 @@
 //! A display for the tests that open a window: one in memory.
 
 use crate::apt;
-use anyhow::{Result, bail};
-use std::process::{Command, Stdio};
+use anyhow::{Context, Result, bail};
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
 
 /// Debian's packages of the server, and of what a window loads when it opens.
 const PACKAGES: [&str; 7] = [
@@ -31,6 +32,35 @@ pub fn ensure() -> Result<()> {
         bail!("Xvfb is installed and not found; {advice}");
     }
     Ok(())
+}
+
+/// A display in memory, gone when this is.
+pub struct Display {
+    server: Child,
+    /// For the variable DISPLAY.
+    pub name: String,
+}
+
+impl Display {
+    pub fn new() -> Result<Self> {
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1600x900x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()?;
+        let mut number = String::new();
+        let told = server.stdout.take().context("Xvfb says nothing")?;
+        BufReader::new(told).read_line(&mut number)?;
+        Ok(Self { server, name: format!(":{}", number.trim()) })
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        // It is gone already where this fails.
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
 }
 
 fn is_found() -> bool {

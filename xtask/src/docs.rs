@@ -2,10 +2,11 @@
 //!
 //! Figures stand between `<!-- begin NAME: cargo xtask docs -->` and `<!-- end NAME -->`.
 
+use crate::display::{self, Display};
 use crate::frontier::{self, Scene};
 use crate::generated::{self, Mode, root};
 use crate::scenes;
-use crate::test::cargo;
+use crate::test::{cargo, command};
 use anyhow::{Context, Result, ensure};
 use lamplight::Method;
 use serde_json::Value;
@@ -52,6 +53,28 @@ pub fn run() -> Result<()> {
     insert("docs/holographic.md", "errors", &errors(&["holographic"], &machine)?)?;
     insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
     insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)
+}
+
+/// Frames after which the sandbox's window is a picture, by what is on.
+const SANDBOX: [(&str, u32); 4] = [("paint", 4), ("bodies", 90), ("sand", 150), ("room", 20)];
+
+/// Pictures of the sandbox's window.
+pub fn sandbox() -> Result<()> {
+    display::ensure()?;
+    let display = Display::new()?;
+    let folder = tempfile::tempdir()?;
+    for (world, frames) in SANDBOX {
+        let picture = root().join(format!("docs/pictures/sandbox-{world}.png"));
+        let script = folder.path().join(world);
+        fs::write(&script, format!("frames {frames}\nshot {}\n", picture.display()))?;
+        let mut window = command(root());
+        window.args(["run", "--release", "--quiet", "--package", "lamplight-sandbox", "--"]);
+        window.args(["--world", world, "--script"]).arg(&script);
+        let status = window.env("DISPLAY", &display.name).status()?;
+        ensure!(status.success(), "the sandbox ended with {status}");
+        ensure!(picture.exists(), "{} was not made", picture.display());
+    }
+    Ok(())
 }
 
 /// Sizes at which frames on the GPU are accounted for, and timed where there is a hardware one.

@@ -39,6 +39,9 @@ enum Chore {
         /// Only the page on the GPU.
         #[arg(long)]
         gpu: bool,
+        /// Only pictures of the sandbox.
+        #[arg(long, conflicts_with = "gpu")]
+        sandbox: bool,
     },
     /// Write the JSON Schema of scene files.
     Schema(Generate),
@@ -72,8 +75,13 @@ fn main() -> ExitCode {
 fn run(chore: Chore) -> Result<()> {
     match chore {
         Chore::Test { without_gpu } => test::run(!without_gpu),
-        Chore::Docs { gpu: true } => docs::gpu(),
-        Chore::Docs { gpu: false } => docs::run().and_then(|()| docs::gpu()),
+        Chore::Docs { gpu: true, .. } => docs::gpu(),
+        Chore::Docs { sandbox: true, .. } => docs::sandbox(),
+        Chore::Docs { .. } => {
+            docs::run()?;
+            docs::gpu()?;
+            docs::sandbox()
+        }
         Chore::Schema(args) => schema::run(args.mode()),
         Chore::Noise(args) => noise::run(args.mode()),
         Chore::Scenes(args) => scenes::run(args.mode()),

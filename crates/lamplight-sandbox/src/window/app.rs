@@ -19,6 +19,7 @@ use eframe::egui::{
 };
 use lamplight::settings::Holographic;
 use lamplight::{Settings, SettingsTable};
+use lamplight_sandbox::clock::Clock;
 use lamplight_sandbox::worlds::Input;
 use std::path::PathBuf;
 
@@ -39,6 +40,8 @@ pub struct App {
     timings: Timings,
     /// What went wrong, to be read.
     message: Option<String>,
+    /// Why there is no light, as long as there is none.
+    unlit: Option<String>,
     /// What files are saved as.
     name: String,
     script: Option<Script>,
@@ -73,6 +76,7 @@ impl App {
             panel: Panel::new(),
             timings: Timings::default(),
             message: None,
+            unlit: None,
             name: "painting".to_owned(),
             script,
             played: Vec::new(),
@@ -159,7 +163,11 @@ impl App {
         let view = View::new(ui, self.subject.size(), self.whole);
         self.view = Some((view.place, self.subject.size()));
         let pointer = view.pointer(ui);
-        let seconds = f64::from(ui.input(|input| input.stable_dt));
+        let seconds = match &self.script {
+            None => f64::from(ui.input(|input| input.stable_dt)),
+            // A script is the same on every machine.
+            Some(_) => Clock::STEP,
+        };
         let told = match &mut self.subject {
             Subject::Canvas(canvas) => self.tools.apply(canvas, pointer),
             Subject::World(playing) => {
@@ -172,7 +180,10 @@ impl App {
         }
         let found = self.lit.find(self.subject.cells(), &self.settings, self.shown);
         match found {
-            Ok(()) => self.lit.draw(ui, view.place),
+            Ok(()) => {
+                self.unlit = None;
+                self.lit.draw(ui, view.place);
+            }
             Err(why) => self.give_up(ui.ctx(), &why),
         }
         self.probe.look(&self.lit, self.subject.cells(), pointer.at);
@@ -189,12 +200,14 @@ impl App {
         }
     }
 
-    /// Says what went wrong; where it was the GPU, the CPU goes on.
+    /// Says why there is no light; where it is the GPU that cannot, the CPU goes on.
     fn give_up(&mut self, context: &Context, why: &anyhow::Error) {
-        self.message = Some(format!("{why:#}"));
-        if self.lit.is_gpu()
+        use lamplight_wgpu::Error::{Device, TooLarge};
+        self.unlit = Some(format!("{why:#}"));
+        if matches!(why.downcast_ref(), Some(Device(_) | TooLarge { .. }))
             && let Ok(lit) = Lit::on_cpu(context, &self.settings)
         {
+            self.message = Some(format!("{why:#}; the CPU goes on"));
             self.lit = lit;
         }
     }
@@ -210,6 +223,23 @@ impl App {
                     self.message = said;
                 }
                 Err(why) => self.message = Some(format!("{why:#}")),
+            }
+        }
+    }
+
+    /// What went wrong.
+    fn messages(&mut self, ui: &mut Ui) {
+        let color = ui.visuals().warn_fg_color;
+        if let Some(unlit) = &self.unlit {
+            ui.colored_label(color, unlit);
+        }
+        if let Some(message) = &self.message {
+            let read = ui.horizontal(|ui| {
+                ui.colored_label(color, message);
+                ui.button("OK").clicked()
+            });
+            if read.inner {
+                self.message = None;
             }
         }
     }
@@ -348,15 +378,8 @@ impl eframe::App for App {
         self.keys(&context);
         self.follow(&context);
         egui::Panel::top("bar").show(ui, |ui| self.bar(ui));
-        if let Some(message) = self.message.clone() {
-            egui::Panel::bottom("message").show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    ui.colored_label(ui.visuals().warn_fg_color, message);
-                    if ui.button("OK").clicked() {
-                        self.message = None;
-                    }
-                })
-            });
+        if self.message.is_some() || self.unlit.is_some() {
+            egui::Panel::bottom("message").show(ui, |ui| self.messages(ui));
         }
         egui::Panel::left("tools").exact_size(130.0).show(ui, |ui| self.tools(ui));
         egui::Panel::right("settings").exact_size(300.0).show(ui, |ui| {

@@ -229,3 +229,48 @@ pub fn display(ui: &mut Ui, display: &mut Display) {
     });
     ui.add(Slider::new(&mut display.exposure, -8.0..=8.0).text("exposure, stops"));
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Context, RawInput};
+
+    #[test]
+    fn looking_changes_no_setting() {
+        let mut panel = Panel::new();
+        for &method in Method::ALL {
+            for &preset in method.presets() {
+                let mut settings = Settings { method, wall_depth: 2.5, ..Settings::default() };
+                lay(&mut settings, preset);
+                for bounces in [Bounces::Count(0), Bounces::Count(200), Bounces::Converged] {
+                    settings.bounces = bounces;
+                    let mut seen = settings.clone();
+                    // Not shown at all, values would stay as well.
+                    let shown = Context::default().run_ui(RawInput::default(), |ui| {
+                        panel.show(ui, &mut seen);
+                    });
+                    assert_eq!(seen, settings, "{preset}");
+                    assert!(shown.shapes.len() > 20, "{} shapes", shown.shapes.len());
+                    assert_eq!(panel.refused, None);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_setting_of_every_method_has_a_control() {
+        let panel = Panel::new();
+        let defaults = serde_json::to_value(Settings::default()).unwrap();
+        for &method in Method::ALL {
+            let name = method.name();
+            let type_name = name[..1].to_uppercase() + &name[1..];
+            let properties = panel.properties(&type_name).unwrap();
+            for (key, value) in defaults[name].as_object().unwrap() {
+                let property = &properties[key];
+                let number = property["minimum"].is_number() && property["maximum"].is_number();
+                let choice = !panel.choices(property).is_empty();
+                assert!(value.is_boolean() || number || choice, "{name}.{key}: {property}");
+            }
+        }
+    }
+}
