@@ -139,6 +139,50 @@ fn lamp_is_drawn(backend: &str) {
 }
 
 #[test]
+fn on_the_gpu_what_is_dropped_is_painted_or_refused_in_words() {
+    let display = Display::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    RgbImage::from_fn(40, 20, |x, y| image::Rgb([6 * x as u8, 9 * y as u8, 0]))
+        .save(at("small.png"))
+        .unwrap();
+    image::GrayImage::new(10_000, 10_000).save(at("huge.png")).unwrap();
+    std::fs::write(at("broken.png"), b"no picture at all").unwrap();
+    std::fs::write(at("broken.toml"), "size = [32, ").unwrap();
+    std::fs::write(at("scene.toml"), "size = [64, 36]\n[[lamp]]\nposition = [32.0, 18.0]\n")
+        .unwrap();
+    std::fs::write(at("song.mp3"), b"la").unwrap();
+    let cases = [
+        ("small.png", "all is well"),
+        ("huge.png", "10000×10000"),
+        ("broken.png", "cannot be read"),
+        ("broken.toml", "broken.toml"),
+        ("missing.png", "missing.png"),
+        ("song.mp3", "neither a picture"),
+        ("scene.toml", "all is well"),
+    ];
+    for (name, expected) in cases {
+        let script = format!("{LIGHT}frames 1\ndrop {}\nframes 3\ntell\n", at(name).display());
+        let mut said = Vec::new();
+        let args = ["--backend", "cpu", "--size", "96x54"];
+        display.play(&args, &script, |line, _| said.push(line.to_owned())).unwrap();
+        assert!(said.concat().contains(expected), "{name}: {said:?}");
+    }
+}
+
+#[test]
+fn on_the_gpu_a_method_that_cannot_light_says_why_until_another_does() {
+    let display = Display::new().unwrap();
+    let script =
+        "world sand\nset method=polar\nframes 2\ntell\nset method=raymarch\nframes 2\ntell\n";
+    let mut said = Vec::new();
+    let args = ["--backend", "gpu", "--size", "96x54"];
+    display.play(&args, script, |line, _| said.push(line.to_owned())).unwrap();
+    assert!(said.len() == 2 && said[0].contains("lights lamps only"), "{said:?}");
+    assert_eq!(said[1], "all is well");
+}
+
+#[test]
 fn a_script_that_is_none_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("script.txt");

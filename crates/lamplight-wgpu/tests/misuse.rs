@@ -5,7 +5,7 @@ mod common;
 mod textures;
 
 use common::{adapter, cells, device, frame, open};
-use lamplight::{Bounces, Cells, Method, Settings, Sky};
+use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{Color, Compose, Error, Lighting, Shown, Stage, Textures, Tier};
 use textures::{fetch, filled, texture, view};
@@ -228,6 +228,28 @@ fn textures_may_alternate_and_the_output_goes_on() {
     // Another size ends it, and is no error.
     lighting.prepare(&device, &queue, &Cells::new(8, 8).unwrap()).unwrap();
     assert_eq!(written(&lighting, &shared), seen[3]);
+}
+
+/// Lamps are missed by the frame, not by the settings.
+#[test]
+fn settings_may_come_before_the_lamps_that_they_light() {
+    let (device, queue) = device();
+    let mut cells = cells(31, 17, 4);
+    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let seen = frame(&device, &queue, &mut lighting, &cells);
+    for method in [Method::Polar, Method::Flood] {
+        let settings = Settings { method, ..Settings::default() };
+        lighting.set_settings(&device, &queue, settings.clone()).unwrap();
+        let told = lighting.prepare(&device, &queue, &cells);
+        assert_eq!(told.is_err(), method == Method::Polar, "{told:?}");
+        cells.lamps_mut().push(Lamp { position: [15.0, 8.0], ..Lamp::default() });
+        let light = frame(&device, &queue, &mut lighting, &cells);
+        assert_ne!(light, seen);
+        cells.lamps_mut().clear();
+        lighting.set_settings(&device, &queue, raymarch()).unwrap();
+        lighting.reset();
+        assert_eq!(frame(&device, &queue, &mut lighting, &cells), seen);
+    }
 }
 
 #[test]

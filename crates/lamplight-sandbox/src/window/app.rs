@@ -13,9 +13,9 @@ use crate::window::view::{Pointer, View};
 use anyhow::{Context as _, Result};
 use eframe::CreationContext;
 use eframe::egui::{
-    self, CentralPanel, CollapsingHeader, Color32, Context, Event, Frame, Key, KeyboardShortcut,
-    Modifiers, PointerButton, RawInput, RichText, ScrollArea, Stroke, TextEdit, Ui, UserData,
-    ViewportCommand,
+    self, CentralPanel, CollapsingHeader, Color32, Context, DroppedFile, Event, Frame, Key,
+    KeyboardShortcut, Modifiers, PointerButton, RawInput, RichText, ScrollArea, Stroke, TextEdit,
+    Ui, UserData, ViewportCommand,
 };
 use lamplight::settings::Holographic;
 use lamplight::{Settings, SettingsTable};
@@ -47,6 +47,7 @@ pub struct App {
     script: Option<Script>,
     /// What the script's person does to the window, in its next frame.
     played: Vec<Event>,
+    dropped: Vec<DroppedFile>,
     /// Where the picture was in the last frame, for the script's person.
     view: Option<(egui::Rect, [u32; 2])>,
     shots: Vec<PathBuf>,
@@ -80,6 +81,7 @@ impl App {
             name: "painting".to_owned(),
             script,
             played: Vec::new(),
+            dropped: Vec::new(),
             view: None,
             shots: Vec::new(),
         })
@@ -339,7 +341,14 @@ impl App {
                 }
             }
             Line::Lamp => self.tools.choose_lamp(),
+            Line::Drop(path) => {
+                self.dropped.push(DroppedFile { path: Some(path), ..DroppedFile::default() });
+            }
             Line::Say(word) => println!("{word}"),
+            Line::Tell => {
+                let told = self.message.as_ref().or(self.unlit.as_ref());
+                println!("{}", told.map_or("all is well", String::as_str));
+            }
             Line::Shot(path) => {
                 self.shots.push(path);
                 context.send_viewport_cmd(ViewportCommand::Screenshot(UserData::default()));
@@ -394,6 +403,7 @@ impl eframe::App for App {
 
     fn raw_input_hook(&mut self, _: &Context, input: &mut RawInput) {
         input.events.append(&mut self.played);
+        input.dropped_files.append(&mut self.dropped);
     }
 }
 

@@ -23,8 +23,12 @@ pub enum Line {
     Clear,
     /// Chooses lamps.
     Lamp,
+    /// Drops a file on the window.
+    Drop(PathBuf),
     /// Prints a word, for who watches.
     Say(String),
+    /// Prints what the window says went wrong, or `all is well`.
+    Tell,
     /// Saves what the window shows.
     Shot(PathBuf),
 }
@@ -87,10 +91,13 @@ fn read(words: &[&str]) -> Result<Line> {
         ["release"] => Line::Release,
         ["clear"] => Line::Clear,
         ["lamp"] => Line::Lamp,
+        ["drop", path] => Line::Drop(path.into()),
+        ["tell"] => Line::Tell,
         ["say", word] => Line::Say(word.to_owned()),
         ["shot", path] => Line::Shot(path.into()),
         _ => bail!(
-            "expected one of: frames N, world NAME, set key=value, move X Y, press, release, lamp, shot FILE"
+            "expected one of: frames N, world NAME, set key=value, move X Y, press, release, lamp, \
+             clear, drop FILE, say WORD, tell, shot FILE"
         ),
     })
 }

@@ -7,7 +7,7 @@
 
 use crate::Result;
 use crate::kernel::{Dispatch, Kernels, Slot};
-use crate::lamps::{Fan, Lamps, RAY_BYTES, Room, TOGETHER};
+use crate::lamps::{Fan, Lamps, RAY_BYTES, TOGETHER};
 use crate::lighting::Stage;
 use crate::shaders;
 use crate::site::{FOUR, ONE, Run, Site, view, whole};
@@ -102,7 +102,8 @@ impl Polar {
     }
 
     pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
-        let Room { rays, .. } = site.room;
+        // Settings may come before the lamps that they light.
+        let rays = site.room.rays.max(TOGETHER.into());
         let ground = self.ground.plan(site)?;
         let lamps = site.buffer("lamps", Lamps::bytes(site.room.lamps))?;
         let hits = site.buffer("hits", rays * 2 * ONE)?;
