@@ -48,6 +48,8 @@ pub struct Lighting {
     carry: Carry,
     output: Output,
     grid: Option<Grid>,
+    /// What other settings made of it, until the next frame is prepared.
+    next: Option<Grid>,
     upload: Option<Upload>,
     lamps: Vec<Lamp>,
     list: Lamps,
@@ -137,6 +139,7 @@ impl Lighting {
                 settings,
                 options,
                 grid: None,
+                next: None,
                 upload: None,
                 lamps: Vec::new(),
                 list: Lamps::default(),
@@ -172,7 +175,8 @@ impl Lighting {
 
     /// Takes over the lamps that light the host's textures ([`Self::prepare_textures`]) from the next
     /// frame on, for the methods that light lamps by rule (`flood` and `polar`); for the others a lamp
-    /// is what glows in the textures. [`Self::prepare`] takes those of its cells instead.
+    /// is what glows in the textures. Without any, they find no light of lamps. [`Self::prepare`] takes
+    /// those of its cells instead.
     pub fn set_lamps(&mut self, lamps: &[Lamp]) -> Result<()> {
         for (i, lamp) in lamps.iter().enumerate() {
             lamp.check(&format_args!("lamp[{i}]"))?;
@@ -203,27 +207,33 @@ impl Lighting {
         sky: Sky,
     ) -> Result<()> {
         sky.check()?;
-        self.settings.method.suits_lamps(&self.lamps)?;
         self.method.take(&self.lamps, textures.size()?, &self.settings, &mut self.list);
         let need = self.list.need();
-        let before = self.before.take();
-        let grid = match self.grid.take() {
-            Some(grid)
-                if grid.textures == *textures
-                    && grid.known.serves(known)
-                    && grid.room.holds(need) =>
-            {
-                grid
-            }
-            grid => self.plan(device, (textures, known), grid.as_ref())?,
+        let serves = |grid: &Grid| {
+            grid.textures == *textures && grid.known.serves(known) && grid.room.holds(need)
         };
-        let grid = self.grid.insert(grid);
+        let planned = self.next.as_ref().or(self.grid.as_ref());
+        let fresh = match planned.is_some_and(serves) {
+            true => None,
+            false => Some(self.plan(device, (textures, known), planned)?),
+        };
+        let taken = fresh.as_ref().or(self.next.as_ref());
+        if let Some(lamps) = taken.and_then(|grid| grid.frame.lamps.as_ref()) {
+            // A device that was lost says now that there is no such buffer.
+            guarded(device, || {
+                self.list.write(queue, lamps);
+                Ok(())
+            })?;
+        }
+        let next = self.next.take();
+        self.grid = fresh.or(next).or(self.grid.take());
+        let Some(grid) = &mut self.grid else { return Ok(()) };
         if let Some(lamps) = &grid.frame.lamps {
             self.list.write(queue, lamps);
         }
-        let (memory, from) = match before {
-            Some((size, origin, old)) if size == grid.size => {
-                let other = self.settings.temporal.reject && old != sky;
+        let (memory, from) = match self.before {
+            Some((size, origin, ref old)) if size == grid.size => {
+                let other = self.settings.temporal.reject && *old != sky;
                 (if other { Memory::Sent } else { Memory::All }, origin)
             }
             _ => (Memory::Nothing, self.origin),
@@ -318,8 +328,8 @@ impl Lighting {
         Ok(())
     }
 
-    /// Takes over other settings, from the next frame on. The cells or textures last prepared stay, and
-    /// so does what was recorded before. Free where nothing changes but the seed; another depth of walls
+    /// Takes over other settings, from the next frame prepared on; one that is prepared already is recorded
+    /// as it is. The cells or textures last prepared stay, and so does what was recorded before. Free where nothing changes but the seed; another depth of walls
     /// makes buffers, anything else pipelines too, which takes as long as [`Self::new`], where these
     /// settings were not used before or announced ([`Self::precompile`]).
     ///
@@ -336,15 +346,15 @@ impl Lighting {
         let method = self.compiled.method(device, queue, &settings)?;
         let before = std::mem::replace(&mut self.settings, settings);
         let method = std::mem::replace(&mut self.method, method);
-        let Some(grid) = self.grid.take_if(|_| !planned) else { return Ok(()) };
+        let grid = self.next.as_ref().or(self.grid.as_ref());
+        let Some(grid) = grid.filter(|_| !planned) else { return Ok(()) };
         self.method.take(&self.lamps, grid.size, &self.settings, &mut self.list);
         let known = grid.known.under(self.settings.bounces);
-        match self.plan(device, (&grid.textures, known), Some(&grid)) {
-            Ok(planned) => self.grid = Some(planned),
+        match self.plan(device, (&grid.textures, known), Some(grid)) {
+            Ok(planned) => self.next = Some(planned),
             Err(error) => {
                 self.settings = before;
                 self.method = method;
-                self.grid = Some(grid);
                 return Err(error);
             }
         }
@@ -373,6 +383,9 @@ impl Lighting {
         let matter = (&grid.textures, grid.known);
         let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
         let output = guarded(device, || Ok(self.output.plan(&site, &grid.light, picture)))?;
+        if let Some(next) = &mut self.next {
+            next.output = Some(output.clone());
+        }
         grid.output = Some(output);
         Ok(())
     }

@@ -13,7 +13,9 @@ const TEXEL: u32 = 16;
 
 /// What the host's matter is made of: views of whole two-dimensional textures of one size, with one
 /// layer and one mip level, in any float or normalised format, with the usage `TEXTURE_BINDING`. All
-/// values are linear (an sRGB format decodes by itself).
+/// values are linear (an sRGB format decodes by itself), 0 or more and finite; tint, opacity and albedo
+/// 1 at most. Nobody looks at each texel: values beyond give light as wrong as they are. Views are kept as
+/// long as they are lit; the host may drop its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Textures {
     /// Red, green, blue: radiance that cells give off.
@@ -32,6 +34,11 @@ impl Textures {
             ("tint_opacity", &self.tint_opacity),
             ("albedo", &self.albedo),
         ];
+        let format = self.tint_opacity.texture().format();
+        if format.components() < 4 {
+            let problem = format!("has the format {format:?}, without alpha, which is the opacity");
+            return Err(Error::Texture { name: "tint_opacity", problem });
+        }
         let [width, height] = readable("emission", &self.emission)?;
         for (name, view) in named {
             let [w, h] = readable(name, view)?;

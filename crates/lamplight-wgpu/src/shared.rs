@@ -10,6 +10,7 @@ const STEPS: u32 = 66;
 /// What all methods share.
 #[derive(Debug)]
 pub struct Shared {
+    pub queue: Queue,
     /// [`Frame`], written before each frame.
     pub frame: Buffer,
     steps: Buffer,
@@ -23,6 +24,7 @@ impl Shared {
         }
         let frame = [0; size_of::<Frame>()];
         Self {
+            queue: queue.clone(),
             frame: filled(device, queue, "frame", BufferUsages::UNIFORM, &frame),
             steps: filled(device, queue, "steps", BufferUsages::UNIFORM, &steps),
         }

@@ -6,11 +6,10 @@ use crate::lamps::{Lamps, RAY_BYTES, Room};
 use crate::lighting::Stage;
 use crate::matter::Textures;
 use crate::options::Options;
-use crate::shared::Shared;
+use crate::shared::{Shared, filled};
 use crate::{Error, Result};
 use lamplight::Settings;
 use std::cell::{Cell, RefCell};
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView};
 
 /// Bytes of four floats.
@@ -160,8 +159,7 @@ impl<'a> Site<'a> {
         let bytes = contents.len() as u64;
         self.allows(bytes)?;
         self.memory.set(self.memory.get() + bytes);
-        let label = Some(label);
-        Ok(self.device.create_buffer_init(&BufferInitDescriptor { label, contents, usage }))
+        Ok(filled(self.device, &self.shared.queue, label, usage, contents))
     }
 
     /// Refuses a buffer that the device cannot hold.

@@ -5,9 +5,9 @@ mod common;
 mod textures;
 
 use common::{cells, device_of, frame};
-use lamplight::{Bounces, Method, Settings};
+use lamplight::{Bounces, Lamp, Method, Settings, Sky};
 use lamplight_wgpu::read_back::read_back;
-use lamplight_wgpu::{Compose, Error, Lighting, Shown, Stage, Tier, Timer};
+use lamplight_wgpu::{Compose, Error, Lighting, Shown, Stage, Textures, Tier, Timer};
 use textures::{texture, view};
 use wgpu::{TextureFormat, TextureUsages};
 
@@ -21,6 +21,11 @@ fn a_lost_device_does_nothing_and_gives_errors_where_something_was_asked_for() {
     frame(&device, &queue, &mut lighting, &cells(31, 17, 1));
     let format = TextureFormat::Rgba8Unorm;
     let target = texture(&device, [31, 17], format, TextureUsages::RENDER_ATTACHMENT);
+
+    let usage = TextureUsages::TEXTURE_BINDING;
+    let matter = || view(&texture(&device, [50, 30], format, usage));
+    let (emission, tint_opacity, albedo) = (matter(), matter(), matter());
+    let textures = Textures { emission, tint_opacity, albedo };
 
     device.destroy();
     // The size it had, and another; other settings; a device that was lost from the start.
@@ -44,14 +49,24 @@ fn a_lost_device_does_nothing_and_gives_errors_where_something_was_asked_for() {
             assert!(matches!(read, Err(Error::ReadBack(_) | Error::Device(_))), "{read:?}");
         }
     }
-    let other = Settings { bounces: Bounces::Count(1), ..settings.clone() };
-    let _ = lighting.set_settings(&device, &queue, other);
-    let _ = Lighting::new(&device, &queue, settings);
+    for &method in Method::ALL {
+        for bounces in [Bounces::Count(1), Bounces::Converged] {
+            let other = Settings { method, bounces, ..settings.clone() };
+            let _ = lighting.set_settings(&device, &queue, other);
+            let mut cells = cells(33, 21, 3);
+            cells.lamps_mut().push(Lamp { position: [9.0, 9.0], ..Lamp::default() });
+            let _ = lighting.prepare(&device, &queue, &cells);
+            // As after a window's change of size.
+            let _ = lighting.prepare_textures(&device, &queue, &textures, Sky::default());
+            lighting.record(&mut device.create_command_encoder(&Default::default()));
+        }
+    }
+    let _ = Lighting::new(&device, &queue, settings.clone());
     let _ = Compose::new(&device);
     let _ = Timer::new(&device, &queue);
 
     // Another device starts afresh.
     let (device, queue) = device_of(Tier::Web);
-    let mut lighting = Lighting::new(&device, &queue, lighting.settings().clone()).unwrap();
+    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
     assert_eq!(frame(&device, &queue, &mut lighting, &cells(31, 17, 1)).len(), 31 * 17);
 }

@@ -5,6 +5,7 @@ mod common;
 mod textures;
 
 use common::{adapter, cells, device, frame, open};
+use lamplight::settings::Temporal;
 use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{Color, Compose, Error, Lighting, Shown, Stage, Textures, Tier};
@@ -250,6 +251,90 @@ fn settings_may_come_before_the_lamps_that_they_light() {
         lighting.reset();
         assert_eq!(frame(&device, &queue, &mut lighting, &cells), seen);
     }
+}
+
+/// A frame that was prepared is recorded as it was, whatever comes after.
+#[test]
+fn settings_come_with_the_next_frame_that_is_prepared() {
+    let (device, queue) = device();
+    let cells = cells(31, 17, 4);
+    let record = |lighting: &Lighting| {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        lighting.record(&mut encoder);
+        queue.submit([encoder.finish()]);
+        let light = lighting.stage(Stage::Light).unwrap();
+        read_back::<[f32; 4]>(&device, &queue, light).unwrap()
+    };
+    let start = || {
+        let mut settings = raymarch();
+        settings.temporal = Temporal { frames: 8, reject: false };
+        let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+        frame(&device, &queue, &mut lighting, &cells);
+        // History has to move along.
+        lighting.set_origin([3, 0]);
+        lighting.prepare(&device, &queue, &cells).unwrap();
+        lighting
+    };
+    let right = record(&start());
+    for change in [
+        |s: &mut Settings| s.wall_depth = 9.0,
+        |s: &mut Settings| s.raymarch.rays = 3,
+        |s: &mut Settings| s.method = Method::Holographic,
+    ] {
+        let mut lighting = start();
+        let mut other = lighting.settings().clone();
+        change(&mut other);
+        lighting.set_settings(&device, &queue, other).unwrap();
+        assert_eq!(record(&lighting), right);
+        assert_ne!(frame(&device, &queue, &mut lighting, &cells), right);
+    }
+}
+
+#[test]
+fn frames_that_are_refused_leave_what_was_there() {
+    let (device, queue) = device();
+    let cells = cells(31, 17, 4);
+    let mut settings = raymarch();
+    settings.temporal = Temporal { frames: 8, reject: true };
+    let [mut lighting, mut same] =
+        [0, 1].map(|_| Lighting::new(&device, &queue, settings.clone()).unwrap());
+    for lighting in [&mut lighting, &mut same] {
+        frame(&device, &queue, lighting, &cells);
+    }
+    let usage = TextureUsages::TEXTURE_BINDING;
+    let large =
+        textures_like(&view(&texture(&device, [4096, 4096], TextureFormat::Rgba8Unorm, usage)));
+    let thin = textures_like(&view(&texture(&device, [31, 17], TextureFormat::R8Unorm, usage)));
+    for refused in [large, thin] {
+        let told = lighting.prepare_textures(&device, &queue, &refused, Sky::default());
+        assert!(told.is_err());
+        assert!(lighting.stage(Stage::Light).is_some());
+    }
+    let next = [&mut lighting, &mut same].map(|one| frame(&device, &queue, one, &cells));
+    assert_eq!(next[0], next[1]);
+}
+
+/// Who puts the last lamp out sits in the dark.
+#[test]
+fn textures_without_lamps_are_dark_under_polar() {
+    let (device, queue) = device();
+    let open = [255, 255, 255, 0].repeat(16 * 16);
+    let matter = filled(&device, &queue, [16, 16], TextureFormat::Rgba8Unorm, &open);
+    let matter = textures_like(&matter);
+    let settings = Settings { method: Method::Polar, ..Settings::default() };
+    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+    let mut light = |lamps: &[Lamp]| {
+        lighting.set_lamps(lamps).unwrap();
+        lighting.prepare_textures(&device, &queue, &matter, Sky::default()).unwrap();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        lighting.record(&mut encoder);
+        queue.submit([encoder.finish()]);
+        let light = lighting.stage(Stage::Light).unwrap();
+        let light: Vec<[f32; 4]> = read_back(&device, &queue, light).unwrap();
+        light.iter().map(|[r, g, b, _]| r + g + b).sum::<f32>()
+    };
+    let lamp = Lamp { position: [8.0, 8.0], ..Lamp::default() };
+    assert_eq!([light(&[]), light(&[lamp]).min(1.0), light(&[])], [0.0, 1.0, 0.0]);
 }
 
 #[test]

@@ -165,11 +165,9 @@ impl App {
         let view = View::new(ui, self.subject.size(), self.whole);
         self.view = Some((view.place, self.subject.size()));
         let pointer = view.pointer(ui);
-        let seconds = match &self.script {
-            None => f64::from(ui.input(|input| input.stable_dt)),
-            // A script is the same on every machine.
-            Some(_) => Clock::STEP,
-        };
+        let passed = f64::from(ui.input(|input| input.stable_dt));
+        // A script is the same on every machine.
+        let seconds = if self.script.is_some() { Clock::STEP } else { passed };
         let told = match &mut self.subject {
             Subject::Canvas(canvas) => self.tools.apply(canvas, pointer),
             Subject::World(playing) => {
@@ -194,7 +192,7 @@ impl App {
         {
             meter(ui, view.place, lit);
         }
-        self.timings.push(self.lit.stages(), seconds);
+        self.timings.push(self.lit.stages(), passed);
         if let (Some(at), Subject::Canvas(_)) = (pointer.at, &self.subject) {
             let scale = view.place.width() / self.subject.size()[0] as f32;
             let stroke = Stroke::new(1.0, Color32::from_white_alpha(140));
@@ -390,8 +388,8 @@ impl eframe::App for App {
         if self.message.is_some() || self.unlit.is_some() {
             egui::Panel::bottom("message").show(ui, |ui| self.messages(ui));
         }
-        egui::Panel::left("tools").exact_size(130.0).show(ui, |ui| self.tools(ui));
-        egui::Panel::right("settings").exact_size(300.0).show(ui, |ui| {
+        egui::Panel::left("tools").exact_size(170.0).show(ui, |ui| self.tools(ui));
+        egui::Panel::right("settings").exact_size(330.0).show(ui, |ui| {
             ScrollArea::vertical().show(ui, |ui| self.settings(ui));
         });
         CentralPanel::default()

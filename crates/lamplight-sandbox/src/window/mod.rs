@@ -53,7 +53,7 @@ pub fn open(args: Args) -> anyhow::Result<()> {
     let options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("lamplight sandbox")
-            .with_inner_size([1440.0, 810.0])
+            .with_inner_size([1480.0, 810.0])
             .with_min_inner_size([480.0, 320.0]),
         wgpu_options: WgpuConfiguration {
             wgpu_setup: WgpuSetup::CreateNew(device()),

@@ -20,7 +20,7 @@ pub use polar::{Blend, Edges, Polar, Walk};
 pub use raymarch::{BounceBy, Hit, Noise, Raymarch, Spacing};
 pub use table::SettingsTable;
 
-use crate::{Cells, Error, Lamp, Result};
+use crate::{Cells, Error, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -79,12 +79,7 @@ impl Method {
 
     /// Refuses a scene that the method cannot light: `polar` needs a lamp.
     pub fn suits(self, cells: &Cells) -> Result<()> {
-        self.suits_lamps(cells.lamps())
-    }
-
-    /// The same for lamps beside any matter.
-    pub fn suits_lamps(self, lamps: &[Lamp]) -> Result<()> {
-        if self != Self::Polar || !lamps.is_empty() {
+        if self != Self::Polar || !cells.lamps().is_empty() {
             return Ok(());
         }
         let problem = "lights lamps only, and this scene has none; add a [[lamp]], or choose another \

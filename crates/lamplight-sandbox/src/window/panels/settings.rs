@@ -1,6 +1,6 @@
 //! Every setting, live: the JSON Schema of settings says what there is, its range and what it costs.
 
-use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Response, Slider, Ui};
+use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Response, Slider, SliderClamping, Ui};
 use lamplight::settings::{Cascades, Flood, Holographic, Polar, Raymarch};
 use lamplight::{Bounces, Display, Method, Scene, Settings, ToneMap};
 use serde_json::{Value, json};
@@ -201,23 +201,16 @@ fn lay(settings: &mut Settings, name: &str) {
 /// A number of bounces, or until little changes.
 fn bounces(ui: &mut Ui, values: &mut Value) {
     let mut converged = values["bounces"] == "converged";
-    ui.horizontal(|ui| {
-        let mut count = values["bounces"].as_u64().unwrap_or(2);
-        if !converged {
-            ui.add(
-                Slider::new(&mut count, 0..=8)
-                    .clamping(eframe::egui::SliderClamping::Never)
-                    .text("bounces"),
-            )
-            .on_hover_text("How often light is sent on. Each costs one more gather.");
-        }
-        ui.checkbox(&mut converged, "converged")
-            .on_hover_text("Until the largest change is under 0.1 % of the mean.");
-        values["bounces"] = match converged {
-            true => json!("converged"),
-            false => json!(count.min(u64::from(Bounces::MAX))),
-        };
-    });
+    let mut count = values["bounces"].as_u64().unwrap_or(2);
+    let slider = Slider::new(&mut count, 0..=8).clamping(SliderClamping::Never).text("bounces");
+    ui.add_enabled(!converged, slider)
+        .on_hover_text("How often light is sent on. Each costs one more gather.");
+    ui.checkbox(&mut converged, "until converged")
+        .on_hover_text("Until the largest change is under 0.1 % of the mean.");
+    values["bounces"] = match converged {
+        true => json!("converged"),
+        false => json!(count.min(u64::from(Bounces::MAX))),
+    };
 }
 
 /// Tone map and exposure.
