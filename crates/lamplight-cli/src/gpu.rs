@@ -6,13 +6,12 @@ use crate::lighting::{Lit, to_json};
 use crate::place::Place;
 use crate::stage::Fields;
 use lamplight::{Cells, Light, Settings};
-use lamplight_wgpu::read_back::read_back;
+use lamplight_wgpu::read_back::{self, read_back};
 use lamplight_wgpu::wgpu::{
     Adapter, Backends, Buffer, Device, DeviceDescriptor, DeviceType, Features, Instance,
     InstanceDescriptor, PollType, PowerPreference, Queue, RequestAdapterOptions,
 };
 use lamplight_wgpu::{Cost, Lighting, Stage, Tier, Timer, required_features, required_limits};
-use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 /// An open device.
@@ -107,24 +106,11 @@ impl Gpu {
             }
             queue.submit([encoder.finish()]);
         }
-        let light = self.light(&lighting, cells)?;
+        let light = read_back::light(device, queue, &lighting, cells)?;
         let total = start.elapsed();
-        // Of the last frame; a GPU that tells no times has one stage.
-        let timed = timer.as_mut().map_or(&[][..], |timer| timer.read());
-        let stages = if timed.is_empty() { vec![("gpu", total)] } else { timed.to_vec() };
+        let stages = stages(timer.as_mut(), total);
         let place = self.place();
         Ok(Lit { light, answer, place, stages, total, frames, settings: told })
-    }
-
-    /// Fetches the light of the last frame of these cells.
-    fn light(&self, lighting: &Lighting, cells: &Cells) -> Outcome<Light> {
-        let buffer = made(lighting, Stage::Light)?;
-        let light: Vec<[f32; 4]> = read_back(&self.device, &self.queue, buffer)?;
-        let rgb = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-        let by_rule = lighting.settings().method.lights_lamps();
-        let matter = if by_rule { Cow::Borrowed(cells) } else { cells.drawn() };
-        Light::from_pixels(&matter, rgb)
-            .ok_or_else(|| Failure::failed("the GPU gave back another number of cells"))
     }
 
     /// Finds the nearest occupied cell of each cell, and how far it is.
@@ -142,6 +128,12 @@ impl Gpu {
         let distance = distance.into_iter().map(far).collect();
         Ok(Fields { nearest, distance, place: self.place() })
     }
+}
+
+/// The stages of the last frame; one for all where the GPU tells no times.
+fn stages(timer: Option<&mut Timer>, total: Duration) -> Vec<(&'static str, Duration)> {
+    let timed = timer.map_or(&[][..], |timer| timer.read());
+    if timed.is_empty() { vec![("gpu", total)] } else { timed.to_vec() }
 }
 
 /// What a stage has left behind.
@@ -173,13 +165,13 @@ impl Frames<'_> {
         queue.submit([encoder.finish()]);
         device.poll(PollType::wait_indefinitely()).map_err(Failure::failed)?;
         let total = start.elapsed();
-        let timed = timer.as_mut().map_or(&[][..], |timer| timer.read());
-        Ok(if timed.is_empty() { vec![("gpu", total)] } else { timed.to_vec() })
+        Ok(stages(timer.as_mut(), total))
     }
 
     /// Fetches the light of the last frame.
     pub fn light(&self) -> Outcome<Light> {
-        self.gpu.light(&self.lighting, self.cells)
+        let Gpu { device, queue, .. } = self.gpu;
+        Ok(read_back::light(device, queue, &self.lighting, self.cells)?)
     }
 }
 

@@ -77,14 +77,9 @@ fn show(@builtin(global_invocation_id) id: vec3u) {
     if outside(id.xy) || !solid(vec2i(id.xy)) {
         return;
     }
-    let i = index(id.xy);
-    var sum = vec3f(0.0);
-    var count = 0.0;
+    var sum = vec4f(0.0);
     for (var face = 0u; face < 4u; face++) {
-        if exposed(id.xy, face) {
-            sum += 0.5 * unpack_rgb(received[4u * i + face]);
-            count += 1.0;
-        }
+        sum += receives(id.xy, face, vec4f(1.0));
     }
-    light[i] = vec4f(sum / max(count, 1.0), 1.0);
+    light[index(id.xy)] = vec4f(sum.rgb / max(sum.a, 1.0), 1.0);
 }

@@ -218,19 +218,20 @@ impl Lighting {
             false => Some(self.plan(device, (textures, known), planned)?),
         };
         let taken = fresh.as_ref().or(self.next.as_ref());
-        if let Some(lamps) = taken.and_then(|grid| grid.frame.lamps.as_ref()) {
-            // A device that was lost says now that there is no such buffer.
-            guarded(device, || {
-                self.list.write(queue, lamps);
-                Ok(())
-            })?;
+        if let Some(lamps) = taken.or(self.grid.as_ref()).and_then(|grid| grid.frame.lamps.as_ref())
+        {
+            match taken {
+                // A device that was lost says now that there is no such buffer.
+                Some(_) => guarded(device, || {
+                    self.list.write(queue, lamps);
+                    Ok(())
+                })?,
+                None => self.list.write(queue, lamps),
+            }
         }
         let next = self.next.take();
         self.grid = fresh.or(next).or(self.grid.take());
         let Some(grid) = &mut self.grid else { return Ok(()) };
-        if let Some(lamps) = &grid.frame.lamps {
-            self.list.write(queue, lamps);
-        }
         let (memory, from) = match self.before {
             Some((size, origin, ref old)) if size == grid.size => {
                 let other = self.settings.temporal.reject && *old != sky;

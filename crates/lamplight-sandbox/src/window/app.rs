@@ -7,13 +7,14 @@ use crate::window::panels::timings::Timings;
 use crate::window::panels::tools::Tools;
 use crate::window::panels::{settings, settings::Panel};
 use crate::window::probe::{Probe, meter};
+use crate::window::saving::{Kind, Saving};
 use crate::window::script::{Line, Script};
 use crate::window::subject::{Choice, Subject};
 use crate::window::view::{Pointer, View};
 use anyhow::{Context as _, Result};
 use eframe::CreationContext;
 use eframe::egui::{
-    self, CentralPanel, CollapsingHeader, Color32, Context, DroppedFile, Event, Frame, Key,
+    self, Button, CentralPanel, CollapsingHeader, Color32, Context, DroppedFile, Event, Frame, Key,
     KeyboardShortcut, Modifiers, PointerButton, RawInput, RichText, ScrollArea, Stroke, TextEdit,
     Ui, UserData, ViewportCommand,
 };
@@ -42,6 +43,7 @@ pub struct App {
     message: Option<String>,
     /// Why there is no light, as long as there is none.
     unlit: Option<String>,
+    saving: Saving,
     /// What files are saved as.
     name: String,
     script: Option<Script>,
@@ -49,7 +51,7 @@ pub struct App {
     played: Vec<Event>,
     dropped: Vec<DroppedFile>,
     /// Where the picture was in the last frame, for the script's person.
-    view: Option<(egui::Rect, [u32; 2])>,
+    view: Option<View>,
     shots: Vec<PathBuf>,
 }
 
@@ -78,6 +80,7 @@ impl App {
             timings: Timings::default(),
             message: None,
             unlit: None,
+            saving: Saving::default(),
             name: "painting".to_owned(),
             script,
             played: Vec::new(),
@@ -163,7 +166,6 @@ impl App {
     /// The picture: what the pointer and the keys do to it, then its light.
     fn picture(&mut self, ui: &mut Ui) {
         let view = View::new(ui, self.subject.size(), self.whole);
-        self.view = Some((view.place, self.subject.size()));
         let pointer = view.pointer(ui);
         let passed = f64::from(ui.input(|input| input.stable_dt));
         // A script is the same on every machine.
@@ -186,7 +188,9 @@ impl App {
             }
             Err(why) => self.give_up(ui.ctx(), &why),
         }
-        self.probe.look(&self.lit, self.subject.cells(), pointer.at);
+        let asks = self.subject.has_meter();
+        let looked = self.probe.look(&self.lit, self.subject.cells(), pointer.at, asks);
+        self.say(looked.map(|()| None));
         if let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())
             && let Some(lit) = playing.world.lit(light)
         {
@@ -198,6 +202,7 @@ impl App {
             let stroke = Stroke::new(1.0, Color32::from_white_alpha(140));
             ui.painter().circle_stroke(view.to_window(at), self.tools.radius * scale, stroke);
         }
+        self.view = Some(view);
     }
 
     /// Says why there is no light; where it is the GPU that cannot, the CPU goes on.
@@ -250,28 +255,26 @@ impl App {
             ui.label("Name");
             ui.add(TextEdit::singleline(&mut self.name).desired_width(120.0));
         });
-        let cells = self.subject.cells();
-        let saved = ui.horizontal(|ui| {
-            let scene = ui.button("Scene").on_hover_text("NAME.toml and its layers, to load again");
-            let picture = ui.button("Picture").on_hover_text("NAME.png, as it is shown");
-            let light = ui.button("Light").on_hover_text("NAME-light.exr, linear light");
-            if let (true, Subject::Canvas(canvas)) = (scene.clicked(), &self.subject) {
-                return Some(files::save_scene(canvas, &self.name));
+        ui.horizontal(|ui| {
+            for kind in Kind::ALL {
+                let can = kind != Kind::Scene || matches!(self.subject, Subject::Canvas(_));
+                let button = ui.add_enabled(can, Button::new(kind.name()));
+                if button.on_hover_text(kind.words()).clicked() {
+                    let begun = self.saving.begin(kind, &self.lit, &self.subject, &self.name);
+                    self.say(begun);
+                }
             }
-            if picture.clicked() {
-                let display = self.shown.display;
-                return Some(
-                    self.lit
-                        .fetch(cells)
-                        .and_then(|l| files::save_picture(&l, cells, display, &self.name)),
-                );
-            }
-            light
-                .clicked()
-                .then(|| self.lit.fetch(cells).and_then(|l| files::save_light(&l, &self.name)))
         });
-        if let Some(saved) = saved.inner {
-            self.message = Some(saved.unwrap_or_else(|why| format!("{why:#}")));
+        let saved = self.saving.go_on(&self.lit, self.shown.display, &self.name);
+        self.say(saved);
+    }
+
+    /// Keeps what there is to say, and what went wrong, to be read.
+    fn say(&mut self, said: Result<Option<String>>) {
+        match said {
+            Ok(None) => {}
+            Ok(said) => self.message = said,
+            Err(why) => self.message = Some(format!("{why:#}")),
         }
     }
 
@@ -327,9 +330,8 @@ impl App {
                 self.settings = table.resolve()?;
             }
             Line::Move([x, y]) => {
-                let (place, [w, h]) = self.view.context("there is no picture yet")?;
-                let across = egui::vec2(x / w as f32, y / h as f32);
-                self.played.push(Event::PointerMoved(place.min + across * place.size()));
+                let view = self.view.as_ref().context("there is no picture yet")?;
+                self.played.push(Event::PointerMoved(view.to_window([x, y])));
             }
             Line::Press => self.played.push(button(true, there)),
             Line::Release => self.played.push(button(false, there)),

@@ -1,10 +1,9 @@
-//! Files that come in by being dropped on the window, and go out where the program was started.
+//! Files that are dropped on the window.
 
 use crate::window::subject::Subject;
 use anyhow::{Context, Result, bail};
 use eframe::egui::DroppedFile;
-use image::{ImageBuffer, Rgb as Pixel};
-use lamplight::{Cells, Display, Light, Scene};
+use lamplight::Scene;
 use lamplight_sandbox::canvas::{As, Canvas};
 use lamplight_sandbox::look::Look;
 
@@ -53,39 +52,4 @@ pub fn open(file: &DroppedFile, subject: &mut Subject) -> Result<Option<String>>
         }
         _ => bail!("{} is neither a picture (.png) nor a scene (.toml, .json)", name.display()),
     }
-}
-
-/// Saves a scene file and its layers; says where.
-pub fn save_scene(canvas: &Canvas, name: &str) -> Result<String> {
-    let files = canvas.save(name)?;
-    for (name, bytes) in &files {
-        write(name, bytes)?;
-    }
-    let first = files.first().map_or("", |(name, _)| name);
-    Ok(format!("saved {first} and {} layers in {}", files.len().saturating_sub(1), here()))
-}
-
-/// Saves what the picture shows; says where.
-pub fn save_picture(light: &Light, cells: &Cells, display: Display, name: &str) -> Result<String> {
-    let name = format!("{name}.png");
-    light.compose(cells, &display)?.save(&name).with_context(|| format!("cannot write {name}"))?;
-    Ok(format!("saved {name} in {}", here()))
-}
-
-/// Saves the bare light; says where.
-pub fn save_light(light: &Light, name: &str) -> Result<String> {
-    let name = format!("{name}-light.exr");
-    let numbers = light.pixels().as_flattened().to_vec();
-    let picture: ImageBuffer<Pixel<f32>, _> =
-        ImageBuffer::from_raw(light.width(), light.height(), numbers).context("a broken light")?;
-    picture.save(&name).with_context(|| format!("cannot write {name}"))?;
-    Ok(format!("saved {name} in {}", here()))
-}
-
-fn write(name: &str, bytes: &[u8]) -> Result<()> {
-    std::fs::write(name, bytes).with_context(|| format!("cannot write {name}"))
-}
-
-fn here() -> String {
-    std::env::current_dir().map_or_else(|_| "this folder".to_owned(), |at| at.display().to_string())
 }

@@ -5,6 +5,7 @@ mod files;
 mod light;
 mod panels;
 mod probe;
+mod saving;
 mod script;
 mod subject;
 mod view;

@@ -1,28 +1,40 @@
 //! How bright it is: under the pointer, and round a player.
 
-use crate::window::light::Lit;
+use crate::window::light::{Asked, Lit};
+use anyhow::Result;
 use eframe::egui::{Align2, Color32, FontId, Rect, Ui, Vec2};
 use lamplight::{Cells, Light};
 
-/// Frames from one look to the next. Light has to come back from the GPU for it, and the window waits.
+/// Frames from one look to the next: light has to come back from the GPU for it.
 const EVERY: u32 = 6;
 
 /// The light as it was last looked at.
 #[derive(Default)]
 pub struct Probe {
     light: Option<Light>,
+    asked: Option<Asked>,
     at: Option<[f32; 2]>,
     frame: u32,
 }
 
 impl Probe {
-    /// Looks at a frame, now and then.
-    pub fn look(&mut self, lit: &Lit, cells: &Cells, at: Option<[f32; 2]>) {
-        if self.frame.is_multiple_of(EVERY) {
-            self.light = lit.fetch(cells).ok();
+    /// Looks at a frame, now and then, where the pointer is over it or somebody else `asks`.
+    pub fn look(
+        &mut self,
+        lit: &Lit,
+        cells: &Cells,
+        at: Option<[f32; 2]>,
+        asks: bool,
+    ) -> Result<()> {
+        if let Some(come) = lit.take(&mut self.asked)? {
+            self.light = Some(come);
+        }
+        if self.frame.is_multiple_of(EVERY) && self.asked.is_none() && (asks || at.is_some()) {
+            self.asked = Some(lit.ask(cells)?);
         }
         self.frame = self.frame.wrapping_add(1);
         self.at = at;
+        Ok(())
     }
 
     pub fn light(&self) -> Option<&Light> {

@@ -88,6 +88,11 @@ impl Subject {
         }
     }
 
+    /// Whether it shows how lit a player is.
+    pub fn has_meter(&self) -> bool {
+        matches!(self, Self::World(playing) if playing.world.has_player())
+    }
+
     /// How it is played, in a line.
     pub fn help(&self) -> &'static str {
         match self {

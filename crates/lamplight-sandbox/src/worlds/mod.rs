@@ -73,6 +73,11 @@ pub trait World {
     /// How it asks to be lit and shown.
     fn look(&self) -> Look;
 
+    /// Whether it has a player, whom [`World::lit`] looks at.
+    fn has_player(&self) -> bool {
+        false
+    }
+
     /// How brightly the player is lit, 0 to 1, in worlds that have one ([`room::Room::lit`]).
     fn lit(&self, _light: &lamplight::Light) -> Option<f32> {
         None

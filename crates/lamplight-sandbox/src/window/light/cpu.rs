@@ -11,7 +11,6 @@ pub struct OnCpu {
     settings: Settings,
     solver: Solver,
     picture: TextureHandle,
-    stages: Vec<(&'static str, Duration)>,
 }
 
 impl OnCpu {
@@ -21,7 +20,6 @@ impl OnCpu {
             settings: settings.clone(),
             solver: Solver::new(settings.clone())?,
             picture: context.load_texture("light", black, TextureOptions::NEAREST),
-            stages: Vec::new(),
         })
     }
 
@@ -39,8 +37,6 @@ impl OnCpu {
         let image = ColorImage::from_rgb(size, picture.as_raw());
         let options = if shown.smooth { TextureOptions::LINEAR } else { TextureOptions::NEAREST };
         self.picture.set(image, options);
-        self.stages.clear();
-        self.stages.extend_from_slice(self.solver.timings());
         Ok(())
     }
 
@@ -54,6 +50,6 @@ impl OnCpu {
     }
 
     pub fn stages(&self) -> &[(&'static str, Duration)] {
-        &self.stages
+        self.solver.timings()
     }
 }

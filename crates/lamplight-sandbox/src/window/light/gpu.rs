@@ -1,17 +1,17 @@
 //! On the GPU that draws the window: light is recorded before the window, and drawn within it.
 
 use super::Shown;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use eframe::egui::PaintCallbackInfo;
 use eframe::egui::{Rect, Ui};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};
 use lamplight::{Cells, Light, Rgb, Settings};
-use lamplight_wgpu::read_back::read_back;
+use lamplight_wgpu::read_back::FetchLight;
 use lamplight_wgpu::wgpu::{
     Device, Extent3d, Queue, RenderPass, TexelCopyBufferLayout, TextureDescriptor,
     TextureDimension, TextureFormat, TextureUsages, TextureView,
 };
-use lamplight_wgpu::{Color, Compose, Filter, Lighting, Stage, Timer};
+use lamplight_wgpu::{Color, Compose, Filter, Lighting, Timer};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -24,7 +24,6 @@ pub struct OnGpu {
     lighting: Lighting,
     compose: Arc<Mutex<Compose>>,
     timer: Option<Timer>,
-    stages: Vec<(&'static str, Duration)>,
     colors: Option<Colors>,
 }
 
@@ -84,7 +83,6 @@ impl OnGpu {
             lighting: Lighting::new(&device, &queue, settings.clone())?,
             compose: Arc::new(Mutex::new(Compose::new(&device)?)),
             timer: Timer::new(&device, &queue),
-            stages: Vec::new(),
             colors: None,
             device,
             queue,
@@ -105,13 +103,6 @@ impl OnGpu {
             None => lighting.record(&mut encoder),
         }
         queue.submit([encoder.finish()]);
-        if let Some(timer) = timer {
-            let read = timer.read();
-            if !read.is_empty() {
-                self.stages.clear();
-                self.stages.extend_from_slice(read);
-            }
-        }
         self.prepare(cells, shown)
     }
 
@@ -142,15 +133,16 @@ impl OnGpu {
         ui.painter().add(Callback::new_paint_callback(place, Draw(self.compose.clone())));
     }
 
-    pub fn fetch(&self, cells: &Cells) -> Result<Light> {
-        let buffer = self.lighting.stage(Stage::Light).context("nothing has been lit")?;
-        let light: Vec<[f32; 4]> = read_back(&self.device, &self.queue, buffer)?;
-        let pixels = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-        Light::from_pixels(cells, pixels).context("the light has another size")
+    pub fn ask(&self, cells: &Cells) -> Result<FetchLight> {
+        Ok(FetchLight::new(&self.device, &self.queue, &self.lighting, cells)?)
     }
 
-    pub fn stages(&self) -> &[(&'static str, Duration)] {
-        &self.stages
+    pub fn take(&self, asked: &FetchLight) -> Result<Option<Light>> {
+        Ok(asked.take(&self.device)?)
+    }
+
+    pub fn stages(&mut self) -> &[(&'static str, Duration)] {
+        self.timer.as_mut().map_or(&[], Timer::read)
     }
 
     pub fn memory(&self) -> Option<u64> {

@@ -10,6 +10,7 @@ use eframe::egui::{Context, Rect, Ui};
 use eframe::wgpu::DeviceType;
 use gpu::OnGpu;
 use lamplight::{Cells, Display, Light, Settings};
+use lamplight_wgpu::read_back::FetchLight;
 use std::time::Duration;
 
 /// What the picture shows.
@@ -29,6 +30,13 @@ pub enum Backend {
     Auto,
     Cpu,
     Gpu,
+}
+
+/// Light that was asked for.
+pub enum Asked {
+    Here(Box<Light>),
+    /// On its way from the GPU: nothing waits for it.
+    Coming(Box<FetchLight>),
 }
 
 /// Finds light and shows it.
@@ -81,16 +89,34 @@ impl Lit {
         }
     }
 
-    /// The light of the last frame, fetched.
-    pub fn fetch(&self, cells: &Cells) -> Result<Light> {
-        match self {
-            Self::Gpu(gpu) => gpu.fetch(cells),
-            Self::Cpu(cpu) => Ok(cpu.light().clone()),
-        }
+    /// Asks for the light of the last frame, which was of these cells.
+    pub fn ask(&self, cells: &Cells) -> Result<Asked> {
+        Ok(match self {
+            Self::Gpu(gpu) => Asked::Coming(Box::new(gpu.ask(cells)?)),
+            Self::Cpu(cpu) => Asked::Here(Box::new(cpu.light().clone())),
+        })
+    }
+
+    /// The light that was asked for, once it has come; what was asked for stays as it is until then.
+    pub fn take(&self, asked: &mut Option<Asked>) -> Result<Option<Light>> {
+        let light = match (self, asked.take()) {
+            (_, None) => None,
+            (_, Some(Asked::Here(light))) => Some(*light),
+            (Self::Gpu(gpu), Some(Asked::Coming(coming))) => {
+                let come = gpu.take(&coming)?;
+                if come.is_none() {
+                    *asked = Some(Asked::Coming(coming));
+                }
+                come
+            }
+            // The GPU it was to come from is gone.
+            (Self::Cpu(_), Some(Asked::Coming(_))) => None,
+        };
+        Ok(light)
     }
 
     /// What each stage of a recent frame took; empty where nobody can tell.
-    pub fn stages(&self) -> &[(&'static str, Duration)] {
+    pub fn stages(&mut self) -> &[(&'static str, Duration)] {
         match self {
             Self::Gpu(gpu) => gpu.stages(),
             Self::Cpu(cpu) => cpu.stages(),

@@ -39,8 +39,7 @@ impl Panel {
         let before = values.clone();
         let name = settings.method.name();
         CollapsingHeader::new(format!("Settings of {name}")).default_open(true).show(ui, |ui| {
-            let type_name = name[..1].to_uppercase() + &name[1..];
-            self.table(ui, &type_name, &mut values[name]);
+            self.table(ui, name, &mut values[name]);
         });
         CollapsingHeader::new("Light").default_open(true).show(ui, |ui| {
             bounces(ui, &mut values);
@@ -49,8 +48,7 @@ impl Panel {
         if settings.method == Method::Raymarch {
             for (title, key) in [("Mean over frames", "temporal"), ("Denoise", "denoise")] {
                 CollapsingHeader::new(title).show(ui, |ui| {
-                    let type_name = key[..1].to_uppercase() + &key[1..];
-                    self.table(ui, &type_name, &mut values[key]);
+                    self.table(ui, key, &mut values[key]);
                 });
             }
         }
@@ -75,11 +73,12 @@ impl Panel {
         self.schema["$defs"][type_name]["properties"].as_object()
     }
 
-    /// All settings of a table.
-    fn table(&self, ui: &mut Ui, type_name: &str, values: &mut Value) {
-        let Some(properties) = self.properties(type_name) else { return };
+    /// All settings of a table of the file.
+    fn table(&self, ui: &mut Ui, table: &str, values: &mut Value) {
+        let type_name = type_name(table);
+        let Some(properties) = self.properties(&type_name) else { return };
         let keys: Vec<&str> = properties.keys().map(String::as_str).collect();
-        self.keys(ui, type_name, values, &keys);
+        self.keys(ui, &type_name, values, &keys);
     }
 
     /// Some settings of a table.
@@ -165,6 +164,11 @@ impl Panel {
             response.on_hover_text(words);
         }
     }
+}
+
+/// What the schema calls the settings of a table: `raymarch` is of `Raymarch`.
+fn type_name(table: &str) -> String {
+    table[..1].to_uppercase() + &table[1..]
 }
 
 fn text(value: &Value) -> String {
@@ -256,8 +260,7 @@ mod tests {
         let defaults = serde_json::to_value(Settings::default()).unwrap();
         for &method in Method::ALL {
             let name = method.name();
-            let type_name = name[..1].to_uppercase() + &name[1..];
-            let properties = panel.properties(&type_name).unwrap();
+            let properties = panel.properties(&type_name(name)).unwrap();
             for (key, value) in defaults[name].as_object().unwrap() {
                 let property = &properties[key];
                 let number = property["minimum"].is_number() && property["maximum"].is_number();

@@ -333,6 +333,10 @@ impl World for Room {
         .at_scale(self.unit())
     }
 
+    fn has_player(&self) -> bool {
+        true
+    }
+
     fn lit(&self, light: &Light) -> Option<f32> {
         Some(Self::lit(self, light))
     }

@@ -1,0 +1,118 @@
+//! What is saved: a scene, the picture, the light; into the folder where the program was started.
+
+use crate::window::light::{Asked, Lit};
+use crate::window::subject::Subject;
+use anyhow::{Context, Result};
+use image::{DynamicImage, ImageBuffer, ImageFormat};
+use lamplight::{Cells, Display, Light};
+use std::io::Cursor;
+
+/// What there is to save.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A scene file and its layers, of a canvas.
+    Scene,
+    /// The picture.
+    Picture,
+    /// The bare light.
+    Light,
+}
+
+impl Kind {
+    pub const ALL: [Self; 3] = [Self::Scene, Self::Picture, Self::Light];
+
+    /// The name on its button.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scene => "Scene",
+            Self::Picture => "Picture",
+            Self::Light => "Light",
+        }
+    }
+
+    /// What comes of it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Scene => "NAME.toml and its layers, to load again; of a canvas",
+            Self::Picture => "NAME.png, a pixel a cell, lit and tone mapped",
+            Self::Light => "NAME-light.exr, linear light",
+        }
+    }
+}
+
+/// A file's name and what is in it.
+type File = (String, Vec<u8>);
+
+/// What is being saved.
+#[derive(Default)]
+pub struct Saving {
+    /// Light that has yet to come, of these cells.
+    waiting: Option<(Kind, Option<Asked>, Cells)>,
+}
+
+impl Saving {
+    /// Saves a scene, or asks for the light to be saved; says what there is to say.
+    pub fn begin(
+        &mut self,
+        kind: Kind,
+        lit: &Lit,
+        subject: &Subject,
+        name: &str,
+    ) -> Result<Option<String>> {
+        match (kind, subject) {
+            (Kind::Scene, Subject::Canvas(canvas)) => write(&canvas.save(name)?).map(Some),
+            (Kind::Scene, Subject::World(_)) => Ok(None),
+            (Kind::Picture | Kind::Light, _) => {
+                let cells = subject.cells();
+                self.waiting = Some((kind, Some(lit.ask(cells)?), cells.clone()));
+                Ok(None)
+            }
+        }
+    }
+
+    /// Saves what has come; says where it is.
+    pub fn go_on(&mut self, lit: &Lit, display: Display, name: &str) -> Result<Option<String>> {
+        let Some((kind, asked, cells)) = &mut self.waiting else { return Ok(None) };
+        let Some(light) = lit.take(asked)? else {
+            if asked.is_none() {
+                self.waiting = None;
+            }
+            return Ok(None);
+        };
+        let file = match kind {
+            Kind::Light => light_file(&light, name),
+            Kind::Scene | Kind::Picture => picture_file(&light, cells, display, name),
+        };
+        self.waiting = None;
+        write(&[file?]).map(Some)
+    }
+}
+
+fn picture_file(light: &Light, cells: &Cells, display: Display, name: &str) -> Result<File> {
+    let picture = DynamicImage::from(light.compose(cells, &display)?);
+    Ok((format!("{name}.png"), encode(&picture, ImageFormat::Png)?))
+}
+
+fn light_file(light: &Light, name: &str) -> Result<File> {
+    let numbers = light.pixels().as_flattened().to_vec();
+    let picture = ImageBuffer::from_raw(light.width(), light.height(), numbers);
+    let picture = DynamicImage::ImageRgb32F(picture.context("a broken light")?);
+    Ok((format!("{name}-light.exr"), encode(&picture, ImageFormat::OpenExr)?))
+}
+
+fn encode(picture: &DynamicImage, format: ImageFormat) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, format)?;
+    Ok(bytes.into_inner())
+}
+
+/// Writes files, and says where they are.
+fn write(files: &[File]) -> Result<String> {
+    for (name, bytes) in files {
+        std::fs::write(name, bytes).with_context(|| format!("cannot write {name}"))?;
+    }
+    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let folder = std::env::current_dir()
+        .map_or_else(|_| "this folder".to_owned(), |at| at.display().to_string());
+    Ok(format!("saved {} in {folder}", names.join(", ")))
+}
