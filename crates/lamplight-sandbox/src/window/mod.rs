@@ -2,6 +2,8 @@
 
 mod app;
 mod files;
+mod halves;
+mod inspect;
 mod light;
 mod panels;
 mod probe;

@@ -1,8 +1,10 @@
 //! A person in a file: what a script says instead of mouse and keys, for tests and pictures.
 
+use crate::window::inspect::View;
 use crate::window::subject::Choice;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
+use lamplight::Method;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
@@ -15,6 +17,10 @@ pub enum Line {
     World(Choice),
     /// Sets a setting, as `--set` of the command line does.
     Set(String),
+    /// Chooses a view, and which of the inside, from 0.
+    View(View, u32),
+    /// Splits the picture; on the right is this method.
+    Split(Method),
     /// Moves the pointer to a place in the picture, in cells.
     Move([f32; 2]),
     Press,
@@ -86,6 +92,11 @@ fn read(words: &[&str]) -> Result<Line> {
             Line::World(Choice::from_str(name, true).map_err(|e| anyhow::anyhow!(e))?)
         }
         ["set", text] => Line::Set(text.to_owned()),
+        ["view", name] => Line::View(view(name)?, 0),
+        ["view", "inside", number] => Line::View(View::Inside, number.parse()?),
+        ["split", name] => Line::Split(
+            Method::ALL.iter().copied().find(|m| m.name() == name).context("no such method")?,
+        ),
         ["move", x, y] => Line::Move([x.parse()?, y.parse()?]),
         ["press"] => Line::Press,
         ["release"] => Line::Release,
@@ -96,10 +107,15 @@ fn read(words: &[&str]) -> Result<Line> {
         ["say", word] => Line::Say(word.to_owned()),
         ["shot", path] => Line::Shot(path.into()),
         _ => bail!(
-            "expected one of: frames N, world NAME, set key=value, move X Y, press, release, lamp, \
+            "expected one of: frames N, world NAME, set key=value, view NAME, \
+             view inside N, split METHOD, move X Y, press, release, lamp, \
              clear, drop FILE, say WORD, tell, shot FILE"
         ),
     })
+}
+
+fn view(name: &str) -> Result<View> {
+    View::ALL.into_iter().find(|view| view.name() == name).context("no such view")
 }
 
 #[cfg(test)]

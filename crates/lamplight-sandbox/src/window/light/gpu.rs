@@ -2,8 +2,7 @@
 
 use super::Shown;
 use anyhow::Result;
-use eframe::egui::PaintCallbackInfo;
-use eframe::egui::{Rect, Ui};
+use eframe::egui::{PaintCallbackInfo, Painter, Rect};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};
 use lamplight::{Cells, Light, Rgb, Settings};
 use lamplight_wgpu::read_back::FetchLight;
@@ -76,10 +75,29 @@ impl CallbackTrait for Draw {
 
 impl OnGpu {
     pub fn new(state: &RenderState, settings: &Settings) -> Result<Self> {
-        let (device, queue) = (state.device.clone(), state.queue.clone());
+        let name = state.adapter.get_info().name;
+        Self::on(name, (state.device.clone(), state.queue.clone()), state.target_format, settings)
+    }
+
+    /// Another one on the same device.
+    pub fn beside(&self, settings: &Settings) -> Result<Self> {
+        Self::on(
+            self.name.clone(),
+            (self.device.clone(), self.queue.clone()),
+            self.target,
+            settings,
+        )
+    }
+
+    fn on(
+        name: String,
+        (device, queue): (Device, Queue),
+        target: TextureFormat,
+        settings: &Settings,
+    ) -> Result<Self> {
         Ok(Self {
-            name: state.adapter.get_info().name,
-            target: state.target_format,
+            name,
+            target,
             lighting: Lighting::new(&device, &queue, settings.clone())?,
             compose: Arc::new(Mutex::new(Compose::new(&device)?)),
             timer: Timer::new(&device, &queue),
@@ -129,8 +147,8 @@ impl OnGpu {
         Ok(compose.prepare(&self.device, &self.queue, &self.lighting, self.target, &shown)?)
     }
 
-    pub fn draw(&self, ui: &Ui, place: Rect) {
-        ui.painter().add(Callback::new_paint_callback(place, Draw(self.compose.clone())));
+    pub fn draw(&self, painter: &Painter, place: Rect) {
+        painter.add(Callback::new_paint_callback(place, Draw(self.compose.clone())));
     }
 
     pub fn ask(&self, cells: &Cells) -> Result<FetchLight> {

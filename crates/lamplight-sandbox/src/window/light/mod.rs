@@ -6,7 +6,7 @@ mod gpu;
 use anyhow::Result;
 use cpu::OnCpu;
 use eframe::CreationContext;
-use eframe::egui::{Context, Rect, Ui};
+use eframe::egui::{Context, Painter, Rect};
 use eframe::wgpu::DeviceType;
 use gpu::OnGpu;
 use lamplight::{Cells, Display, Light, Settings};
@@ -65,6 +65,14 @@ impl Lit {
         Ok(Self::Cpu(Box::new(OnCpu::new(context, settings)?)))
     }
 
+    /// Another light, found where this one is.
+    pub fn beside(&self, settings: &Settings) -> Result<Self> {
+        Ok(match self {
+            Self::Gpu(gpu) => Self::Gpu(Box::new(gpu.beside(settings)?)),
+            Self::Cpu(cpu) => Self::Cpu(Box::new(cpu.beside(settings)?)),
+        })
+    }
+
     /// Where it is found.
     pub fn place(&self) -> &str {
         match self {
@@ -82,10 +90,10 @@ impl Lit {
     }
 
     /// Draws it into a rectangle.
-    pub fn draw(&self, ui: &Ui, place: Rect) {
+    pub fn draw(&self, painter: &Painter, place: Rect) {
         match self {
-            Self::Gpu(gpu) => gpu.draw(ui, place),
-            Self::Cpu(cpu) => cpu.draw(ui, place),
+            Self::Gpu(gpu) => gpu.draw(painter, place),
+            Self::Cpu(cpu) => cpu.draw(painter, place),
         }
     }
 
