@@ -1,6 +1,7 @@
 //! The window's content, frame by frame.
 
 use super::Args;
+use crate::window::benchmark::Benchmark;
 use crate::window::files;
 use crate::window::halves::{Half, Halves};
 use crate::window::inspect::{Inspector, View as Seen};
@@ -9,6 +10,7 @@ use crate::window::panels::timings::Timings;
 use crate::window::panels::tools::Tools;
 use crate::window::panels::{settings, settings::Panel, view};
 use crate::window::probe::{Probe, meter};
+use crate::window::resolution::{Resolution, at_cells};
 use crate::window::saving::{Kind, Saving};
 use crate::window::script::{Line, Script};
 use crate::window::subject::{Choice, Subject};
@@ -21,7 +23,7 @@ use eframe::egui::{
     Ui, UserData, ViewportCommand,
 };
 use lamplight::settings::Holographic;
-use lamplight::{Settings, SettingsTable};
+use lamplight::{Error, Settings, SettingsTable};
 use lamplight_sandbox::clock::Clock;
 use lamplight_sandbox::worlds::Input;
 use std::path::PathBuf;
@@ -33,6 +35,8 @@ pub struct App {
     size: [u32; 2],
     seed: u64,
     halves: Halves,
+    resolution: Resolution,
+    benchmark: Benchmark,
     inspector: Inspector,
     shown: Shown,
     /// Each cell as many whole pixels as fit.
@@ -74,6 +78,9 @@ impl App {
             size: args.size,
             seed: args.seed,
             halves: Halves::new(settings, lit),
+            // A script is the same on every machine.
+            resolution: Resolution::new(script.is_none())?,
+            benchmark: Benchmark::default(),
             inspector: Inspector::new(&context.egui_ctx),
             shown: Shown { display: look.display, ..Shown::default() },
             whole: true,
@@ -138,7 +145,7 @@ impl App {
         ui.label(format!("{w}×{h} cells on {}", self.halves.left.lit.place()));
         let (ms, fps) = (self.timings.last(), self.timings.frames_a_second());
         ui.label(format!("{ms:.1} ms of light, {fps:.0} frames a second"));
-        ui.label(RichText::new(self.probe.words()).monospace())
+        ui.label(RichText::new(self.probe.words(w)).monospace())
             .on_hover_text("The light at the pointer: linear red, green, blue");
         ui.separator();
         CollapsingHeader::new("View").default_open(true).show(ui, |ui| {
@@ -146,6 +153,10 @@ impl App {
             if let Err(why) = view::split(ui, &mut self.halves) {
                 self.message = Some(why);
             }
+            if let Some(size) = view::size(ui, self.subject.size()) {
+                self.resize(size);
+            }
+            view::resolution(ui, &mut self.resolution);
         });
         self.panel.show(ui, &mut self.halves.edited().settings);
         CollapsingHeader::new("Picture").default_open(true).show(ui, |ui| {
@@ -157,11 +168,37 @@ impl App {
         });
         CollapsingHeader::new("Save").default_open(true).show(ui, |ui| self.files(ui));
         CollapsingHeader::new("Times").default_open(true).show(ui, |ui| {
+            let words = "Runs every method and preset in turn on what is shown";
+            if ui.button("Benchmark").on_hover_text(words).clicked() {
+                self.begin_benchmark();
+            }
             self.timings.show(ui);
             if let Some(bytes) = self.halves.memory() {
                 ui.label(format!("{:.1} MB held by the light", bytes as f64 / 1e6));
             }
         });
+    }
+
+    fn begin_benchmark(&mut self) {
+        let cells = self.resolution.cells(self.subject.cells());
+        let (w, h) = (cells.width(), cells.height());
+        let (what, place) = (self.choice.name(), self.halves.left.lit.place());
+        let subject = format!("{w}×{h} cells of {what} on {place}");
+        self.benchmark.begin(&self.halves.left.settings, subject);
+    }
+
+    /// Begins anew at another size; a canvas that was painted on stays.
+    fn resize(&mut self, size: [u32; 2]) {
+        if let Subject::Canvas(canvas) = &self.subject
+            && canvas.history_depth() != [0, 0]
+        {
+            self.message = Some(
+                "another size begins anew: save this canvas, and choose Paint for a new one".into(),
+            );
+            return;
+        }
+        self.size = size;
+        self.choose(self.choice);
     }
 
     fn tools(&mut self, ui: &mut Ui) {
@@ -188,7 +225,7 @@ impl App {
         if let Err(why) = told {
             self.message = Some(why);
         }
-        match self.light(pointer.at) {
+        match self.light(pointer.at, passed) {
             Ok(()) => self.unlit = None,
             Err(why) => self.give_up(ui.ctx(), &why),
         }
@@ -198,11 +235,15 @@ impl App {
             false => self.inspector.draw(ui.painter(), view.place),
         }
         if let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())
-            && let Some(lit) = playing.world.lit(light)
+            && let Some(light) = at_cells(light, self.subject.cells())
+            && let Some(lit) = playing.world.lit(&light)
         {
             meter(ui, view.place, lit);
         }
         self.timings.push(self.halves.edited().lit.stages(), passed);
+        if self.benchmark.settings().is_none() && self.inspector.view.is_lit() {
+            self.resolution.watch(passed, self.timings.light());
+        }
         if let (Some(at), Subject::Canvas(_)) = (pointer.at, &self.subject) {
             let scale = view.place.width() / self.subject.size()[0] as f32;
             let stroke = Stroke::new(1.0, Color32::from_white_alpha(140));
@@ -212,16 +253,38 @@ impl App {
     }
 
     /// Finds the light of the frame, and what else the view asks for.
-    fn light(&mut self, at: Option<[f32; 2]>) -> Result<()> {
+    fn light(&mut self, at: Option<[f32; 2]>, passed: f64) -> Result<()> {
         let (cells, view) = (self.subject.cells(), self.inspector.view);
+        self.resolution.prepare(cells)?;
+        self.shown.light_alone = view == Seen::Light;
+        if self.benchmark.settings().is_some() {
+            return self.time(passed);
+        }
         if view.is_lit() || view.needs_light() || self.subject.has_meter() {
-            self.shown.light_alone = view == Seen::Light;
-            self.halves.find(cells, self.shown, view.is_lit())?;
+            self.halves.find(cells, &self.resolution, self.shown, view.is_lit())?;
         }
         let asks = self.subject.has_meter() || view.needs_light();
         let Half { settings, lit } = &self.halves.left;
+        let (cells, settings) = (self.resolution.cells(cells), self.resolution.settings(settings));
         self.probe.look(lit, cells, at.filter(|_| view.is_lit()), asks)?;
-        self.inspector.look(cells, settings, self.shown.display, self.probe.light())
+        self.inspector.look(cells, &settings, self.shown.display, self.probe.light())
+    }
+
+    /// Finds the light of a frame of the benchmark.
+    fn time(&mut self, passed: f64) -> Result<()> {
+        let Some(settings) = self.benchmark.settings() else { return Ok(()) };
+        let settings = self.resolution.settings(settings);
+        let cells = self.resolution.cells(self.subject.cells());
+        let lit = &mut self.halves.left.lit;
+        lit.forget();
+        match lit.find(cells, &settings, self.shown) {
+            Ok(()) => self.benchmark.lit(lit.stages(), passed),
+            Err(why) if matches!(why.downcast_ref(), Some(Error::Unsuited { .. })) => {
+                self.benchmark.refused();
+            }
+            Err(why) => return Err(why),
+        }
+        Ok(())
     }
 
     /// Says why there is no light; where it is the GPU that cannot, the CPU goes on.
@@ -357,6 +420,9 @@ impl App {
             Line::View(view, inside) => {
                 (self.inspector.view, self.inspector.inside) = (view, inside);
             }
+            Line::Benchmark => self.begin_benchmark(),
+            Line::Table => print!("{}", self.benchmark.markdown()),
+            Line::Factor(factor) => self.resolution.factor = factor,
             Line::Split(method) => {
                 let settings = self.halves.left.settings.clone();
                 self.halves.split(Settings { method, ..settings })?;
@@ -425,6 +491,13 @@ impl eframe::App for App {
         CentralPanel::default()
             .frame(Frame::NONE.fill(Color32::BLACK))
             .show(ui, |ui| self.picture(ui));
+        if self.benchmark.is_on() {
+            let window = egui::Window::new("Benchmark").resizable(false).collapsible(false);
+            let open = window.show(&context, |ui| self.benchmark.show(ui));
+            if open.and_then(|open| open.inner) == Some(false) {
+                self.benchmark = Benchmark::default();
+            }
+        }
         // Light and worlds go on.
         context.request_repaint();
     }

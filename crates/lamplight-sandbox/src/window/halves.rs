@@ -1,6 +1,7 @@
 //! One light, or two side by side with a divider that can be moved.
 
 use crate::window::light::{Lit, Shown};
+use crate::window::resolution::Resolution;
 use anyhow::Result;
 use eframe::egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2,
@@ -58,10 +59,17 @@ impl Halves {
     }
 
     /// Finds the light of the next frame; with `all`, that of the right half too.
-    pub fn find(&mut self, cells: &Cells, shown: Shown, all: bool) -> Result<()> {
+    pub fn find(
+        &mut self,
+        cells: &Cells,
+        resolution: &Resolution,
+        shown: Shown,
+        all: bool,
+    ) -> Result<()> {
+        let cells = resolution.cells(cells);
         self.each()
             .take(if all { 2 } else { 1 })
-            .try_for_each(|half| half.lit.find(cells, &half.settings, shown))
+            .try_for_each(|half| half.lit.find(cells, &resolution.settings(&half.settings), shown))
     }
 
     /// Bytes that the lights hold; none where nobody counts.

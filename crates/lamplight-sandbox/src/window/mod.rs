@@ -1,12 +1,14 @@
 //! The window: what stands in it, and what a person does to it.
 
 mod app;
+mod benchmark;
 mod files;
 mod halves;
 mod inspect;
 mod light;
 mod panels;
 mod probe;
+mod resolution;
 mod saving;
 mod script;
 mod subject;

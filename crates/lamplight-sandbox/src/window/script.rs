@@ -2,9 +2,10 @@
 
 use crate::window::inspect::View;
 use crate::window::subject::Choice;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use lamplight::Method;
+use lamplight_sandbox::coarse::COARSEST;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
@@ -19,6 +20,12 @@ pub enum Line {
     Set(String),
     /// Chooses a view, and which of the inside, from 0.
     View(View, u32),
+    /// Begins the benchmark.
+    Benchmark,
+    /// Prints the benchmark's table.
+    Table,
+    /// So many cells to a cell of light.
+    Factor(u32),
     /// Splits the picture; on the right is this method.
     Split(Method),
     /// Moves the pointer to a place in the picture, in cells.
@@ -94,6 +101,13 @@ fn read(words: &[&str]) -> Result<Line> {
         ["set", text] => Line::Set(text.to_owned()),
         ["view", name] => Line::View(view(name)?, 0),
         ["view", "inside", number] => Line::View(View::Inside, number.parse()?),
+        ["benchmark"] => Line::Benchmark,
+        ["table"] => Line::Table,
+        ["factor", factor] => {
+            let factor = factor.parse()?;
+            ensure!((1..=COARSEST).contains(&factor), "a factor is from 1 to {COARSEST}");
+            Line::Factor(factor)
+        }
         ["split", name] => Line::Split(
             Method::ALL.iter().copied().find(|m| m.name() == name).context("no such method")?,
         ),
@@ -108,7 +122,7 @@ fn read(words: &[&str]) -> Result<Line> {
         ["shot", path] => Line::Shot(path.into()),
         _ => bail!(
             "expected one of: frames N, world NAME, set key=value, view NAME, \
-             view inside N, split METHOD, move X Y, press, release, lamp, \
+             view inside N, split METHOD, benchmark, table, factor N, move X Y, press, release, lamp, \
              clear, drop FILE, say WORD, tell, shot FILE"
         ),
     })

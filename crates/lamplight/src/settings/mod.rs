@@ -175,6 +175,18 @@ impl Settings {
         Self { method: Method::Raymarch, raymarch, ..Self::default() }
     }
 
+    /// Lays a preset of the method at hand ([`Method::presets`]) over its settings; the method's default
+    /// where there is none of this name.
+    pub fn lay_preset(&mut self, name: &str) {
+        match self.method {
+            Method::Raymarch => self.raymarch = Raymarch::preset(name).unwrap_or_default(),
+            Method::Flood => self.flood = Flood::preset(name).unwrap_or_default(),
+            Method::Polar => self.polar = Polar::preset(name).unwrap_or_default(),
+            Method::Cascades => self.cascades = Cascades::preset(name).unwrap_or_default(),
+            Method::Holographic => self.holographic = Holographic::preset(name).unwrap_or_default(),
+        }
+    }
+
     /// Refuses values out of their range.
     pub fn check(&self) -> Result<()> {
         within("bounces", self.bounces.limit(), 0..=Bounces::MAX)?;

@@ -35,6 +35,11 @@ impl OnCpu {
         Self::new(&self.context, settings)
     }
 
+    /// Finds light anew even where nothing has changed.
+    pub fn forget(&mut self) {
+        self.cells = None;
+    }
+
     pub fn find(&mut self, cells: &Cells, settings: &Settings, shown: Shown) -> Result<()> {
         if self.settings != *settings {
             self.solver = Solver::new(settings.clone())?;

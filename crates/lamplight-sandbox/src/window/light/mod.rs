@@ -81,6 +81,13 @@ impl Lit {
         }
     }
 
+    /// Finds the next frame's light even where nothing has changed: for who times it.
+    pub fn forget(&mut self) {
+        if let Self::Cpu(cpu) = self {
+            cpu.forget();
+        }
+    }
+
     /// Finds the light of the next frame.
     pub fn find(&mut self, cells: &Cells, settings: &Settings, shown: Shown) -> Result<()> {
         match self {

@@ -2,8 +2,10 @@
 
 use crate::window::halves::Halves;
 use crate::window::inspect::{Inspector, View};
+use crate::window::resolution::Resolution;
 use eframe::egui::{ComboBox, Slider, Ui};
 use lamplight::{Method, Settings};
+use lamplight_sandbox::coarse::COARSEST;
 
 /// Which view.
 pub fn show(ui: &mut Ui, inspector: &mut Inspector) {
@@ -24,6 +26,31 @@ pub fn show(ui: &mut Ui, inspector: &mut Inspector) {
         });
     }
     ui.weak(inspector.said());
+}
+
+/// Columns and rows to choose from.
+const SIZES: [[u32; 2]; 7] =
+    [[160, 90], [240, 135], [320, 180], [480, 270], [640, 360], [960, 540], [1280, 720]];
+
+/// Another size, where one is chosen.
+pub fn size(ui: &mut Ui, size: [u32; 2]) -> Option<[u32; 2]> {
+    let name = |[w, h]: [u32; 2]| format!("{w}×{h} cells");
+    let mut chosen = size;
+    let shown = ComboBox::from_id_salt("size").selected_text(name(size)).show_ui(ui, |ui| {
+        for size in SIZES {
+            ui.selectable_value(&mut chosen, size, name(size));
+        }
+    });
+    shown.response.on_hover_text("What is shown begins anew; times grow with the number of cells");
+    (chosen != size).then_some(chosen)
+}
+
+/// On how many cells light is found.
+pub fn resolution(ui: &mut Ui, resolution: &mut Resolution) {
+    ui.add(Slider::new(&mut resolution.factor, 1..=COARSEST).text("cells to a cell of light"))
+        .on_hover_text("1: as drawn. 2: light is found on a quarter of the cells, in about a quarter of the time");
+    ui.checkbox(&mut resolution.adapts, "keep to 60 frames a second")
+        .on_hover_text("Light gets coarser while frames come late, and finer where there is time");
 }
 
 /// Whether the picture is split; says what went wrong.
