@@ -210,7 +210,7 @@ fn on_the_gpu_every_view_shows_something_else() {
         "reference",
         "error",
     ];
-    let shot = |view: &str| folder.path().join(format!("{view}.png"));
+    let shot = |view: &str| folder.path().join(format!("{}.png", view.replace(' ', "-")));
     let looks =
         views.map(|view| format!("view {view}\nframes 12\ntell\nshot {}\n", shot(view).display()));
     let mut said = Vec::new();

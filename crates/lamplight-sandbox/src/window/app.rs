@@ -421,6 +421,10 @@ impl App {
                 (self.inspector.view, self.inspector.inside) = (view, inside);
             }
             Line::Benchmark => self.begin_benchmark(),
+            Line::Lose => self.halves.left.lit.lose(),
+            Line::Size(size) => {
+                context.send_viewport_cmd(ViewportCommand::InnerSize(size.into()));
+            }
             Line::Table => print!("{}", self.benchmark.markdown()),
             Line::Factor(factor) => self.resolution.factor = factor,
             Line::Split(method) => {

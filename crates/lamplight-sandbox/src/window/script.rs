@@ -22,6 +22,10 @@ pub enum Line {
     View(View, u32),
     /// Begins the benchmark.
     Benchmark,
+    /// Takes the GPU away, as a driver that restarts does.
+    Lose,
+    /// Gives the window another size, in points.
+    Size([f32; 2]),
     /// Prints the benchmark's table.
     Table,
     /// So many cells to a cell of light.
@@ -103,6 +107,8 @@ fn read(words: &[&str]) -> Result<Line> {
         ["view", "inside", number] => Line::View(View::Inside, number.parse()?),
         ["benchmark"] => Line::Benchmark,
         ["table"] => Line::Table,
+        ["lose"] => Line::Lose,
+        ["size", w, h] => Line::Size([w.parse()?, h.parse()?]),
         ["factor", factor] => {
             let factor = factor.parse()?;
             ensure!((1..=COARSEST).contains(&factor), "a factor is from 1 to {COARSEST}");
@@ -122,7 +128,7 @@ fn read(words: &[&str]) -> Result<Line> {
         ["shot", path] => Line::Shot(path.into()),
         _ => bail!(
             "expected one of: frames N, world NAME, set key=value, view NAME, \
-             view inside N, split METHOD, benchmark, table, factor N, move X Y, press, release, lamp, \
+             view inside N, split METHOD, benchmark, table, lose, size W H, factor N, move X Y, press, release, lamp, \
              clear, drop FILE, say WORD, tell, shot FILE"
         ),
     })
