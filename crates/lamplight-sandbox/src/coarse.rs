@@ -26,10 +26,10 @@ pub fn coarsen(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
         for x in 0..size[0] {
             let block = Block::of(from, factor, [x, y]);
             to.set(x, y, block.matter(factor));
-            if let Some(color) = from.color() {
-                to.color_mut()[(y * size[0] + x) as usize] = block.mean(color);
-            }
         }
+    }
+    if let Some(color) = from.color() {
+        shrink(color, from.width(), factor, size, to.color_mut());
     }
     Ok(())
 }
@@ -41,6 +41,22 @@ pub fn spread(light: &Light, factor: u32, cells: &Cells) -> Option<Light> {
         light.at(x / factor, y / factor)
     };
     Light::from_pixels(cells, (0..cells.len()).map(at).collect())
+}
+
+/// The means over all blocks, row by row.
+fn shrink(values: &[Rgb], width: u32, factor: u32, [columns, _]: [u32; 2], to: &mut [Rgb]) {
+    let (width, factor) = (width as usize, factor as usize);
+    to.fill([0.0; 3]);
+    for (rows, to) in values.chunks(factor * width).zip(to.chunks_exact_mut(columns as usize)) {
+        for row in rows.chunks_exact(width) {
+            for (values, to) in row.chunks(factor).zip(&mut *to) {
+                let share = 1.0 / (values.len() * (rows.len() / width)) as f32;
+                for value in values {
+                    (0..3).for_each(|c| to[c] += share * value[c]);
+                }
+            }
+        }
+    }
 }
 
 /// A lamp in larger cells; what is smaller than lamps may be stays as small as they may be.
@@ -76,6 +92,16 @@ impl<'a> Block<'a> {
         (self.y[0]..self.y[1]).flat_map(move |y| (left..right).map(move |x| y * width + x))
     }
 
+    /// Whether nothing stands in it; row by row, as most blocks are asked no more than this.
+    fn is_clear(&self) -> bool {
+        let (width, [left, right]) = (self.from.width() as usize, self.x);
+        (self.y[0]..self.y[1]).all(|y| {
+            let row = y * width + left..y * width + right;
+            self.from.opacity()[row.clone()].iter().all(|&opacity| opacity == 0.0)
+                && self.from.tint()[row].iter().all(|&tint| tint == [1.0; 3])
+        })
+    }
+
     /// The longer side of the box round some of the cells.
     fn extent(&self, cells: impl Iterator<Item = usize>) -> usize {
         let width = self.from.width() as usize;
@@ -88,12 +114,11 @@ impl<'a> Block<'a> {
         (0..2).map(|a| high[a].saturating_sub(low[a])).max().unwrap_or(0)
     }
 
-    fn mean(&self, values: &[Rgb]) -> Rgb {
-        mean(self.cells().map(|i| (values[i], 1.0)))
-    }
-
     fn matter(&self, factor: u32) -> Matter {
         let from = self.from;
+        if self.is_clear() {
+            return Matter::EMPTY;
+        }
         let walls = || self.cells().filter(|&i| from.is_solid(i));
         let count = walls().count();
         let glows = walls().any(|i| from.emission()[i] != [0.0; 3]);
@@ -108,7 +133,7 @@ impl<'a> Block<'a> {
         let open = || self.cells().filter(|&i| !from.is_solid(i));
         let deep = factor as f32 / self.cells().count() as f32;
         let mut log = [0.0; 3];
-        for i in open() {
+        for i in open().filter(|&i| !is_clear(from, i)) {
             let of_cell = log_transmittance(from.opacity()[i], from.tint()[i]);
             (0..3).for_each(|c| log[c] += deep * of_cell[c]);
         }
@@ -122,6 +147,11 @@ impl<'a> Block<'a> {
         let by_fog = |values: &[Rgb]| mean(open().map(|i| (values[i], stops(i))));
         Matter { opacity, tint, emission: by_fog(from.emission()), albedo: by_fog(from.albedo()) }
     }
+}
+
+/// Whether light passes a cell as if nothing were there.
+fn is_clear(cells: &Cells, i: usize) -> bool {
+    cells.opacity()[i] == 0.0 && cells.tint()[i] == [1.0; 3]
 }
 
 /// The mean of values with weights; black without weight.
