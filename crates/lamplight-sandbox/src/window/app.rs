@@ -1,14 +1,17 @@
 //! The window's content, frame by frame.
 
-use super::Args;
-use crate::window::files;
-use crate::window::light::{Lit, Shown};
+use super::{CELLS, Script, Start};
+use crate::platform;
+use crate::window::files::Inbox;
+use crate::window::folded::{Folded, Side};
+use crate::window::fonts::fonts;
+use crate::window::light::{self, Lit, Shown};
 use crate::window::panels::timings::Timings;
 use crate::window::panels::tools::Tools;
 use crate::window::panels::{settings, settings::Panel};
 use crate::window::probe::{Probe, meter};
 use crate::window::saving::{Kind, Saving};
-use crate::window::script::{Line, Script};
+use crate::window::script::Line;
 use crate::window::subject::{Choice, Subject};
 use crate::window::view::{Pointer, View};
 use anyhow::{Context as _, Result};
@@ -16,7 +19,7 @@ use eframe::CreationContext;
 use eframe::egui::{
     self, Button, CentralPanel, CollapsingHeader, Color32, Context, DroppedFile, Event, Frame, Key,
     KeyboardShortcut, Modifiers, PointerButton, RawInput, RichText, ScrollArea, Stroke, TextEdit,
-    Ui, UserData, ViewportCommand,
+    Theme, Ui, UserData, ViewportCommand,
 };
 use lamplight::settings::Holographic;
 use lamplight::{Settings, SettingsTable};
@@ -38,6 +41,7 @@ pub struct App {
     probe: Probe,
     tools: Tools,
     panel: Panel,
+    folded: Folded,
     timings: Timings,
     /// What went wrong, to be read.
     message: Option<String>,
@@ -50,33 +54,41 @@ pub struct App {
     /// What the script's person does to the window, in its next frame.
     played: Vec<Event>,
     dropped: Vec<DroppedFile>,
+    inbox: Inbox,
     /// Where the picture was in the last frame, for the script's person.
     view: Option<View>,
     shots: Vec<PathBuf>,
 }
 
 impl App {
-    pub fn new(context: &CreationContext, args: &Args, script: Option<Script>) -> Result<Self> {
-        let subject = Subject::new(args.world, args.size, args.seed)?;
+    pub fn new(context: &CreationContext, start: &Start, script: Option<Script>) -> Result<Self> {
+        context.egui_ctx.set_fonts(fonts());
+        // Light is judged against the dark.
+        context.egui_ctx.set_theme(Theme::Dark);
+        let gpu = light::gpu(context, start.backend);
+        let cells = if gpu.is_some() { CELLS } else { platform::CELLS_ON_CPU };
+        let size = start.size.unwrap_or(cells);
+        let subject = Subject::new(start.world, size, start.seed)?;
         let look = subject.look();
         let mut settings = look.settings();
-        let lit = Lit::new(context, &settings, args.backend)?;
+        let lit = Lit::new(&context.egui_ctx, gpu, &settings)?;
         if !lit.is_gpu() {
             // A GPU has time for more.
             settings.holographic = Holographic::preset("fast").unwrap_or_default();
         }
         Ok(Self {
-            choice: args.world,
+            choice: start.world,
             lit,
             probe: Probe::default(),
             subject,
-            size: args.size,
-            seed: args.seed,
+            size,
+            seed: start.seed,
             settings,
             shown: Shown { display: look.display, ..Shown::default() },
             whole: true,
             tools: Tools::default(),
             panel: Panel::new(),
+            folded: Folded::default(),
             timings: Timings::default(),
             message: None,
             unlit: None,
@@ -85,6 +97,7 @@ impl App {
             script,
             played: Vec::new(),
             dropped: Vec::new(),
+            inbox: Inbox::default(),
             view: None,
             shots: Vec::new(),
         })
@@ -108,7 +121,8 @@ impl App {
 
     /// What is on, how it is lit, how fast.
     fn bar(&mut self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
+            self.folded.buttons(ui);
             for choice in Choice::ALL {
                 if ui.selectable_label(self.choice == choice, choice.name()).clicked() {
                     self.choose(choice);
@@ -191,6 +205,8 @@ impl App {
         let asks = self.subject.has_meter();
         let looked = self.probe.look(&self.lit, self.subject.cells(), pointer.at, asks);
         self.say(looked.map(|()| None));
+        let saved = self.saving.go_on(&self.lit, self.shown.display, &self.name);
+        self.say(saved);
         if let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())
             && let Some(lit) = playing.world.lit(light)
         {
@@ -220,7 +236,7 @@ impl App {
     /// Takes files that were dropped on the window.
     fn take_files(&mut self, context: &Context) {
         for file in context.input(|input| input.raw.dropped_files.clone()) {
-            match files::open(&file, &mut self.subject) {
+            match self.inbox.take(file, context.time(), &mut self.subject) {
                 Ok(said) => {
                     self.choice = Choice::Paint;
                     let look = self.subject.look();
@@ -265,12 +281,10 @@ impl App {
                 }
             }
         });
-        let saved = self.saving.go_on(&self.lit, self.shown.display, &self.name);
-        self.say(saved);
     }
 
     /// Keeps what there is to say, and what went wrong, to be read.
-    fn say(&mut self, said: Result<Option<String>>) {
+    pub fn say(&mut self, said: Result<Option<String>>) {
         match said {
             Ok(None) => {}
             Ok(said) => self.message = said,
@@ -297,16 +311,20 @@ impl App {
 
     /// Does what the script says next.
     fn follow(&mut self, context: &Context) {
-        let Some(script) = &mut self.script else { return };
         // A picture of the window comes a frame later, and shows that frame.
         if !self.shots.is_empty() {
             return;
         }
-        if script.is_over() {
-            context.send_viewport_cmd(ViewportCommand::Close);
-            return;
+        if self.script.as_ref().is_some_and(Script::is_over) {
+            self.script = None;
+            platform::script_is_over(context);
         }
-        let Some(line) = script.next() else { return };
+        if self.script.is_none()
+            && let Some(text) = platform::next_script()
+        {
+            self.script = Script::read(&text).map_err(|why| self.say(Err(why))).ok();
+        }
+        let Some(line) = self.script.as_mut().and_then(Script::next) else { return };
         if let Err(why) = self.obey(context, line) {
             self.message = Some(format!("{why:#}"));
         }
@@ -344,10 +362,19 @@ impl App {
             Line::Drop(path) => {
                 self.dropped.push(DroppedFile { path: Some(path), ..DroppedFile::default() });
             }
-            Line::Say(word) => println!("{word}"),
+            Line::Say(word) => platform::say(&word),
             Line::Tell => {
                 let told = self.message.as_ref().or(self.unlit.as_ref());
-                println!("{}", told.map_or("all is well", String::as_str));
+                platform::say(told.map_or("all is well", String::as_str));
+            }
+            Line::Place => {
+                let place = self.view.as_ref().context("there is no picture yet")?.place;
+                let [x, y, w, h] = [place.min.x, place.min.y, place.width(), place.height()];
+                platform::say(&format!("{x} {y} {w} {h}"));
+            }
+            Line::Save(kind) => {
+                let begun = self.saving.begin(kind, &self.lit, &self.subject, &self.name);
+                self.say(begun);
             }
             Line::Shot(path) => {
                 self.shots.push(path);
@@ -390,10 +417,12 @@ impl eframe::App for App {
         if self.message.is_some() || self.unlit.is_some() {
             egui::Panel::bottom("message").show(ui, |ui| self.messages(ui));
         }
-        egui::Panel::left("tools").exact_size(170.0).show(ui, |ui| self.tools(ui));
-        egui::Panel::right("settings").exact_size(330.0).show(ui, |ui| {
-            ScrollArea::vertical().show(ui, |ui| self.settings(ui));
-        });
+        if let Some(panel) = self.folded.panel(&context, Side::Tools) {
+            panel.show(ui, |ui| ScrollArea::vertical().show(ui, |ui| self.tools(ui)));
+        }
+        if let Some(panel) = self.folded.panel(&context, Side::Settings) {
+            panel.show(ui, |ui| ScrollArea::vertical().show(ui, |ui| self.settings(ui)));
+        }
         CentralPanel::default()
             .frame(Frame::NONE.fill(Color32::BLACK))
             .show(ui, |ui| self.picture(ui));

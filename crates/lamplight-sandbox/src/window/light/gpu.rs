@@ -78,7 +78,10 @@ impl OnGpu {
     pub fn new(state: &RenderState, settings: &Settings) -> Result<Self> {
         let (device, queue) = (state.device.clone(), state.queue.clone());
         Ok(Self {
-            name: state.adapter.get_info().name,
+            // Browsers keep the name to themselves.
+            name: Some(state.adapter.get_info().name)
+                .filter(|name| !name.is_empty())
+                .unwrap_or_else(|| "the GPU".to_owned()),
             target: state.target_format,
             lighting: Lighting::new(&device, &queue, settings.clone())?,
             compose: Arc::new(Mutex::new(Compose::new(&device)?)),
