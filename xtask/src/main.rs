@@ -1,6 +1,7 @@
 //! The project's own chores: `cargo xtask <chore>`.
 
 mod apt;
+mod browser;
 mod display;
 mod docs;
 mod frontier;
@@ -10,7 +11,9 @@ mod noise;
 mod random;
 mod scenes;
 mod schema;
+mod serve;
 mod test;
+mod web;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -31,6 +34,15 @@ enum Chore {
         /// Leave out the tests that need a GPU, a software one at least.
         #[arg(long)]
         without_gpu: bool,
+        /// Instead of all that: build the web page, and use it in a browser.
+        #[arg(long, conflicts_with = "without_gpu")]
+        web: bool,
+    },
+    /// Build the sandbox as a web page, in `target/web/`.
+    Web {
+        /// Serve it to this machine, at this port.
+        #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "8080")]
+        serve: Option<u16>,
     },
     /// Draw the example scenes.
     Scenes(Generate),
@@ -74,7 +86,9 @@ fn main() -> ExitCode {
 
 fn run(chore: Chore) -> Result<()> {
     match chore {
-        Chore::Test { without_gpu } => test::run(!without_gpu),
+        Chore::Test { web: true, .. } => test::web(),
+        Chore::Test { without_gpu, .. } => test::run(!without_gpu),
+        Chore::Web { serve } => web::run(serve),
         Chore::Docs { gpu: true, .. } => docs::gpu(),
         Chore::Docs { sandbox: true, .. } => docs::sandbox(),
         Chore::Docs { .. } => {

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything CI checks, on a machine that has only Rust and git.
 
 use crate::generated::{Mode, root};
-use crate::{display, gpu, noise, scenes, schema};
+use crate::{browser, display, gpu, noise, scenes, schema, web};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -37,6 +37,23 @@ pub fn run(with_gpu: bool) -> Result<()> {
         schema::run(Mode::Check)
     })?;
     step("the README's first command", first_command)?;
+    println!("all passed in {:.1} s", begin.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// The web page, in a browser.
+pub fn web() -> Result<()> {
+    let begin = Instant::now();
+    step("lints of the page", || {
+        web::ensure_target()?;
+        let lints = ["clippy", "--quiet", "--package", web::PACKAGE, "--target", web::TARGET];
+        match has_component("clippy", "clippy") {
+            true => cargo(&[&lints[..], &["--", "-D", "warnings"]].concat()),
+            false => Ok(()),
+        }
+    })?;
+    step("the page", || web::build().map(|_| ()))?;
+    step("the page in a browser", || browser::test(web::folder()?))?;
     println!("all passed in {:.1} s", begin.elapsed().as_secs_f64());
     Ok(())
 }

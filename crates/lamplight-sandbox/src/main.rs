@@ -1,9 +1,8 @@
-//! The sandbox: paint with light, in a window.
+//! The sandbox: paint with light, in a window or on a web page.
 
+mod platform;
 mod window;
 
-use clap::Parser;
-
 fn main() -> anyhow::Result<()> {
-    window::open(window::Args::parse())
+    platform::run()
 }

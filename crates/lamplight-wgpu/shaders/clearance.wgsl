@@ -36,7 +36,7 @@ fn like(i: u32, at: vec2i, shift: u32, power: u32) -> bool {
     let j = index(vec2u(at));
     let same = all(source[i] == source[j]) && all(logs[i] == logs[j]);
     let kind = select(same, source[j].w == CLEAR, clear);
-    return kind && (before[j] >> shift & 255u) > power;
+    return kind && ((before[j] >> shift) & 255u) > power;
 }
 
 // Whether four squares of side 2^power cover one of side 2^power + offset, all like the corner.
@@ -61,7 +61,7 @@ fn double(@builtin(global_invocation_id) id: vec3u) {
     var powers = before[i];
     for (var quadrant = 0u; quadrant < 4u; quadrant++) {
         let shift = 8u * quadrant;
-        if (powers >> shift & 255u) == power + 1u
+        if ((powers >> shift) & 255u) == power + 1u
             && covered(i, vec2i(id.xy), way(quadrant), shift, power, 1i << power) {
             powers += 1u << shift;
         }
@@ -79,7 +79,7 @@ fn finish(@builtin(global_invocation_id) id: vec3u) {
     var sides = 0u;
     for (var quadrant = 0u; quadrant < 4u; quadrant++) {
         let shift = 8u * quadrant;
-        let powers = before[i] >> shift & 255u;
+        let powers = (before[i] >> shift) & 255u;
         if powers == 0u {
             continue;
         }

@@ -41,7 +41,7 @@ fn leaps(at: vec2i, offset: vec2i) -> bool {
         return length(vec2f(offset)) < bitcast<f32>(field) - MARGIN;
     }
     let shift = select(0u, 8u, offset.x < 0) + select(0u, 16u, offset.y < 0);
-    return u32(max(abs(offset.x), abs(offset.y))) < (field >> shift & LONGEST);
+    return u32(max(abs(offset.x), abs(offset.y))) < ((field >> shift) & LONGEST);
 }
 
 // Whether the line between the centres of two cells meets no solid cell: cell by cell; a corner

@@ -23,7 +23,7 @@ fn width(up: u32, plane: u32) -> u32 {
 // Where a plane of a level that is held begins: those before it have been as wide as they are.
 fn begin(up: u32, plane: u32) -> u32 {
     let rays = (1u << up) + 1u;
-    return rays * (plane * TILE + (plane * (plane - 1u) / 2u << up));
+    return rays * (plane * TILE + ((plane * (plane - 1u) / 2u) << up));
 }
 
 // Intervals of a level that is held.

@@ -7,7 +7,7 @@ fn word_at(cell: vec2u) -> u32 {
 }
 
 fn kind_in(word: u32, cell: vec2u) -> u32 {
-    return word >> (((cell.y & 3u) << 3u) | ((cell.x & 3u) << 1u)) & 3u;
+    return (word >> (((cell.y & 3u) << 3u) | ((cell.x & 3u) << 1u))) & 3u;
 }
 
 fn kind_at(cell: vec2i) -> u32 {

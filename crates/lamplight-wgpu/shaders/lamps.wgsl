@@ -29,7 +29,7 @@ struct Lamps {
 @group(0) @binding(1) var<storage, read> lamps: Lamps;
 
 // What rays keep that met nothing. FAR stands for infinity, which a shader may not rely on.
-const FAR: f32 = 3.40282347e38;
+const FAR: f32 = 0x1.fffffep+127;
 const NO_CELL: u32 = 0xffffffffu;
 
 const TURN: f32 = 6.2831855;

@@ -25,11 +25,11 @@ fn first_angle(here: vec2u) -> f32 {
     }
     if frame.noise == BLUE {
         let lap = frame.number / SLICES + frame.key;
-        let column = (at.x + (lap * STEP_X >> 26u)) % SIDE;
-        let row = (at.y + (lap * STEP_Y >> 26u)) % SIDE;
+        let column = (at.x + ((lap * STEP_X) >> 26u)) % SIDE;
+        let row = (at.y + ((lap * STEP_Y) >> 26u)) % SIDE;
         let texel = (frame.number % SLICES * SIDE + row) * SIDE + column;
-        let byte = blue[texel / 4u] >> (8u * (texel % 4u)) & 255u;
-        return unit(byte << 24u | pcg(vec4u(at, frame.number, frame.key)).x >> 8u);
+        let byte = (blue[texel / 4u] >> (8u * (texel % 4u))) & 255u;
+        return unit((byte << 24u) | (pcg(vec4u(at, frame.number, frame.key)).x >> 8u));
     }
     return unit(at.x * STEP_X + at.y * STEP_Y + frame.number * GOLDEN + frame.key);
 }

@@ -8,9 +8,9 @@ fn pack(i: Interval) -> vec3u {
     let light = bitcast<vec3u>(i.light) + 0x8000u;
     let through = vec3u(i.through * f32(ONE) + 0.5);
     return vec3u(
-        (light.r & 0xffff0000u) | light.g >> 16u,
+        (light.r & 0xffff0000u) | (light.g >> 16u),
         (light.b & 0xffff0000u) | through.r,
-        through.g << 16u | through.b,
+        (through.g << 16u) | through.b,
     );
 }
 

@@ -6,12 +6,15 @@ fn pack_rgb(rgb: vec3f) -> vec2u {
     let exponent = clamp(i32(bitcast<u32>(most) >> 23u) - 126, -60, 66);
     let scale = bitcast<f32>(u32(146 - exponent) << 23u);
     let shares = vec3u(min(rgb * scale + 0.5, vec3f(524287.0)));
-    return vec2u(shares.r | shares.g << 19u, shares.g >> 13u | shares.b << 6u | u32(exponent + 60) << 25u);
+    return vec2u(
+        shares.r | (shares.g << 19u),
+        (shares.g >> 13u) | (shares.b << 6u) | (u32(exponent + 60) << 25u),
+    );
 }
 
 fn unpack_rgb(word: vec2u) -> vec3f {
     let exponent = i32(word.y >> 25u) - 60;
     let scale = bitcast<f32>(u32(exponent + 108) << 23u);
-    let green = word.x >> 19u | (word.y & 63u) << 13u;
-    return vec3f(vec3u(word.x & 0x7ffffu, green, word.y >> 6u & 0x7ffffu)) * scale;
+    let green = (word.x >> 19u) | ((word.y & 63u) << 13u);
+    return vec3f(vec3u(word.x & 0x7ffffu, green, (word.y >> 6u) & 0x7ffffu)) * scale;
 }

@@ -52,7 +52,7 @@ fn ray_from(start: vec2f, cell: vec2f) -> Ray {
 
 // The square that opens from a cell; 0: closed.
 fn square_at(i: u32, heading: Heading) -> u32 {
-    return squares[i] >> heading.shift & 255u;
+    return (squares[i] >> heading.shift) & 255u;
 }
 
 // Crosses the square that opens from cell `i`, where the ray is; whether it came to its end in there, so

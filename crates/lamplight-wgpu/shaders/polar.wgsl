@@ -55,7 +55,7 @@ fn received(lamp: Lamp, off: vec2f, faces: u32) -> vec3f {
         var share = 0.0;
         if faces == 0u {
             share = falloff(lamp, length_of(off));
-        } else if (faces >> face & 1u) == 1u {
+        } else if ((faces >> face) & 1u) == 1u {
             let normal = vec2f(normal(face));
             let on_face = off + 0.5 * normal;
             let away = length_of(on_face);

@@ -10,6 +10,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if outside(id.xy) {
         return;
     }
-    let own = id.x | id.y << 16u;
+    let own = id.x | (id.y << 16u);
     seeds[index(id.xy)] = select(NONE, own, occupied(textureLoad(matter, id.xy, 0)));
 }

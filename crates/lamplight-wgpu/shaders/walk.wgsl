@@ -36,7 +36,7 @@ fn ends(kind: u32) -> bool {
 }
 
 fn packed(cell: vec2i) -> u32 {
-    return u32(cell.x) | u32(cell.y) << 16u;
+    return u32(cell.x) | (u32(cell.y) << 16u);
 }
 
 // Where a ray enters the grid, 0 when it starts inside, and leaves it; no more than it enters when it

@@ -45,7 +45,7 @@ fn fetch(local: u32, lanes: u32, slab: u32, row: u32, ahead: u32) {
 fn is(kind: u32, lane: u32, slabs: i32, rows: i32) -> bool {
     let row = u32(i32(lane) + rows + ASIDE);
     let word = near[(kind * SLABS + u32(slabs + 1)) * ACROSS + row / 32u];
-    return (word >> (row % 32u) & 1u) == 1u;
+    return ((word >> (row % 32u)) & 1u) == 1u;
 }
 
 fn is_solid(lane: u32, slabs: i32, rows: i32) -> bool {
@@ -62,8 +62,8 @@ fn any_of(kind: u32, lane: u32, mask: u32, slabs: u32) -> bool {
         // Rows from 32 below the lane's to 31 above it. Shifts by 32 are none.
         let high = select(near[at + 1u] << (32u - shift), 0u, shift == 0u);
         let higher = select(near[at + 2u] << (32u - shift), 0u, shift == 0u);
-        met |= (near[at] >> shift | high) & ways[mask + 2u * slab];
-        met |= (near[at + 1u] >> shift | higher) & ways[mask + 2u * slab + 1u];
+        met |= ((near[at] >> shift) | high) & ways[mask + 2u * slab];
+        met |= ((near[at + 1u] >> shift) | higher) & ways[mask + 2u * slab + 1u];
     }
     return met != 0u;
 }
@@ -86,7 +86,7 @@ fn march(slab: u32, row: u32, lane: u32, first: u32, count: u32) -> Interval {
     for (var i = first; i < first + 2u * count; i += 2u) {
         let crossing = ways[i];
         let slabs = i32(crossing & 255u);
-        let rows = i32(crossing >> 8u & 255u) - 128;
+        let rows = i32((crossing >> 8u) & 255u) - 128;
         if !is(MATTER, lane, slabs, rows) {
             continue;
         }

@@ -57,6 +57,7 @@ pub use error::{Error, Result};
 pub use lighting::{Lighting, Stage};
 pub use matter::Textures;
 pub use options::Options;
+pub use shaders::shaders;
 pub use stages::display::Target;
 pub use tier::{Tier, required_features, required_limits};
 pub use timing::Timer;

@@ -135,6 +135,50 @@ pub const CARRY: Shader = shader!("carry");
 pub const OUTPUT: Shader = shader!("output");
 pub const DISPLAY: Shader = shader!("display");
 
+const ALL: &[Shader] = &[
+    SEED,
+    JUMP_FLOOD,
+    DISTANCE,
+    OPTICS,
+    CHANGES,
+    CLEARANCE,
+    RAYMARCH,
+    RAYMARCH_DISTANCE,
+    FEEDBACK,
+    COMPARE,
+    CONVERGENCE,
+    TEMPORAL,
+    DENOISE,
+    GROUND,
+    FLOOD_RAYS,
+    FLOOD,
+    POLAR_RAYS,
+    POLAR_BOUNDS,
+    POLAR,
+    CASCADES_FILL,
+    CASCADES_GATHER,
+    SLABS,
+    TRACE,
+    EXTEND,
+    CONES,
+    HOP,
+    REFLECT,
+    PAPER_SOURCE,
+    PAPER_TRACE,
+    PAPER_EXTEND,
+    PAPER_MERGE,
+    PAPER_GATHER,
+    WALLS,
+    CARRY,
+    OUTPUT,
+    DISPLAY,
+];
+
+/// The texts of all shaders, by name, for hosts that want pipelines of their own, and for who checks them.
+pub fn shaders() -> impl Iterator<Item = (&'static str, String)> {
+    ALL.iter().map(|shader| (shader.name, shader.text()))
+}
+
 /// What shaders/luminance.wgsl is told.
 pub const LUMINANCE: [(&str, f64); 3] = [
     ("LUMINANCE_RED", srgb::LUMINANCE[0] as f64),
@@ -151,45 +195,6 @@ mod tests {
     use crate::methods::holographic::sweep::Sweep;
     use crate::stages::display::Look;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
-
-    const ALL: &[Shader] = &[
-        SEED,
-        JUMP_FLOOD,
-        DISTANCE,
-        OPTICS,
-        CHANGES,
-        CLEARANCE,
-        RAYMARCH,
-        RAYMARCH_DISTANCE,
-        FEEDBACK,
-        COMPARE,
-        CONVERGENCE,
-        TEMPORAL,
-        DENOISE,
-        GROUND,
-        FLOOD_RAYS,
-        FLOOD,
-        POLAR_RAYS,
-        POLAR_BOUNDS,
-        POLAR,
-        CASCADES_FILL,
-        CASCADES_GATHER,
-        SLABS,
-        TRACE,
-        EXTEND,
-        CONES,
-        HOP,
-        REFLECT,
-        PAPER_SOURCE,
-        PAPER_TRACE,
-        PAPER_EXTEND,
-        PAPER_MERGE,
-        PAPER_GATHER,
-        WALLS,
-        CARRY,
-        OUTPUT,
-        DISPLAY,
-    ];
 
     fn parsed(shader: &Shader) -> naga::Module {
         naga::front::wgsl::parse_str(&shader.text())

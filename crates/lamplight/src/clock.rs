@@ -1,6 +1,8 @@
 //! What each stage of a frame takes.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+// The standard one, and in a browser, where that has no clock, the page's.
+use web_time::Instant;
 
 /// A stop watch with a lap for each stage.
 #[derive(Debug, Default)]

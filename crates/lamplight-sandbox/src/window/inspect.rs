@@ -6,7 +6,8 @@ use eframe::egui::{TextureOptions, Vec2};
 use lamplight::image::RgbImage;
 use lamplight::{Cells, Display, Light, Settings, Solver, views};
 use lamplight_truth::{Measures, PathTracer, Refining, heat};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// Time that the reference may take of a frame.
 const BUDGET: Duration = Duration::from_millis(10);

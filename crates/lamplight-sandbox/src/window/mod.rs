@@ -3,9 +3,11 @@
 mod app;
 mod benchmark;
 mod files;
+mod folded;
+mod fonts;
 mod halves;
 mod inspect;
-mod light;
+pub mod light;
 mod panels;
 mod probe;
 mod resolution;
@@ -14,37 +16,34 @@ mod script;
 mod subject;
 mod view;
 
-use anyhow::Context;
-use app::App;
-use clap::Parser;
-use eframe::egui::ViewportBuilder;
-use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+pub use app::App;
+pub use script::Script;
+
+use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 use eframe::wgpu::DeviceDescriptor;
 use lamplight_wgpu::{Tier, required_features, required_limits};
 use light::Backend;
-use std::path::PathBuf;
 use std::sync::Arc;
-use subject::Choice;
+use subject::{Choice, Subject};
 
-/// Paint with light, and play in worlds that are lit as they move
-#[derive(Parser, Debug)]
-#[command(version)]
-pub struct Args {
+/// Columns and rows to begin with.
+pub const CELLS: [u32; 2] = [320, 180];
+
+/// How the window begins.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Start {
     /// What to begin with
     #[arg(long, value_enum, default_value_t)]
     world: Choice,
-    /// Columns and rows of cells, such as 320x180
-    #[arg(long, value_name = "WxH", default_value = "320x180", value_parser = size)]
-    size: [u32; 2],
+    /// Columns and rows of cells [default: 320x180; on the CPU of a web page 160x90]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
     /// Seed of everything random in a world
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Where to find light; auto: on a hardware GPU where there is one, else on the CPU
     #[arg(long, value_enum, default_value_t)]
-    backend: Backend,
-    /// Play what a file says instead of waiting for a person (`docs/sandbox.md`), then close
-    #[arg(long, value_name = "FILE")]
-    script: Option<PathBuf>,
+    pub backend: Backend,
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
@@ -52,38 +51,21 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     sides.ok_or_else(|| "two whole numbers with an x between, such as 320x180".to_owned())
 }
 
-/// Opens the window; comes back when it is closed.
-pub fn open(args: Args) -> anyhow::Result<()> {
-    let script = args.script.as_deref().map(script::Script::open).transpose()?;
-    let options = eframe::NativeOptions {
-        viewport: ViewportBuilder::default()
-            .with_title("lamplight sandbox")
-            .with_inner_size([1480.0, 810.0])
-            .with_min_inner_size([480.0, 320.0]),
-        wgpu_options: WgpuConfiguration {
-            wgpu_setup: WgpuSetup::CreateNew(device()),
-            ..WgpuConfiguration::default()
-        },
-        ..eframe::NativeOptions::default()
-    };
-    let begin =
-        move |context: &eframe::CreationContext| -> eframe::Result<Box<dyn eframe::App>, _> {
-            Ok(Box::new(App::new(context, &args, script)?) as Box<dyn eframe::App>)
-        };
-    eframe::run_native("lamplight-sandbox", options, Box::new(begin))
-        .map_err(|e| anyhow::anyhow!("{e}"))
-        .context("the window cannot be opened")
+/// An error where no window can begin so.
+pub fn check(start: &Start) -> anyhow::Result<()> {
+    Subject::new(start.world, start.size.unwrap_or(CELLS), start.seed).map(|_| ())
 }
 
 /// What the light asks of the device that the window is drawn with.
-fn device() -> WgpuSetupCreateNew {
-    WgpuSetupCreateNew {
-        device_descriptor: Arc::new(|adapter| DeviceDescriptor {
+pub fn device(limits: Tier) -> WgpuSetup {
+    WgpuSetup::CreateNew(WgpuSetupCreateNew {
+        device_descriptor: Arc::new(move |adapter| DeviceDescriptor {
             label: Some("lamplight sandbox"),
+            // More of them only say how long things take.
             required_features: required_features(Tier::Native, adapter),
-            required_limits: required_limits(Tier::Native, adapter),
+            required_limits: required_limits(limits, adapter),
             ..DeviceDescriptor::default()
         }),
         ..WgpuSetupCreateNew::without_display_handle()
-    }
+    })
 }

@@ -1,14 +1,14 @@
-//! What is saved: a scene, the picture, the light; into the folder where the program was started.
+//! What is saved: a scene, the picture, the light.
 
+use crate::platform::{self, File};
 use crate::window::light::{Asked, Lit};
-use crate::window::subject::Subject;
 use anyhow::{Context, Result};
 use image::{DynamicImage, ImageBuffer, ImageFormat};
 use lamplight::{Cells, Display, Light};
 use std::io::Cursor;
 
 /// What there is to save.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
     /// A scene file and its layers, of a canvas.
     Scene,
@@ -40,9 +40,6 @@ impl Kind {
     }
 }
 
-/// A file's name and what is in it.
-type File = (String, Vec<u8>);
-
 /// What is being saved.
 #[derive(Default)]
 pub struct Saving {
@@ -51,23 +48,10 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// Saves a scene, or asks for the light to be saved; says what there is to say.
-    pub fn begin(
-        &mut self,
-        kind: Kind,
-        lit: &Lit,
-        subject: &Subject,
-        name: &str,
-    ) -> Result<Option<String>> {
-        match (kind, subject) {
-            (Kind::Scene, Subject::Canvas(canvas)) => write(&canvas.save(name)?).map(Some),
-            (Kind::Scene, Subject::World(_)) => Ok(None),
-            (Kind::Picture | Kind::Light, _) => {
-                let cells = subject.cells();
-                self.waiting = Some((kind, Some(lit.ask(cells)?), cells.clone()));
-                Ok(None)
-            }
-        }
+    /// Asks for the light of the last frame, which was of these cells, to be saved.
+    pub fn begin(&mut self, kind: Kind, lit: &Lit, cells: &Cells) -> Result<()> {
+        self.waiting = Some((kind, Some(lit.ask(cells)?), cells.clone()));
+        Ok(())
     }
 
     /// Saves what has come; says where it is.
@@ -84,7 +68,7 @@ impl Saving {
             Kind::Scene | Kind::Picture => picture_file(&light, cells, display, name),
         };
         self.waiting = None;
-        write(&[file?]).map(Some)
+        platform::save(&[file?]).map(Some)
     }
 }
 
@@ -104,15 +88,4 @@ fn encode(picture: &DynamicImage, format: ImageFormat) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     picture.write_to(&mut bytes, format)?;
     Ok(bytes.into_inner())
-}
-
-/// Writes files, and says where they are.
-fn write(files: &[File]) -> Result<String> {
-    for (name, bytes) in files {
-        std::fs::write(name, bytes).with_context(|| format!("cannot write {name}"))?;
-    }
-    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    let folder = std::env::current_dir()
-        .map_or_else(|_| "this folder".to_owned(), |at| at.display().to_string());
-    Ok(format!("saved {} in {folder}", names.join(", ")))
 }

@@ -1,13 +1,14 @@
 //! A person in a file: what a script says instead of mouse and keys, for tests and pictures.
 
 use crate::window::inspect::View;
+use crate::window::saving::Kind;
 use crate::window::subject::Choice;
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use lamplight::Method;
 use lamplight_sandbox::coarse::COARSEST;
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// One line of a script.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +47,10 @@ pub enum Line {
     Say(String),
     /// Prints what the window says went wrong, or `all is well`.
     Tell,
+    /// Prints where the picture lies in the window, in points: left, top, width, height.
+    Place,
+    /// Saves, as the button does.
+    Save(Kind),
     /// Saves what the window shows.
     Shot(PathBuf),
 }
@@ -58,12 +63,6 @@ pub struct Script {
 }
 
 impl Script {
-    pub fn open(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("cannot read {}", path.display()))?;
-        Self::read(&text).with_context(|| path.display().to_string())
-    }
-
     /// Empty lines and what follows a `#` say nothing.
     pub fn read(text: &str) -> Result<Self> {
         let mut lines = VecDeque::new();
@@ -124,12 +123,14 @@ fn read(words: &[&str]) -> Result<Line> {
         ["lamp"] => Line::Lamp,
         ["drop", path] => Line::Drop(path.into()),
         ["tell"] => Line::Tell,
+        ["place"] => Line::Place,
+        ["save", kind] => Line::Save(Kind::from_str(kind, true).map_err(anyhow::Error::msg)?),
         ["say", word] => Line::Say(word.to_owned()),
         ["shot", path] => Line::Shot(path.into()),
         _ => bail!(
-            "expected one of: frames N, world NAME, set key=value, view NAME, \
-             view inside N, split METHOD, benchmark, table, lose, size W H, factor N, move X Y, press, release, lamp, \
-             clear, drop FILE, say WORD, tell, shot FILE"
+            "expected one of: frames N, world NAME, set key=value, view NAME, view inside N, split METHOD, \
+             factor N, benchmark, table, move X Y, press, release, lamp, clear, drop FILE, save KIND, size W H, \
+             lose, say WORD, tell, place, shot FILE"
         ),
     })
 }

@@ -75,7 +75,9 @@ impl CallbackTrait for Draw {
 
 impl OnGpu {
     pub fn new(state: &RenderState, settings: &Settings) -> Result<Self> {
-        let name = state.adapter.get_info().name;
+        // Browsers keep the name to themselves.
+        let name = Some(state.adapter.get_info().name).filter(|name| !name.is_empty());
+        let name = name.unwrap_or_else(|| "the GPU".to_owned());
         Self::on(name, (state.device.clone(), state.queue.clone()), state.target_format, settings)
     }
 

@@ -7,6 +7,7 @@ use anyhow::Result;
 use cpu::OnCpu;
 use eframe::CreationContext;
 use eframe::egui::{Context, Painter, Rect};
+use eframe::egui_wgpu::RenderState;
 use eframe::wgpu::DeviceType;
 use gpu::OnGpu;
 use lamplight::{Cells, Display, Light, Settings};
@@ -45,18 +46,22 @@ pub enum Lit {
     Cpu(Box<OnCpu>),
 }
 
+/// The GPU that draws the window, where light is to be found on it.
+pub fn gpu<'a>(context: &'a CreationContext, backend: Backend) -> Option<&'a RenderState> {
+    context.wgpu_render_state.as_ref().filter(|state| match backend {
+        Backend::Cpu => false,
+        Backend::Gpu => true,
+        // A GPU that is played by the CPU is slower than the CPU.
+        Backend::Auto => state.adapter.get_info().device_type != DeviceType::Cpu,
+    })
+}
+
 impl Lit {
     /// On the window's GPU, or on the CPU.
-    pub fn new(context: &CreationContext, settings: &Settings, backend: Backend) -> Result<Self> {
-        let state = context.wgpu_render_state.as_ref().filter(|state| match backend {
-            Backend::Cpu => false,
-            Backend::Gpu => true,
-            // A GPU that is played by the CPU is slower than the CPU.
-            Backend::Auto => state.adapter.get_info().device_type != DeviceType::Cpu,
-        });
-        match state {
-            Some(state) => Ok(Self::Gpu(Box::new(OnGpu::new(state, settings)?))),
-            None => Self::on_cpu(&context.egui_ctx, settings),
+    pub fn new(context: &Context, gpu: Option<&RenderState>, settings: &Settings) -> Result<Self> {
+        match gpu {
+            Some(gpu) => Ok(Self::Gpu(Box::new(OnGpu::new(gpu, settings)?))),
+            None => Self::on_cpu(context, settings),
         }
     }
 

@@ -1,0 +1,18 @@
+//! The letters: what egui brings, without its emoji, which would be a sixth of the web page.
+
+use eframe::egui::{FontData, FontDefinitions, FontFamily};
+use epaint_default_fonts::{HACK_REGULAR, UBUNTU_LIGHT};
+use std::sync::Arc;
+
+pub fn fonts() -> FontDefinitions {
+    let mut fonts = FontDefinitions::empty();
+    let named = [("words", UBUNTU_LIGHT), ("numbers", HACK_REGULAR)];
+    for (name, data) in named {
+        fonts.font_data.insert(name.to_owned(), Arc::new(FontData::from_static(data)));
+    }
+    let [words, numbers] = named.map(|(name, _)| name.to_owned());
+    // Each has some letters that the other lacks.
+    fonts.families.insert(FontFamily::Proportional, vec![words.clone(), numbers.clone()]);
+    fonts.families.insert(FontFamily::Monospace, vec![numbers, words]);
+    fonts
+}
