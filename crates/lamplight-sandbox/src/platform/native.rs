@@ -1,13 +1,17 @@
 //! A window on a desktop: the command line says how it begins, files go into the folder at hand.
 
 use super::File;
+use crate::window::anew::Anew;
 use crate::window::{App, CELLS, Script, Start, check, device};
 use anyhow::{Context as _, Result, anyhow};
 use clap::Parser;
-use eframe::egui::{Context, ViewportBuilder, ViewportCommand};
+use eframe::egui::ViewportBuilder;
 use eframe::egui_wgpu::WgpuConfiguration;
 use lamplight_wgpu::Tier;
 use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 /// Cells to begin with where light is found on the CPU.
 pub const CELLS_ON_CPU: [u32; 2] = CELLS;
@@ -21,13 +25,30 @@ struct Args {
     /// Play what a file says instead of waiting for a person (`docs/sandbox.md`), then close
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
+    /// Do what a file says, as --script does, and stay open
+    #[arg(long, value_name = "FILE", conflicts_with = "script")]
+    begin: Option<PathBuf>,
+    /// This window goes on where another one was
+    #[arg(long, hide = true)]
+    anew: bool,
 }
+
+/// The flag of a window that goes on for another.
+const ANEW: &str = "--anew";
+/// A GPU that is lost sooner than this after a window went on for another is not coming back.
+const SOON: Duration = Duration::from_secs(10);
+
+/// When this window was opened, where it goes on for another.
+static BEGUN: OnceLock<Option<Instant>> = OnceLock::new();
 
 /// Opens the window; comes back when it is closed.
 pub fn run() -> Result<()> {
-    let Args { start, script } = Args::parse();
+    let Args { start, script, begin, anew } = Args::parse();
     check(&start)?;
-    let script = script.as_deref().map(read_script).transpose()?;
+    let closes = script.is_some();
+    let script = script.or(begin).map(|path| read_script(&path, closes)).transpose()?;
+    // The first to say so is this.
+    let _ = BEGUN.set(anew.then(Instant::now));
     let options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("lamplight sandbox")
@@ -48,10 +69,10 @@ pub fn run() -> Result<()> {
         .context("the window cannot be opened")
 }
 
-fn read_script(path: &Path) -> Result<Script> {
+fn read_script(path: &Path, closes: bool) -> Result<Script> {
     let text =
         std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    Script::read(&text).with_context(|| path.display().to_string())
+    Script::read(&text, closes).with_context(|| path.display().to_string())
 }
 
 /// Writes files, and says where they are.
@@ -65,6 +86,34 @@ pub fn save(files: &[File]) -> Result<String> {
     Ok(format!("saved {} in {folder}", names.join(", ")))
 }
 
+/// Opens another window, in another process, and ends this one.
+///
+/// An error where this window was opened so itself a moment ago: the GPU is not coming back.
+pub fn go_on_anew(anew: &Anew, closes: bool) -> Result<()> {
+    if BEGUN.get().copied().flatten().is_some_and(|begun| begun.elapsed() < SOON) {
+        eprintln!("error: the GPU was lost again and again");
+        std::process::exit(1);
+    }
+    let folder = std::env::temp_dir().join(format!("lamplight-sandbox-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)
+        .with_context(|| format!("cannot make {}", folder.display()))?;
+    let put = |name: &str, bytes: &[u8]| {
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))?;
+        Ok::<_, anyhow::Error>(path)
+    };
+    let paths: Vec<PathBuf> =
+        anew.files.iter().map(|(name, bytes)| put(name, bytes)).collect::<Result<_>>()?;
+    let opened = paths.first().map(|scene| format!("drop {}\n", scene.display()));
+    let script = opened.unwrap_or_default() + &anew.lines.join("\n");
+    let script = put("script.txt", script.as_bytes())?;
+    let mut window = Command::new(std::env::current_exe()?);
+    window.args(&anew.arguments).arg(ANEW);
+    window.arg(if closes { "--script" } else { "--begin" }).arg(script);
+    window.spawn().context("another window cannot be opened")?;
+    std::process::exit(0)
+}
+
 /// Says a word to who watches a script.
 pub fn say(word: &str) {
     println!("{word}");
@@ -73,9 +122,4 @@ pub fn say(word: &str) {
 /// The script that comes after the first one: there is none.
 pub fn next_script() -> Option<String> {
     None
-}
-
-/// What follows when a script is over.
-pub fn script_is_over(context: &Context) {
-    context.send_viewport_cmd(ViewportCommand::Close);
 }

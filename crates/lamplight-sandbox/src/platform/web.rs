@@ -4,11 +4,11 @@
 //! the CPU and drawn by WebGL 2.
 
 use super::File;
+use crate::window::anew::Anew;
 use crate::window::light::Backend;
 use crate::window::{App, Start, check, device};
-use anyhow::{Context as _, Result, anyhow};
+use anyhow::{Context as _, Result, anyhow, bail};
 use clap::{CommandFactory, Parser};
-use eframe::egui::Context;
 use eframe::egui_wgpu::WgpuConfiguration;
 use eframe::{Renderer, WebLogger, WebOptions, WebRunner};
 use lamplight_wgpu::Tier;
@@ -206,5 +206,8 @@ pub fn next_script() -> Option<String> {
     SCRIPTS.with_borrow_mut(VecDeque::pop_front)
 }
 
-/// What follows when a script is over: a person goes on.
-pub fn script_is_over(_: &Context) {}
+/// Says that this page is over: a page cannot open another.
+pub fn go_on_anew(_: &Anew, _: bool) -> Result<()> {
+    tell("The GPU was lost. Load this page again to go on.");
+    bail!("this page has to be loaded again")
+}

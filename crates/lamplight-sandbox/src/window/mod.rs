@@ -1,5 +1,6 @@
 //! The window: what stands in it, and what a person does to it.
 
+pub mod anew;
 mod app;
 mod benchmark;
 mod files;

@@ -43,6 +43,8 @@ pub enum Line {
     Lamp,
     /// Drops a file on the window.
     Drop(PathBuf),
+    /// Says something at the bottom of the window.
+    Warn(String),
     /// Prints a word, for who watches.
     Say(String),
     /// Prints what the window says went wrong, or `all is well`.
@@ -58,13 +60,15 @@ pub enum Line {
 /// The lines that are still to come.
 #[derive(Debug, Default)]
 pub struct Script {
-    lines: VecDeque<Line>,
+    lines: VecDeque<(Line, String)>,
     wait: u32,
+    /// Whether the window is closed when it is over.
+    pub closes: bool,
 }
 
 impl Script {
     /// Empty lines and what follows a `#` say nothing.
-    pub fn read(text: &str) -> Result<Self> {
+    pub fn read(text: &str, closes: bool) -> Result<Self> {
         let mut lines = VecDeque::new();
         for (number, line) in (1..).zip(text.lines()) {
             let line = line.split('#').next().unwrap_or_default();
@@ -72,9 +76,10 @@ impl Script {
             if words.is_empty() {
                 continue;
             }
-            lines.push_back(read(&words).with_context(|| format!("line {number}: `{line}`"))?);
+            let read = read(&words).with_context(|| format!("line {number}: `{line}`"))?;
+            lines.push_back((read, line.to_owned()));
         }
-        Ok(Self { lines, wait: 0 })
+        Ok(Self { lines, wait: 0, closes })
     }
 
     /// The next line, where its time has come: one a frame. None while it waits.
@@ -83,11 +88,16 @@ impl Script {
             self.wait -= 1;
             return None;
         }
-        let line = self.lines.pop_front()?;
+        let (line, _) = self.lines.pop_front()?;
         if let Line::Frames(frames) = line {
             self.wait = frames;
         }
         Some(line)
+    }
+
+    /// What is still to come, as text.
+    pub fn rest(&self) -> impl Iterator<Item = &str> {
+        self.lines.iter().map(|(_, text)| text.as_str())
     }
 
     pub fn is_over(&self) -> bool {
@@ -121,7 +131,9 @@ fn read(words: &[&str]) -> Result<Line> {
         ["release"] => Line::Release,
         ["clear"] => Line::Clear,
         ["lamp"] => Line::Lamp,
-        ["drop", path] => Line::Drop(path.into()),
+        // Folders may have spaces in their names.
+        ["drop", ..] if words.len() > 1 => Line::Drop(words[1..].join(" ").into()),
+        ["warn", ..] => Line::Warn(words[1..].join(" ")),
         ["tell"] => Line::Tell,
         ["place"] => Line::Place,
         ["save", kind] => Line::Save(Kind::from_str(kind, true).map_err(anyhow::Error::msg)?),
@@ -130,7 +142,7 @@ fn read(words: &[&str]) -> Result<Line> {
         _ => bail!(
             "expected one of: frames N, world NAME, set key=value, view NAME, view inside N, split METHOD, \
              factor N, benchmark, table, move X Y, press, release, lamp, clear, drop FILE, save KIND, size W H, \
-             lose, say WORD, tell, place, shot FILE"
+             lose, warn WORDS, say WORD, tell, place, shot FILE"
         ),
     })
 }
@@ -146,7 +158,7 @@ mod tests {
     #[test]
     fn lines_come_one_a_frame() {
         let mut script =
-            Script::read("world sand # comment\n\nframes 2\nmove 3 4.5\npress").unwrap();
+            Script::read("world sand # comment\n\nframes 2\nmove 3 4.5\npress", true).unwrap();
         assert_eq!(script.next(), Some(Line::World(Choice::Sand)));
         assert_eq!(script.next(), Some(Line::Frames(2)));
         assert_eq!([script.next(), script.next()], [None, None]);
@@ -161,7 +173,7 @@ mod tests {
         for (text, told) in
             [("frames", "line 1"), ("press\nworld moon", "line 2"), ("move 1 x", "line 1")]
         {
-            let error = format!("{:#}", Script::read(text).unwrap_err());
+            let error = format!("{:#}", Script::read(text, true).unwrap_err());
             assert!(error.contains(told), "{error}");
         }
     }

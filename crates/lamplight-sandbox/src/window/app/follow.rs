@@ -18,14 +18,15 @@ impl App {
         if !self.shots.is_empty() {
             return;
         }
-        if self.script.as_ref().is_some_and(Script::is_over) {
-            self.script = None;
-            platform::script_is_over(context);
+        if let Some(over) = self.script.take_if(|script| script.is_over())
+            && over.closes
+        {
+            context.send_viewport_cmd(ViewportCommand::Close);
         }
         if self.script.is_none()
             && let Some(text) = platform::next_script()
         {
-            self.script = Script::read(&text).map_err(|why| self.say(Err(why))).ok();
+            self.script = Script::read(&text, false).map_err(|why| self.say(Err(why))).ok();
         }
         let Some(line) = self.script.as_mut().and_then(Script::next) else { return };
         if let Err(why) = self.obey(context, line) {
@@ -59,7 +60,7 @@ impl App {
                 (self.inspector.view, self.inspector.inside) = (view, inside);
             }
             Line::Benchmark => self.begin_benchmark(),
-            Line::Lose => self.halves.left.lit.lose(),
+            Line::Lose => self.gpu.lose(),
             Line::Size(size) => {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(size.into()));
             }
@@ -80,6 +81,7 @@ impl App {
             Line::Drop(path) => {
                 self.dropped.push(DroppedFile { path: Some(path), ..DroppedFile::default() });
             }
+            Line::Warn(words) => self.message = Some(words),
             Line::Say(word) => platform::say(&word),
             Line::Tell => {
                 let told = self.message.as_ref().or(self.unlit.as_ref());

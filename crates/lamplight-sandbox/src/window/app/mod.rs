@@ -5,13 +5,14 @@ mod picture;
 
 use super::{CELLS, Script, Start};
 use crate::platform;
+use crate::window::anew::{Anew, Guard};
 use crate::window::benchmark::Benchmark;
 use crate::window::files::Inbox;
 use crate::window::folded::{Folded, Side};
 use crate::window::fonts::fonts;
 use crate::window::halves::{Half, Halves};
 use crate::window::inspect::Inspector;
-use crate::window::light::{self, Lit, Shown};
+use crate::window::light::{self, Backend, Lit, Shown};
 use crate::window::panels::timings::Timings;
 use crate::window::panels::tools::Tools;
 use crate::window::panels::{settings, settings::Panel, view};
@@ -36,6 +37,8 @@ pub struct App {
     subject: Subject,
     size: [u32; 2],
     seed: u64,
+    backend: Backend,
+    gpu: Guard,
     halves: Halves,
     resolution: Resolution,
     benchmark: Benchmark,
@@ -87,9 +90,11 @@ impl App {
             subject,
             size,
             seed: start.seed,
+            backend: start.backend,
+            gpu: Guard::new(context),
             halves: Halves::new(settings, lit),
             // A script is the same on every machine.
-            resolution: Resolution::new(script.is_none())?,
+            resolution: Resolution::new(script.as_ref().is_none_or(|script| !script.closes))?,
             benchmark: Benchmark::default(),
             inspector: Inspector::new(&context.egui_ctx),
             shown: Shown { display: look.display, ..Shown::default() },
@@ -293,6 +298,16 @@ impl App {
         Ok(None)
     }
 
+    /// Opens another window, which goes on where this one is.
+    fn go_on_anew(&mut self) -> Result<()> {
+        let begins = (self.choice, self.size, self.seed, self.backend);
+        let settings = &self.halves.left.settings;
+        let mut anew = Anew::new(begins, &mut self.subject, settings, self.shown.display)?;
+        let closes = self.script.as_ref().is_some_and(|script| script.closes);
+        anew.lines.extend(self.script.iter().flat_map(Script::rest).map(str::to_owned));
+        platform::go_on_anew(&anew, closes)
+    }
+
     /// Keeps what there is to say, and what went wrong, to be read.
     pub fn say(&mut self, said: Result<Option<String>>) {
         match said {
@@ -329,6 +344,11 @@ impl eframe::App for App {
         self.take_files(&context);
         self.keys(&context);
         self.follow(&context);
+        if self.gpu.is_lost()
+            && let Err(why) = self.go_on_anew()
+        {
+            self.say(Err(why.context("the GPU was lost")));
+        }
         egui::Panel::top("bar").show(ui, |ui| self.bar(ui));
         if self.message.is_some() || self.unlit.is_some() {
             egui::Panel::bottom("message").show(ui, |ui| self.messages(ui));

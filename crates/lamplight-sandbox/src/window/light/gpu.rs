@@ -165,10 +165,6 @@ impl OnGpu {
         self.timer.as_mut().map_or(&[], Timer::read)
     }
 
-    pub fn lose(&self) {
-        self.device.destroy();
-    }
-
     pub fn memory(&self) -> Option<u64> {
         self.lighting.cost().map(|cost| cost.memory)
     }

@@ -143,13 +143,6 @@ impl Lit {
         }
     }
 
-    /// Takes the GPU away, as a driver that restarts does: for tests.
-    pub fn lose(&self) {
-        if let Self::Gpu(gpu) = self {
-            gpu.lose();
-        }
-    }
-
     /// Whether it is found on the GPU.
     pub fn is_gpu(&self) -> bool {
         matches!(self, Self::Gpu(_))
