@@ -55,18 +55,31 @@ pub fn run() -> Result<()> {
     insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)
 }
 
-/// Frames after which the sandbox's window is a picture, by what is on.
-const SANDBOX: [(&str, u32); 4] = [("paint", 4), ("bodies", 90), ("sand", 150), ("room", 20)];
+/// Pictures of the sandbox: what is on, and what its person does.
+const SANDBOX: [(&str, &str, &str); 12] = [
+    ("paint", "paint", "frames 4"),
+    ("bodies", "bodies", "frames 90"),
+    ("sand", "sand", "frames 150"),
+    ("room", "room", "frames 20"),
+    ("split", "sand", "frames 150\nsplit raymarch\nset raymarch.rays=8\nframes 2"),
+    ("voronoi", "sand", "frames 150\nview voronoi\nframes 2"),
+    ("distance", "bodies", "frames 60\nview distance\nframes 2"),
+    ("ray-textures", "room", "set method=polar\nview inside 0\nframes 3"),
+    ("cascade", "paint", "set method=cascades\nset cascades.preset=plain\nview inside 0\nframes 3"),
+    ("intervals", "sand", "frames 150\nview inside 4\nframes 2"),
+    ("reference", "paint", "view reference\nframes 900"),
+    ("error", "paint", "view error\nframes 900"),
+];
 
 /// Pictures of the sandbox's window.
 pub fn sandbox() -> Result<()> {
     display::ensure()?;
     let display = Display::new()?;
     let folder = tempfile::tempdir()?;
-    for (world, frames) in SANDBOX {
-        let picture = root().join(format!("docs/pictures/sandbox-{world}.png"));
-        let script = folder.path().join(world);
-        fs::write(&script, format!("frames {frames}\nshot {}\n", picture.display()))?;
+    for (name, world, lines) in SANDBOX {
+        let picture = root().join(format!("docs/pictures/sandbox-{name}.png"));
+        let script = folder.path().join(name);
+        fs::write(&script, format!("{lines}\nshot {}\n", picture.display()))?;
         let mut window = command(root());
         window.args(["run", "--release", "--quiet", "--package", "lamplight-sandbox", "--"]);
         window.args(["--world", world, "--script"]).arg(&script);
@@ -91,7 +104,40 @@ pub fn gpu() -> Result<()> {
         true => gpu_table(false)?,
         false => "Not measured: no hardware GPU was at hand when this page was made.\n".to_owned(),
     };
-    insert("docs/performance.md", "times", &times)
+    insert("docs/performance.md", "times", &times)?;
+    insert("docs/sandbox.md", "budget", &budget()?)
+}
+
+/// ms of light in a frame of the sandbox, `lamplight_sandbox::pace::BUDGET`.
+const BUDGET: f64 = 12.0;
+
+/// How the sandbox's time for light is shared out among passes, by the bytes that they move.
+fn budget() -> Result<String> {
+    let arguments = ["bench", "--backend", "gpu", "--method", "holographic", "--json", "--cost"];
+    let case = ["--size", "640x360", "--set", "holographic.preset=fast"];
+    let said: Value = serde_json::from_str(&lamplight(&[&arguments[..], &case].concat())?)?;
+    let kernels = said["kernels"].as_array().context("`bench --cost` lists kernels")?;
+    let bytes = |kernel: &Value| {
+        anyhow::Ok(number(kernel, "bytes_read")? + number(kernel, "bytes_written")?)
+    };
+    let total: f64 = kernels.iter().map(bytes).sum::<Result<f64>>()?;
+    let mut table =
+        String::from("| pass | dispatches | MB moved | ms |\n| --- | ---: | ---: | ---: |\n");
+    for kernel in kernels {
+        let name = |key: &str| kernel[key].as_str().unwrap_or_default();
+        let (moved, runs) = (bytes(kernel)?, number(kernel, "dispatches")?);
+        let ms = BUDGET * moved / total;
+        writeln!(
+            table,
+            "| `{}`, `{}` | {runs} | {:.1} | {ms:.2} |",
+            name("shader"),
+            name("entry"),
+            moved / 1e6
+        )?;
+    }
+    let speed = total / BUDGET / 1e6;
+    writeln!(table, "| all | | {:.0} | {BUDGET} |\n\nThat asks for {speed:.0} GB/s.", total / 1e6)?;
+    Ok(table)
 }
 
 /// What a frame of each method and preset moves and holds, or takes, on the GPU.

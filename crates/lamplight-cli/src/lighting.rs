@@ -7,8 +7,8 @@ use crate::gpu::Gpu;
 use crate::place::Place;
 use crate::progress::Progress;
 use crate::stage::Fields;
-use lamplight::settings::{BounceBy, Raymarch};
-use lamplight::{Bounces, Cells, Light, Method, Rgb, Scene, Settings, Solver};
+use lamplight::settings::BounceBy;
+use lamplight::{Bounces, Cells, Light, Rgb, Scene, Settings, Solver};
 use lamplight_truth::{Estimate, PathTracer};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -138,13 +138,7 @@ fn solve(cells: &Cells, settings: Settings, frames: u32, quiet: bool) -> Outcome
 
 /// Finds the nearest occupied cell of each cell, and how far it is, on that GPU or the CPU.
 pub fn fields(cells: &Cells, gpu: Option<&Gpu>, settings: &Settings) -> Outcome<Fields> {
-    // Of all settings they depend on this one; a ray is the least that a frame can have.
-    let threshold = settings.raymarch.threshold;
-    let settings = Settings {
-        method: Method::Raymarch,
-        raymarch: Raymarch { rays: 1, threshold, ..Raymarch::default() },
-        ..Settings::default()
-    };
+    let settings = settings.fields_only();
     if let Some(gpu) = gpu {
         return gpu.fields(cells, settings);
     }

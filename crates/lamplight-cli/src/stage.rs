@@ -2,9 +2,8 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::place::Place;
-use image::{Rgb as Pixel, RgbImage, imageops};
-use lamplight::stages::seed::{NONE, unpack};
-use lamplight::{Cells, Display, Light, Rgb, ToneMap};
+use image::{RgbImage, imageops};
+use lamplight::{Cells, Display, Light, Rgb, views};
 
 /// What of a frame is to be seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -90,7 +89,7 @@ pub struct View<'a> {
 
 /// The stages before the rays.
 pub struct Fields {
-    /// The nearest occupied cell of each cell, packed; [`NONE`] where there is no matter.
+    /// The nearest occupied cell of each cell, packed ([`lamplight::stages::seed`]).
     pub nearest: Vec<u32>,
     /// px to it; infinite where there is no matter.
     pub distance: Vec<f32>,
@@ -118,16 +117,13 @@ impl<'a> View<'a> {
 
     /// A stage as a picture, each cell as `scale` × `scale` pixels.
     pub fn picture(&self, stage: Stage, scale: u32) -> Outcome<RgbImage> {
-        let (w, h) = (self.cells.width(), self.cells.height());
-        let plain = Display { tonemap: ToneMap::None, exposure: 0.0 };
         let picture = match stage {
-            Stage::Emission => self.display.picture(w, h, self.cells.emission()),
-            Stage::Albedo => plain.picture(w, h, self.cells.albedo()),
-            // As layers hold them: shares, without sRGB.
-            Stage::Opacity => pixels(w, h, |i| Pixel([share(self.cells.opacity()[i]); 3])),
-            Stage::Tint => pixels(w, h, |i| Pixel(self.cells.tint()[i].map(share))),
-            Stage::Voronoi => self.voronoi()?,
-            Stage::Distance => self.distance()?,
+            Stage::Emission => views::emission(self.cells, &self.display),
+            Stage::Albedo => views::albedo(self.cells),
+            Stage::Opacity => views::opacity(self.cells),
+            Stage::Tint => views::tint(self.cells),
+            Stage::Voronoi => views::seeds(self.cells.width(), &self.fields()?.nearest),
+            Stage::Distance => views::distance(self.cells.width(), &self.fields()?.distance),
             Stage::Light => self.light()?.picture(&self.display),
             Stage::Final => self.light()?.compose(self.cells, &self.display)?,
         };
@@ -166,76 +162,6 @@ impl<'a> View<'a> {
     fn fields(&self) -> Outcome<&Fields> {
         self.fields.ok_or_else(|| Failure::failed("this frame has not been solved"))
     }
-
-    fn voronoi(&self) -> Outcome<RgbImage> {
-        let nearest = &self.fields()?.nearest;
-        let width = self.cells.width();
-        Ok(pixels(width, self.cells.height(), |i| {
-            let seed = nearest[i];
-            if seed == NONE {
-                return Pixel([24, 24, 28]);
-            }
-            let [x, y] = unpack(seed);
-            let is_seed = (y * width + x) as usize == i;
-            Pixel(seed_color(seed, is_seed))
-        }))
-    }
-
-    fn distance(&self) -> Outcome<RgbImage> {
-        let distance = &self.fields()?.distance;
-        let (w, h) = (self.cells.width() as usize, self.cells.height() as usize);
-        let far = distance.iter().copied().filter(|d| d.is_finite()).fold(1.0, f32::max);
-        let step = contour_step(far);
-        let band = |i: usize| (distance[i] / step).floor();
-        Ok(pixels(w as u32, h as u32, |i| {
-            let d = distance[i];
-            if !d.is_finite() {
-                return Pixel([24, 24, 28]);
-            }
-            // A step from what is occupied to what is near, so that shapes stand out.
-            let brightness = if d == 0.0 { 1.0 } else { 0.9 - 0.85 * f64::from(d / far) };
-            let color = colorous::MAGMA.eval_continuous(brightness);
-            let (x, y) = (i % w, i / w);
-            let edge = d > 0.0
-                && (x + 1 < w && band(i + 1) != band(i) || y + 1 < h && band(i + w) != band(i));
-            let mix = |v: u8| if edge { (u16::from(v) + 255).div_ceil(2) as u8 } else { v };
-            Pixel([mix(color.r), mix(color.g), mix(color.b)])
-        }))
-    }
-}
-
-/// 0 to 1 as a byte, without sRGB.
-fn share(v: f32) -> u8 {
-    (v * 255.0).round() as u8
-}
-
-fn pixels(width: u32, height: u32, at: impl Fn(usize) -> Pixel<u8>) -> RgbImage {
-    RgbImage::from_fn(width, height, |x, y| at(y as usize * width as usize + x as usize))
-}
-
-/// px between contour lines: 1, 2 or 5 times a power of ten, about twelve lines to the farthest
-/// cell.
-fn contour_step(far: f32) -> f32 {
-    let least = (far / 12.0).max(1.0);
-    let power = 10f32.powf(least.log10().floor());
-    [1.0, 2.0, 5.0, 10.0].map(|f| f * power).into_iter().find(|&s| s >= least).unwrap_or(least)
-}
-
-/// A colour for a seed: its hue by a hash, all of about the same lightness; the seeds themselves
-/// are darker.
-fn seed_color(seed: u32, is_seed: bool) -> [u8; 3] {
-    // Two rounds of a multiplicative hash (Wellons' lowbias32): neighbours get unlike hues.
-    let mut hash = seed;
-    for factor in [0x7feb_352d, 0x846c_a68b] {
-        hash = (hash ^ (hash >> 16)).wrapping_mul(factor);
-    }
-    hash ^= hash >> 16;
-    let hue = f64::from(hash & 0xffff) / 65_536.0;
-    let color = colorous::SINEBOW.eval_continuous(hue);
-    let shade = if is_seed { 0.35 } else { 0.7 + f64::from(hash >> 16) / 65_536.0 * 0.3 };
-    // Half way to grey: a map of pastel tiles, not confetti.
-    let soften = |v: u8| ((f64::from(v) * 0.6 + 90.0) * shade) as u8;
-    [soften(color.r), soften(color.g), soften(color.b)]
 }
 
 /// Each pixel as `scale` × `scale` of its kind.

@@ -1,7 +1,8 @@
-//! Milliseconds of a step and of a drawing of every world at 640×360, on one core.
+//! Milliseconds of a step, of a drawing and of larger cells of every world at 640×360, on one core.
 
 use anyhow::Result;
 use lamplight::Cells;
+use lamplight_sandbox::coarse::coarsen;
 use lamplight_sandbox::worlds::{Input, Kind};
 use std::time::Instant;
 
@@ -13,7 +14,7 @@ fn main() -> Result<()> {
         let mut world = kind.make(SIZE, 1)?;
         let mut cells = Cells::new(SIZE[0], SIZE[1])?;
         world.draw(&mut cells);
-        let mut millis = [Vec::new(), Vec::new()];
+        let (mut coarse, mut millis) = (Cells::new(1, 1)?, [Vec::new(), Vec::new(), Vec::new()]);
         for _ in 0..STEPS {
             let start = Instant::now();
             world.step(&Input::default());
@@ -21,8 +22,11 @@ fn main() -> Result<()> {
             let start = Instant::now();
             world.draw(&mut cells);
             millis[1].push(start.elapsed().as_secs_f64() * 1e3);
+            let start = Instant::now();
+            coarsen(&cells, 2, &mut coarse)?;
+            millis[2].push(start.elapsed().as_secs_f64() * 1e3);
         }
-        for (name, mut millis) in ["step", "draw"].into_iter().zip(millis) {
+        for (name, mut millis) in ["step", "draw", "coarsen"].into_iter().zip(millis) {
             millis.sort_unstable_by(f64::total_cmp);
             let at = |share: f64| millis[(share * (millis.len() - 1) as f64) as usize];
             println!("{} {name}: median {:.2} ms, 95 % {:.2} ms", kind.name(), at(0.5), at(0.95));

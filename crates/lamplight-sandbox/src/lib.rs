@@ -11,7 +11,9 @@
 
 pub mod canvas;
 pub mod clock;
+pub mod coarse;
 pub mod look;
+pub mod pace;
 pub mod paint;
 mod random;
 mod texture;

@@ -87,6 +87,15 @@ fn brightness(picture: &RgbImage) -> f64 {
     sum as f64 / f64::from(3 * (w / 2) * (h / 2))
 }
 
+/// Mean difference of two pictures, all channels.
+fn difference(a: &RgbImage, b: &RgbImage) -> f64 {
+    let off = a.enumerate_pixels().map(|(x, y, pixel)| {
+        let other = b.get_pixel(x, y).0;
+        (0..3).map(|c| u64::from(pixel.0[c].abs_diff(other[c]))).sum::<u64>()
+    });
+    off.sum::<u64>() as f64 / f64::from(3 * a.width() * a.height())
+}
+
 #[test]
 fn on_the_gpu_every_world_runs_without_growing() {
     let display = Display::new().unwrap();
@@ -180,6 +189,95 @@ fn on_the_gpu_a_method_that_cannot_light_says_why_until_another_does() {
     display.play(&args, script, |line, _| said.push(line.to_owned())).unwrap();
     assert!(said.len() == 2 && said[0].contains("lights lamps only"), "{said:?}");
     assert_eq!(said[1], "all is well");
+}
+
+#[test]
+fn on_the_gpu_every_view_shows_something_else() {
+    let display = Display::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let views = [
+        "picture",
+        "light",
+        "emission",
+        "opacity",
+        "albedo",
+        "tint",
+        "seeds",
+        "voronoi",
+        "distance",
+        "inside 0",
+        "inside 1",
+        "reference",
+        "error",
+    ];
+    let shot = |view: &str| folder.path().join(format!("{}.png", view.replace(' ', "-")));
+    let looks =
+        views.map(|view| format!("view {view}\nframes 12\ntell\nshot {}\n", shot(view).display()));
+    let mut said = Vec::new();
+    let args = ["--backend", "cpu", "--size", "96x54"];
+    let script = format!("set bounces=1\n{}", looks.concat());
+    display.play(&args, &script, |line, _| said.push(line.to_owned())).unwrap();
+    assert_eq!(said, ["all is well"; 13]);
+    let pictures = views.map(|view| open(&shot(view)).unwrap());
+    for (i, (one, view)) in pictures.iter().zip(views).enumerate() {
+        assert!(brightness(one) > 1.0, "{view} is dark: {}", brightness(one));
+        for (other, name) in pictures.iter().zip(views).skip(i + 1) {
+            let off = difference(one, other);
+            assert!(off > 1.0, "{view} and {name} differ by {off:.2} only");
+        }
+    }
+}
+
+#[test]
+fn on_the_gpu_two_methods_stand_side_by_side_and_the_divider_moves() {
+    let display = Display::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let shot = |name: &str| folder.path().join(format!("{name}.png"));
+    // One ray is dark or light by chance: nobody takes it for cascades.
+    let script = format!(
+        "set method=cascades\nset cascades.preset=plain\nset bounces=0\nframes 2\nshot {}\nsplit raymarch\n\
+         set raymarch.rays=1\nframes 2\nshot {}\nmove 48 27\nframes 1\npress\nframes 1\nmove 90 27\nframes 1\n\
+         release\nframes 2\nmove 95 1\nframes 2\nshot {}\ntell\n",
+        shot("one").display(),
+        shot("two").display(),
+        shot("moved").display()
+    );
+    let args = ["--backend", "gpu", "--size", "96x54"];
+    let mut said = Vec::new();
+    display.play(&args, &script, |line, _| said.push(line.to_owned())).unwrap();
+    assert_eq!(said, ["all is well"]);
+    let [one, two, moved] = ["one", "two", "moved"].map(|name| open(&shot(name)).unwrap());
+    // The halves of the picture, which lies between the panels.
+    let off = |a: &RgbImage, from: f64, to: f64| {
+        let (left, width) = (170.0, f64::from(a.width()) - 500.0);
+        let columns = (left + from * width) as u32..(left + to * width) as u32;
+        let rows = a.height() / 2 - 60..a.height() / 2 + 60;
+        let sum: f64 = rows
+            .flat_map(|y| columns.clone().map(move |x| (x, y)))
+            .map(|(x, y)| f64::from(one.get_pixel(x, y).0[0].abs_diff(a.get_pixel(x, y).0[0])))
+            .sum();
+        sum / (120.0 * (to - from) * width)
+    };
+    let split = [off(&two, 0.1, 0.45), off(&two, 0.55, 0.9)];
+    let after = off(&moved, 0.55, 0.85);
+    println!("split {split:?}, moved {after}");
+    assert!(split[0] < 1.0 && split[1] > 5.0, "{split:?}");
+    assert!(after < 1.0, "the left half reaches to where the divider went: {after}");
+}
+
+#[test]
+fn on_the_gpu_the_benchmark_ends_with_a_table() {
+    let display = Display::new().unwrap();
+    let mut said = Vec::new();
+    let args = ["--backend", "cpu", "--size", "96x54"];
+    let script = "set bounces=0\nbenchmark\nframes 520\ntable\n";
+    display.play(&args, script, |line, _| said.push(line.to_owned())).unwrap();
+    println!("{said:?}");
+    let times: Vec<f64> =
+        said.iter().filter_map(|line| line.split('|').nth(3)?.trim().parse().ok()).collect();
+    // All presets of all methods but those of polar may be timed; the canvas has lamps.
+    assert_eq!(times.len(), said.len() - 4, "{said:?}");
+    assert!(times.len() > 12 && times.iter().all(|&ms| ms > 0.0), "{said:?}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Independent estimates of every cell, whose spread is its standard error.
-const BATCHES: u32 = 16;
+pub(crate) const BATCHES: u32 = 16;
 /// Share of what lies behind under which fog ends a ray: far below f32's resolution.
 const OPAQUE: f64 = 1e-10;
 /// Send-ons after which a path ends by chance (Russian roulette) and not only by the limit.
@@ -71,7 +71,8 @@ impl PathTracer {
     pub fn render(&self, cells: &Cells, progress: &(dyn Fn(f32) + Sync)) -> Result<Estimate> {
         self.check(cells)?;
         let cells = cells.drawn();
-        let tracer = Tracer::new(self, &cells);
+        let grid = Grid::new(&cells);
+        let tracer = Tracer::new(self, &cells, &grid);
         let (width, total) = (cells.width() as usize, cells.len());
         let done = AtomicUsize::new(0);
         let mut rgb = vec![[0.0; 3]; total];
@@ -104,11 +105,12 @@ impl PathTracer {
             return Err(Error::value("at", format!("[{x}, {y}]"), inside));
         }
         let cells = cells.drawn();
-        let tracer = Tracer::new(self, &cells);
+        let grid = Grid::new(&cells);
+        let tracer = Tracer::new(self, &cells, &grid);
         Ok(at.par_iter().map(|&[x, y]| tracer.cell(x as i32, y as i32)).collect())
     }
 
-    fn check(&self, cells: &Cells) -> Result<()> {
+    pub(crate) fn check(&self, cells: &Cells) -> Result<()> {
         if self.samples == 0 {
             return Err(Error::value("samples", 0, "1 or more"));
         }
@@ -117,30 +119,37 @@ impl PathTracer {
 }
 
 /// Everything that paths of one picture share.
-struct Tracer<'c> {
+pub(crate) struct Tracer<'c> {
     cells: &'c Cells,
     sky: Sky,
-    grid: Grid,
+    grid: &'c Grid,
     limit: u32,
+    batches: u32,
     /// Paths in a batch.
     paths: u32,
     seed: u64,
 }
 
 impl<'c> Tracer<'c> {
-    fn new(settings: &PathTracer, cells: &'c Cells) -> Self {
+    pub fn new(settings: &PathTracer, cells: &'c Cells, grid: &'c Grid) -> Self {
         Self {
             cells,
             sky: cells.sky(),
-            grid: Grid::new(cells),
+            grid,
             limit: settings.bounces.limit(),
+            batches: BATCHES,
             paths: settings.samples.div_ceil(BATCHES),
             seed: settings.seed,
         }
     }
 
+    /// All paths in one batch, evenly spread: less noise, and nothing known of how much.
+    pub fn in_one_batch(self) -> Self {
+        Self { paths: self.paths * self.batches, batches: 1, ..self }
+    }
+
     /// Mean and standard error of one cell.
-    fn cell(&self, x: i32, y: i32) -> (Rgb, Rgb) {
+    pub fn cell(&self, x: i32, y: i32) -> (Rgb, Rgb) {
         let solid = self.grid.is_solid(x, y);
         let faces = if solid { self.exposed(x, y) } else { Vec::new() };
         if solid && faces.is_empty() {
@@ -149,7 +158,7 @@ impl<'c> Tracer<'c> {
         let id = u64::from(self.cells.width()) * y as u64 + x as u64;
         let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
         let mut first = [0.0; 3];
-        for batch in 0..BATCHES {
+        for batch in 0..self.batches {
             // Keys that no path has: what the batch has for itself.
             let mut shift = Random::new(self.seed, id, u64::MAX - u64::from(batch));
             let start = shift.unit();
@@ -182,11 +191,11 @@ impl<'c> Tracer<'c> {
                 squares[c] += d * d;
             }
         }
-        let n = f64::from(BATCHES);
+        let n = f64::from(self.batches);
         let mean = std::array::from_fn(|c| (first[c] + sum[c] / n) as f32);
         let error = std::array::from_fn(|c| {
             let spread = (squares[c] - sum[c] * sum[c] / n).max(0.0);
-            (spread / (n * (n - 1.0))).sqrt() as f32
+            (spread / (n * (n - 1.0)).max(1.0)).sqrt() as f32
         });
         (mean, error)
     }
@@ -207,7 +216,7 @@ impl<'c> Tracer<'c> {
     #[inline]
     fn leave_centre(&self, cell: [i32; 2], turn: f64) -> Walk<'_> {
         let (sin, cos) = (turn * TAU).sin_cos();
-        Walk::new(&self.grid, cell, cell.map(|c| f64::from(c) + 0.5), [cos, sin])
+        Walk::new(self.grid, cell, cell.map(|c| f64::from(c) + 0.5), [cos, sin])
     }
 
     /// A ray that leaves one of the faces from the point that `along` (0 to 1) picks.
@@ -229,7 +238,7 @@ impl<'c> Tracer<'c> {
         // Never 0, which would run along the wall.
         let cos = (1.0 - sin * sin).sqrt().max(1e-12);
         let [nx, ny] = normal;
-        Walk::new(&self.grid, cell, point, [nx * cos - ny * sin, ny * cos + nx * sin])
+        Walk::new(self.grid, cell, point, [nx * cos - ny * sin, ny * cos + nx * sin])
     }
 
     /// Radiance that arrives along one path.

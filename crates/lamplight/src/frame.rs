@@ -19,15 +19,15 @@ use std::time::Duration;
 /// allocates nothing. Runs on the rayon pool it is called in.
 #[derive(Debug)]
 pub struct Solver {
-    settings: Settings,
+    pub(crate) settings: Settings,
     frame: u32,
-    cells: Cells,
+    pub(crate) cells: Cells,
     fields: Fields,
-    raymarch: Raymarch,
+    pub(crate) raymarch: Raymarch,
     flood: Flood,
-    polar: Polar,
-    cascades: Cascades,
-    holographic: Holographic,
+    pub(crate) polar: Polar,
+    pub(crate) cascades: Cascades,
+    pub(crate) holographic: Holographic,
     traced: Traced,
     temporal: Temporal,
     denoise: Denoise,

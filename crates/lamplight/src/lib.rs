@@ -16,6 +16,7 @@ pub mod error;
 mod exact;
 mod explain;
 pub mod frame;
+pub mod inside;
 pub mod lamp;
 mod lamp_gain;
 pub mod light;
@@ -25,6 +26,7 @@ pub mod settings;
 pub mod sky;
 pub mod srgb;
 pub mod stages;
+pub mod views;
 
 pub use cells::{Cells, Matter, Rgb};
 pub use error::{Error, Result};

@@ -198,3 +198,36 @@ fn bad_settings_are_refused_by_name() {
         assert!(error.contains(key), "{text}: {error}");
     }
 }
+
+#[test]
+fn a_method_repeats_itself_or_does_not() {
+    let cells = scene(61, 53);
+    for (method, preset, settings) in every_preset() {
+        let mut laid = Settings { method, bounces: Bounces::Count(1), ..Settings::default() };
+        laid.lay_preset(preset);
+        assert_eq!(laid, settings, "{preset} by its table and by itself");
+        let mut solver = Solver::new(settings).unwrap();
+        let first = solver.solve(&cells).unwrap().clone();
+        let same = *solver.solve(&cells).unwrap() == first;
+        // Some presets of the others repeat themselves too: nobody has to count on it.
+        assert!(same || !method.repeats(), "{method:?} {preset}");
+        assert!(!same || preset != "default" || method.repeats(), "{method:?} {preset}");
+    }
+}
+
+#[test]
+fn fields_are_the_same_by_the_cheapest_settings() {
+    let cells = scene(61, 53);
+    let mut settings = Settings { method: Method::Raymarch, ..Settings::default() };
+    settings.raymarch.threshold = 0.4;
+    let fields = |settings: Settings| {
+        let mut solver = Solver::new(settings).unwrap();
+        solver.solve(&cells).unwrap();
+        let stages = solver.stages();
+        (stages.seeds.to_vec(), stages.nearest.to_vec(), stages.distance.to_vec())
+    };
+    let found = fields(settings.clone());
+    assert_eq!(found, fields(settings.fields_only()));
+    settings.raymarch.threshold = 0.0;
+    assert_ne!(found, fields(settings.fields_only()), "the threshold is told on");
+}

@@ -12,7 +12,7 @@ use crate::stage::{Stage, View};
 use crate::table::table;
 use lamplight::methods::holographic::paper::Paper;
 use lamplight::{Cells, Display, Method, Settings, SettingsTable, Solver};
-use lamplight_wgpu::Cost;
+use lamplight_wgpu::{Cost, KernelCost};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -57,6 +57,15 @@ pub struct Args {
     settings: SettingFlags,
     #[command(flatten)]
     machine: Machine,
+}
+
+/// What all runs of a kernel take, for `--json`.
+fn kernel_json(kernel: &KernelCost) -> Value {
+    let KernelCost { shader, entry, dispatches, traffic } = *kernel;
+    json!({
+        "shader": shader, "entry": entry, "dispatches": dispatches,
+        "bytes_read": traffic.read, "bytes_written": traffic.written,
+    })
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -123,6 +132,7 @@ pub fn run(args: Args) -> Outcome {
                     line["bytes_read"] = cost.traffic().read.into();
                     line["bytes_written"] = cost.traffic().written.into();
                     line["bytes_held"] = cost.memory.into();
+                    line["kernels"] = cost.kernels.iter().map(kernel_json).collect();
                 }
                 if let Some(scene) = &args.scene {
                     line["scene"] = scene.display().to_string().into();

@@ -1,6 +1,5 @@
 //! The report of `lamplight compare`: a folder with a page and its pictures.
 
-mod heat;
 mod page;
 
 use crate::contest::{Judge, Refusal, Row};
@@ -11,6 +10,7 @@ use crate::place::Place;
 use crate::stage::enlarge;
 use lamplight::{Light, Method};
 use lamplight_cli::plot::{self, Point, Series};
+use lamplight_truth::heat;
 use std::path::Path;
 use std::time::Duration;
 

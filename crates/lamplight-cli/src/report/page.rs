@@ -1,10 +1,10 @@
 //! The page of the report: HTML with its style inside, pictures beside it.
 
-use super::heat;
 use super::{Reference, Subject};
 use crate::contest::{Refusal, Row};
 use crate::lighting::ms;
 use lamplight_cli::plot;
+use lamplight_truth::heat;
 use std::fmt::Write;
 
 /// File name of the final picture of a row.

@@ -2,14 +2,18 @@
 
 use super::{CELLS, Script, Start};
 use crate::platform;
+use crate::window::benchmark::Benchmark;
 use crate::window::files::Inbox;
 use crate::window::folded::{Folded, Side};
 use crate::window::fonts::fonts;
+use crate::window::halves::{Half, Halves};
+use crate::window::inspect::{Inspector, View as Seen};
 use crate::window::light::{self, Lit, Shown};
 use crate::window::panels::timings::Timings;
 use crate::window::panels::tools::Tools;
-use crate::window::panels::{settings, settings::Panel};
+use crate::window::panels::{settings, settings::Panel, view};
 use crate::window::probe::{Probe, meter};
+use crate::window::resolution::{Resolution, at_cells};
 use crate::window::saving::{Kind, Saving};
 use crate::window::script::Line;
 use crate::window::subject::{Choice, Subject};
@@ -22,7 +26,7 @@ use eframe::egui::{
     Theme, Ui, UserData, ViewportCommand,
 };
 use lamplight::settings::Holographic;
-use lamplight::{Settings, SettingsTable};
+use lamplight::{Error, Settings, SettingsTable};
 use lamplight_sandbox::clock::Clock;
 use lamplight_sandbox::worlds::Input;
 use std::path::PathBuf;
@@ -33,11 +37,13 @@ pub struct App {
     subject: Subject,
     size: [u32; 2],
     seed: u64,
-    settings: Settings,
+    halves: Halves,
+    resolution: Resolution,
+    benchmark: Benchmark,
+    inspector: Inspector,
     shown: Shown,
     /// Each cell as many whole pixels as fit.
     whole: bool,
-    lit: Lit,
     probe: Probe,
     tools: Tools,
     panel: Panel,
@@ -78,12 +84,15 @@ impl App {
         }
         Ok(Self {
             choice: start.world,
-            lit,
             probe: Probe::default(),
             subject,
             size,
             seed: start.seed,
-            settings,
+            halves: Halves::new(settings, lit),
+            // A script is the same on every machine.
+            resolution: Resolution::new(script.is_none())?,
+            benchmark: Benchmark::default(),
+            inspector: Inspector::new(&context.egui_ctx),
             shown: Shown { display: look.display, ..Shown::default() },
             whole: true,
             tools: Tools::default(),
@@ -109,8 +118,10 @@ impl App {
             Ok(subject) => {
                 let look = subject.look();
                 let asked = look.settings();
-                self.settings.bounces = asked.bounces;
-                self.settings.wall_depth = asked.wall_depth;
+                for half in self.halves.each() {
+                    half.settings.bounces = asked.bounces;
+                    half.settings.wall_depth = asked.wall_depth;
+                }
                 self.shown.display = look.display;
                 (self.choice, self.subject) = (choice, subject);
                 self.tools.brush = 0;
@@ -145,17 +156,25 @@ impl App {
 
     fn settings(&mut self, ui: &mut Ui) {
         let [w, h] = self.subject.size();
-        ui.label(format!("{w}×{h} cells on {}", self.lit.place()));
+        ui.label(format!("{w}×{h} cells on {}", self.halves.left.lit.place()));
         let (ms, fps) = (self.timings.last(), self.timings.frames_a_second());
         ui.label(format!("{ms:.1} ms of light, {fps:.0} frames a second"));
-        ui.label(RichText::new(self.probe.words()).monospace())
+        ui.label(RichText::new(self.probe.words(w)).monospace())
             .on_hover_text("The light at the pointer: linear red, green, blue");
         ui.separator();
-        self.panel.show(ui, &mut self.settings);
+        CollapsingHeader::new("View").default_open(true).show(ui, |ui| {
+            view::show(ui, &mut self.inspector);
+            if let Err(why) = view::split(ui, &mut self.halves) {
+                self.message = Some(why);
+            }
+            if let Some(size) = view::size(ui, self.subject.size()) {
+                self.resize(size);
+            }
+            view::resolution(ui, &mut self.resolution);
+        });
+        self.panel.show(ui, &mut self.halves.edited().settings);
         CollapsingHeader::new("Picture").default_open(true).show(ui, |ui| {
             settings::display(ui, &mut self.shown.display);
-            ui.checkbox(&mut self.shown.light_alone, "light alone")
-                .on_hover_text("The light that arrives, on white");
             ui.checkbox(&mut self.shown.smooth, "smooth")
                 .on_hover_text("Between cells; off: pixel art");
             ui.checkbox(&mut self.whole, "whole pixels")
@@ -163,11 +182,37 @@ impl App {
         });
         CollapsingHeader::new("Save").default_open(true).show(ui, |ui| self.files(ui));
         CollapsingHeader::new("Times").default_open(true).show(ui, |ui| {
+            let words = "Runs every method and preset in turn on what is shown";
+            if ui.button("Benchmark").on_hover_text(words).clicked() {
+                self.begin_benchmark();
+            }
             self.timings.show(ui);
-            if let Some(bytes) = self.lit.memory() {
+            if let Some(bytes) = self.halves.memory() {
                 ui.label(format!("{:.1} MB held by the light", bytes as f64 / 1e6));
             }
         });
+    }
+
+    fn begin_benchmark(&mut self) {
+        let cells = self.resolution.cells(self.subject.cells());
+        let (w, h) = (cells.width(), cells.height());
+        let (what, place) = (self.choice.name(), self.halves.left.lit.place());
+        let subject = format!("{w}×{h} cells of {what} on {place}");
+        self.benchmark.begin(&self.halves.left.settings, subject);
+    }
+
+    /// Begins anew at another size; a canvas that was painted on stays.
+    fn resize(&mut self, size: [u32; 2]) {
+        if let Subject::Canvas(canvas) = &self.subject
+            && canvas.history_depth() != [0, 0]
+        {
+            self.message = Some(
+                "another size begins anew: save this canvas, and choose Paint for a new one".into(),
+            );
+            return;
+        }
+        self.size = size;
+        self.choose(self.choice);
     }
 
     fn tools(&mut self, ui: &mut Ui) {
@@ -194,25 +239,27 @@ impl App {
         if let Err(why) = told {
             self.message = Some(why);
         }
-        let found = self.lit.find(self.subject.cells(), &self.settings, self.shown);
-        match found {
-            Ok(()) => {
-                self.unlit = None;
-                self.lit.draw(ui, view.place);
-            }
+        match self.light(pointer.at, passed) {
+            Ok(()) => self.unlit = None,
             Err(why) => self.give_up(ui.ctx(), &why),
         }
-        let asks = self.subject.has_meter();
-        let looked = self.probe.look(&self.lit, self.subject.cells(), pointer.at, asks);
-        self.say(looked.map(|()| None));
-        let saved = self.saving.go_on(&self.lit, self.shown.display, &self.name);
+        let saved = self.saving.go_on(&self.halves.left.lit, self.shown.display, &self.name);
         self.say(saved);
+        match self.inspector.view.is_lit() {
+            true if self.unlit.is_none() => self.halves.draw(ui, view.place),
+            true => {}
+            false => self.inspector.draw(ui.painter(), view.place),
+        }
         if let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())
-            && let Some(lit) = playing.world.lit(light)
+            && let Some(light) = at_cells(light, self.subject.cells())
+            && let Some(lit) = playing.world.lit(&light)
         {
             meter(ui, view.place, lit);
         }
-        self.timings.push(self.lit.stages(), passed);
+        self.timings.push(self.halves.edited().lit.stages(), passed);
+        if self.benchmark.settings().is_none() && self.inspector.view.is_lit() {
+            self.resolution.watch(passed, self.timings.light());
+        }
         if let (Some(at), Subject::Canvas(_)) = (pointer.at, &self.subject) {
             let scale = view.place.width() / self.subject.size()[0] as f32;
             let stroke = Stroke::new(1.0, Color32::from_white_alpha(140));
@@ -221,15 +268,50 @@ impl App {
         self.view = Some(view);
     }
 
+    /// Finds the light of the frame, and what else the view asks for.
+    fn light(&mut self, at: Option<[f32; 2]>, passed: f64) -> Result<()> {
+        let (cells, view) = (self.subject.cells(), self.inspector.view);
+        self.resolution.prepare(cells)?;
+        self.shown.light_alone = view == Seen::Light;
+        if self.benchmark.settings().is_some() {
+            return self.time(passed);
+        }
+        if view.is_lit() || view.needs_light() || self.subject.has_meter() {
+            self.halves.find(cells, &self.resolution, self.shown, view.is_lit())?;
+        }
+        let asks = self.subject.has_meter() || view.needs_light();
+        let Half { settings, lit } = &self.halves.left;
+        let (cells, settings) = (self.resolution.cells(cells), self.resolution.settings(settings));
+        self.probe.look(lit, cells, at.filter(|_| view.is_lit()), asks)?;
+        self.inspector.look(cells, &settings, self.shown.display, self.probe.light())
+    }
+
+    /// Finds the light of a frame of the benchmark.
+    fn time(&mut self, passed: f64) -> Result<()> {
+        let Some(settings) = self.benchmark.settings() else { return Ok(()) };
+        let settings = self.resolution.settings(settings);
+        let cells = self.resolution.cells(self.subject.cells());
+        let lit = &mut self.halves.left.lit;
+        lit.forget();
+        match lit.find(cells, &settings, self.shown) {
+            Ok(()) => self.benchmark.lit(lit.stages(), passed),
+            Err(why) if matches!(why.downcast_ref(), Some(Error::Unsuited { .. })) => {
+                self.benchmark.refused();
+            }
+            Err(why) => return Err(why),
+        }
+        Ok(())
+    }
+
     /// Says why there is no light; where it is the GPU that cannot, the CPU goes on.
     fn give_up(&mut self, context: &Context, why: &anyhow::Error) {
         use lamplight_wgpu::Error::{Device, TooLarge};
         self.unlit = Some(format!("{why:#}"));
         if matches!(why.downcast_ref(), Some(Device(_) | TooLarge { .. }))
-            && let Ok(lit) = Lit::on_cpu(context, &self.settings)
+            && let Ok(lit) = Lit::on_cpu(context, &self.halves.left.settings)
         {
             self.message = Some(format!("{why:#}; the CPU goes on"));
-            self.lit = lit;
+            self.halves = Halves::new(self.halves.left.settings.clone(), lit);
         }
     }
 
@@ -276,7 +358,8 @@ impl App {
                 let can = kind != Kind::Scene || matches!(self.subject, Subject::Canvas(_));
                 let button = ui.add_enabled(can, Button::new(kind.name()));
                 if button.on_hover_text(kind.words()).clicked() {
-                    let begun = self.saving.begin(kind, &self.lit, &self.subject, &self.name);
+                    let begun =
+                        self.saving.begin(kind, &self.halves.left.lit, &self.subject, &self.name);
                     self.say(begun);
                 }
             }
@@ -342,14 +425,29 @@ impl App {
             Line::Frames(_) => {}
             Line::World(choice) => self.choose(choice),
             Line::Set(text) => {
+                let settings = &mut self.halves.edited().settings;
                 let mut table: SettingsTable =
-                    serde_json::from_value(serde_json::to_value(&self.settings)?)?;
+                    serde_json::from_value(serde_json::to_value(&*settings)?)?;
                 table.set_from_text(&text)?;
-                self.settings = table.resolve()?;
+                *settings = table.resolve()?;
             }
             Line::Move([x, y]) => {
                 let view = self.view.as_ref().context("there is no picture yet")?;
                 self.played.push(Event::PointerMoved(view.to_window([x, y])));
+            }
+            Line::View(view, inside) => {
+                (self.inspector.view, self.inspector.inside) = (view, inside);
+            }
+            Line::Benchmark => self.begin_benchmark(),
+            Line::Lose => self.halves.left.lit.lose(),
+            Line::Size(size) => {
+                context.send_viewport_cmd(ViewportCommand::InnerSize(size.into()));
+            }
+            Line::Table => print!("{}", self.benchmark.markdown()),
+            Line::Factor(factor) => self.resolution.factor = factor,
+            Line::Split(method) => {
+                let settings = self.halves.left.settings.clone();
+                self.halves.split(Settings { method, ..settings })?;
             }
             Line::Press => self.played.push(button(true, there)),
             Line::Release => self.played.push(button(false, there)),
@@ -373,7 +471,8 @@ impl App {
                 platform::say(&format!("{x} {y} {w} {h}"));
             }
             Line::Save(kind) => {
-                let begun = self.saving.begin(kind, &self.lit, &self.subject, &self.name);
+                let begun =
+                    self.saving.begin(kind, &self.halves.left.lit, &self.subject, &self.name);
                 self.say(begun);
             }
             Line::Shot(path) => {
@@ -426,6 +525,13 @@ impl eframe::App for App {
         CentralPanel::default()
             .frame(Frame::NONE.fill(Color32::BLACK))
             .show(ui, |ui| self.picture(ui));
+        if self.benchmark.is_on() {
+            let window = egui::Window::new("Benchmark").resizable(false).collapsible(false);
+            let open = window.show(&context, |ui| self.benchmark.show(ui));
+            if open.and_then(|open| open.inner) == Some(false) {
+                self.benchmark = Benchmark::default();
+            }
+        }
         // Light and worlds go on.
         context.request_repaint();
     }

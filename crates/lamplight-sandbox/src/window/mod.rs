@@ -1,12 +1,16 @@
 //! The window: what stands in it, and what a person does to it.
 
 mod app;
+mod benchmark;
 mod files;
 mod folded;
 mod fonts;
+mod halves;
+mod inspect;
 pub mod light;
 mod panels;
 mod probe;
+mod resolution;
 mod saving;
 mod script;
 mod subject;

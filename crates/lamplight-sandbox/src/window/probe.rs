@@ -1,6 +1,7 @@
 //! How bright it is: under the pointer, and round a player.
 
 use crate::window::light::{Asked, Lit};
+use crate::window::resolution::factor;
 use anyhow::Result;
 use eframe::egui::{Align2, Color32, FontId, Rect, Ui, Vec2};
 use lamplight::{Cells, Light};
@@ -41,12 +42,13 @@ impl Probe {
         self.light.as_ref()
     }
 
-    /// What is under the pointer.
-    pub fn words(&self) -> String {
+    /// What is under the pointer in a picture of so many columns.
+    pub fn words(&self, width: u32) -> String {
         let (Some(light), Some(at)) = (&self.light, self.at) else {
             return "point at something".into();
         };
-        let [r, g, b] = light.sample(at);
+        let size = factor(light, width) as f32;
+        let [r, g, b] = light.sample(at.map(|v| v / size));
         let [x, y] = at.map(f32::floor);
         format!("{x:.0}, {y:.0}: {r:.3} {g:.3} {b:.3}")
     }

@@ -1,9 +1,12 @@
 //! A person in a file: what a script says instead of mouse and keys, for tests and pictures.
 
+use crate::window::inspect::View;
 use crate::window::saving::Kind;
 use crate::window::subject::Choice;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
+use lamplight::Method;
+use lamplight_sandbox::coarse::COARSEST;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 
@@ -16,6 +19,20 @@ pub enum Line {
     World(Choice),
     /// Sets a setting, as `--set` of the command line does.
     Set(String),
+    /// Chooses a view, and which of the inside, from 0.
+    View(View, u32),
+    /// Begins the benchmark.
+    Benchmark,
+    /// Takes the GPU away, as a driver that restarts does.
+    Lose,
+    /// Gives the window another size, in points.
+    Size([f32; 2]),
+    /// Prints the benchmark's table.
+    Table,
+    /// So many cells to a cell of light.
+    Factor(u32),
+    /// Splits the picture; on the right is this method.
+    Split(Method),
     /// Moves the pointer to a place in the picture, in cells.
     Move([f32; 2]),
     Press,
@@ -85,6 +102,20 @@ fn read(words: &[&str]) -> Result<Line> {
             Line::World(Choice::from_str(name, true).map_err(|e| anyhow::anyhow!(e))?)
         }
         ["set", text] => Line::Set(text.to_owned()),
+        ["view", name] => Line::View(view(name)?, 0),
+        ["view", "inside", number] => Line::View(View::Inside, number.parse()?),
+        ["benchmark"] => Line::Benchmark,
+        ["table"] => Line::Table,
+        ["lose"] => Line::Lose,
+        ["size", w, h] => Line::Size([w.parse()?, h.parse()?]),
+        ["factor", factor] => {
+            let factor = factor.parse()?;
+            ensure!((1..=COARSEST).contains(&factor), "a factor is from 1 to {COARSEST}");
+            Line::Factor(factor)
+        }
+        ["split", name] => Line::Split(
+            Method::ALL.iter().copied().find(|m| m.name() == name).context("no such method")?,
+        ),
         ["move", x, y] => Line::Move([x.parse()?, y.parse()?]),
         ["press"] => Line::Press,
         ["release"] => Line::Release,
@@ -97,10 +128,16 @@ fn read(words: &[&str]) -> Result<Line> {
         ["say", word] => Line::Say(word.to_owned()),
         ["shot", path] => Line::Shot(path.into()),
         _ => bail!(
-            "expected one of: frames N, world NAME, set key=value, move X Y, press, release, lamp, \
-             clear, drop FILE, save KIND, say WORD, tell, place, shot FILE"
+            "expected one of: frames N, world NAME, set key=value, view NAME, \
+             view inside N, split METHOD, benchmark, table, lose, size W H, factor N, move X Y, press, release, lamp, \
+             clear, drop FILE, save KIND, say WORD, tell, place, \
+              shot FILE"
         ),
     })
+}
+
+fn view(name: &str) -> Result<View> {
+    View::ALL.into_iter().find(|view| view.name() == name).context("no such view")
 }
 
 #[cfg(test)]

@@ -27,7 +27,8 @@ impl View {
         let room = ui.available_rect_before_wrap();
         let cells = Vec2::new(size[0] as f32, size[1] as f32);
         let pixels = ui.ctx().pixels_per_point();
-        let fits = (room.width() / cells.x).min(room.height() / cells.y) * pixels;
+        // A window may be smaller than its panels.
+        let fits = (room.width() / cells.x).min(room.height() / cells.y).max(0.0) * pixels;
         let scale = if whole && fits >= 1.0 { fits.floor() } else { fits };
         // On whole pixels, so that no column of cells is wider than its neighbours.
         let on_pixel = |v: f32| (v * pixels).round() / pixels;
@@ -61,6 +62,9 @@ impl View {
                 pointer.button_down(PointerButton::Secondary),
             )
         });
+        if !self.place.is_positive() {
+            return Pointer::default();
+        }
         let over = self.response.contains_pointer();
         // Who pressed inside goes on outside, until it is let go.
         let at = self.response.interact_pointer_pos().or(self.response.hover_pos());
@@ -72,6 +76,54 @@ impl View {
             pressed: pressed && over,
             released,
             other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Context, Event, Modifiers, RawInput};
+
+    /// Where a picture of 32×18 cells lies in a window, and the pointer that presses in its middle.
+    fn shown(window: Vec2, whole: bool) -> (Rect, Pointer) {
+        let mut seen = None;
+        let context = Context::default();
+        // What is pressed belongs to what lay there in the frame before.
+        for frame in 0..3 {
+            let at = Pos2::ZERO + 0.5 * window;
+            let mut events = vec![Event::PointerMoved(at)];
+            if frame == 2 {
+                let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+                events.push(Event::PointerButton { pos: at, button, pressed: true, modifiers });
+            }
+            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, window));
+            let input = RawInput { screen_rect, events, ..RawInput::default() };
+            let _ = context.run_ui(input, |ui| {
+                let view = View::new(ui, [32, 18], whole);
+                seen = Some((view.place, view.pointer(ui)));
+            });
+        }
+        seen.unwrap()
+    }
+
+    #[test]
+    fn the_pointer_is_told_in_cells() {
+        for whole in [false, true] {
+            let (place, pointer) = shown(Vec2::new(400.0, 300.0), whole);
+            assert!(place.width() >= 320.0 && (place.aspect_ratio() - 32.0 / 18.0).abs() < 1e-3);
+            let [x, y] = pointer.at.unwrap();
+            assert!((x - 16.0).abs() < 0.5 && (y - 9.0).abs() < 0.5, "{x} {y}");
+            assert!(pointer.pressed && pointer.held && !pointer.other);
+        }
+    }
+
+    #[test]
+    fn a_window_without_room_shows_nothing_and_is_not_pointed_at() {
+        for window in [Vec2::ZERO, Vec2::new(0.0, 300.0), Vec2::new(300.0, 0.0), Vec2::splat(1.0)] {
+            let (place, pointer) = shown(window, true);
+            assert!(place.min.x.is_finite() && place.max.y.is_finite());
+            assert!(pointer.at.is_none_or(|at| at.iter().all(|v| v.is_finite())), "{pointer:?}");
         }
     }
 }

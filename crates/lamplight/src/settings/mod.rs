@@ -77,6 +77,12 @@ impl Method {
         matches!(self, Self::Flood | Self::Polar)
     }
 
+    /// Whether one frame's light is the next one's where nothing changed: neither noise nor frames before
+    /// have a say.
+    pub fn repeats(self) -> bool {
+        matches!(self, Self::Polar | Self::Cascades | Self::Holographic)
+    }
+
     /// Refuses a scene that the method cannot light: `polar` needs a lamp.
     pub fn suits(self, cells: &Cells) -> Result<()> {
         if self != Self::Polar || !cells.lamps().is_empty() {
@@ -160,6 +166,27 @@ impl Default for Denoise {
 }
 
 impl Settings {
+    /// The cheapest settings that have the same seed map, Voronoi map and distance field.
+    #[must_use]
+    pub fn fields_only(&self) -> Self {
+        // Of all settings they depend on this one; a ray is the least that a frame can have.
+        let threshold = self.raymarch.threshold;
+        let raymarch = Raymarch { rays: 1, threshold, ..Raymarch::default() };
+        Self { method: Method::Raymarch, raymarch, ..Self::default() }
+    }
+
+    /// Lays a preset of the method at hand ([`Method::presets`]) over its settings; the method's default
+    /// where there is none of this name.
+    pub fn lay_preset(&mut self, name: &str) {
+        match self.method {
+            Method::Raymarch => self.raymarch = Raymarch::preset(name).unwrap_or_default(),
+            Method::Flood => self.flood = Flood::preset(name).unwrap_or_default(),
+            Method::Polar => self.polar = Polar::preset(name).unwrap_or_default(),
+            Method::Cascades => self.cascades = Cascades::preset(name).unwrap_or_default(),
+            Method::Holographic => self.holographic = Holographic::preset(name).unwrap_or_default(),
+        }
+    }
+
     /// Refuses values out of their range.
     pub fn check(&self) -> Result<()> {
         within("bounces", self.bounces.limit(), 0..=Bounces::MAX)?;

@@ -2,8 +2,7 @@
 
 use super::Shown;
 use anyhow::Result;
-use eframe::egui::PaintCallbackInfo;
-use eframe::egui::{Rect, Ui};
+use eframe::egui::{PaintCallbackInfo, Painter, Rect};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};
 use lamplight::{Cells, Light, Rgb, Settings};
 use lamplight_wgpu::read_back::FetchLight;
@@ -76,13 +75,31 @@ impl CallbackTrait for Draw {
 
 impl OnGpu {
     pub fn new(state: &RenderState, settings: &Settings) -> Result<Self> {
-        let (device, queue) = (state.device.clone(), state.queue.clone());
+        // Browsers keep the name to themselves.
+        let name = Some(state.adapter.get_info().name).filter(|name| !name.is_empty());
+        let name = name.unwrap_or_else(|| "the GPU".to_owned());
+        Self::on(name, (state.device.clone(), state.queue.clone()), state.target_format, settings)
+    }
+
+    /// Another one on the same device.
+    pub fn beside(&self, settings: &Settings) -> Result<Self> {
+        Self::on(
+            self.name.clone(),
+            (self.device.clone(), self.queue.clone()),
+            self.target,
+            settings,
+        )
+    }
+
+    fn on(
+        name: String,
+        (device, queue): (Device, Queue),
+        target: TextureFormat,
+        settings: &Settings,
+    ) -> Result<Self> {
         Ok(Self {
-            // Browsers keep the name to themselves.
-            name: Some(state.adapter.get_info().name)
-                .filter(|name| !name.is_empty())
-                .unwrap_or_else(|| "the GPU".to_owned()),
-            target: state.target_format,
+            name,
+            target,
             lighting: Lighting::new(&device, &queue, settings.clone())?,
             compose: Arc::new(Mutex::new(Compose::new(&device)?)),
             timer: Timer::new(&device, &queue),
@@ -132,8 +149,8 @@ impl OnGpu {
         Ok(compose.prepare(&self.device, &self.queue, &self.lighting, self.target, &shown)?)
     }
 
-    pub fn draw(&self, ui: &Ui, place: Rect) {
-        ui.painter().add(Callback::new_paint_callback(place, Draw(self.compose.clone())));
+    pub fn draw(&self, painter: &Painter, place: Rect) {
+        painter.add(Callback::new_paint_callback(place, Draw(self.compose.clone())));
     }
 
     pub fn ask(&self, cells: &Cells) -> Result<FetchLight> {
@@ -146,6 +163,10 @@ impl OnGpu {
 
     pub fn stages(&mut self) -> &[(&'static str, Duration)] {
         self.timer.as_mut().map_or(&[], Timer::read)
+    }
+
+    pub fn lose(&self) {
+        self.device.destroy();
     }
 
     pub fn memory(&self) -> Option<u64> {

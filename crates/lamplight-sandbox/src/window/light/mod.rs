@@ -6,7 +6,7 @@ mod gpu;
 use anyhow::Result;
 use cpu::OnCpu;
 use eframe::CreationContext;
-use eframe::egui::{Context, Rect, Ui};
+use eframe::egui::{Context, Painter, Rect};
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu::DeviceType;
 use gpu::OnGpu;
@@ -70,11 +70,26 @@ impl Lit {
         Ok(Self::Cpu(Box::new(OnCpu::new(context, settings)?)))
     }
 
+    /// Another light, found where this one is.
+    pub fn beside(&self, settings: &Settings) -> Result<Self> {
+        Ok(match self {
+            Self::Gpu(gpu) => Self::Gpu(Box::new(gpu.beside(settings)?)),
+            Self::Cpu(cpu) => Self::Cpu(Box::new(cpu.beside(settings)?)),
+        })
+    }
+
     /// Where it is found.
     pub fn place(&self) -> &str {
         match self {
             Self::Gpu(gpu) => gpu.name(),
             Self::Cpu(_) => "CPU",
+        }
+    }
+
+    /// Finds the next frame's light even where nothing has changed: for who times it.
+    pub fn forget(&mut self) {
+        if let Self::Cpu(cpu) = self {
+            cpu.forget();
         }
     }
 
@@ -87,10 +102,10 @@ impl Lit {
     }
 
     /// Draws it into a rectangle.
-    pub fn draw(&self, ui: &Ui, place: Rect) {
+    pub fn draw(&self, painter: &Painter, place: Rect) {
         match self {
-            Self::Gpu(gpu) => gpu.draw(ui, place),
-            Self::Cpu(cpu) => cpu.draw(ui, place),
+            Self::Gpu(gpu) => gpu.draw(painter, place),
+            Self::Cpu(cpu) => cpu.draw(painter, place),
         }
     }
 
@@ -125,6 +140,13 @@ impl Lit {
         match self {
             Self::Gpu(gpu) => gpu.stages(),
             Self::Cpu(cpu) => cpu.stages(),
+        }
+    }
+
+    /// Takes the GPU away, as a driver that restarts does: for tests.
+    pub fn lose(&self) {
+        if let Self::Gpu(gpu) = self {
+            gpu.lose();
         }
     }
 

@@ -3,3 +3,4 @@
 pub mod settings;
 pub mod timings;
 pub mod tools;
+pub mod view;

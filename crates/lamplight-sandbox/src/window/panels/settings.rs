@@ -1,7 +1,6 @@
 //! Every setting, live: the JSON Schema of settings says what there is, its range and what it costs.
 
 use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Response, Slider, SliderClamping, Ui};
-use lamplight::settings::{Cascades, Flood, Holographic, Polar, Raymarch};
 use lamplight::{Bounces, Display, Method, Scene, Settings, ToneMap};
 use serde_json::{Value, json};
 
@@ -181,25 +180,12 @@ fn preset(ui: &mut Ui, settings: &mut Settings) {
         ui.label("Preset");
         for &name in settings.method.presets() {
             let mut wanted = settings.clone();
-            lay(&mut wanted, name);
+            wanted.lay_preset(name);
             if ui.selectable_label(wanted == *settings, name).clicked() {
                 *settings = wanted;
             }
         }
     });
-}
-
-/// Lays a preset of its method over settings.
-fn lay(settings: &mut Settings, name: &str) {
-    match settings.method {
-        Method::Raymarch => settings.raymarch = Raymarch::preset(name).unwrap_or_default(),
-        Method::Flood => settings.flood = Flood::preset(name).unwrap_or_default(),
-        Method::Polar => settings.polar = Polar::preset(name).unwrap_or_default(),
-        Method::Cascades => settings.cascades = Cascades::preset(name).unwrap_or_default(),
-        Method::Holographic => {
-            settings.holographic = Holographic::preset(name).unwrap_or_default();
-        }
-    }
 }
 
 /// A number of bounces, or until little changes.
@@ -238,7 +224,7 @@ mod tests {
         for &method in Method::ALL {
             for &preset in method.presets() {
                 let mut settings = Settings { method, wall_depth: 2.5, ..Settings::default() };
-                lay(&mut settings, preset);
+                settings.lay_preset(preset);
                 for bounces in [Bounces::Count(0), Bounces::Count(200), Bounces::Converged] {
                     settings.bounces = bounces;
                     let mut seen = settings.clone();

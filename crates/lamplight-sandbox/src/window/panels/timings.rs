@@ -1,7 +1,8 @@
 //! What frames take, stage by stage, over the last seconds.
 
 use eframe::egui::{Color32, Id, RichText, Stroke, Ui};
-use egui_plot::{Bar, BarChart, Plot};
+use egui_plot::{Bar, BarChart, HLine, Line, Plot, PlotPoints};
+use lamplight_sandbox::pace::FRAME;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -12,8 +13,8 @@ const FRAMES: usize = 120;
 #[derive(Default)]
 pub struct Timings {
     frames: VecDeque<Vec<(&'static str, Duration)>>,
-    /// Seconds from frame to frame, a running mean.
-    pace: f64,
+    /// ms from frame to frame.
+    pace: VecDeque<f64>,
 }
 
 impl Timings {
@@ -28,12 +29,20 @@ impl Timings {
         room.clear();
         room.extend_from_slice(stages);
         self.frames.push_back(room);
-        self.pace =
-            if self.pace == 0.0 { seconds } else { self.pace + 0.05 * (seconds - self.pace) };
+        if self.pace.len() == FRAMES {
+            self.pace.pop_front();
+        }
+        self.pace.push_back(1e3 * seconds);
     }
 
     pub fn frames_a_second(&self) -> f64 {
-        if self.pace > 0.0 { 1.0 / self.pace } else { 0.0 }
+        let sum: f64 = self.pace.iter().sum();
+        if sum > 0.0 { 1e3 * self.pace.len() as f64 / sum } else { 0.0 }
+    }
+
+    /// Seconds of the last frame's light; none where nobody tells.
+    pub fn light(&self) -> Option<f64> {
+        self.frames.back().filter(|stages| !stages.is_empty()).map(|_| 1e-3 * self.last())
     }
 
     /// Milliseconds of the last frame's light.
@@ -69,20 +78,32 @@ impl Timings {
                 ui.label(RichText::new(format!("■ {name}")).small().color(color(number)));
             }
         });
-        Plot::new("timings")
-            .height(140.0)
-            .show_x(false)
-            .allow_drag(false)
-            .allow_zoom(false)
-            .allow_scroll(false)
-            .allow_boxed_zoom(false)
-            .show_axes([false, true])
-            .include_y(0.0)
-            .include_x(0.0)
-            .include_x(FRAMES as f64)
-            .y_axis_label("ms")
+        history("timings", 140.0)
             .show(ui, |plot| charts.into_iter().for_each(|chart| plot.bar_chart(chart)));
+        let slowest = self.pace.iter().copied().fold(0.0, f64::max);
+        ui.small(format!("from frame to frame, at most {slowest:.0} ms; the line is 1/60 s"));
+        history("pace", 70.0).show(ui, |plot| {
+            let points = self.pace.iter().enumerate().map(|(i, &ms)| [i as f64, ms]);
+            plot.line(Line::new("ms", points.collect::<PlotPoints>()).color(color(1)));
+            plot.hline(HLine::new("1/60 s", 1e3 * FRAME).color(Color32::GRAY));
+        });
     }
+}
+
+/// A plot of the last frames that stays as it is.
+fn history(name: &str, height: f32) -> Plot<'_> {
+    Plot::new(name)
+        .height(height)
+        .show_x(false)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .show_axes([false, true])
+        .include_y(0.0)
+        .include_x(0.0)
+        .include_x(FRAMES as f64)
+        .y_axis_label("ms")
 }
 
 fn ms(time: Duration) -> f64 {

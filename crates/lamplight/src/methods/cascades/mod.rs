@@ -16,6 +16,7 @@
 //! Cost: cells × rays × cascades, four times that with the bilinear fix, whatever the scene.
 
 mod gather;
+mod inside;
 mod interval;
 mod ladder;
 mod merge;
@@ -114,10 +115,11 @@ impl Cascades {
         let mut fog = std::mem::take(&mut self.fog);
         fog.clear();
         fog.resize(self.surfaces.fog.len(), Rgb::default());
-        self.each_cone(cells, settings, |level, caster, cone| {
+        let wanted = |level, caster: &Caster, cone| {
             let some = &caster.field.surfaces.fog;
             gather::add_to_some(level, caster, cells, some, cone, &mut fog);
-        });
+        };
+        self.each_cone(cells, settings, wanted, |_, _, _| ());
         self.fog = fog;
     }
 
@@ -125,9 +127,10 @@ impl Cascades {
     fn gather(&mut self, cells: &Cells, settings: &Settings, light: &mut Vec<Rgb>) {
         light.clear();
         light.resize(cells.len(), Rgb::default());
-        self.each_cone(cells, settings, |level, caster, cone| {
+        let wanted = |level, caster: &Caster, cone| {
             gather::add_to_cells(level, caster, cells, cone, light);
-        });
+        };
+        self.each_cone(cells, settings, wanted, |_, _, _| ());
         for i in (0..cells.len()).filter(|&i| cells.is_solid(i)) {
             light[i] = self.surfaces.slot(i).map_or(Rgb::default(), |slot| {
                 mean_over_faces(&self.surfaces.walls[slot], &self.faces.walls[slot])
@@ -136,12 +139,14 @@ impl Cascades {
     }
 
     /// Works out all cones of the nearest cascade, one after the other, for the faces of walls and
-    /// for whoever else wants light.
+    /// for whoever else is `wanted` to have light; `filled` is shown what each further cascade gathers
+    /// for the cones from one on.
     fn each_cone(
         &mut self,
         cells: &Cells,
         settings: &Settings,
         mut wanted: impl FnMut(Level, &Caster, u32),
+        mut filled: impl FnMut(&Cascade, u32, &[f32]),
     ) {
         self.faces.darken();
         let Self { level, optics, surfaces, room, cascades, near, far, faces, .. } = self;
@@ -158,6 +163,7 @@ impl Cascades {
                 let values = 3 * cones as usize * cascade.lattice.len();
                 near.resize(values + PADDING, 0.0);
                 fill(*level, &caster, first, &mut near[..values]);
+                filled(cascade, first, &near[..values]);
                 std::mem::swap(near, far);
                 beyond = Some((cascade, first));
             }

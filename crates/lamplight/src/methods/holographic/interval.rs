@@ -9,6 +9,7 @@
 //! Code that runs on vectors has no closures and no `array::from_fn` in this method: the compiler
 //! does not carry the vector unit into them.
 
+use crate::Rgb;
 use fearless_simd::{f32x16, prelude::*, u32x16};
 
 /// Rows in a vector.
@@ -35,6 +36,17 @@ pub const fn words(channels: usize) -> usize {
 /// The words of an interval in which nothing is.
 pub fn empty(channels: usize) -> &'static [u32] {
     if channels == 1 { &[0, ONE] } else { &[0, ONE, ONE << 16 | ONE] }
+}
+
+/// Light and transmittance of one stored interval; the third word counts where matter tints.
+pub fn scalar([a, b, tints]: [u32; 3], channels: usize) -> (Rgb, Rgb) {
+    let fixed = |v: u32| (v & 0xffff) as f32 / ONE as f32;
+    let high = |v: u32| f32::from_bits(v & 0xffff_0000);
+    let through = match channels {
+        1 => [fixed(b); 3],
+        _ => [fixed(b), fixed(tints >> 16), fixed(tints)],
+    };
+    ([high(a), high(a << 16), high(b)], through)
 }
 
 impl<S: Simd, const K: usize> Interval<S, K> {

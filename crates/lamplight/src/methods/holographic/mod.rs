@@ -28,6 +28,7 @@
 mod cones;
 mod fronts;
 mod hop;
+mod inside;
 mod interval;
 mod march;
 mod onto;

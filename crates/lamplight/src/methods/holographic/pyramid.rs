@@ -110,6 +110,15 @@ impl Pyramid {
         &self.odd[(level - self.first) as usize][ray * size..][..size]
     }
 
+    /// A ray of the plane of a level that [`Self::make`] made last.
+    pub fn held(&self, level: u32, plane: usize, ray: usize) -> &[u32] {
+        if !plane.is_multiple_of(2) {
+            return self.ray(level, ray);
+        }
+        let size = self.ray_size();
+        &self.even[(level - self.first) as usize][ray * size..][..size]
+    }
+
     /// Aims the beams, each of `width` rays, both ways that the slabs may go.
     pub fn aim(&mut self, slabs: &Slabs, width: u32) {
         let (level, stride) = (self.first, slabs.stride as isize);

@@ -80,6 +80,11 @@ fn beside(ray: usize, n: usize, forward: bool) -> usize {
 }
 
 impl Fan {
+    /// px that a ray comes.
+    pub fn length(&self, ray: usize) -> f32 {
+        self.hits[ray].length
+    }
+
     /// Bytes that the fan of a lamp may take.
     pub fn most_bytes(lamp: &Lamp, ground: &Ground, settings: &Polar) -> usize {
         const RAY: usize = size_of::<Hit>()

@@ -15,6 +15,7 @@
 mod angle;
 mod canvas;
 mod fan;
+mod inside;
 mod knots;
 
 pub use fan::{NARROWEST, NEAREST, WIDEST, rays};
@@ -39,6 +40,8 @@ pub struct Polar {
     ground: Ground,
     /// Rays of the lamps at hand; more than there are lamps when a frame before had more.
     fans: Vec<Fan>,
+    /// How many of them are of the last group of the last frame.
+    last: usize,
     canvas: Canvas,
 }
 
@@ -51,7 +54,13 @@ impl Default for Polar {
 impl Polar {
     /// On these vector units; which ones makes no difference but to the time.
     fn on(level: Level) -> Self {
-        Self { level, ground: Ground::default(), fans: Vec::new(), canvas: Canvas::default() }
+        Self {
+            level,
+            ground: Ground::default(),
+            fans: Vec::new(),
+            last: 0,
+            canvas: Canvas::default(),
+        }
     }
 
     /// Lights the cells with their lamps, which are not drawn in. `distance` is the distance field,
@@ -67,6 +76,7 @@ impl Polar {
         self.ground.prepare(cells, settings.translucent);
         self.canvas.clear(cells);
         clock.lap("ground");
+        self.last = 0;
         let mut lamps = cells.lamps();
         while !lamps.is_empty() {
             let (level, ground) = (self.level, &self.ground);
@@ -80,6 +90,7 @@ impl Polar {
             if self.fans.len() < group.len() {
                 self.fans.resize_with(group.len(), Fan::default);
             }
+            self.last = group.len();
             let fans = &mut self.fans[..group.len()];
             fans.par_iter_mut().zip(group).for_each(|(fan, lamp)| {
                 fan.trace(level, lamp, ground, distance, settings);

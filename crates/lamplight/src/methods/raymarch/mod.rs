@@ -232,6 +232,14 @@ impl Raymarch {
     }
 }
 
+impl Raymarch {
+    /// The clear squares of a quadrant, as the last frame measured them.
+    pub(crate) fn squares(&self, quadrant: usize) -> &[u8] {
+        let count = self.optics.sites.len();
+        &self.optics.squares[quadrant * count..][..count]
+    }
+}
+
 /// How rays read the grid.
 fn reading(settings: &Settings) -> Reading {
     let Settings { raymarch, .. } = settings;

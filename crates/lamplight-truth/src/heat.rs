@@ -1,6 +1,6 @@
 //! Error as heat: where a light is wrong, on a logarithmic scale.
 
-use image::{Rgb as Pixel, RgbImage};
+use lamplight::image::{Rgb as Pixel, RgbImage};
 use lamplight::{Light, Rgb};
 
 /// The scale runs from this error to 1, relative to the mean of the truth.

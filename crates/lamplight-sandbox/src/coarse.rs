@@ -1,0 +1,165 @@
+//! Light on fewer, larger cells: what keeps frames in time on a slow machine.
+//!
+//! `factor × factor` cells become one. It is a wall where at least half as many of them are walls as the
+//! block is wide, so that a wall of one px stays shut, or where one glows, so that sparks are not lost; gaps
+//! that are narrower than a block close. Its glow is
+//! weaker by as much as the block is wider than what glows in it, so that it looks as bright from afar. Fog and glass
+//! keep what they let through over the block: `T = Π Tᵢ^(1/factor)` over its cells, their mean way.
+
+use lamplight::stages::transmittance::log_transmittance;
+use lamplight::{Cells, Lamp, Light, Matter, Result, Rgb};
+
+/// Coarsest factor: beyond, nobody would take it for the same picture.
+pub const COARSEST: u32 = 4;
+
+/// Draws cells into fewer, larger ones, into buffers at hand where they fit.
+pub fn coarsen(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
+    let factor = factor.clamp(1, COARSEST);
+    let size = [from.width(), from.height()].map(|side| side.div_ceil(factor));
+    if [to.width(), to.height()] != size {
+        *to = Cells::new(size[0], size[1])?;
+    }
+    to.set_sky(from.sky());
+    to.lamps_mut().clear();
+    to.lamps_mut().extend(from.lamps().iter().map(|lamp| shrunk(lamp, factor)));
+    for y in 0..size[1] {
+        for x in 0..size[0] {
+            let block = Block::of(from, factor, [x, y]);
+            to.set(x, y, block.matter(factor));
+        }
+    }
+    if let Some(color) = from.color() {
+        shrink(color, from.width(), factor, size, to.color_mut());
+    }
+    Ok(())
+}
+
+/// The light of larger cells at each of the cells that they were made of.
+pub fn spread(light: &Light, factor: u32, cells: &Cells) -> Option<Light> {
+    let at = |i: usize| {
+        let (x, y) = (i as u32 % cells.width(), i as u32 / cells.width());
+        light.at(x / factor, y / factor)
+    };
+    Light::from_pixels(cells, (0..cells.len()).map(at).collect())
+}
+
+/// The means over all blocks, row by row.
+fn shrink(values: &[Rgb], width: u32, factor: u32, [columns, _]: [u32; 2], to: &mut [Rgb]) {
+    let (width, factor) = (width as usize, factor as usize);
+    to.fill([0.0; 3]);
+    for (rows, to) in values.chunks(factor * width).zip(to.chunks_exact_mut(columns as usize)) {
+        for row in rows.chunks_exact(width) {
+            for (values, to) in row.chunks(factor).zip(&mut *to) {
+                let share = 1.0 / (values.len() * (rows.len() / width)) as f32;
+                for value in values {
+                    (0..3).for_each(|c| to[c] += share * value[c]);
+                }
+            }
+        }
+    }
+}
+
+/// A lamp in larger cells; what is smaller than lamps may be stays as small as they may be.
+fn shrunk(lamp: &Lamp, factor: u32) -> Lamp {
+    let f = factor as f32;
+    Lamp {
+        position: lamp.position.map(|v| v / f),
+        range: (lamp.range / f).max(1.0),
+        size: (lamp.size / f).max(0.05),
+        ..*lamp
+    }
+}
+
+/// Some cells that become one.
+struct Block<'a> {
+    from: &'a Cells,
+    x: [usize; 2],
+    y: [usize; 2],
+}
+
+impl<'a> Block<'a> {
+    /// The block of a larger cell; at the edges of the grid what there is of it.
+    fn of(from: &'a Cells, factor: u32, [x, y]: [u32; 2]) -> Self {
+        let span = |at: u32, side: u32| {
+            [at * factor, ((at + 1) * factor).min(side)].map(|edge| edge as usize)
+        };
+        Self { from, x: span(x, from.width()), y: span(y, from.height()) }
+    }
+
+    fn cells(&self) -> impl Iterator<Item = usize> {
+        let width = self.from.width() as usize;
+        let [left, right] = self.x;
+        (self.y[0]..self.y[1]).flat_map(move |y| (left..right).map(move |x| y * width + x))
+    }
+
+    /// Whether nothing stands in it; row by row, as most blocks are asked no more than this.
+    fn is_clear(&self) -> bool {
+        let (width, [left, right]) = (self.from.width() as usize, self.x);
+        (self.y[0]..self.y[1]).all(|y| {
+            let row = y * width + left..y * width + right;
+            self.from.opacity()[row.clone()].iter().all(|&opacity| opacity == 0.0)
+                && self.from.tint()[row].iter().all(|&tint| tint == [1.0; 3])
+        })
+    }
+
+    /// The longer side of the box round some of the cells.
+    fn extent(&self, cells: impl Iterator<Item = usize>) -> usize {
+        let width = self.from.width() as usize;
+        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+        for at in cells.map(|i| [i % width, i / width]) {
+            for a in 0..2 {
+                (low[a], high[a]) = (low[a].min(at[a]), high[a].max(at[a] + 1));
+            }
+        }
+        (0..2).map(|a| high[a].saturating_sub(low[a])).max().unwrap_or(0)
+    }
+
+    fn matter(&self, factor: u32) -> Matter {
+        let from = self.from;
+        if self.is_clear() {
+            return Matter::EMPTY;
+        }
+        let walls = || self.cells().filter(|&i| from.is_solid(i));
+        let count = walls().count();
+        let glows = walls().any(|i| from.emission()[i] != [0.0; 3]);
+        if glows || 2 * count >= factor as usize {
+            let share = self.extent(walls()) as f32 / self.extent(self.cells()) as f32;
+            let over = |values: &[Rgb]| mean(walls().map(|i| (values[i], 1.0)));
+            let emission = over(from.emission()).map(|v| v * share);
+            return Matter { opacity: 1.0, emission, tint: [1.0; 3], albedo: over(from.albedo()) };
+        }
+        // Over the block, as px of the grid: the mean logarithm, `factor` px deep. Walls too few to shut
+        // it count as nothing.
+        let open = || self.cells().filter(|&i| !from.is_solid(i));
+        let deep = factor as f32 / self.cells().count() as f32;
+        let mut log = [0.0; 3];
+        for i in open().filter(|&i| !is_clear(from, i)) {
+            let of_cell = log_transmittance(from.opacity()[i], from.tint()[i]);
+            (0..3).for_each(|c| log[c] += deep * of_cell[c]);
+        }
+        let through = log.map(f32::exp);
+        let most = through.into_iter().fold(0.0, f32::max);
+        // Never a wall by rounding.
+        let opacity = (1.0 - most).clamp(0.0, 0.999_999);
+        let tint = through.map(|t| if most > 0.0 { (t / most).clamp(0.0, 1.0) } else { 1.0 });
+        let stops =
+            |i: usize| 1.0 - (1.0 - from.opacity()[i]) * from.tint()[i].iter().sum::<f32>() / 3.0;
+        let by_fog = |values: &[Rgb]| mean(open().map(|i| (values[i], stops(i))));
+        Matter { opacity, tint, emission: by_fog(from.emission()), albedo: by_fog(from.albedo()) }
+    }
+}
+
+/// Whether light passes a cell as if nothing were there.
+fn is_clear(cells: &Cells, i: usize) -> bool {
+    cells.opacity()[i] == 0.0 && cells.tint()[i] == [1.0; 3]
+}
+
+/// The mean of values with weights; black without weight.
+fn mean(values: impl Iterator<Item = (Rgb, f32)>) -> Rgb {
+    let (mut sum, mut weight) = ([0.0; 3], 0.0);
+    for (value, w) in values {
+        (0..3).for_each(|c| sum[c] += w * value[c]);
+        weight += w;
+    }
+    if weight > 0.0 { sum.map(|v| v / weight) } else { [0.0; 3] }
+}

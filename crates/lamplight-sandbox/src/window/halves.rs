@@ -1,0 +1,111 @@
+//! One light, or two side by side with a divider that can be moved.
+
+use crate::window::light::{Lit, Shown};
+use crate::window::resolution::Resolution;
+use anyhow::Result;
+use eframe::egui::{
+    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2,
+};
+use lamplight::{Cells, Settings};
+
+/// Points to either side of the divider at which it can be taken hold of.
+const GRIP: f32 = 8.0;
+
+/// A light, and how it is found.
+pub struct Half {
+    pub settings: Settings,
+    pub lit: Lit,
+}
+
+/// The left light, which is all there is until the picture is split, and the right one.
+pub struct Halves {
+    pub left: Half,
+    pub right: Option<Half>,
+    /// Whether it is the right one's settings that are shown.
+    pub edits_right: bool,
+    /// Where the divider is, 0 (left edge) to 1.
+    pub divider: f32,
+}
+
+impl Halves {
+    pub fn new(settings: Settings, lit: Lit) -> Self {
+        Self { left: Half { settings, lit }, right: None, edits_right: false, divider: 0.5 }
+    }
+
+    /// The one whose settings are shown.
+    pub fn edited(&mut self) -> &mut Half {
+        match &mut self.right {
+            Some(right) if self.edits_right => right,
+            _ => &mut self.left,
+        }
+    }
+
+    /// Splits the picture; the right light is found where the left one is.
+    pub fn split(&mut self, settings: Settings) -> Result<()> {
+        let lit = self.left.lit.beside(&settings)?;
+        self.right = Some(Half { settings, lit });
+        self.edits_right = true;
+        Ok(())
+    }
+
+    /// Goes back to the left light alone.
+    pub fn join(&mut self) {
+        (self.right, self.edits_right) = (None, false);
+    }
+
+    /// Both, or the one there is.
+    pub fn each(&mut self) -> impl Iterator<Item = &mut Half> {
+        std::iter::once(&mut self.left).chain(&mut self.right)
+    }
+
+    /// Finds the light of the next frame; with `all`, that of the right half too.
+    pub fn find(
+        &mut self,
+        cells: &Cells,
+        resolution: &Resolution,
+        shown: Shown,
+        all: bool,
+    ) -> Result<()> {
+        let cells = resolution.cells(cells);
+        self.each()
+            .take(if all { 2 } else { 1 })
+            .try_for_each(|half| half.lit.find(cells, &resolution.settings(&half.settings), shown))
+    }
+
+    /// Bytes that the lights hold; none where nobody counts.
+    pub fn memory(&mut self) -> Option<u64> {
+        self.each().filter_map(|half| half.lit.memory()).reduce(|a, b| a + b)
+    }
+
+    /// Draws the light into a rectangle.
+    pub fn draw(&mut self, ui: &mut Ui, place: Rect) {
+        let Some(right) = &self.right else { return self.left.lit.draw(ui.painter(), place) };
+        let bar = place.left() + self.divider * place.width();
+        let (here, there) = place.split_left_right_at_x(bar);
+        self.left.lit.draw(&ui.painter_at(here), place);
+        right.lit.draw(&ui.painter_at(there), place);
+        let painter = ui.painter_at(place);
+        name(&painter, here.left_top(), Align2::LEFT_TOP, &self.left);
+        name(&painter, there.right_top(), Align2::RIGHT_TOP, right);
+        painter.vline(bar, place.y_range(), Stroke::new(2.0, Color32::from_white_alpha(200)));
+        let grip = Rect::from_center_size(
+            Pos2::new(bar, place.center().y),
+            Vec2::new(2.0 * GRIP, place.height()),
+        );
+        let held = ui.interact(grip, ui.id().with("divider"), Sense::drag());
+        if let (true, Some(at)) = (held.dragged(), held.interact_pointer_pos()) {
+            self.divider = ((at.x - place.left()) / place.width()).clamp(0.02, 0.98);
+        }
+        held.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    }
+}
+
+/// Writes a half's method into its corner.
+fn name(painter: &Painter, corner: Pos2, align: Align2, half: &Half) {
+    let inwards = if align == Align2::LEFT_TOP { 8.0 } else { -8.0 };
+    let (at, font) = (corner + Vec2::new(inwards, 6.0), FontId::proportional(14.0));
+    let text = painter.layout_no_wrap(half.settings.method.name().into(), font, Color32::WHITE);
+    let frame = align.anchor_size(at, text.size());
+    painter.rect_filled(frame.expand(3.0), 3.0, Color32::from_black_alpha(150));
+    painter.galley(frame.min, text, Color32::WHITE);
+}

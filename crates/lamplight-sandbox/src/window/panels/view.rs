@@ -1,0 +1,86 @@
+//! What is seen of the light: views, and two lights side by side.
+
+use crate::window::halves::Halves;
+use crate::window::inspect::{Inspector, View};
+use crate::window::resolution::Resolution;
+use eframe::egui::{ComboBox, Slider, Ui};
+use lamplight::{Method, Settings};
+use lamplight_sandbox::coarse::COARSEST;
+
+/// Which view.
+pub fn show(ui: &mut Ui, inspector: &mut Inspector) {
+    ComboBox::from_id_salt("view").selected_text(inspector.view.name()).show_ui(ui, |ui| {
+        for view in View::ALL {
+            let label = ui.selectable_value(&mut inspector.view, view, view.name());
+            label.on_hover_text(view.words());
+        }
+    });
+    if inspector.view == View::Inside {
+        ui.horizontal(|ui| {
+            if ui.button("◀").clicked() {
+                inspector.inside = inspector.inside.saturating_sub(1);
+            }
+            if ui.button("▶").clicked() {
+                inspector.inside += 1;
+            }
+        });
+    }
+    ui.weak(inspector.said());
+}
+
+/// Columns and rows to choose from.
+const SIZES: [[u32; 2]; 7] =
+    [[160, 90], [240, 135], [320, 180], [480, 270], [640, 360], [960, 540], [1280, 720]];
+
+/// Another size, where one is chosen.
+pub fn size(ui: &mut Ui, size: [u32; 2]) -> Option<[u32; 2]> {
+    let name = |[w, h]: [u32; 2]| format!("{w}×{h} cells");
+    let mut chosen = size;
+    let shown = ComboBox::from_id_salt("size").selected_text(name(size)).show_ui(ui, |ui| {
+        for size in SIZES {
+            ui.selectable_value(&mut chosen, size, name(size));
+        }
+    });
+    shown.response.on_hover_text("What is shown begins anew; times grow with the number of cells");
+    (chosen != size).then_some(chosen)
+}
+
+/// On how many cells light is found.
+pub fn resolution(ui: &mut Ui, resolution: &mut Resolution) {
+    ui.add(Slider::new(&mut resolution.factor, 1..=COARSEST).text("cells to a cell of light"))
+        .on_hover_text("1: as drawn. 2: light is found on a quarter of the cells, in about a quarter of the time");
+    ui.checkbox(&mut resolution.adapts, "keep to 60 frames a second")
+        .on_hover_text("Light gets coarser while frames come late, and finer where there is time");
+}
+
+/// Whether the picture is split; says what went wrong.
+pub fn split(ui: &mut Ui, halves: &mut Halves) -> Result<(), String> {
+    let mut is_split = halves.right.is_some();
+    let label = ui.checkbox(&mut is_split, "two methods, side by side");
+    let mut done = Ok(());
+    if label.on_hover_text("The divider can be dragged").changed() {
+        if is_split {
+            done = halves.split(other(&halves.left.settings)).map_err(|why| format!("{why:#}"));
+        } else {
+            halves.join();
+        }
+    }
+    if halves.right.is_some() {
+        ui.horizontal(|ui| {
+            ui.label("Settings below are of the");
+            ui.selectable_value(&mut halves.edits_right, false, "left");
+            ui.selectable_value(&mut halves.edits_right, true, "right");
+        });
+        ui.add(Slider::new(&mut halves.divider, 0.02..=0.98).text("divider").show_value(false));
+    }
+    done
+}
+
+/// The same settings with another method.
+fn other(settings: &Settings) -> Settings {
+    let method = match settings.method {
+        Method::Raymarch => Method::Holographic,
+        _ => Method::Raymarch,
+    };
+    Settings { method, ..settings.clone() }
+}

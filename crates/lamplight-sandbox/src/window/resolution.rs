@@ -1,0 +1,57 @@
+//! On how many cells light is found: as many as there are, or fewer and larger ones.
+
+use anyhow::Result;
+use lamplight::{Cells, Light, Settings};
+use lamplight_sandbox::coarse::{coarsen, spread};
+use lamplight_sandbox::pace::Pace;
+
+/// How large cells are, and who decides.
+pub struct Resolution {
+    /// Each side of a cell of light, in cells.
+    pub factor: u32,
+    /// Whether frames that come late make it coarser.
+    pub adapts: bool,
+    pace: Pace,
+    coarse: Cells,
+}
+
+impl Resolution {
+    pub fn new(adapts: bool) -> Result<Self> {
+        Ok(Self { factor: 1, adapts, pace: Pace::default(), coarse: Cells::new(1, 1)? })
+    }
+
+    /// Draws the larger cells, where there are to be some.
+    pub fn prepare(&mut self, cells: &Cells) -> Result<()> {
+        if self.factor > 1 {
+            coarsen(cells, self.factor, &mut self.coarse)?;
+        }
+        Ok(())
+    }
+
+    /// The cells that light is found on, as they were prepared.
+    pub fn cells<'a>(&'a self, cells: &'a Cells) -> &'a Cells {
+        if self.factor == 1 { cells } else { &self.coarse }
+    }
+
+    /// The settings for those cells: what is told in px, in their px.
+    pub fn settings(&self, settings: &Settings) -> Settings {
+        Settings { wall_depth: settings.wall_depth / self.factor as f32, ..settings.clone() }
+    }
+
+    /// Watches a frame, and changes the factor for the next where it adapts.
+    pub fn watch(&mut self, frame: f64, light: Option<f64>) {
+        if self.adapts {
+            self.factor = self.pace.advise(frame, light, self.factor);
+        }
+    }
+}
+
+/// The light of larger cells at each of the cells of a picture.
+pub fn at_cells(light: &Light, cells: &Cells) -> Option<Light> {
+    spread(light, factor(light, cells.width()), cells)
+}
+
+/// How large the cells of a light are in a picture of so many columns.
+pub fn factor(light: &Light, width: u32) -> u32 {
+    width.div_ceil(light.width().max(1))
+}
