@@ -58,9 +58,9 @@ class Sandbox {
     if (before) await context.addInitScript(before);
     const sandbox = new Sandbox(await context.newPage());
     const begin = Date.now();
-    // Light that a GPU in software has time for, from the first frame on.
-    const script = query.includes("backend=gpu") ? `&script=${encodeURIComponent(LIGHT)}` : "";
-    await sandbox.page.goto(`${address}?${query}${script}`);
+    // Cells as they are, and light that a GPU in software has time for, from the first frame on.
+    const script = `factor 1\n${query.includes("backend=gpu") ? LIGHT : ""}`;
+    await sandbox.page.goto(`${address}?${query}&script=${encodeURIComponent(script)}`);
     await sandbox.page.waitForFunction(
       () => window.lamplight && document.getElementById("words").textContent !== "loading …",
     );

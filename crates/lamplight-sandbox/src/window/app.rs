@@ -444,7 +444,10 @@ impl App {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(size.into()));
             }
             Line::Table => print!("{}", self.benchmark.markdown()),
-            Line::Factor(factor) => self.resolution.factor = factor,
+            Line::Factor(factor) => {
+                self.resolution.factor = factor;
+                self.resolution.adapts = false;
+            }
             Line::Split(method) => {
                 let settings = self.halves.left.settings.clone();
                 self.halves.split(Settings { method, ..settings })?;
