@@ -113,6 +113,9 @@ fn query() -> Result<(Start, Vec<String>)> {
     let window = web_sys::window().context("a page has a window")?;
     let text = window.location().search().map_err(told_by_page)?;
     let pairs = UrlSearchParams::new_with_str(&text).map_err(told_by_page)?;
+    if let Some(script) = pairs.get("script") {
+        play(script);
+    }
     let (mut given, mut told) = (vec!["lamplight".to_owned()], Vec::new());
     for known in Query::command().get_arguments() {
         let name = known.get_id().as_str();

@@ -20,6 +20,11 @@ impl Resolution {
         Ok(Self { factor: 1, adapts, pace: Pace::default(), coarse: Cells::new(1, 1)? })
     }
 
+    /// Takes a factor for good: what somebody chose is not changed behind their back.
+    pub fn choose(&mut self, factor: u32) {
+        (self.factor, self.adapts) = (factor, false);
+    }
+
     /// Draws the larger cells, where there are to be some.
     pub fn prepare(&mut self, cells: &Cells) -> Result<()> {
         if self.factor > 1 {

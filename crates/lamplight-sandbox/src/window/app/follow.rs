@@ -65,7 +65,7 @@ impl App {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(size.into()));
             }
             Line::Table => print!("{}", self.benchmark.markdown()),
-            Line::Factor(factor) => self.resolution.factor = factor,
+            Line::Factor(factor) => self.resolution.choose(factor),
             Line::Split(method) => {
                 let settings = self.halves.left.settings.clone();
                 self.halves.split(Settings { method, ..settings })?;

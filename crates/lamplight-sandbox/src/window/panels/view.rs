@@ -47,8 +47,15 @@ pub fn size(ui: &mut Ui, size: [u32; 2]) -> Option<[u32; 2]> {
 
 /// On how many cells light is found.
 pub fn resolution(ui: &mut Ui, resolution: &mut Resolution) {
-    ui.add(Slider::new(&mut resolution.factor, 1..=COARSEST).text("cells to a cell of light"))
-        .on_hover_text("1: as drawn. 2: light is found on a quarter of the cells, in about a quarter of the time");
+    let mut factor = resolution.factor;
+    let slider = Slider::new(&mut factor, 1..=COARSEST).text("cells to a cell of light");
+    let slider = ui.add(slider);
+    if slider.changed() {
+        resolution.choose(factor);
+    }
+    slider.on_hover_text(
+        "1: as drawn. 2: light is found on a quarter of the cells, in about a quarter of the time",
+    );
     ui.checkbox(&mut resolution.adapts, "keep to 60 frames a second")
         .on_hover_text("Light gets coarser while frames come late, and finer where there is time");
 }
