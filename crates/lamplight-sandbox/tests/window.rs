@@ -281,6 +281,46 @@ fn on_the_gpu_the_benchmark_ends_with_a_table() {
 }
 
 #[test]
+fn on_the_gpu_a_window_that_loses_it_goes_on_in_another() {
+    let display = Display::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let [before, after] = ["before.png", "after.png"].map(|name| folder.path().join(name));
+    let script = format!(
+        "{LIGHT}clear\nlamp\nframes 1\nmove 20 20\npress\nframes 1\nrelease\nmove 94 52\nframes 2\nshot {}\n\
+         lose\nframes 3\nmove 94 52\nframes 2\nshot {}\ntell\n",
+        before.display(),
+        after.display()
+    );
+    for backend in ["gpu", "cpu"] {
+        let mut said = Vec::new();
+        let args = ["--backend", backend, "--size", "96x54"];
+        // The first window ends well; the other one writes where it wrote.
+        display.play(&args, &script, |line, _| said.push(line.to_owned())).unwrap();
+        assert_eq!(said, ["The GPU was lost; this window goes on where the other one was."]);
+        // The line at the bottom moves the picture, whose brightness and its place stay.
+        let [before, after] = [&before, &after].map(|path| open(path).unwrap());
+        let (was, is) = (brightness(&before), brightness(&after));
+        println!("{backend}: mean {was:.1} before, {is:.1} after");
+        assert!(was > 30.0 && (was - is).abs() < 0.1 * was, "{was:.1}, then {is:.1}");
+    }
+}
+
+#[test]
+fn on_the_gpu_a_window_of_any_size_stays_open() {
+    let display = Display::new().unwrap();
+    let script = format!(
+        "{LIGHT}size 480 320\nframes 3\nmove 48 27\npress\nframes 1\nrelease\nsize 1 1\nframes 3\n\
+         size 1300 40\nframes 3\nsize 1200 800\nframes 3\ntell\n"
+    );
+    for world in ["paint", "room"] {
+        let mut said = Vec::new();
+        let args = ["--backend", "gpu", "--size", "96x54", "--world", world];
+        display.play(&args, &script, |line, _| said.push(line.to_owned())).unwrap();
+        assert_eq!(said, ["all is well"]);
+    }
+}
+
+#[test]
 fn a_script_that_is_none_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("script.txt");
