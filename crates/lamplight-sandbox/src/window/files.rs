@@ -21,16 +21,18 @@ pub struct Inbox {
 }
 
 impl Inbox {
-    /// Opens a scene as a canvas, or lays an image on the canvas at hand; says what there is to say.
+    /// Opens a scene as a canvas, or lays an image on the canvas at hand, as walls, glass or what else is
+    /// wanted; says what there is to say.
     pub fn take(
         &mut self,
         file: DroppedFile,
         now: f64,
+        kind: As,
         subject: &mut Subject,
     ) -> Result<Option<String>> {
         match (file.path, file.bytes) {
-            (Some(path), _) => open(&path, subject),
-            (None, Some(bytes)) => self.take_bytes(file.name, &bytes, now, subject),
+            (Some(path), _) => open(&path, kind, subject),
+            (None, Some(bytes)) => self.take_bytes(file.name, &bytes, now, kind, subject),
             (None, None) => bail!("the file that was dropped came without bytes"),
         }
     }
@@ -40,6 +42,7 @@ impl Inbox {
         name: String,
         bytes: &[u8],
         now: f64,
+        kind: As,
         subject: &mut Subject,
     ) -> Result<Option<String>> {
         if now - self.at > TOGETHER {
@@ -59,7 +62,7 @@ impl Inbox {
             return Ok(None);
         }
         match Kind::of(Path::new(&name)) {
-            Kind::Picture => lay(bytes, subject),
+            Kind::Picture => lay(bytes, kind, subject),
             _ => bail!("{name} {NEITHER}"),
         }
     }
@@ -87,7 +90,7 @@ impl Kind {
 }
 
 /// Opens a file from disk, a scene with the images beside it.
-fn open(path: &Path, subject: &mut Subject) -> Result<Option<String>> {
+fn open(path: &Path, kind: As, subject: &mut Subject) -> Result<Option<String>> {
     check_length(path.display(), std::fs::metadata(path).map_or(0, |about| about.len()))?;
     match Kind::of(path) {
         Kind::Scene => {
@@ -98,7 +101,7 @@ fn open(path: &Path, subject: &mut Subject) -> Result<Option<String>> {
         }
         Kind::Picture => {
             let png = std::fs::read(path);
-            lay(&png.with_context(|| format!("cannot read {}", path.display()))?, subject)
+            lay(&png.with_context(|| format!("cannot read {}", path.display()))?, kind, subject)
         }
         Kind::Neither => bail!("{} {NEITHER}", path.display()),
     }
@@ -112,12 +115,12 @@ fn check_length(name: impl std::fmt::Display, bytes: u64) -> Result<()> {
 }
 
 /// Lays a picture on the canvas at hand, or on a new one.
-fn lay(png: &[u8], subject: &mut Subject) -> Result<Option<String>> {
+fn lay(png: &[u8], kind: As, subject: &mut Subject) -> Result<Option<String>> {
     let mut canvas = match subject {
         Subject::Canvas(canvas) => canvas.clone(),
         Subject::World(playing) => Box::new(Canvas::new(playing.world.size())?),
     };
-    let said = canvas.place_image(png, As::Wall)?;
+    let said = canvas.place_image(png, kind)?;
     *subject = Subject::Canvas(canvas);
     Ok(said)
 }

@@ -2,7 +2,6 @@
 
 use crate::platform::{self, File};
 use crate::window::light::{Asked, Lit};
-use crate::window::subject::Subject;
 use anyhow::{Context, Result};
 use image::{DynamicImage, ImageBuffer, ImageFormat};
 use lamplight::{Cells, Display, Light};
@@ -49,23 +48,10 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// Saves a scene, or asks for the light to be saved; says what there is to say.
-    pub fn begin(
-        &mut self,
-        kind: Kind,
-        lit: &Lit,
-        subject: &Subject,
-        name: &str,
-    ) -> Result<Option<String>> {
-        match (kind, subject) {
-            (Kind::Scene, Subject::Canvas(canvas)) => platform::save(&canvas.save(name)?).map(Some),
-            (Kind::Scene, Subject::World(_)) => Ok(None),
-            (Kind::Picture | Kind::Light, _) => {
-                let cells = subject.cells();
-                self.waiting = Some((kind, Some(lit.ask(cells)?), cells.clone()));
-                Ok(None)
-            }
-        }
+    /// Asks for the light of the last frame, which was of these cells, to be saved.
+    pub fn begin(&mut self, kind: Kind, lit: &Lit, cells: &Cells) -> Result<()> {
+        self.waiting = Some((kind, Some(lit.ask(cells)?), cells.clone()));
+        Ok(())
     }
 
     /// Saves what has come; says where it is.

@@ -128,10 +128,9 @@ fn read(words: &[&str]) -> Result<Line> {
         ["say", word] => Line::Say(word.to_owned()),
         ["shot", path] => Line::Shot(path.into()),
         _ => bail!(
-            "expected one of: frames N, world NAME, set key=value, view NAME, \
-             view inside N, split METHOD, benchmark, table, lose, size W H, factor N, move X Y, press, release, lamp, \
-             clear, drop FILE, save KIND, say WORD, tell, place, \
-              shot FILE"
+            "expected one of: frames N, world NAME, set key=value, view NAME, view inside N, split METHOD, \
+             factor N, benchmark, table, move X Y, press, release, lamp, clear, drop FILE, save KIND, size W H, \
+             lose, say WORD, tell, place, shot FILE"
         ),
     })
 }

@@ -3,7 +3,7 @@
 use crate::window::view::Pointer;
 use eframe::egui::{Button, ComboBox, Slider, Ui, color_picker};
 use lamplight::{Lamp, Rgb};
-use lamplight_sandbox::canvas::{Brush, Canvas, Stuff, Tool};
+use lamplight_sandbox::canvas::{As, Brush, Canvas, Stuff, Tool};
 
 /// Kinds of stuff, as they are listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,6 +129,16 @@ impl Tools {
     fn radius(&mut self, ui: &mut Ui) {
         ui.label("Size");
         ui.add(Slider::new(&mut self.radius, 0.5..=40.0).logarithmic(true));
+    }
+
+    /// What a picture that is dropped becomes: what is chosen, where that can have colours; else walls.
+    pub fn image(&self) -> As {
+        match self.kind {
+            Kind::Glow => As::Glow(self.intensity),
+            Kind::Glass => As::Glass,
+            Kind::Backdrop => As::Backdrop,
+            Kind::Wall | Kind::Fog | Kind::Lamp | Kind::Erase => As::Wall,
+        }
     }
 
     /// Chooses lamps.

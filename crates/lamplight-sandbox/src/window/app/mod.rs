@@ -1,5 +1,8 @@
 //! The window's content, frame by frame.
 
+mod follow;
+mod picture;
+
 use super::{CELLS, Script, Start};
 use crate::platform;
 use crate::window::benchmark::Benchmark;
@@ -7,28 +10,24 @@ use crate::window::files::Inbox;
 use crate::window::folded::{Folded, Side};
 use crate::window::fonts::fonts;
 use crate::window::halves::{Half, Halves};
-use crate::window::inspect::{Inspector, View as Seen};
+use crate::window::inspect::Inspector;
 use crate::window::light::{self, Lit, Shown};
 use crate::window::panels::timings::Timings;
 use crate::window::panels::tools::Tools;
 use crate::window::panels::{settings, settings::Panel, view};
-use crate::window::probe::{Probe, meter};
-use crate::window::resolution::{Resolution, at_cells};
+use crate::window::probe::Probe;
+use crate::window::resolution::Resolution;
 use crate::window::saving::{Kind, Saving};
-use crate::window::script::Line;
 use crate::window::subject::{Choice, Subject};
-use crate::window::view::{Pointer, View};
-use anyhow::{Context as _, Result};
+use crate::window::view::View;
+use anyhow::Result;
 use eframe::CreationContext;
 use eframe::egui::{
     self, Button, CentralPanel, CollapsingHeader, Color32, Context, DroppedFile, Event, Frame, Key,
-    KeyboardShortcut, Modifiers, PointerButton, RawInput, RichText, ScrollArea, Stroke, TextEdit,
-    Theme, Ui, UserData, ViewportCommand,
+    KeyboardShortcut, Modifiers, RawInput, RichText, ScrollArea, TextEdit, Theme, Ui,
 };
 use lamplight::settings::Holographic;
-use lamplight::{Error, Settings, SettingsTable};
-use lamplight_sandbox::clock::Clock;
-use lamplight_sandbox::worlds::Input;
+use lamplight_sandbox::look::Look;
 use std::path::PathBuf;
 
 /// Everything there is.
@@ -116,18 +115,23 @@ impl App {
     fn choose(&mut self, choice: Choice) {
         match Subject::new(choice, self.size, self.seed) {
             Ok(subject) => {
-                let look = subject.look();
-                let asked = look.settings();
-                for half in self.halves.each() {
-                    half.settings.bounces = asked.bounces;
-                    half.settings.wall_depth = asked.wall_depth;
-                }
-                self.shown.display = look.display;
                 (self.choice, self.subject) = (choice, subject);
                 self.tools.brush = 0;
+                self.take_look();
             }
             Err(why) => self.message = Some(why.to_string()),
         }
+    }
+
+    /// Lights and shows what is on as it asks to be.
+    fn take_look(&mut self) {
+        let look = self.subject.look();
+        let asked = look.settings();
+        for half in self.halves.each() {
+            half.settings.bounces = asked.bounces;
+            half.settings.wall_depth = asked.wall_depth;
+        }
+        self.shown.display = look.display;
     }
 
     /// What is on, how it is lit, how fast.
@@ -222,107 +226,17 @@ impl App {
         }
     }
 
-    /// The picture: what the pointer and the keys do to it, then its light.
-    fn picture(&mut self, ui: &mut Ui) {
-        let view = View::new(ui, self.subject.size(), self.whole);
-        let pointer = view.pointer(ui);
-        let passed = f64::from(ui.input(|input| input.stable_dt));
-        // A script is the same on every machine.
-        let seconds = if self.script.is_some() { Clock::STEP } else { passed };
-        let told = match &mut self.subject {
-            Subject::Canvas(canvas) => self.tools.apply(canvas, pointer),
-            Subject::World(playing) => {
-                playing.play(seconds, &self.tools.input(ui, pointer));
-                Ok(())
-            }
-        };
-        if let Err(why) = told {
-            self.message = Some(why);
-        }
-        match self.light(pointer.at, passed) {
-            Ok(()) => self.unlit = None,
-            Err(why) => self.give_up(ui.ctx(), &why),
-        }
-        let saved = self.saving.go_on(&self.halves.left.lit, self.shown.display, &self.name);
-        self.say(saved);
-        match self.inspector.view.is_lit() {
-            true if self.unlit.is_none() => self.halves.draw(ui, view.place),
-            true => {}
-            false => self.inspector.draw(ui.painter(), view.place),
-        }
-        if let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())
-            && let Some(light) = at_cells(light, self.subject.cells())
-            && let Some(lit) = playing.world.lit(&light)
-        {
-            meter(ui, view.place, lit);
-        }
-        self.timings.push(self.halves.edited().lit.stages(), passed);
-        if self.benchmark.settings().is_none() && self.inspector.view.is_lit() {
-            self.resolution.watch(passed, self.timings.light());
-        }
-        if let (Some(at), Subject::Canvas(_)) = (pointer.at, &self.subject) {
-            let scale = view.place.width() / self.subject.size()[0] as f32;
-            let stroke = Stroke::new(1.0, Color32::from_white_alpha(140));
-            ui.painter().circle_stroke(view.to_window(at), self.tools.radius * scale, stroke);
-        }
-        self.view = Some(view);
-    }
-
-    /// Finds the light of the frame, and what else the view asks for.
-    fn light(&mut self, at: Option<[f32; 2]>, passed: f64) -> Result<()> {
-        let (cells, view) = (self.subject.cells(), self.inspector.view);
-        self.resolution.prepare(cells)?;
-        self.shown.light_alone = view == Seen::Light;
-        if self.benchmark.settings().is_some() {
-            return self.time(passed);
-        }
-        if view.is_lit() || view.needs_light() || self.subject.has_meter() {
-            self.halves.find(cells, &self.resolution, self.shown, view.is_lit())?;
-        }
-        let asks = self.subject.has_meter() || view.needs_light();
-        let Half { settings, lit } = &self.halves.left;
-        let (cells, settings) = (self.resolution.cells(cells), self.resolution.settings(settings));
-        self.probe.look(lit, cells, at.filter(|_| view.is_lit()), asks)?;
-        self.inspector.look(cells, &settings, self.shown.display, self.probe.light())
-    }
-
-    /// Finds the light of a frame of the benchmark.
-    fn time(&mut self, passed: f64) -> Result<()> {
-        let Some(settings) = self.benchmark.settings() else { return Ok(()) };
-        let settings = self.resolution.settings(settings);
-        let cells = self.resolution.cells(self.subject.cells());
-        let lit = &mut self.halves.left.lit;
-        lit.forget();
-        match lit.find(cells, &settings, self.shown) {
-            Ok(()) => self.benchmark.lit(lit.stages(), passed),
-            Err(why) if matches!(why.downcast_ref(), Some(Error::Unsuited { .. })) => {
-                self.benchmark.refused();
-            }
-            Err(why) => return Err(why),
-        }
-        Ok(())
-    }
-
-    /// Says why there is no light; where it is the GPU that cannot, the CPU goes on.
-    fn give_up(&mut self, context: &Context, why: &anyhow::Error) {
-        use lamplight_wgpu::Error::{Device, TooLarge};
-        self.unlit = Some(format!("{why:#}"));
-        if matches!(why.downcast_ref(), Some(Device(_) | TooLarge { .. }))
-            && let Ok(lit) = Lit::on_cpu(context, &self.halves.left.settings)
-        {
-            self.message = Some(format!("{why:#}; the CPU goes on"));
-            self.halves = Halves::new(self.halves.left.settings.clone(), lit);
-        }
-    }
-
     /// Takes files that were dropped on the window.
     fn take_files(&mut self, context: &Context) {
         for file in context.input(|input| input.raw.dropped_files.clone()) {
-            match self.inbox.take(file, context.time(), &mut self.subject) {
+            let (kind, before) = (self.tools.image(), self.subject.look());
+            match self.inbox.take(file, context.time(), kind, &mut self.subject) {
                 Ok(said) => {
                     self.choice = Choice::Paint;
-                    let look = self.subject.look();
-                    self.shown.display = look.display;
+                    // What a picture is laid on stays as it is lit.
+                    if self.subject.look() != before {
+                        self.take_look();
+                    }
                     self.message = said;
                 }
                 Err(why) => self.message = Some(format!("{why:#}")),
@@ -358,12 +272,25 @@ impl App {
                 let can = kind != Kind::Scene || matches!(self.subject, Subject::Canvas(_));
                 let button = ui.add_enabled(can, Button::new(kind.name()));
                 if button.on_hover_text(kind.words()).clicked() {
-                    let begun =
-                        self.saving.begin(kind, &self.halves.left.lit, &self.subject, &self.name);
+                    let begun = self.save(kind);
                     self.say(begun);
                 }
             }
         });
+    }
+
+    /// Begins to save; says what there is to say.
+    fn save(&mut self, kind: Kind) -> Result<Option<String>> {
+        let Half { settings, lit } = &mut self.halves.left;
+        if let (Kind::Scene, Subject::Canvas(canvas)) = (kind, &mut self.subject) {
+            canvas.set_look(Look::of(settings, self.shown.display));
+            return platform::save(&canvas.save(&self.name)?).map(Some);
+        }
+        let cells = self.resolution.cells(self.subject.cells());
+        // Of these cells, whatever is in view.
+        lit.find(cells, &self.resolution.settings(settings), self.shown)?;
+        self.saving.begin(kind, lit, cells)?;
+        Ok(None)
     }
 
     /// Keeps what there is to say, and what went wrong, to be read.
@@ -390,119 +317,6 @@ impl App {
         } else if struck(Modifiers::COMMAND, Key::Z) {
             canvas.undo();
         }
-    }
-
-    /// Does what the script says next.
-    fn follow(&mut self, context: &Context) {
-        // A picture of the window comes a frame later, and shows that frame.
-        if !self.shots.is_empty() {
-            return;
-        }
-        if self.script.as_ref().is_some_and(Script::is_over) {
-            self.script = None;
-            platform::script_is_over(context);
-        }
-        if self.script.is_none()
-            && let Some(text) = platform::next_script()
-        {
-            self.script = Script::read(&text).map_err(|why| self.say(Err(why))).ok();
-        }
-        let Some(line) = self.script.as_mut().and_then(Script::next) else { return };
-        if let Err(why) = self.obey(context, line) {
-            self.message = Some(format!("{why:#}"));
-        }
-    }
-
-    fn obey(&mut self, context: &Context, line: Line) -> Result<()> {
-        let button = |pressed, pos| Event::PointerButton {
-            pos,
-            button: PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::NONE,
-        };
-        let there = context.pointer_latest_pos().unwrap_or_default();
-        match line {
-            Line::Frames(_) => {}
-            Line::World(choice) => self.choose(choice),
-            Line::Set(text) => {
-                let settings = &mut self.halves.edited().settings;
-                let mut table: SettingsTable =
-                    serde_json::from_value(serde_json::to_value(&*settings)?)?;
-                table.set_from_text(&text)?;
-                *settings = table.resolve()?;
-            }
-            Line::Move([x, y]) => {
-                let view = self.view.as_ref().context("there is no picture yet")?;
-                self.played.push(Event::PointerMoved(view.to_window([x, y])));
-            }
-            Line::View(view, inside) => {
-                (self.inspector.view, self.inspector.inside) = (view, inside);
-            }
-            Line::Benchmark => self.begin_benchmark(),
-            Line::Lose => self.halves.left.lit.lose(),
-            Line::Size(size) => {
-                context.send_viewport_cmd(ViewportCommand::InnerSize(size.into()));
-            }
-            Line::Table => print!("{}", self.benchmark.markdown()),
-            Line::Factor(factor) => {
-                self.resolution.factor = factor;
-                self.resolution.adapts = false;
-            }
-            Line::Split(method) => {
-                let settings = self.halves.left.settings.clone();
-                self.halves.split(Settings { method, ..settings })?;
-            }
-            Line::Press => self.played.push(button(true, there)),
-            Line::Release => self.played.push(button(false, there)),
-            Line::Clear => {
-                if let Subject::Canvas(canvas) = &mut self.subject {
-                    canvas.clear();
-                }
-            }
-            Line::Lamp => self.tools.choose_lamp(),
-            Line::Drop(path) => {
-                self.dropped.push(DroppedFile { path: Some(path), ..DroppedFile::default() });
-            }
-            Line::Say(word) => platform::say(&word),
-            Line::Tell => {
-                let told = self.message.as_ref().or(self.unlit.as_ref());
-                platform::say(told.map_or("all is well", String::as_str));
-            }
-            Line::Place => {
-                let place = self.view.as_ref().context("there is no picture yet")?.place;
-                let [x, y, w, h] = [place.min.x, place.min.y, place.width(), place.height()];
-                platform::say(&format!("{x} {y} {w} {h}"));
-            }
-            Line::Save(kind) => {
-                let begun =
-                    self.saving.begin(kind, &self.halves.left.lit, &self.subject, &self.name);
-                self.say(begun);
-            }
-            Line::Shot(path) => {
-                self.shots.push(path);
-                context.send_viewport_cmd(ViewportCommand::Screenshot(UserData::default()));
-            }
-        }
-        Ok(())
-    }
-
-    /// Saves the pictures of the window that have come.
-    fn take_shots(&mut self, context: &Context) -> Result<()> {
-        let come = context.input(|input| {
-            let shots = input.events.iter().filter_map(|event| match event {
-                Event::Screenshot { image, .. } => Some(image.clone()),
-                _ => None,
-            });
-            shots.collect::<Vec<_>>()
-        });
-        for shot in come {
-            let Some(path) = (!self.shots.is_empty()).then(|| self.shots.remove(0)) else { break };
-            let [w, h] = shot.size.map(|side| side as u32);
-            let pixels: Vec<u8> = shot.pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
-            let picture = image::RgbaImage::from_raw(w, h, pixels).context("a broken picture")?;
-            picture.save(&path).with_context(|| format!("cannot write {}", path.display()))?;
-        }
-        Ok(())
     }
 }
 
@@ -542,37 +356,5 @@ impl eframe::App for App {
     fn raw_input_hook(&mut self, _: &Context, input: &mut RawInput) {
         input.events.append(&mut self.played);
         input.dropped_files.append(&mut self.dropped);
-    }
-}
-
-impl Tools {
-    /// What a world is told.
-    fn input(&self, ui: &Ui, pointer: Pointer) -> Input {
-        // Who types a name does not walk.
-        if ui.ctx().egui_wants_keyboard_input() {
-            return self.pointing(pointer);
-        }
-        let (direction, action, switch) = ui.input(|input| {
-            let down =
-                |keys: [Key; 2]| f32::from(u8::from(keys.iter().any(|&key| input.key_down(key))));
-            let right = down([Key::ArrowRight, Key::D]) - down([Key::ArrowLeft, Key::A]);
-            let lower = down([Key::ArrowDown, Key::S]) - down([Key::ArrowUp, Key::W]);
-            let action = input.key_pressed(Key::Space) || input.key_pressed(Key::E);
-            ([right, lower], action, input.key_pressed(Key::F))
-        });
-        Input { direction, action, switch, ..self.pointing(pointer) }
-    }
-
-    /// The same without keys.
-    fn pointing(&self, pointer: Pointer) -> Input {
-        Input {
-            pointer: pointer.at,
-            pressed: pointer.held,
-            just_pressed: pointer.pressed,
-            just_released: pointer.released,
-            brush: self.brush,
-            radius: self.radius,
-            ..Input::default()
-        }
     }
 }
