@@ -209,8 +209,23 @@ pub fn next_script() -> Option<String> {
     SCRIPTS.with_borrow_mut(VecDeque::pop_front)
 }
 
-/// Says that this page is over: a page cannot open another.
-pub fn go_on_anew(_: &Anew, _: bool) -> Result<()> {
-    tell("The GPU was lost. Load this page again to go on.");
-    bail!("this page has to be loaded again")
+/// Loads the page again, with a world that begins anew; a canvas is offered as downloads, as it would be lost.
+pub fn go_on_anew(anew: &Anew, _: bool) -> Result<()> {
+    if !anew.files.is_empty() {
+        save(&anew.files)?;
+        tell(
+            "The GPU was lost. What was painted is among the downloads, as a scene: load this page again \
+             and drop its files here, all at once.",
+        );
+        bail!("what was painted is among the downloads");
+    }
+    let query = UrlSearchParams::new().map_err(told_by_page)?;
+    for argument in &anew.arguments {
+        if let Some((name, value)) = argument.trim_start_matches('-').split_once('=') {
+            query.set(name, value);
+        }
+    }
+    query.set("script", &anew.lines.join("\n"));
+    let location = web_sys::window().context("a page has a window")?.location();
+    location.set_search(&String::from(query.to_string())).map_err(told_by_page)
 }

@@ -31,11 +31,14 @@ impl Guard {
         Self { device, lost }
     }
 
-    /// Whether it is lost. To be asked before the window is drawn, which would break without it.
-    pub fn is_lost(&self) -> bool {
-        // Who asks the device is told what became of it.
-        let asked = self.device.as_ref().map(|device| device.poll(PollType::Poll));
-        matches!(asked, Some(Err(_))) || self.lost.load(Ordering::Acquire)
+    /// Whether it was lost since this was asked last. To be asked before the window is drawn, which would
+    /// break without it.
+    pub fn take_loss(&self) -> bool {
+        if let Some(device) = &self.device {
+            // Who asks the device is told what became of it; how this went says nothing more.
+            let _ = device.poll(PollType::Poll);
+        }
+        self.lost.swap(false, Ordering::AcqRel)
     }
 
     /// Takes the GPU away, as a driver that restarts does: for tests.

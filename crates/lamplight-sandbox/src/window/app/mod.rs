@@ -344,7 +344,7 @@ impl eframe::App for App {
         self.take_files(&context);
         self.keys(&context);
         self.follow(&context);
-        if self.gpu.is_lost()
+        if self.gpu.take_loss()
             && let Err(why) = self.go_on_anew()
         {
             self.say(Err(why.context("the GPU was lost")));
