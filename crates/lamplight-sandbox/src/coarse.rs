@@ -11,6 +11,13 @@ use lamplight::{Cells, Lamp, Light, Matter, Result, Rgb};
 
 /// Coarsest factor: beyond, nobody would take it for the same picture.
 pub const COARSEST: u32 = 4;
+/// Fewest columns of light that frames in time are worth.
+const FEWEST: u32 = 80;
+
+/// Coarsest factor of a picture of so many columns that is still worth looking at.
+pub fn coarsest(columns: u32) -> u32 {
+    (columns / FEWEST).clamp(1, COARSEST)
+}
 
 /// Draws cells into fewer, larger ones, into buffers at hand where they fit.
 pub fn coarsen(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
@@ -34,11 +41,31 @@ pub fn coarsen(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
     Ok(())
 }
 
-/// The light of larger cells at each of the cells that they were made of.
-pub fn spread(light: &Light, factor: u32, cells: &Cells) -> Option<Light> {
+/// The light of larger cells at each of the cells that they were made of: between their centres in the open,
+/// never through walls; on walls without what the larger ones give off, and with what they do themselves.
+///
+/// None where the light is not that of the larger cells.
+pub fn spread(light: &Light, larger: &Cells, cells: &Cells) -> Option<Light> {
+    if [light.width(), light.height()] != [larger.width(), larger.height()] {
+        return None;
+    }
+    let factor = cells.width().div_ceil(larger.width().max(1));
     let at = |i: usize| {
-        let (x, y) = (i as u32 % cells.width(), i as u32 / cells.width());
-        light.at(x / factor, y / factor)
+        let [x, y] = [i as u32 % cells.width(), i as u32 / cells.width()];
+        let home = (y / factor).min(larger.height() - 1) * larger.width()
+            + (x / factor).min(larger.width() - 1);
+        let home = home as usize;
+        let place = [x, y].map(|v| (v as f32 + 0.5) / factor as f32);
+        match (cells.is_solid(i), larger.is_solid(home)) {
+            (false, false) => light.sample(place),
+            // Beside a wall that has grown: as in the open cells round it.
+            (false, true) => light.over(place.map(|v| v - 1.0), place.map(|v| v + 1.0)),
+            (true, grown) => {
+                let (here, own) = (light.pixels()[home], cells.emission()[i]);
+                let given = if grown { larger.emission()[home] } else { [0.0; 3] };
+                std::array::from_fn(|c| (here[c] - given[c]).max(0.0) + own[c])
+            }
+        }
     };
     Light::from_pixels(cells, (0..cells.len()).map(at).collect())
 }

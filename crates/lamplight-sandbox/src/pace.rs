@@ -4,8 +4,6 @@
 //! step larger; when light would take less than half of a frame a step finer for three seconds, on smaller
 //! ones. So it settles: a step finer is taken only where it is foreseen to fit.
 
-use crate::coarse::COARSEST;
-
 /// Seconds of a frame.
 pub const FRAME: f64 = 1.0 / 60.0;
 /// Seconds of light in a frame; the rest is for the world, the window and the system.
@@ -26,12 +24,12 @@ pub struct Pace {
 
 impl Pace {
     /// A frame that came so many seconds after the one before, and its light took so many (none where
-    /// nobody can tell): the factor of [`crate::coarse`] for the next, from the one at hand.
+    /// nobody can tell): the factor of [`crate::coarse`] for the next, from the one at hand, at most
+    /// `coarsest`.
     ///
     /// Without a word about light it never gets finer: late frames say what does not fit, frames in
     /// time say nothing.
-    pub fn advise(&mut self, frame: f64, light: Option<f64>, factor: u32) -> u32 {
-        let factor = factor.clamp(1, COARSEST);
+    pub fn advise(&mut self, frame: f64, light: Option<f64>, factor: u32, coarsest: u32) -> u32 {
         // A frame that was dragged or switched away for a while says nothing.
         let frame = frame.clamp(0.0, 0.25);
         let finer = f64::from(factor) / f64::from((factor - 1).max(1));
@@ -41,7 +39,7 @@ impl Pace {
         let to_blame = light.is_none_or(|seconds| seconds > 0.25 * BUDGET);
         self.late = if frame > LATE && to_blame { self.late + frame } else { 0.0 };
         self.early = if frame <= LATE && fits && factor > 1 { self.early + frame } else { 0.0 };
-        if self.late > PATIENCE && factor < COARSEST {
+        if self.late > PATIENCE && factor < coarsest {
             *self = Self::default();
             return factor + 1;
         }

@@ -1,7 +1,7 @@
 //! Larger cells show about the same light, and frames that come late ask for them.
 
 use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Settings, Solver};
-use lamplight_sandbox::coarse::{COARSEST, coarsen, spread};
+use lamplight_sandbox::coarse::{COARSEST, coarsen, coarsest, spread};
 use lamplight_sandbox::pace::{FRAME, Pace};
 
 const WALL: Matter = Matter { opacity: 1.0, emission: [0.0; 3], tint: [1.0; 3], albedo: [0.0; 3] };
@@ -19,7 +19,8 @@ fn lit(cells: &Cells) -> Light {
 
 /// The light of larger cells where the smaller ones are.
 fn coarsely_lit(cells: &Cells, factor: u32) -> Light {
-    spread(&lit(&coarse(cells, factor)), factor, cells).unwrap()
+    let larger = coarse(cells, factor);
+    spread(&lit(&larger), &larger.drawn(), &cells.drawn()).unwrap()
 }
 
 fn brightness(rgb: Rgb) -> f32 {
@@ -110,7 +111,9 @@ fn sizes_that_do_not_divide_keep_their_edges() {
     cells.set(30, 16, WALL);
     let to = coarse(&cells, 4);
     assert_eq!([to.width(), to.height()], [8, 5]);
-    assert!(spread(&lit(&to), 4, &cells).is_some());
+    assert!(spread(&lit(&to), &to, &cells).is_some());
+    // The light of other cells is none.
+    assert!(spread(&lit(&cells), &to, &cells).is_none());
 }
 
 /// The factor after so many seconds, where light takes `light` seconds on the finest cells.
@@ -119,7 +122,7 @@ fn settled(mut factor: u32, light: f64, known: bool, seconds: f64) -> (u32, u32)
     while time < seconds {
         let takes = light / f64::from(factor * factor);
         let frame = (takes + 0.004).max(FRAME);
-        let next = pace.advise(frame, known.then_some(takes), factor);
+        let next = pace.advise(frame, known.then_some(takes), factor, COARSEST);
         changes += u32::from(next != factor);
         (factor, time) = (next, time + frame);
     }
@@ -136,6 +139,31 @@ fn frames_that_come_late_make_light_coarser_until_they_do_not() {
 }
 
 #[test]
+fn small_pictures_stay_worth_looking_at() {
+    assert_eq!([64, 160, 240, 320, 1920].map(coarsest), [1, 2, 3, 4, COARSEST]);
+    let mut pace = Pace::default();
+    let factor = (0..300).fold(1, |factor, _| pace.advise(0.1, None, factor, coarsest(160)));
+    assert_eq!(factor, 2);
+}
+
+#[test]
+fn walls_show_their_own_glow_over_larger_cells() {
+    let mut cells = Cells::new(40, 40).unwrap();
+    for (x, y) in (0..40).flat_map(|y| (0..40).map(move |x| (x, y))) {
+        if (9..30).contains(&x) && (9..12).contains(&y) {
+            cells.set(x, y, Matter { emission: [x as f32, 0.0, 0.0], ..WALL });
+        }
+    }
+    for factor in 2..=COARSEST {
+        let (fine, light) = (lit(&cells), coarsely_lit(&cells, factor));
+        for x in 9..30 {
+            let (a, b) = (fine.at(x, 10)[0], light.at(x, 10)[0]);
+            assert!((a - b).abs() < 0.1 * a, "factor {factor}, {x}: {a} and {b}");
+        }
+    }
+}
+
+#[test]
 fn light_gets_finer_again_and_then_stays() {
     assert_eq!(settled(4, 0.003, true, 30.0), (1, 3));
     // A step finer would be in time, but not by much: it stays where it is.
@@ -148,6 +176,6 @@ fn light_gets_finer_again_and_then_stays() {
 #[test]
 fn late_frames_that_light_is_not_to_blame_for_change_nothing() {
     let mut pace = Pace::default();
-    let factor = (0..200).fold(1, |factor, _| pace.advise(0.05, Some(0.001), factor));
+    let factor = (0..200).fold(1, |factor, _| pace.advise(0.05, Some(0.001), factor, COARSEST));
     assert_eq!(factor, 1);
 }

@@ -66,10 +66,10 @@ impl Halves {
         shown: Shown,
         all: bool,
     ) -> Result<()> {
-        let cells = resolution.cells(cells);
-        self.each()
-            .take(if all { 2 } else { 1 })
-            .try_for_each(|half| half.lit.find(cells, &resolution.settings(&half.settings), shown))
+        let (picture, cells) = (cells, resolution.cells(cells));
+        self.each().take(if all { 2 } else { 1 }).try_for_each(|half| {
+            half.lit.find(cells, picture, &resolution.settings(&half.settings), shown)
+        })
     }
 
     /// Bytes that the lights hold; none where nobody counts.

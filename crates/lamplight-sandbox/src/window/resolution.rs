@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use lamplight::{Cells, Light, Settings};
-use lamplight_sandbox::coarse::{coarsen, spread};
+use lamplight_sandbox::coarse::{coarsen, coarsest};
 use lamplight_sandbox::pace::Pace;
 
 /// How large cells are, and who decides.
@@ -43,17 +43,12 @@ impl Resolution {
         Settings { wall_depth: settings.wall_depth / self.factor as f32, ..settings.clone() }
     }
 
-    /// Watches a frame, and changes the factor for the next where it adapts.
-    pub fn watch(&mut self, frame: f64, light: Option<f64>) {
+    /// Watches a frame of so many columns, and changes the factor for the next where it adapts.
+    pub fn watch(&mut self, frame: f64, light: Option<f64>, columns: u32) {
         if self.adapts {
-            self.factor = self.pace.advise(frame, light, self.factor);
+            self.factor = self.pace.advise(frame, light, self.factor, coarsest(columns));
         }
     }
-}
-
-/// The light of larger cells at each of the cells of a picture.
-pub fn at_cells(light: &Light, cells: &Cells) -> Option<Light> {
-    spread(light, factor(light, cells.width()), cells)
 }
 
 /// How large the cells of a light are in a picture of so many columns.

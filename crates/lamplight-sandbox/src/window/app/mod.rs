@@ -291,9 +291,9 @@ impl App {
             canvas.set_look(Look::of(settings, self.shown.display));
             return platform::save(&canvas.save(&self.name)?).map(Some);
         }
-        let cells = self.resolution.cells(self.subject.cells());
-        // Of these cells, whatever is in view.
-        lit.find(cells, &self.resolution.settings(settings), self.shown)?;
+        // At full size, whatever is in view.
+        let cells = self.subject.cells();
+        lit.find(cells, cells, settings, self.shown)?;
         self.saving.begin(kind, lit, cells)?;
         Ok(None)
     }

@@ -6,13 +6,13 @@ use crate::window::inspect::View as Seen;
 use crate::window::light::Lit;
 use crate::window::panels::tools::Tools;
 use crate::window::probe::meter;
-use crate::window::resolution::at_cells;
 use crate::window::subject::Subject;
 use crate::window::view::{Pointer, View};
 use anyhow::Result;
 use eframe::egui::{Color32, Context, Key, Stroke, Ui};
 use lamplight::Error;
 use lamplight_sandbox::clock::Clock;
+use lamplight_sandbox::coarse::spread;
 use lamplight_sandbox::worlds::Input;
 
 impl App {
@@ -45,14 +45,15 @@ impl App {
         let saved = self.saving.go_on(&self.halves.left.lit, self.shown.display, &self.name);
         self.say(saved);
         if let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())
-            && let Some(light) = at_cells(light, self.subject.cells())
+            && let cells = self.subject.cells()
+            && let Some(light) = spread(light, self.resolution.cells(cells), cells)
             && let Some(lit) = playing.world.lit(&light)
         {
             meter(ui, view.place, lit);
         }
         self.timings.push(self.halves.edited().lit.stages(), passed);
         if self.benchmark.settings().is_none() && self.inspector.view.is_lit() {
-            self.resolution.watch(passed, self.timings.light());
+            self.resolution.watch(passed, self.timings.light(), self.subject.size()[0]);
         }
         if let (Some(at), Subject::Canvas(_)) = (pointer.at, &self.subject) {
             let scale = view.place.width() / self.subject.size()[0] as f32;
@@ -87,7 +88,7 @@ impl App {
         let cells = self.resolution.cells(self.subject.cells());
         let lit = &mut self.halves.left.lit;
         lit.forget();
-        match lit.find(cells, &settings, self.shown) {
+        match lit.find(cells, self.subject.cells(), &settings, self.shown) {
             Ok(()) => self.benchmark.lit(lit.stages(), passed),
             Err(why) if matches!(why.downcast_ref(), Some(Error::Unsuited { .. })) => {
                 self.benchmark.refused();

@@ -1,11 +1,13 @@
 //! On the CPU, where there is no GPU that can.
 
 use super::Shown;
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use eframe::egui::{
     Color32, ColorImage, Context, Painter, Pos2, Rect, TextureHandle, TextureOptions,
 };
 use lamplight::{Cells, Light, Settings, Solver};
+use lamplight_sandbox::coarse::spread;
+use std::borrow::Cow;
 use std::time::Duration;
 
 /// Light on the CPU, handed to the window as a picture.
@@ -40,7 +42,13 @@ impl OnCpu {
         self.cells = None;
     }
 
-    pub fn find(&mut self, cells: &Cells, settings: &Settings, shown: Shown) -> Result<()> {
+    pub fn find(
+        &mut self,
+        cells: &Cells,
+        picture: &Cells,
+        settings: &Settings,
+        shown: Shown,
+    ) -> Result<()> {
         if self.settings != *settings {
             self.solver = Solver::new(settings.clone())?;
             self.settings = settings.clone();
@@ -57,10 +65,22 @@ impl OnCpu {
             }
             self.cells = known;
         }
-        let light = self.solver.light();
+        let found = self.solver.light();
+        let light = match [cells.width(), cells.height()] == [picture.width(), picture.height()] {
+            true => Cow::Borrowed(found),
+            false => {
+                // Lamps are drawn in as the method sees them.
+                let drawn = |cells: &'_ Cells| match settings.method.lights_lamps() {
+                    true => cells.clone(),
+                    false => cells.drawn().into_owned(),
+                };
+                let spread = spread(found, &drawn(cells), &drawn(picture));
+                Cow::Owned(spread.context("the light is not of these cells")?)
+            }
+        };
         let picture = match shown.light_alone {
             true => light.picture(&shown.display),
-            false => light.compose(cells, &shown.display)?,
+            false => light.compose(picture, &shown.display)?,
         };
         let size = [picture.width() as usize, picture.height() as usize];
         let image = ColorImage::from_rgb(size, picture.as_raw());

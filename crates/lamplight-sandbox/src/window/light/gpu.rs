@@ -113,7 +113,13 @@ impl OnGpu {
         &self.name
     }
 
-    pub fn find(&mut self, cells: &Cells, settings: &Settings, shown: Shown) -> Result<()> {
+    pub fn find(
+        &mut self,
+        cells: &Cells,
+        picture: &Cells,
+        settings: &Settings,
+        shown: Shown,
+    ) -> Result<()> {
         let Self { device, queue, lighting, timer, .. } = self;
         lighting.set_settings(device, queue, settings.clone())?;
         lighting.prepare(device, queue, cells)?;
@@ -123,25 +129,27 @@ impl OnGpu {
             None => lighting.record(&mut encoder),
         }
         queue.submit([encoder.finish()]);
-        self.prepare(cells, shown)
+        self.prepare(cells, picture, shown)
     }
 
     /// Makes ready what the window draws.
-    fn prepare(&mut self, cells: &Cells, shown: Shown) -> Result<()> {
-        let size = [cells.width(), cells.height()];
-        let color = match cells.color().filter(|_| !shown.light_alone) {
+    fn prepare(&mut self, cells: &Cells, picture: &Cells, shown: Shown) -> Result<()> {
+        let size = [picture.width(), picture.height()];
+        let is_coarse = [cells.width(), cells.height()] != size;
+        let color = match picture.color().filter(|_| !shown.light_alone) {
             None => Color::White,
             Some(colors) => {
                 let known = self.colors.take().filter(|known| known.size == size);
                 let known =
                     self.colors.insert(known.unwrap_or_else(|| Colors::new(&self.device, size)));
                 known.write(&self.queue, colors);
-                Color::Cells(&known.view)
+                // Over larger cells colours keep their own size.
+                if is_coarse { Color::View(&known.view) } else { Color::Cells(&known.view) }
             }
         };
         let shown = lamplight_wgpu::Shown {
             display: shown.display,
-            filter: if shown.smooth { Filter::Linear } else { Filter::Nearest },
+            filter: if shown.smooth || is_coarse { Filter::Linear } else { Filter::Nearest },
             color,
             window: None,
         };

@@ -93,11 +93,18 @@ impl Lit {
         }
     }
 
-    /// Finds the light of the next frame.
-    pub fn find(&mut self, cells: &Cells, settings: &Settings, shown: Shown) -> Result<()> {
+    /// Finds the light of the next frame, on these cells, and shows the picture under it: the same cells, or
+    /// those that they are coarser than.
+    pub fn find(
+        &mut self,
+        cells: &Cells,
+        picture: &Cells,
+        settings: &Settings,
+        shown: Shown,
+    ) -> Result<()> {
         match self {
-            Self::Gpu(gpu) => gpu.find(cells, settings, shown),
-            Self::Cpu(cpu) => cpu.find(cells, settings, shown),
+            Self::Gpu(gpu) => gpu.find(cells, picture, settings, shown),
+            Self::Cpu(cpu) => cpu.find(cells, picture, settings, shown),
         }
     }
 
