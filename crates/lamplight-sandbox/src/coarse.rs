@@ -56,15 +56,23 @@ pub fn spread(light: &Light, larger: &Cells, cells: &Cells) -> Option<Light> {
             + (x / factor).min(larger.width() - 1);
         let home = home as usize;
         let place = [x, y].map(|v| (v as f32 + 0.5) / factor as f32);
-        match (cells.is_solid(i), larger.is_solid(home)) {
-            (false, false) => light.sample(place),
-            // Beside a wall that has grown: as in the open cells round it.
-            (false, true) => light.over(place.map(|v| v - 1.0), place.map(|v| v + 1.0)),
-            (true, grown) => {
-                let (here, own) = (light.pixels()[home], cells.emission()[i]);
-                let given = if grown { larger.emission()[home] } else { [0.0; 3] };
-                std::array::from_fn(|c| (here[c] - given[c]).max(0.0) + own[c])
-            }
+        let grown = larger.is_solid(home);
+        let (here, given) = (light.pixels()[home], larger.emission()[home]);
+        let arrives = || match grown {
+            true => std::array::from_fn(|c| (here[c] - given[c]).max(0.0)),
+            false => here,
+        };
+        if cells.is_solid(i) {
+            let (arrives, own) = (arrives(), cells.emission()[i]);
+            return std::array::from_fn(|c| arrives[c] + own[c]);
+        }
+        if !grown {
+            return light.sample(place);
+        }
+        // Beside a wall that has grown: as in the open cells round it, or else what the wall receives.
+        match light.over(place.map(|v| v - 1.0), place.map(|v| v + 1.0)) {
+            [0.0, 0.0, 0.0] => arrives(),
+            round => round,
         }
     };
     Light::from_pixels(cells, (0..cells.len()).map(at).collect())
