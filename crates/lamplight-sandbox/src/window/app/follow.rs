@@ -49,7 +49,10 @@ impl App {
                 let settings = &mut self.halves.edited().settings;
                 let mut table: SettingsTable =
                     serde_json::from_value(serde_json::to_value(&*settings)?)?;
-                table.set_from_text(&text)?;
+                // A preset takes the place of all that it sets.
+                let mut over = SettingsTable::default();
+                over.set_from_text(&text)?;
+                table.merge(over);
                 *settings = table.resolve()?;
             }
             Line::Move([x, y]) => {

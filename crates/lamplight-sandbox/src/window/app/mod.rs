@@ -166,8 +166,10 @@ impl App {
     fn settings(&mut self, ui: &mut Ui) {
         let [w, h] = self.subject.size();
         ui.label(format!("{w}×{h} cells on {}", self.halves.left.lit.place()));
-        let (ms, fps) = (self.timings.last(), self.timings.frames_a_second());
-        ui.label(format!("{ms:.1} ms of light, {fps:.0} frames a second"));
+        let light =
+            self.timings.light().map(|seconds| format!("{:.1} ms of light, ", 1e3 * seconds));
+        let fps = self.timings.frames_a_second();
+        ui.label(format!("{}{fps:.0} frames a second", light.unwrap_or_default()));
         ui.label(RichText::new(self.probe.words(w)).monospace())
             .on_hover_text("The light at the pointer: linear red, green, blue");
         ui.separator();

@@ -42,12 +42,8 @@ impl Timings {
 
     /// Seconds of the last frame's light; none where nobody tells.
     pub fn light(&self) -> Option<f64> {
-        self.frames.back().filter(|stages| !stages.is_empty()).map(|_| 1e-3 * self.last())
-    }
-
-    /// Milliseconds of the last frame's light.
-    pub fn last(&self) -> f64 {
-        self.frames.back().map_or(0.0, |stages| stages.iter().map(|(_, time)| ms(*time)).sum())
+        let stages = self.frames.back().filter(|stages| !stages.is_empty())?;
+        Some(stages.iter().map(|(_, time)| time.as_secs_f64()).sum())
     }
 
     /// Stacked, the newest at the right.
