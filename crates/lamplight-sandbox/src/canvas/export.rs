@@ -17,15 +17,21 @@ enum Bytes {
     Value,
 }
 
+/// A file's name without an ending that any system takes, and that leads to no other folder: of what was
+/// given only letters, digits, `-` and `_`.
+pub fn plain_name(given: &str) -> String {
+    let plain = |c: &char| c.is_ascii_alphanumeric() || *c == '-' || *c == '_';
+    let name: String = given.chars().filter(plain).take(64).collect();
+    if name.is_empty() { "canvas".to_owned() } else { name }
+}
+
 impl Canvas {
     /// The files of a scene: `NAME.toml` first, then its images, each with its name.
     ///
     /// Of the name only letters, digits, `-` and `_` are kept. The cells are those of the last
     /// finished edit; the history is not saved.
     pub fn save(&self, name: &str) -> Result<Vec<(String, Vec<u8>)>> {
-        let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-        let name: String = name.chars().filter(|&c| plain(c)).take(64).collect();
-        let name = if name.is_empty() { "canvas" } else { &name };
+        let name = plain_name(name);
         let cells = self.cells();
         let mut scene = Scene::new(cells.width(), cells.height()).sky(cells.sky());
         scene.lamps = cells.lamps().to_vec();

@@ -93,7 +93,9 @@ impl Canvas {
             return Err(Error::Lamps(scene.lamps.len()));
         }
         let given = |path: &Path| {
-            let named = files.iter().find(|(name, _)| Path::new(name) == path);
+            let find = |path: &Path| files.iter().find(|(name, _)| Path::new(name) == path);
+            // A browser hands over files without their folders.
+            let named = find(path).or_else(|| find(Path::new(path.file_name()?)));
             named.map(|(_, bytes)| bytes.as_slice())
         };
         let cells = scene.cells_with(given)?;

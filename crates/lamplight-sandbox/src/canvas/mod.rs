@@ -14,6 +14,7 @@ mod welcome;
 
 pub use brush::{Brush, Stuff, Tool};
 pub use error::{Error, Result};
+pub use export::plain_name;
 pub use import::As;
 
 use crate::look::Look;

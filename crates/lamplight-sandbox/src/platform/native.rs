@@ -2,8 +2,8 @@
 
 use super::File;
 use crate::window::anew::Anew;
-use crate::window::{App, CELLS, Script, Start, check, device};
-use anyhow::{Context as _, Result, anyhow};
+use crate::window::{App, CELLS, Script, Start, check, device, words};
+use anyhow::{Context as _, Result, anyhow, bail};
 use clap::Parser;
 use eframe::egui::ViewportBuilder;
 use eframe::egui_wgpu::WgpuConfiguration;
@@ -86,13 +86,24 @@ pub fn save(files: &[File]) -> Result<String> {
     Ok(format!("saved {} in {folder}", names.join(", ")))
 }
 
-/// Opens another window, in another process, and ends this one.
-///
-/// An error where this window was opened so itself a moment ago: the GPU is not coming back.
+/// Opens another window, in another process, and ends this one: it cannot be drawn any more. Where no other
+/// one can be opened, a canvas is saved here, and what went wrong is said.
 pub fn go_on_anew(anew: &Anew, closes: bool) -> Result<()> {
+    let Err(why) = open_another(anew, closes) else { std::process::exit(0) };
+    eprintln!("error: the GPU was lost, and no other window can be opened: {}", words(&why));
+    if !anew.files.is_empty() {
+        match save(&anew.files) {
+            Ok(said) => eprintln!("what was painted: {said}"),
+            Err(why) => eprintln!("what was painted is lost: {}", words(&why)),
+        }
+    }
+    std::process::exit(1)
+}
+
+/// An error too where this window was opened so itself a moment ago: the GPU is not coming back.
+fn open_another(anew: &Anew, closes: bool) -> Result<()> {
     if BEGUN.get().copied().flatten().is_some_and(|begun| begun.elapsed() < SOON) {
-        eprintln!("error: the GPU was lost again and again");
-        std::process::exit(1);
+        bail!("it was lost again and again");
     }
     let folder = std::env::temp_dir().join(format!("lamplight-sandbox-{}", std::process::id()));
     std::fs::create_dir_all(&folder)
@@ -110,8 +121,8 @@ pub fn go_on_anew(anew: &Anew, closes: bool) -> Result<()> {
     let mut window = Command::new(std::env::current_exe()?);
     window.args(&anew.arguments).arg(ANEW);
     window.arg(if closes { "--script" } else { "--begin" }).arg(script);
-    window.spawn().context("another window cannot be opened")?;
-    std::process::exit(0)
+    window.spawn()?;
+    Ok(())
 }
 
 /// Says a word to who watches a script.

@@ -23,7 +23,7 @@ pub struct Benchmark {
     times: Vec<f64>,
     rows: Vec<Row>,
     /// What it was run on.
-    subject: String,
+    pub subject: String,
 }
 
 /// What one of them took.
@@ -72,7 +72,7 @@ impl Benchmark {
         }
     }
 
-    /// The method at hand cannot light what is shown.
+    /// The method at hand cannot light what is shown, for whatever reason.
     pub fn refused(&mut self) {
         self.note(None);
     }
@@ -135,7 +135,7 @@ impl Row {
         let ms = |time: f64| format!("{time:.2}");
         let [median, least] = match self.median {
             Some(median) => [ms(median), ms(self.least)],
-            None => ["lights nothing here".to_owned(), String::new()],
+            None => ["cannot light this".to_owned(), String::new()],
         };
         [self.method.to_owned(), self.preset.to_owned(), median, least]
     }
@@ -167,6 +167,6 @@ mod tests {
         let rows: usize = Method::ALL.iter().map(|method| method.presets().len()).sum();
         assert_eq!(text.lines().count(), rows + 4, "{text}");
         assert!(text.contains("| holographic | fast | 3.00 | 3.00 |"), "{text}");
-        assert!(text.contains("| polar | default | lights nothing here |"), "{text}");
+        assert!(text.contains("| polar | default | cannot light this |"), "{text}");
     }
 }

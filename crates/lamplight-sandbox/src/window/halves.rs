@@ -2,7 +2,7 @@
 
 use crate::window::light::{Lit, Shown};
 use crate::window::resolution::Resolution;
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use eframe::egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2,
 };
@@ -15,6 +15,22 @@ const GRIP: f32 = 8.0;
 pub struct Half {
     pub settings: Settings,
     pub lit: Lit,
+    /// Whether the last frame has light.
+    is_lit: bool,
+}
+
+impl Half {
+    fn new(settings: Settings, lit: Lit) -> Self {
+        Self { settings, lit, is_lit: false }
+    }
+
+    /// Finds the light of the next frame.
+    pub fn find(&mut self, cells: &Cells, resolution: &Resolution, shown: Shown) -> Result<()> {
+        let settings = resolution.settings(&self.settings);
+        let found = self.lit.find(resolution.cells(cells), cells, &settings, shown);
+        self.is_lit = found.is_ok();
+        found
+    }
 }
 
 /// The left light, which is all there is until the picture is split, and the right one.
@@ -29,7 +45,7 @@ pub struct Halves {
 
 impl Halves {
     pub fn new(settings: Settings, lit: Lit) -> Self {
-        Self { left: Half { settings, lit }, right: None, edits_right: false, divider: 0.5 }
+        Self { left: Half::new(settings, lit), right: None, edits_right: false, divider: 0.5 }
     }
 
     /// The one whose settings are shown.
@@ -43,7 +59,7 @@ impl Halves {
     /// Splits the picture; the right light is found where the left one is.
     pub fn split(&mut self, settings: Settings) -> Result<()> {
         let lit = self.left.lit.beside(&settings)?;
-        self.right = Some(Half { settings, lit });
+        self.right = Some(Half::new(settings, lit));
         self.edits_right = true;
         Ok(())
     }
@@ -58,18 +74,12 @@ impl Halves {
         std::iter::once(&mut self.left).chain(&mut self.right)
     }
 
-    /// Finds the light of the next frame; with `all`, that of the right half too.
-    pub fn find(
-        &mut self,
-        cells: &Cells,
-        resolution: &Resolution,
-        shown: Shown,
-        all: bool,
-    ) -> Result<()> {
-        let (picture, cells) = (cells, resolution.cells(cells));
-        self.each().take(if all { 2 } else { 1 }).try_for_each(|half| {
-            half.lit.find(cells, picture, &resolution.settings(&half.settings), shown)
-        })
+    /// Finds the light of the next frame of both, and says what is wrong with either.
+    pub fn find(&mut self, cells: &Cells, resolution: &Resolution, shown: Shown) -> Result<()> {
+        let left = self.left.find(cells, resolution, shown);
+        let Some(right) = &mut self.right else { return left };
+        let right = right.find(cells, resolution, shown);
+        left.context("on the left").and(right.context("on the right"))
     }
 
     /// Bytes that the lights hold; none where nobody counts.
@@ -79,11 +89,16 @@ impl Halves {
 
     /// Draws the light into a rectangle.
     pub fn draw(&mut self, ui: &mut Ui, place: Rect) {
-        let Some(right) = &self.right else { return self.left.lit.draw(ui.painter(), place) };
+        let draw = |half: &Half, painter: &Painter| {
+            if half.is_lit {
+                half.lit.draw(painter, place);
+            }
+        };
+        let Some(right) = &self.right else { return draw(&self.left, ui.painter()) };
         let bar = place.left() + self.divider * place.width();
         let (here, there) = place.split_left_right_at_x(bar);
-        self.left.lit.draw(&ui.painter_at(here), place);
-        right.lit.draw(&ui.painter_at(there), place);
+        draw(&self.left, &ui.painter_at(here));
+        draw(right, &ui.painter_at(there));
         let painter = ui.painter_at(place);
         name(&painter, here.left_top(), Align2::LEFT_TOP, &self.left);
         name(&painter, there.right_top(), Align2::RIGHT_TOP, right);

@@ -141,24 +141,43 @@ impl Inspector {
         light: Option<&Light>,
     ) -> Result<()> {
         self.said.clear();
-        let picture = match self.view {
-            View::Picture | View::Light => return Ok(()),
+        let looked = self.picture(cells, settings, display, light);
+        // What another view showed does not stay.
+        let (picture, told) = match looked {
+            Ok(picture) => (picture, Ok(())),
+            Err(why) => (None, Err(why)),
+        };
+        if !self.view.is_lit() {
+            let image = picture.map_or_else(
+                || ColorImage::filled([1, 1], Color32::BLACK),
+                |picture| {
+                    let size = [picture.width() as usize, picture.height() as usize];
+                    ColorImage::from_rgb(size, picture.as_raw())
+                },
+            );
+            self.texture.set(image, TextureOptions::NEAREST);
+        }
+        told
+    }
+
+    /// The view at hand; none of light itself, and while there is nothing to see.
+    fn picture(
+        &mut self,
+        cells: &Cells,
+        settings: &Settings,
+        display: Display,
+        light: Option<&Light>,
+    ) -> Result<Option<RgbImage>> {
+        Ok(Some(match self.view {
+            View::Picture | View::Light => return Ok(None),
             View::Emission => views::emission(&cells.drawn(), &display),
             View::Opacity => views::opacity(&cells.drawn()),
             View::Albedo => views::albedo(&cells.drawn()),
             View::Tint => views::tint(&cells.drawn()),
             View::Seeds | View::Voronoi | View::Distance => self.fields(cells, settings)?,
             View::Inside => self.inside(cells, settings, display)?,
-            View::Reference | View::Error => {
-                let found = self.compare(cells, settings, display, light)?;
-                let Some(picture) = found else { return Ok(()) };
-                picture
-            }
-        };
-        let size = [picture.width() as usize, picture.height() as usize];
-        let image = ColorImage::from_rgb(size, picture.as_raw());
-        self.texture.set(image, TextureOptions::NEAREST);
-        Ok(())
+            View::Reference | View::Error => return self.compare(cells, settings, display, light),
+        }))
     }
 
     fn fields(&mut self, cells: &Cells, settings: &Settings) -> Result<RgbImage> {
@@ -207,7 +226,9 @@ impl Inspector {
         watched.refine();
         let passes = watched.refining.passes();
         let Some(truth) = watched.refining.light() else {
-            self.said = "the first paths are on their way".to_owned();
+            self.said =
+                "the first paths are on their way, as long as nothing moves: worlds can be paused"
+                    .to_owned();
             return Ok(None);
         };
         let paths = 16 * passes;

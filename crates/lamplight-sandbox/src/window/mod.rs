@@ -70,3 +70,28 @@ pub fn device(limits: Tier) -> WgpuSetup {
         ..WgpuSetupCreateNew::without_display_handle()
     })
 }
+
+/// What went wrong, and why, each thing once: many errors tell their cause themselves.
+pub fn words(why: &anyhow::Error) -> String {
+    let mut said = String::new();
+    for cause in why.chain().map(ToString::to_string) {
+        if !said.contains(&cause) {
+            said += if said.is_empty() { "" } else { ": " };
+            said += &cause;
+        }
+    }
+    said
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn causes_are_told_once() {
+        let plain = anyhow::anyhow!("no such file")
+            .context("cannot read a.png")
+            .context("layer: cannot read a.png");
+        assert_eq!(words(&plain), "layer: cannot read a.png: no such file");
+    }
+}

@@ -5,6 +5,7 @@ use crate::window::light::{Asked, Lit};
 use anyhow::{Context, Result};
 use image::{DynamicImage, ImageBuffer, ImageFormat};
 use lamplight::{Cells, Display, Light};
+use lamplight_sandbox::canvas::plain_name;
 use std::io::Cursor;
 
 /// What there is to save.
@@ -63,6 +64,7 @@ impl Saving {
             }
             return Ok(None);
         };
+        let name = &plain_name(name);
         let file = match kind {
             Kind::Light => light_file(&light, name),
             Kind::Scene | Kind::Picture => picture_file(&light, cells, display, name),

@@ -71,8 +71,12 @@ impl Script {
     pub fn read(text: &str, closes: bool) -> Result<Self> {
         let mut lines = VecDeque::new();
         for (number, line) in (1..).zip(text.lines()) {
-            let line = line.split('#').next().unwrap_or_default();
-            let words: Vec<_> = line.split_whitespace().collect();
+            let line = line.trim();
+            // Names of files, and words, are taken as they are.
+            let words: Vec<_> = match line.split_once(' ') {
+                Some((what @ ("drop" | "shot" | "warn"), rest)) => vec![what, rest.trim()],
+                _ => line.split('#').next().unwrap_or_default().split_whitespace().collect(),
+            };
             if words.is_empty() {
                 continue;
             }
@@ -131,9 +135,8 @@ fn read(words: &[&str]) -> Result<Line> {
         ["release"] => Line::Release,
         ["clear"] => Line::Clear,
         ["lamp"] => Line::Lamp,
-        // Folders may have spaces in their names.
-        ["drop", ..] if words.len() > 1 => Line::Drop(words[1..].join(" ").into()),
-        ["warn", ..] => Line::Warn(words[1..].join(" ")),
+        ["drop", path] => Line::Drop(path.into()),
+        ["warn", words] => Line::Warn(words.to_owned()),
         ["tell"] => Line::Tell,
         ["place"] => Line::Place,
         ["save", kind] => Line::Save(Kind::from_str(kind, true).map_err(anyhow::Error::msg)?),
@@ -166,6 +169,16 @@ mod tests {
         assert!(!script.is_over());
         assert_eq!(script.next(), Some(Line::Press));
         assert!(script.is_over() && script.next().is_none());
+    }
+
+    #[test]
+    fn names_of_files_are_taken_as_they_are() {
+        let script = Script::read("drop /a b/t #1  /x.toml\nsay a # b\n", true).unwrap();
+        let lines: Vec<_> = script.lines.iter().map(|(line, _)| line.clone()).collect();
+        assert_eq!(lines, [Line::Drop("/a b/t #1  /x.toml".into()), Line::Say("a".into())]);
+        // What is left is read again by the window that goes on.
+        let rest = script.rest().collect::<Vec<_>>().join("\n");
+        assert_eq!(Script::read(&rest, true).unwrap().lines, script.lines);
     }
 
     #[test]

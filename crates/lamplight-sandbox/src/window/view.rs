@@ -65,9 +65,11 @@ impl View {
         if !self.place.is_positive() {
             return Pointer::default();
         }
-        let over = self.response.contains_pointer();
+        let hovered = self.response.hover_pos();
+        let over =
+            self.response.contains_pointer() && hovered.is_some_and(|at| self.place.contains(at));
         // Who pressed inside goes on outside, until it is let go.
-        let at = self.response.interact_pointer_pos().or(self.response.hover_pos());
+        let at = self.response.interact_pointer_pos().or(hovered);
         Pointer {
             at: at
                 .filter(|_| over || self.response.is_pointer_button_down_on())

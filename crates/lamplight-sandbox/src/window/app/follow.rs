@@ -5,11 +5,15 @@ use crate::platform;
 use crate::window::Script;
 use crate::window::script::Line;
 use crate::window::subject::Subject;
+use crate::window::words;
 use anyhow::{Context as _, Result};
 use eframe::egui::{
     Context, DroppedFile, Event, Modifiers, PointerButton, UserData, ViewportCommand,
 };
 use lamplight::{Settings, SettingsTable};
+
+/// Points of the longest side that a script may give the window.
+const MOST_POINTS: f32 = 4096.0;
 
 impl App {
     /// Does what the script says next.
@@ -30,7 +34,7 @@ impl App {
         }
         let Some(line) = self.script.as_mut().and_then(Script::next) else { return };
         if let Err(why) = self.obey(context, line) {
-            self.message = Some(format!("{why:#}"));
+            self.message = Some(words(&why));
         }
     }
 
@@ -65,6 +69,7 @@ impl App {
             Line::Benchmark => self.begin_benchmark(),
             Line::Lose => self.gpu.lose(),
             Line::Size(size) => {
+                let size = size.map(|side| side.clamp(1.0, MOST_POINTS));
                 context.send_viewport_cmd(ViewportCommand::InnerSize(size.into()));
             }
             Line::Table => print!("{}", self.benchmark.markdown()),
@@ -84,7 +89,11 @@ impl App {
             Line::Drop(path) => {
                 self.dropped.push(DroppedFile { path: Some(path), ..DroppedFile::default() });
             }
-            Line::Warn(words) => self.message = Some(words),
+            Line::Warn(said) => {
+                // Beside what went wrong before.
+                let before = self.message.take().map(|before| format!(" ({before})"));
+                self.message = Some(said + &before.unwrap_or_default());
+            }
             Line::Say(word) => platform::say(&word),
             Line::Tell => {
                 let told = self.message.as_ref().or(self.unlit.as_ref());

@@ -21,11 +21,12 @@ use crate::window::resolution::Resolution;
 use crate::window::saving::{Kind, Saving};
 use crate::window::subject::{Choice, Subject};
 use crate::window::view::View;
+use crate::window::words;
 use anyhow::Result;
 use eframe::CreationContext;
 use eframe::egui::{
     self, Button, CentralPanel, CollapsingHeader, Color32, Context, DroppedFile, Event, Frame, Key,
-    KeyboardShortcut, Modifiers, RawInput, RichText, ScrollArea, TextEdit, Theme, Ui,
+    KeyboardShortcut, Label, Modifiers, RawInput, RichText, ScrollArea, TextEdit, Theme, Ui,
 };
 use lamplight::settings::Holographic;
 use lamplight_sandbox::look::Look;
@@ -121,7 +122,7 @@ impl App {
         match Subject::new(choice, self.size, self.seed) {
             Ok(subject) => {
                 (self.choice, self.subject) = (choice, subject);
-                self.tools.brush = 0;
+                self.tools.let_all_go();
                 self.take_look();
             }
             Err(why) => self.message = Some(why.to_string()),
@@ -205,11 +206,16 @@ impl App {
     }
 
     fn begin_benchmark(&mut self) {
+        let subject = self.what_is_timed();
+        self.benchmark.begin(&self.halves.left.settings, subject);
+    }
+
+    /// What a benchmark is of.
+    fn what_is_timed(&self) -> String {
         let cells = self.resolution.cells(self.subject.cells());
         let (w, h) = (cells.width(), cells.height());
         let (what, place) = (self.choice.name(), self.halves.left.lit.place());
-        let subject = format!("{w}×{h} cells of {what} on {place}");
-        self.benchmark.begin(&self.halves.left.settings, subject);
+        format!("{w}×{h} cells of {what} on {place}")
     }
 
     /// Begins anew at another size; a canvas that was painted on stays.
@@ -240,13 +246,14 @@ impl App {
             match self.inbox.take(file, context.time(), kind, &mut self.subject) {
                 Ok(said) => {
                     self.choice = Choice::Paint;
+                    self.tools.let_all_go();
                     // What a picture is laid on stays as it is lit.
                     if self.subject.look() != before {
                         self.take_look();
                     }
                     self.message = said;
                 }
-                Err(why) => self.message = Some(format!("{why:#}")),
+                Err(why) => self.message = Some(words(&why)),
             }
         }
     }
@@ -258,9 +265,11 @@ impl App {
             ui.colored_label(color, unlit);
         }
         if let Some(message) = &self.message {
+            // The button first: words may take several lines.
             let read = ui.horizontal(|ui| {
-                ui.colored_label(color, message);
-                ui.button("OK").clicked()
+                let read = ui.button("OK").clicked();
+                ui.add(Label::new(RichText::new(message).color(color)).wrap());
+                read
             });
             if read.inner {
                 self.message = None;
@@ -288,7 +297,7 @@ impl App {
 
     /// Begins to save; says what there is to say.
     fn save(&mut self, kind: Kind) -> Result<Option<String>> {
-        let Half { settings, lit } = &mut self.halves.left;
+        let Half { settings, lit, .. } = &mut self.halves.left;
         if let (Kind::Scene, Subject::Canvas(canvas)) = (kind, &mut self.subject) {
             canvas.set_look(Look::of(settings, self.shown.display));
             return platform::save(&canvas.save(&self.name)?).map(Some);
@@ -315,12 +324,16 @@ impl App {
         match said {
             Ok(None) => {}
             Ok(said) => self.message = said,
-            Err(why) => self.message = Some(format!("{why:#}")),
+            Err(why) => self.message = Some(words(&why)),
         }
     }
 
     /// Keys that work everywhere.
     fn keys(&mut self, context: &Context) {
+        // Who types a name takes back what was typed.
+        if context.egui_wants_keyboard_input() {
+            return;
+        }
         let Subject::Canvas(canvas) = &mut self.subject else { return };
         let struck = |modifiers, key| {
             context
@@ -341,7 +354,7 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
         let context = ui.ctx().clone();
         if let Err(why) = self.take_shots(&context) {
-            self.message = Some(format!("{why:#}"));
+            self.message = Some(words(&why));
         }
         self.take_files(&context);
         self.keys(&context);

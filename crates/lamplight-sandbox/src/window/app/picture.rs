@@ -1,6 +1,7 @@
 //! The picture: what the pointer and the keys do to it, then its light.
 
 use super::App;
+use crate::window::benchmark::Benchmark;
 use crate::window::halves::{Half, Halves};
 use crate::window::inspect::View as Seen;
 use crate::window::light::Lit;
@@ -8,9 +9,9 @@ use crate::window::panels::tools::Tools;
 use crate::window::probe::meter;
 use crate::window::subject::Subject;
 use crate::window::view::{Pointer, View};
+use crate::window::words;
 use anyhow::Result;
 use eframe::egui::{Color32, Context, Key, Stroke, Ui};
-use lamplight::Error;
 use lamplight_sandbox::clock::Clock;
 use lamplight_sandbox::coarse::spread;
 use lamplight_sandbox::worlds::Input;
@@ -38,8 +39,7 @@ impl App {
             Err(why) => self.give_up(ui.ctx(), &why),
         }
         match self.inspector.view.is_lit() {
-            true if self.unlit.is_none() => self.halves.draw(ui, view.place),
-            true => {}
+            true => self.halves.draw(ui, view.place),
             false => self.inspector.draw(ui.painter(), view.place),
         }
         let saved = self.saving.go_on(&self.halves.left.lit, self.shown.display, &self.name);
@@ -71,18 +71,28 @@ impl App {
         if self.benchmark.settings().is_some() {
             return self.time(passed);
         }
-        if view.is_lit() || view.needs_light() || self.subject.has_meter() {
-            self.halves.find(cells, &self.resolution, self.shown, view.is_lit())?;
-        }
         let asks = self.subject.has_meter() || view.needs_light();
-        let Half { settings, lit } = &self.halves.left;
+        let found = match view.is_lit() {
+            true => self.halves.find(cells, &self.resolution, self.shown),
+            false if asks => self.halves.edited().find(cells, &self.resolution, self.shown),
+            false => Ok(()),
+        };
+        // A view needs no light, and one half none of the other's.
+        let Half { settings, lit, .. } = self.halves.edited();
         let (cells, settings) = (self.resolution.cells(cells), self.resolution.settings(settings));
-        self.probe.look(lit, cells, at.filter(|_| view.is_lit()), asks)?;
-        self.inspector.look(cells, &settings, self.shown.display, self.probe.light())
+        if found.is_ok() {
+            self.probe.look(lit, cells, at.filter(|_| view.is_lit()), asks)?;
+        }
+        let looked = self.inspector.look(cells, &settings, self.shown.display, self.probe.light());
+        found.and(looked)
     }
 
     /// Finds the light of a frame of the benchmark.
     fn time(&mut self, passed: f64) -> Result<()> {
+        if self.benchmark.subject != self.what_is_timed() {
+            // Times of other cells do not belong into the same table.
+            self.benchmark = Benchmark::default();
+        }
         let Some(settings) = self.benchmark.settings() else { return Ok(()) };
         let settings = self.resolution.settings(settings);
         let cells = self.resolution.cells(self.subject.cells());
@@ -90,10 +100,8 @@ impl App {
         lit.forget();
         match lit.find(cells, self.subject.cells(), &settings, self.shown) {
             Ok(()) => self.benchmark.lit(lit.stages(), passed),
-            Err(why) if matches!(why.downcast_ref(), Some(Error::Unsuited { .. })) => {
-                self.benchmark.refused();
-            }
-            Err(why) => return Err(why),
+            // Whatever it is: the next one may be able to.
+            Err(_) => self.benchmark.refused(),
         }
         Ok(())
     }
@@ -101,11 +109,11 @@ impl App {
     /// Says why there is no light; where it is the GPU that cannot, the CPU goes on.
     fn give_up(&mut self, context: &Context, why: &anyhow::Error) {
         use lamplight_wgpu::Error::{Device, TooLarge};
-        self.unlit = Some(format!("{why:#}"));
+        self.unlit = Some(words(why));
         if matches!(why.downcast_ref(), Some(Device(_) | TooLarge { .. }))
             && let Ok(lit) = Lit::on_cpu(context, &self.halves.left.settings)
         {
-            self.message = Some(format!("{why:#}; the CPU goes on"));
+            self.message = Some(format!("{}; the CPU goes on", words(why)));
             self.halves = Halves::new(self.halves.left.settings.clone(), lit);
         }
     }

@@ -131,6 +131,11 @@ impl Tools {
         ui.add(Slider::new(&mut self.radius, 0.5..=40.0).logarithmic(true));
     }
 
+    /// Lets go of what belongs to a canvas or a world that is gone.
+    pub fn let_all_go(&mut self) {
+        (self.brush, self.dragged) = (0, None);
+    }
+
     /// What a picture that is dropped becomes: what is chosen, where that can have colours; else walls.
     pub fn image(&self) -> As {
         match self.kind {

@@ -3,6 +3,7 @@
 use crate::window::halves::Halves;
 use crate::window::inspect::{Inspector, View};
 use crate::window::resolution::Resolution;
+use crate::window::words;
 use eframe::egui::{ComboBox, Slider, Ui};
 use lamplight::{Method, Settings};
 use lamplight_sandbox::coarse::COARSEST;
@@ -67,7 +68,7 @@ pub fn split(ui: &mut Ui, halves: &mut Halves) -> Result<(), String> {
     let mut done = Ok(());
     if label.on_hover_text("The divider can be dragged").changed() {
         if is_split {
-            done = halves.split(other(&halves.left.settings)).map_err(|why| format!("{why:#}"));
+            done = halves.split(other(&halves.left.settings)).map_err(|why| words(&why));
         } else {
             halves.join();
         }
