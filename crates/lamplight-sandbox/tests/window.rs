@@ -43,9 +43,9 @@ impl Display {
         Ok(Self { server, name: format!(":{}", number.trim()) })
     }
 
-    /// Opens the sandbox and lets a script play; `heard` is told each word that it says, and the
-    /// bytes that the process holds then.
-    fn play(&self, args: &[&str], script: &str, mut heard: impl FnMut(&str, u64)) -> Result<()> {
+    /// Opens the sandbox and lets a script play; `heard` is told each word that it says, and which
+    /// process it is.
+    fn play(&self, args: &[&str], script: &str, mut heard: impl FnMut(&str, u32)) -> Result<()> {
         let folder = tempfile::tempdir()?;
         let path = folder.path().join("script.txt");
         std::fs::write(&path, script)?;
@@ -59,7 +59,7 @@ impl Display {
             .spawn()?;
         let said = sandbox.stdout.take().context("no output")?;
         for word in BufReader::new(said).lines() {
-            heard(&word?, held(sandbox.id())?);
+            heard(&word?, sandbox.id());
         }
         let status = sandbox.wait()?;
         ensure!(status.success(), "the sandbox ended with {status}");
@@ -117,7 +117,8 @@ fn on_the_gpu_every_world_runs_without_growing() {
         );
         let mut bytes = Vec::new();
         let args = ["--backend", "gpu", "--size", "96x54", "--world", world];
-        display.play(&args, &script, |word, held| bytes.push((word.to_owned(), held))).unwrap();
+        let heard = |word: &str, process| bytes.push((word.to_owned(), held(process).unwrap()));
+        display.play(&args, &script, heard).unwrap();
         println!("{world}: {bytes:?}");
         let [(settled, before), (done, after)] = &bytes[..] else { panic!("{world}: {bytes:?}") };
         assert_eq!([settled, done], ["settled", "done"]);
@@ -279,14 +280,15 @@ fn on_the_gpu_the_benchmark_ends_with_a_table() {
     let display = Display::new().unwrap();
     let mut said = Vec::new();
     let args = ["--backend", "cpu", "--size", "96x54"];
-    let script = "set bounces=0\nbenchmark\nframes 520\ntable\n";
+    let script = "world sand\nset bounces=0\nbenchmark\nframes 520\ntable\n";
     display.play(&args, script, |line, _| said.push(line.to_owned())).unwrap();
     println!("{said:?}");
     let times: Vec<f64> =
         said.iter().filter_map(|line| line.split('|').nth(3)?.trim().parse().ok()).collect();
-    // All presets of all methods but those of polar may be timed; the canvas has lamps.
-    assert_eq!(times.len(), said.len() - 4, "{said:?}");
-    assert!(times.len() > 12 && times.iter().all(|&ms| ms > 0.0), "{said:?}");
+    // There are no lamps in the sand, and so nothing for polar and its presets.
+    let refused = said.iter().filter(|line| line.contains("| cannot light this |")).count();
+    assert_eq!([times.len() + refused, refused], [said.len() - 4, 3], "{said:?}");
+    assert!(times.len() > 9 && times.iter().all(|&ms| ms > 0.0), "{said:?}");
 }
 
 #[test]
@@ -327,6 +329,26 @@ fn on_the_gpu_a_window_of_any_size_stays_open() {
         display.play(&args, &script, |line, _| said.push(line.to_owned())).unwrap();
         assert_eq!(said, ["all is well"]);
     }
+}
+
+#[test]
+fn on_the_gpu_a_half_that_is_dark_leaves_the_other_lit() {
+    let display = Display::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, split] = ["whole.png", "split.png"].map(|name| folder.path().join(name));
+    let script = format!(
+        "{LIGHT}world bodies\nframes 2\nshot {}\nsplit polar\nframes 2\ntell\nshot {}\n",
+        whole.display(),
+        split.display()
+    );
+    let mut said = Vec::new();
+    let args = ["--backend", "cpu", "--size", "96x54"];
+    display.play(&args, &script, |line, _| said.push(line.to_owned())).unwrap();
+    let told = said.concat();
+    assert!(told.contains("on the right") && told.contains("lights lamps only"), "{told}");
+    // Half of the middle of the window is dark.
+    let [whole, split] = [whole, split].map(|path| brightness(&open(&path).unwrap()));
+    assert!((0.3..0.8).contains(&(split / whole)), "{split:.1} of {whole:.1}");
 }
 
 #[test]
