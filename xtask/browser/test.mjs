@@ -34,7 +34,7 @@ const DARK = 20;
 const SAME = 6;
 
 // Longest wait for anything, ms.
-const PATIENCE = 60_000;
+const PATIENCE = 180_000;
 
 /// A page that is open.
 class Sandbox {

@@ -65,11 +65,9 @@ impl View {
         if !self.place.is_positive() {
             return Pointer::default();
         }
-        let hovered = self.response.hover_pos();
-        let over =
-            self.response.contains_pointer() && hovered.is_some_and(|at| self.place.contains(at));
+        let over = self.response.contains_pointer();
         // Who pressed inside goes on outside, until it is let go.
-        let at = self.response.interact_pointer_pos().or(hovered);
+        let at = self.response.interact_pointer_pos().or(self.response.hover_pos());
         Pointer {
             at: at
                 .filter(|_| over || self.response.is_pointer_button_down_on())
