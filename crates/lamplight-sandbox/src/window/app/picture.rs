@@ -44,7 +44,8 @@ impl App {
         }
         let saved = self.saving.go_on(&self.halves.left.lit, self.shown.display, &self.name);
         self.say(saved);
-        if let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())
+        if self.subject.has_meter()
+            && let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())
             && let cells = self.subject.cells()
             && let Some(light) = spread(light, self.resolution.cells(cells), cells)
             && let Some(lit) = playing.world.lit(&light)
