@@ -9,7 +9,6 @@ use clap::ValueEnum;
 use eframe::CreationContext;
 use eframe::wgpu::{Device, PollType};
 use lamplight::{Display, Settings};
-use lamplight_sandbox::look::Look;
 use serde_json::Value;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -78,13 +77,7 @@ impl Anew {
             format!("--seed={seed}"),
             format!("--backend={}", named(backend)),
         ];
-        let files = match subject {
-            Subject::Canvas(canvas) => {
-                canvas.set_look(Look::of(settings, display));
-                canvas.save(NAME)?
-            }
-            Subject::World(_) => Vec::new(),
-        };
+        let files = subject.scene(settings, display, NAME)?;
         let mut lines = Vec::new();
         flatten("", &serde_json::to_value(settings)?, &mut lines);
         lines.push(format!("warn {WORDS}"));

@@ -1,7 +1,8 @@
 //! What is lit: a canvas that is painted, or a world that moves.
 
+use crate::platform;
 use anyhow::Result;
-use lamplight::Cells;
+use lamplight::{Cells, Display, Settings};
 use lamplight_sandbox::canvas::Canvas;
 use lamplight_sandbox::clock::Clock;
 use lamplight_sandbox::look::Look;
@@ -86,6 +87,18 @@ impl Subject {
             Self::Canvas(canvas) => canvas.look(),
             Self::World(playing) => playing.world.look(),
         }
+    }
+
+    /// A canvas as a scene, lit and shown so, and its images; empty for worlds.
+    pub fn scene(
+        &mut self,
+        settings: &Settings,
+        display: Display,
+        name: &str,
+    ) -> Result<Vec<platform::File>> {
+        let Self::Canvas(canvas) = self else { return Ok(Vec::new()) };
+        canvas.set_look(Look::of(settings, display));
+        Ok(canvas.save(name)?)
     }
 
     /// Whether it shows how lit a player is.

@@ -29,7 +29,6 @@ use eframe::egui::{
     KeyboardShortcut, Label, Modifiers, RawInput, RichText, ScrollArea, TextEdit, Theme, Ui,
 };
 use lamplight::settings::Holographic;
-use lamplight_sandbox::look::Look;
 use std::path::PathBuf;
 
 /// Everything there is.
@@ -298,9 +297,9 @@ impl App {
     /// Begins to save; says what there is to say.
     fn save(&mut self, kind: Kind) -> Result<Option<String>> {
         let Half { settings, lit, .. } = &mut self.halves.left;
-        if let (Kind::Scene, Subject::Canvas(canvas)) = (kind, &mut self.subject) {
-            canvas.set_look(Look::of(settings, self.shown.display));
-            return platform::save(&canvas.save(&self.name)?).map(Some);
+        if let (Kind::Scene, Subject::Canvas(_)) = (kind, &self.subject) {
+            let files = self.subject.scene(settings, self.shown.display, &self.name)?;
+            return platform::save(&files).map(Some);
         }
         // At full size, whatever is in view.
         let cells = self.subject.cells();
