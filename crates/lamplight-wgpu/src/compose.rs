@@ -4,12 +4,13 @@ use crate::guarded::guarded;
 use crate::stages::display::{Look, Shading, Target, encodes};
 use crate::view::Window;
 use crate::{Error, Lighting, Result, matter};
-use lamplight::Display;
+use lamplight::{Display, Rgb};
 use std::collections::HashMap;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor,
     BufferUsages, Color as Clear, CommandEncoder, Device, LoadOp, Operations, Queue, RenderPass,
-    RenderPassColorAttachment, RenderPassDescriptor, RenderPipeline, StoreOp, TextureView,
+    RenderPassColorAttachment, RenderPassDescriptor, RenderPipeline, StoreOp, TextureFormat,
+    TextureView,
 };
 
 /// How light is shown on a target that has more pixels than the grid has cells, or that lies between
@@ -36,6 +37,9 @@ pub enum Color<'a> {
     /// A picture that covers what is seen, of any size: the host's own frame at the target's
     /// resolution. Each pixel takes the texel it lies in.
     View(&'a TextureView),
+    /// A picture as large as the target: each pixel takes its own texel, and its alpha. The host's own
+    /// frame, whatever part of the target is drawn on.
+    Target(&'a TextureView),
 }
 
 /// How a frame is shown.
@@ -47,6 +51,15 @@ pub struct Shown<'a> {
     pub filter: Filter,
     /// What the light falls on.
     pub color: Color<'a>,
+    /// Radiance with which the colour itself glows, `colour × (light + glow)`, instead of what cells give
+    /// off: a picture as large as the target, as [`Color::Target`]. Glowing things then have edges as
+    /// fine as the target's pixels.
+    pub glow: Option<&'a TextureView>,
+    /// Light that arrives besides the grid's, a texel a cell: what another [`Lighting`] wrote to a texture
+    /// ([`Lighting::write_to`]).
+    pub more: Option<&'a TextureView>,
+    /// Light that arrives everywhere, in walls too; finite and 0 or more.
+    pub ambient: Rgb,
     /// The part of the grid that fills the target's viewport, as [`crate::View::place`] gives it;
     /// none: all of it.
     pub window: Option<Window>,
@@ -56,7 +69,8 @@ pub struct Shown<'a> {
 /// [`lamplight::Light::compose`] but for rounding (one 8-bit step).
 ///
 /// What is drawn on decides about sRGB: formats that encode by themselves (`…UnormSrgb`) are given
-/// linear light, other normalised ones encoded light, floats the tone-mapped light, linear 0 to 1.
+/// linear light, other normalised ones encoded light, floats the tone-mapped light, linear: 0 to 1, or
+/// without a tone map all that there is, for a host that has its own.
 ///
 /// A pipeline is built for each kind of target when it is first seen. One `Compose` shows one frame
 /// at a time: a split screen takes one for each part.
@@ -83,7 +97,7 @@ pub struct Compose {
 /// What is bound, and to what.
 #[derive(Debug)]
 struct Bound {
-    resources: [Resource; 5],
+    resources: [Resource; 7],
     group: BindGroup,
 }
 
@@ -145,23 +159,51 @@ impl Compose {
             self.bound = None;
             return Ok(());
         };
+        // Never read.
+        let nothing = &lit.textures.albedo;
         let (color_from, color) = match shown.color {
-            // Never read.
-            Color::White => (0, &lit.textures.albedo),
+            Color::White => (0, nothing),
             Color::Cells(view) => (1, view),
             Color::View(view) => (2, view),
+            Color::Target(view) => (3, view),
         };
-        let color_size = matter::readable("color", color)?;
-        if color_from == 1 && color_size != lit.size {
-            let ([w, h], [width, height]) = (color_size, lit.size);
-            let problem = format!("is {w}×{h}, but the grid is {width}×{height}");
-            return Err(Error::Texture { name: "color", problem });
+        let of_cells = |name, view: &TextureView| match matter::readable(name, view)? {
+            size if size == lit.size => Ok(()),
+            [w, h] => {
+                let [width, height] = lit.size;
+                let problem = format!("is {w}×{h}, but the grid is {width}×{height}");
+                Err(Error::Texture { name, problem })
+            }
+        };
+        match color_from {
+            1 => of_cells("color", color)?,
+            _ => {
+                matter::readable("color", color)?;
+            }
+        }
+        if let Some(glow) = shown.glow {
+            matter::readable("glow", glow)?;
+        }
+        if let Some(more) = shown.more {
+            of_cells("more", more)?;
+        }
+        if !shown.ambient.iter().all(|v| v.is_finite() && *v >= 0.0) {
+            let [r, g, b] = shown.ambient;
+            let found = format!("[{r}, {g}, {b}]");
+            return Err(lamplight::Error::value("ambient", found, "finite and 0 or more").into());
         }
         let mut look = Look::new(&shown.display, lit.size);
+        if matches!(target.format, TextureFormat::Rgba16Float | TextureFormat::Rg11b10Ufloat) {
+            look.keep_finite();
+        }
         look.filter_light = (shown.filter == Filter::Linear).into();
         look.color_from = color_from;
+        look.keep_alpha = (color_from == 3).into();
+        look.color_glows = shown.glow.is_some().into();
+        look.more_light = shown.more.is_some().into();
+        look.ambient = shown.ambient;
         if let Some(window) = shown.window {
-            (look.corner, look.extent) = (window.corner, window.extent);
+            (look.corner, look.right, look.down) = (window.corner, window.right, window.down);
         }
         queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look));
 
@@ -176,6 +218,8 @@ impl Compose {
             Resource::View(lit.textures.emission.clone()),
             Resource::View(lit.textures.tint_opacity.clone()),
             Resource::View(color.clone()),
+            Resource::View(shown.glow.unwrap_or(nothing).clone()),
+            Resource::View(shown.more.unwrap_or(nothing).clone()),
         ];
         if self.bound.as_ref().is_none_or(|bound| bound.resources != resources) {
             let group = guarded(device, || Ok(self.bind(device, &resources)))?;
@@ -184,7 +228,7 @@ impl Compose {
         Ok(())
     }
 
-    fn bind(&self, device: &Device, [frame, rest @ ..]: &[Resource; 5]) -> BindGroup {
+    fn bind(&self, device: &Device, [frame, rest @ ..]: &[Resource; 7]) -> BindGroup {
         let look = self.look.as_entire_binding();
         let all = [frame.binding(), look].into_iter().chain(rest.iter().map(Resource::binding));
         let entries: Vec<_> = (0..)

@@ -123,13 +123,99 @@ fn floats_are_given_linear_light() {
         let seen: &[[u16; 4]] = bytemuck::cast_slice(&bytes);
         let gain = shown.display.gain();
         for (seen, right) in seen.iter().zip(scene.light.radiance(&scene.cells).unwrap()) {
-            let right = tonemap.map(right.map(|v| v * gain));
+            let right = right.map(|v| v * gain);
+            let right = match tonemap {
+                ToneMap::None => right,
+                _ => tonemap.map(right),
+            };
             for c in 0..3 {
                 let seen = float(seen[c]);
                 // Half floats have eleven bits.
-                assert!((seen - right[c]).abs() < 1e-3, "{tonemap:?}: {seen}, not {right:?}");
+                let near = 1e-3 * right[c].max(1.0);
+                assert!((seen - right[c]).abs() < near, "{tonemap:?}: {seen}, not {right:?}");
             }
         }
+    }
+    // Without a tone map there is light above 1, and it is kept.
+    let brightest = scene.light.pixels().as_flattened().iter().copied().fold(0.0, f32::max);
+    assert!(brightest > 2.0, "{brightest}");
+}
+
+/// Radiance that each pixel of a target as large as the grid shows, in linear floats.
+fn linear(scene: &Scene, shown: &Shown) -> Vec<[f32; 4]> {
+    let bytes = scene.drawn(SIZE, TextureFormat::Rgba32Float, shown);
+    bytemuck::cast_slice(&bytes).to_vec()
+}
+
+#[test]
+fn a_hosts_frame_is_lit_glows_and_keeps_its_alpha() {
+    let scene = scene();
+    let Scene { device, queue, .. } = &scene;
+    let n = scene.cells.len();
+    let format = TextureFormat::Rgba32Float;
+    let picture = |texels: &[[f32; 4]]| {
+        filled(device, queue, SIZE, format, bytemuck::cast_slice(texels))
+    };
+    let texel = |i: usize, period: usize| (i % period) as f32 / period as f32;
+    let own: Vec<[f32; 4]> = (0..n).map(|i| [texel(i, 5), texel(i, 11), 0.3, texel(i, 3)]).collect();
+    let glow: Vec<[f32; 4]> = (0..n).map(|i| [texel(i, 13) * 7.0, 0.0, texel(i, 2), 0.0]).collect();
+    let more: Vec<[f32; 4]> = (0..n).map(|i| [0.0, texel(i, 17), 0.5, 0.0]).collect();
+    let (own_view, glow_view, more_view) = (picture(&own), picture(&glow), picture(&more));
+    let ambient = [0.25, 0.0, 1.5];
+    let shown = Shown {
+        color: Color::Target(&own_view),
+        glow: Some(&glow_view),
+        more: Some(&more_view),
+        ambient,
+        display: Display { tonemap: ToneMap::None, exposure: 1.0 },
+        ..Shown::default()
+    };
+    let check = |seen: &[[f32; 4]], lit: bool| {
+        let mut wrong = 0;
+        for (i, seen) in seen.iter().enumerate() {
+            let light = scene.light.pixels()[i];
+            let given = if scene.cells.is_solid(i) { scene.cells.emission()[i] } else { [0.0; 3] };
+            let right = |c: usize| {
+                let arrives = f32::from(lit) * (light[c] - given[c]).max(0.0) + more[i][c];
+                2.0 * own[i][c] * (arrives + ambient[c] + glow[i][c])
+            };
+            let near = |c: usize| (seen[c] - right(c)).abs() < 1e-4 * right(c).max(1.0);
+            wrong += usize::from(!(0..3).all(near) || seen[3] != own[i][3]);
+        }
+        wrong
+    };
+    let seen = linear(&scene, &shown);
+    assert_eq!(check(&seen, true), 0);
+    assert!(check(&seen, false) > n / 4, "a picture without the grid's light is rejected");
+    let small = filled(device, queue, [3, 3], format, &[0; 9 * 16]);
+    let mut compose = Compose::new(device).unwrap();
+    let mut refused = |shown: &Shown| {
+        let error = compose.prepare(device, queue, &scene.lighting, format, shown);
+        error.unwrap_err().to_string()
+    };
+    assert!(refused(&Shown { more: Some(&small), ..shown }).contains("more"));
+    let ambient = [0.0, f32::NAN, 0.0];
+    assert!(refused(&Shown { ambient, ..shown }).contains("ambient"));
+}
+
+#[test]
+fn a_turned_window_shows_the_grid_turned() {
+    let scene = scene();
+    let shown = scene.shown(ToneMap::None, 0.0);
+    let upright = linear(&scene, &shown);
+    // A quarter turn: the picture's right is the grid's down, and its down the grid's left.
+    let [width, height] = SIZE.map(|v| v as f32);
+    let turned = Window { corner: [width, 0.0], right: [0.0, height], down: [-width, 0.0] };
+    let bytes = scene.drawn(
+        [SIZE[1], SIZE[0]],
+        TextureFormat::Rgba32Float,
+        &Shown { window: Some(turned), ..shown },
+    );
+    let seen: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
+    for (x, y) in (0..SIZE[0]).flat_map(|y| (0..SIZE[1]).map(move |x| (x, y))) {
+        let from = [SIZE[0] - 1 - y, x];
+        let right = upright[(from[1] * SIZE[0] + from[0]) as usize];
+        assert_eq!(seen[(y * SIZE[1] + x) as usize], right, "({x}, {y})");
     }
 }
 
@@ -149,7 +235,7 @@ fn nearest_enlarges_and_a_window_cuts_out() {
             assert_eq!(at(&seen, width, x, y), at(&once, SIZE[0], x / scale, y / scale));
         }
     }
-    let window = Some(Window { corner: [11.0, 7.0], extent: [20.0, 15.0] });
+    let window = Some(Window::upright([11.0, 7.0], [20.0, 15.0]));
     let part = scene.drawn([40, 30], format, &Shown { window, ..shown });
     for (x, y) in (0..30).flat_map(|y| (0..40).map(move |x| (x, y))) {
         assert_eq!(at(&part, 40, x, y), at(&once, SIZE[0], 11 + x / 2, 7 + y / 2));
@@ -184,7 +270,7 @@ fn linear_shows_what_lies_between_cells() {
         ([10.375, 5.25], [24.0, 18.0], [48, 36]),
     ] {
         let shown = scene.shown(ToneMap::Reinhard, 0.0);
-        let shown = Shown { filter, window: Some(Window { corner, extent }), ..shown };
+        let shown = Shown { filter, window: Some(Window::upright(corner, extent)), ..shown };
         let seen = scene.drawn(size, TextureFormat::Rgba8Unorm, &shown);
         let place = |i: u32, a: usize| corner[a] + (i as f32 + 0.5) * extent[a] / size[a] as f32;
         let right: Vec<u8> = (0..size[0] * size[1])

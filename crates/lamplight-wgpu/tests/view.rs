@@ -54,7 +54,7 @@ fn settings(noise: Noise) -> Settings {
 }
 
 fn camera(position: [f64; 2]) -> View {
-    View { position, zoom: 4.0, border: 30, lattice: 1 }
+    View { position, zoom: 4.0, border: 30, ..View::default() }
 }
 
 /// The first frame's light.

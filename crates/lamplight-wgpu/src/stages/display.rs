@@ -22,13 +22,18 @@ use wgpu::{
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Look {
     pub corner: [f32; 2],
-    pub extent: [f32; 2],
+    pub right: [f32; 2],
+    pub down: [f32; 2],
     gain: f32,
     tonemap: u32,
     pub filter_light: u32,
     pub color_from: u32,
+    pub color_glows: u32,
+    pub more_light: u32,
     luma: Rgb,
     brightest: f32,
+    pub ambient: Rgb,
+    pub keep_alpha: u32,
     aces: [f32; 4],
     aces_end: f32,
     aces_white: f32,
@@ -41,15 +46,20 @@ pub struct Look {
 impl Look {
     /// Fields in order, with where they begin.
     #[cfg(test)]
-    pub const OFFSETS: [(&'static str, usize); 15] = [
+    pub const OFFSETS: [(&'static str, usize); 20] = [
         ("corner", offset_of!(Look, corner)),
-        ("extent", offset_of!(Look, extent)),
+        ("right", offset_of!(Look, right)),
+        ("down", offset_of!(Look, down)),
         ("gain", offset_of!(Look, gain)),
         ("tonemap", offset_of!(Look, tonemap)),
         ("filter_light", offset_of!(Look, filter_light)),
         ("color_from", offset_of!(Look, color_from)),
+        ("color_glows", offset_of!(Look, color_glows)),
+        ("more_light", offset_of!(Look, more_light)),
         ("luma", offset_of!(Look, luma)),
         ("brightest", offset_of!(Look, brightest)),
+        ("ambient", offset_of!(Look, ambient)),
+        ("keep_alpha", offset_of!(Look, keep_alpha)),
         ("aces", offset_of!(Look, aces)),
         ("aces_end", offset_of!(Look, aces_end)),
         ("aces_white", offset_of!(Look, aces_white)),
@@ -65,7 +75,8 @@ impl Look {
         let [x6, x5, x4, x3, x2, x1, x0] = AGX_CONTRAST;
         Self {
             corner: [0.0; 2],
-            extent: size.map(|v| v as f32),
+            right: [size[0] as f32, 0.0],
+            down: [0.0, size[1] as f32],
             gain: display.gain(),
             tonemap: match display.tonemap {
                 ToneMap::None => 0,
@@ -75,8 +86,12 @@ impl Look {
             },
             filter_light: 0,
             color_from: 0,
+            color_glows: 0,
+            more_light: 0,
             luma: ACES_LUMA,
             brightest: BRIGHTEST,
+            ambient: [0.0; 3],
+            keep_alpha: 0,
             aces: [a, b, c, d],
             aces_end: e,
             aces_white: ACES_WHITE,
@@ -86,7 +101,15 @@ impl Look {
             contrast: [[x6, x5, x4, x3], [x2, x1, x0, AGX_GAMMA]],
         }
     }
+
+    /// Caps what is shown at what a half float holds; every tone map is flat there.
+    pub fn keep_finite(&mut self) {
+        self.brightest = HALF_MAX;
+    }
 }
+
+/// Largest finite half float.
+const HALF_MAX: f32 = 65504.0;
 
 /// The columns of a matrix given by rows, each as long as uniforms want it.
 fn columns(rows: &[Rgb; 3]) -> [[f32; 4]; 3] {
@@ -149,7 +172,7 @@ impl Shading {
         let uniform = buffer(BufferBindingType::Uniform);
         let light = buffer(BufferBindingType::Storage { read_only: true });
         let entries: Vec<_> = (0..)
-            .zip([uniform, uniform, light, texture, texture, texture])
+            .zip([uniform, uniform, light, texture, texture, texture, texture, texture])
             .map(|(binding, ty)| BindGroupLayoutEntry {
                 binding,
                 visibility: ShaderStages::FRAGMENT,

@@ -1,0 +1,1 @@
+//! Light for Bevy.
