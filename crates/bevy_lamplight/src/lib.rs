@@ -1,1 +1,48 @@
-//! Light for Bevy.
+//! 2D global illumination for Bevy: one component on a camera, and the scene is lit.
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use bevy_lamplight::prelude::*;
+//!
+//! fn main() {
+//!     App::new().add_plugins((DefaultPlugins, LamplightPlugin)).add_systems(Startup, setup).run();
+//! }
+//!
+//! fn setup(mut commands: Commands) {
+//!     commands.spawn((Camera2d, Lighting2d::default()));
+//!     commands.spawn((PointLight2d::default(), Transform::from_xyz(-100.0, 0.0, 0.0)));
+//!     let sprite = Sprite::from_color(Color::WHITE, Vec2::splat(60.0));
+//!     commands.spawn((sprite, Matter2d::wall()));
+//! }
+//! ```
+//!
+//! [`Lighting2d`] on a camera says how its picture is lit; [`Matter2d`] on whatever is drawn makes it
+//! glow, block, filter or reflect; [`PointLight2d`] and [`SpotLight2d`] are lamps,
+//! [`LightOccluder2d`] shapes that are not seen. [`Unlit2d`] is not lit.
+//!
+//! What light means is written in `docs/light.md` of the project. World units stand for its cells:
+//! opacity and tint are of one world unit crossed.
+
+mod components;
+mod pieces;
+mod placement;
+pub mod render;
+
+pub use components::*;
+
+use bevy::app::{App, Plugin};
+
+/// What most programs use.
+pub mod prelude {
+    pub use crate::LamplightPlugin;
+    pub use crate::components::*;
+}
+
+/// Lights cameras that have a [`Lighting2d`].
+pub struct LamplightPlugin;
+
+impl Plugin for LamplightPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins(render::LightRenderPlugin);
+    }
+}

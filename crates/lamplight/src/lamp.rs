@@ -6,11 +6,13 @@
 //! light in a cone.
 
 use crate::scene::coverage::{self, Window};
-use crate::{Cells, Matter, Result, Rgb, check, exact, lamp_gain};
+use crate::{Cells, Matter, Result, Rgb, check, exact};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
 use std::fmt::Display;
+
+pub use crate::lamp_gain::gain;
 
 /// How the light of a lamp fades with distance in the methods that light lamps by rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -167,7 +169,7 @@ impl Lamp {
 
     /// Draws the lamp into the matter: a solid disc of radius `size`, by the share of each cell
     /// that it covers, with emission `color·intensity`, times a gain near 1 that makes
-    /// up for the grid (`lamp_gain`). A
+    /// up for the grid ([`gain`]). A
     /// lamp that is off is not there.
     pub(crate) fn draw(&self, cells: &mut Cells) {
         let center = self.position.map(f64::from);
@@ -178,7 +180,7 @@ impl Lamp {
         if self.is_off() || seen.x.is_empty() || seen.y.is_empty() {
             return;
         }
-        let strength = self.intensity * lamp_gain::gain(center, radius);
+        let strength = self.intensity * gain(center, radius);
         let matter =
             Matter { emission: self.color.map(|c| c * strength), opacity: 1.0, ..Matter::EMPTY };
         coverage::disc_shares(center, radius, &grid, |x, y, share| {
