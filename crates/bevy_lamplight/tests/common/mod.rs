@@ -1,0 +1,152 @@
+//! An app without a window, whose camera draws on an image that is read back.
+#![allow(dead_code)]
+
+use bevy::app::PluginsState;
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::RenderTarget;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::gpu_readback::{Readback, ReadbackComplete};
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_resource::{
+    Extent3d, TextureDimension, TextureFormat, TextureUsages,
+};
+use bevy::window::{ExitCondition, WindowPlugin};
+use bevy::winit::WinitPlugin;
+use bevy_lamplight::prelude::*;
+
+/// Frames after which what was asked of the GPU has arrived; asking longer is a failure.
+const PATIENCE: usize = 200;
+
+/// What a camera saw: linear red, green, blue and alpha, row by row.
+#[derive(Clone)]
+pub struct Picture {
+    pub size: [u32; 2],
+    pub texels: Vec<[f32; 4]>,
+}
+
+impl Picture {
+    pub fn at(&self, x: u32, y: u32) -> [f32; 3] {
+        let [r, g, b, _] = self.texels[(y * self.size[0] + x) as usize];
+        [r, g, b]
+    }
+
+    /// Mean of red, green and blue.
+    pub fn grey(&self, x: u32, y: u32) -> f32 {
+        self.at(x, y).iter().sum::<f32>() / 3.0
+    }
+}
+
+#[derive(Resource, Default)]
+struct Arrived(Option<Vec<u8>>);
+
+/// An app with the plugin, and nothing to see.
+pub fn app() -> App {
+    let mut app = App::new();
+    let window =
+        WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
+    let render = RenderPlugin { synchronous_pipeline_compilation: true, ..default() };
+    app.add_plugins((
+        DefaultPlugins
+            .set(window)
+            .set(render)
+            .set(ImagePlugin::default_nearest())
+            .disable::<WinitPlugin>()
+            .disable::<PipelinedRenderingPlugin>(),
+        LamplightPlugin,
+    ))
+    .insert_resource(ClearColor(Color::WHITE))
+    .init_resource::<Arrived>();
+    app
+}
+
+/// Ends the building of an app, so that it can run.
+pub fn begin(app: &mut App) {
+    while app.plugins_state() == PluginsState::Adding {
+        std::thread::yield_now();
+    }
+    app.finish();
+    app.cleanup();
+}
+
+/// A target of so many pixels that keeps light as it is.
+pub fn target(app: &mut App, [width, height]: [u32; 2]) -> Handle<Image> {
+    let format = TextureFormat::Rgba16Float;
+    let mut image = Image::new_target_texture(width, height, format, None);
+    image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    app.world_mut().resource_mut::<Assets<Image>>().add(image)
+}
+
+/// Settings that give the light of each cell as it is: a cell a pixel. By the method that gives the
+/// same light every frame and is quickest on a software GPU.
+pub fn plain() -> Lighting2d {
+    Lighting2d {
+        method: LightMethod::Cascades,
+        bounces: LightBounces::Count(0),
+        cells: CellSize::World(1.0),
+        border: 16.0,
+        wall_depth: 0.0,
+        filter: LightFilter::Nearest,
+        ..default()
+    }
+}
+
+/// Spawns a lit camera that draws on an image.
+pub fn camera(app: &mut App, image: &Handle<Image>, lighting: Lighting2d) -> Entity {
+    let target = RenderTarget::Image(image.clone().into());
+    app.world_mut().spawn((Camera2d, target, lighting)).id()
+}
+
+/// What a target shows after so many frames more.
+pub fn picture(app: &mut App, image: &Handle<Image>, frames: usize) -> Picture {
+    (0..frames).for_each(|_| app.update());
+    app.world_mut().resource_mut::<Arrived>().0 = None;
+    let asked = app.world_mut().spawn(Readback::texture(image.clone())).id();
+    app.world_mut().entity_mut(asked).observe(
+        |event: On<ReadbackComplete>, mut arrived: ResMut<Arrived>| {
+            arrived.0 = Some(event.data.clone());
+        },
+    );
+    for _ in 0..PATIENCE {
+        app.update();
+        if app.world().resource::<Arrived>().0.is_some() {
+            break;
+        }
+    }
+    app.world_mut().entity_mut(asked).despawn();
+    let bytes = app.world_mut().resource_mut::<Arrived>().0.take().expect("a picture arrives");
+    let images = app.world().resource::<Assets<Image>>();
+    let size = images.get(image).expect("the target is there").size().to_array();
+    let texels = bytes
+        .as_chunks::<8>()
+        .0
+        .iter()
+        .map(|texel| std::array::from_fn(|c| half([texel[2 * c], texel[2 * c + 1]])))
+        .collect();
+    Picture { size, texels }
+}
+
+fn half(bytes: [u8; 2]) -> f32 {
+    let bits = u16::from_le_bytes(bytes);
+    let (sign, exponent, fraction) = (bits >> 15, (bits >> 10) & 31, bits & 1023);
+    let value = match exponent {
+        0 => f32::from(fraction) * 2f32.powi(-24),
+        31 => f32::INFINITY,
+        e => (1.0 + f32::from(fraction) / 1024.0) * 2f32.powi(i32::from(e) - 15),
+    };
+    if sign == 1 { -value } else { value }
+}
+
+/// An image of the tests' own, `texel(x, y)` in sRGB bytes.
+pub fn image(app: &mut App, size: [u32; 2], texel: impl Fn(u32, u32) -> [u8; 4]) -> Handle<Image> {
+    let [width, height] = size;
+    let data = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let image = Image::new(
+        Extent3d { width, height, depth_or_array_layers: 1 },
+        TextureDimension::D2,
+        data.flat_map(|(x, y)| texel(x, y)).collect(),
+        TextureFormat::Rgba8UnormSrgb,
+        RenderAssetUsages::default(),
+    );
+    app.world_mut().resource_mut::<Assets<Image>>().add(image)
+}

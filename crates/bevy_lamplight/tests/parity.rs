@@ -1,0 +1,90 @@
+//! The light of a Bevy scene is the light of the same cells.
+
+mod common;
+
+use bevy::prelude::*;
+use bevy_lamplight::prelude::*;
+use common::{Picture, app, begin, camera, picture, plain, target};
+use lamplight::{Bounces, Cells, Light, Matter, Method, Settings, Solver};
+use lamplight_wgpu::{Placed, View};
+
+const SIZE: [u32; 2] = [160, 120];
+/// The tolerance of the GPU against the CPU, of light 1; half floats have eleven bits besides.
+const NEAR: f32 = 1e-3;
+
+/// The grid that the plugin lights for a camera of [`plain`] settings at a place of the world.
+fn placed(position: [f64; 2]) -> Placed {
+    let view = View { position, border: 16, lattice: 16, step: 32, ..View::default() };
+    view.cover(SIZE.map(f64::from)).unwrap()
+}
+
+/// Cells of the same scene: a box of the world is made of matter.
+fn fill(cells: &mut Cells, placed: &Placed, min: [i32; 2], size: [i32; 2], matter: Matter) {
+    // The world's y points up.
+    let left = min[0] - placed.origin[0];
+    let top = -(min[1] + size[1]) - placed.origin[1];
+    for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
+        cells.set((left + x) as u32, (top + y) as u32, matter);
+    }
+}
+
+/// Pixels in the open that differ from the light of cells.
+fn wrong(seen: &Picture, placed: &Placed, cells: &Cells, light: &Light) -> usize {
+    let corner = placed.window.corner.map(|v| v as u32);
+    let mut wrong = 0;
+    for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+        let (cx, cy) = (corner[0] + x, corner[1] + y);
+        if cells.is_solid((cy * cells.width() + cx) as usize) {
+            continue;
+        }
+        let (seen, right) = (seen.at(x, y), light.at(cx, cy));
+        let near = |c: usize| (seen[c] - right[c]).abs() <= NEAR * right[c].max(1.0);
+        wrong += usize::from(!(0..3).all(near));
+    }
+    wrong
+}
+
+#[test]
+fn a_sprite_that_glows_lights_what_the_same_cells_light() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let lighting = Lighting2d { bounces: LightBounces::Count(2), ..plain() };
+    camera(&mut app, &image, lighting);
+    let sprite = |color, size: [i32; 2], min: [i32; 2]| {
+        let [width, height] = size.map(|v| v as f32);
+        let sprite = Sprite::from_color(color, Vec2::new(width, height));
+        let middle = [min[0] as f32 + 0.5 * width, min[1] as f32 + 0.5 * height];
+        (sprite, Transform::from_xyz(middle[0], middle[1], 0.0))
+    };
+    let red = Color::linear_rgb(1.0, 0.25, 0.125);
+    let boxes = [([12, 9], [-50, -20]), ([40, 3], [-20, 30]), ([6, 30], [20, -40])];
+    let spawn = [
+        (sprite(red, boxes[0].0, boxes[0].1), Matter2d::glow(8.0)),
+        (sprite(Color::WHITE, boxes[1].0, boxes[1].1), Matter2d::wall()),
+        (
+            sprite(Color::WHITE, boxes[2].0, boxes[2].1),
+            Matter2d { opacity: 0.03, tint: LinearRgba::rgb(0.9, 1.0, 0.8), ..Matter2d::fog(0.03) },
+        ),
+    ];
+    app.world_mut().spawn_batch(spawn);
+    begin(&mut app);
+    let seen = picture(&mut app, &image, 3);
+
+    let placed = placed([0.0, 0.0]);
+    let mut cells = Cells::new(placed.size[0], placed.size[1]).unwrap();
+    let glow = Matter { emission: [8.0, 2.0, 1.0], opacity: 1.0, ..Matter::EMPTY };
+    let wall = Matter { opacity: 1.0, albedo: [0.8; 3], ..Matter::EMPTY };
+    let fog = Matter { opacity: 0.03, albedo: [1.0; 3], tint: [0.9, 1.0, 0.8], ..Matter::EMPTY };
+    for ((size, min), matter) in boxes.into_iter().zip([glow, wall, fog]) {
+        fill(&mut cells, &placed, min, size, matter);
+    }
+    let (method, bounces) = (Method::Cascades, Bounces::Count(2));
+    let settings = Settings { method, bounces, ..Settings::default() };
+    let light = Solver::new(settings.clone()).unwrap().solve(&cells).unwrap().clone();
+    assert_eq!(wrong(&seen, &placed, &cells, &light), 0);
+
+    // A scene that lacks a cell of the wall is rejected.
+    fill(&mut cells, &placed, boxes[1].1, [1, 3], Matter::EMPTY);
+    let other = Solver::new(settings).unwrap().solve(&cells).unwrap().clone();
+    assert!(wrong(&seen, &placed, &cells, &other) > 20);
+}
