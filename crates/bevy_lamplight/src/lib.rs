@@ -24,18 +24,27 @@
 //! opacity and tint are of one world unit crossed.
 
 mod components;
+#[cfg(feature = "gizmos")]
+mod gizmos;
 mod pieces;
 mod placement;
+pub mod query;
 pub mod render;
 
 pub use components::*;
+#[cfg(feature = "gizmos")]
+pub use gizmos::{LamplightGizmosPlugin, LightGizmos};
+pub use query::{LightQuery, LightQueryPlugin, LightQuerySettings};
 
 use bevy::app::{App, Plugin};
 
 /// What most programs use.
 pub mod prelude {
+    #[cfg(feature = "gizmos")]
+    pub use crate::LamplightGizmosPlugin;
     pub use crate::LamplightPlugin;
     pub use crate::components::*;
+    pub use crate::query::{LightQuery, LightQueryPlugin, LightQuerySettings};
 }
 
 /// Lights cameras that have a [`Lighting2d`].
@@ -43,6 +52,26 @@ pub struct LamplightPlugin;
 
 impl Plugin for LamplightPlugin {
     fn build(&self, app: &mut App) {
-        app.add_plugins(render::LightRenderPlugin);
+        app.register_type::<Lighting2d>()
+            .register_type::<LightTexture2d>()
+            .register_type::<Matter2d>()
+            .register_type::<LightOccluder2d>()
+            .register_type::<Unlit2d>()
+            .register_type::<PointLight2d>()
+            .register_type::<SpotLight2d>()
+            .register_type::<AmbientLight2d>()
+            .register_type::<Sky2d>()
+            .register_type::<LightQuerySettings>();
+        if !app.is_plugin_added::<LightQueryPlugin>() {
+            app.add_plugins(LightQueryPlugin);
+        }
+        if !app.is_plugin_added::<render::LightRenderPlugin>() {
+            app.add_plugins(render::LightRenderPlugin);
+        }
+    }
+
+    /// Twice is no more than once.
+    fn is_unique(&self) -> bool {
+        false
     }
 }

@@ -1,6 +1,7 @@
 //! Where the lit grid of a camera lies in the world.
 
 use crate::components::{CellSize, LightMethod, Lighting2d};
+use crate::pieces::Map;
 use bevy::camera::{Camera, Projection};
 use bevy::math::{Rect, Vec2, Vec3};
 use bevy::prelude::GlobalTransform;
@@ -48,7 +49,9 @@ impl Placement {
         // Neither cells nor lattice nor step change what is found at a place of the world.
         let mut cell = match lighting.cells {
             CellSize::World(size) => size,
-            CellSize::Screen(share) => (extent.y / pixels.y / share.clamp(0.05, 2.0)).log2().round().exp2(),
+            CellSize::Screen(share) => {
+                (extent.y / pixels.y / share.clamp(0.05, 2.0)).log2().round().exp2()
+            }
         };
         if !(cell > 0.0 && cell.is_finite()) {
             return None;
@@ -87,6 +90,15 @@ impl Placement {
     pub fn corner(&self) -> Vec2 {
         let [x, y] = self.placed.origin.map(|v| v as f32 * self.cell);
         Vec2::new(x, -y)
+    }
+
+    /// Where something of the world lies on the grid, in cells and y down.
+    pub fn on_grid(&self, map: &Map) -> Map {
+        let corner = self.corner();
+        let cells = |[x, y]: [f32; 2]| [x / self.cell, -y / self.cell];
+        let Map { x_axis, y_axis, origin: [x, y] } = *map;
+        let origin = cells([x - corner.x, y - corner.y]);
+        Map { x_axis: cells(x_axis), y_axis: cells(y_axis), origin }
     }
 
     /// What the grid covers.

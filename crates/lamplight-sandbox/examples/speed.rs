@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use lamplight::Cells;
-use lamplight_sandbox::coarse::coarsen;
+use lamplight::coarse::coarsen;
 use lamplight_sandbox::worlds::{Input, Kind};
 use std::time::Instant;
 

@@ -11,7 +11,6 @@
 
 pub mod canvas;
 pub mod clock;
-pub mod coarse;
 pub mod look;
 pub mod pace;
 pub mod paint;

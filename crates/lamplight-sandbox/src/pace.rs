@@ -24,7 +24,7 @@ pub struct Pace {
 
 impl Pace {
     /// A frame that came so many seconds after the one before, and its light took so many (none where
-    /// nobody can tell): the factor of [`crate::coarse`] for the next, from the one at hand, at most
+    /// nobody can tell): the factor of [`lamplight::coarse`] for the next, from the one at hand, at most
     /// `coarsest`.
     ///
     /// Without a word about light it never gets finer: late frames say what does not fit, frames in

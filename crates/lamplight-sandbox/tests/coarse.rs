@@ -1,7 +1,7 @@
 //! Larger cells show about the same light, and frames that come late ask for them.
 
+use lamplight::coarse::{COARSEST, coarsen, coarsest, spread};
 use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Settings, Solver};
-use lamplight_sandbox::coarse::{COARSEST, coarsen, coarsest, spread};
 use lamplight_sandbox::pace::{FRAME, Pace};
 
 const WALL: Matter = Matter { opacity: 1.0, emission: [0.0; 3], tint: [1.0; 3], albedo: [0.0; 3] };

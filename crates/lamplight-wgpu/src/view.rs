@@ -175,7 +175,8 @@ mod tests {
                 let placed = view.place([321, 179]).unwrap();
                 let Placed { size, origin, window } = placed;
                 for a in 0..2 {
-                    let ways = [0.0, window.right[a], window.down[a], window.right[a] + window.down[a]];
+                    let ways =
+                        [0.0, window.right[a], window.down[a], window.right[a] + window.down[a]];
                     let places = ways.map(|way| window.corner[a] + way);
                     let within = 10.0..=size[a] as f32 - 10.0;
                     assert!(places.iter().all(|p| within.contains(p)), "{view:?}: {placed:?}");

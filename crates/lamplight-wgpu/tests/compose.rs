@@ -153,11 +153,11 @@ fn a_hosts_frame_is_lit_glows_and_keeps_its_alpha() {
     let Scene { device, queue, .. } = &scene;
     let n = scene.cells.len();
     let format = TextureFormat::Rgba32Float;
-    let picture = |texels: &[[f32; 4]]| {
-        filled(device, queue, SIZE, format, bytemuck::cast_slice(texels))
-    };
+    let picture =
+        |texels: &[[f32; 4]]| filled(device, queue, SIZE, format, bytemuck::cast_slice(texels));
     let texel = |i: usize, period: usize| (i % period) as f32 / period as f32;
-    let own: Vec<[f32; 4]> = (0..n).map(|i| [texel(i, 5), texel(i, 11), 0.3, texel(i, 3)]).collect();
+    let own: Vec<[f32; 4]> =
+        (0..n).map(|i| [texel(i, 5), texel(i, 11), 0.3, texel(i, 3)]).collect();
     let glow: Vec<[f32; 4]> = (0..n).map(|i| [texel(i, 13) * 7.0, 0.0, texel(i, 2), 0.0]).collect();
     let more: Vec<[f32; 4]> = (0..n).map(|i| [0.0, texel(i, 17), 0.5, 0.0]).collect();
     let (own_view, glow_view, more_view) = (picture(&own), picture(&glow), picture(&more));

@@ -247,6 +247,16 @@ impl Cells {
         self.sky
     }
 
+    /// Empties the grid: no matter and no lamps, under the same sky, without a colour image.
+    pub fn clear(&mut self) {
+        self.emission.fill(Matter::EMPTY.emission);
+        self.opacity.fill(Matter::EMPTY.opacity);
+        self.tint.fill(Matter::EMPTY.tint);
+        self.albedo.fill(Matter::EMPTY.albedo);
+        self.color = None;
+        self.lamps.clear();
+    }
+
     /// Sets the sky.
     pub fn set_sky(&mut self, sky: Sky) {
         self.sky = sky;

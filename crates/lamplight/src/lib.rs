@@ -12,6 +12,7 @@
 pub mod cells;
 mod check;
 mod clock;
+pub mod coarse;
 pub mod error;
 mod exact;
 mod explain;

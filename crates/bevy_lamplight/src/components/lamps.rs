@@ -196,8 +196,14 @@ impl WorldLamp {
         let position = transform.translation().truncate();
         let color = radiance(color, intensity);
         let finite = [range, radius].iter().all(|v| v.is_finite() && *v > 0.0);
-        (finite && position.is_finite() && color != [0.0; 3])
-            .then_some(Self { position, color, range, radius, falloff, cone: None })
+        (finite && position.is_finite() && color != [0.0; 3]).then_some(Self {
+            position,
+            color,
+            range,
+            radius,
+            falloff,
+            cone: None,
+        })
     }
 
     /// The same for a spot.

@@ -68,7 +68,8 @@ impl Gather<'_, '_> {
             return;
         }
         let pictures = &self.pictures;
-        for (matter, place, sprite) in self.sprites.iter().filter(|(_, place, _)| place.is_shown()) {
+        for (matter, place, sprite) in self.sprites.iter().filter(|(_, place, _)| place.is_shown())
+        {
             let substance = to.add_substance(Substance::of(matter));
             sprite.cut_up(&place, substance, pictures, areas, to);
         }
@@ -90,12 +91,14 @@ impl Gather<'_, '_> {
             let substance = to.add_substance(Substance::of(matter.unwrap_or(&wall)));
             occluders::cut_up(shape, &place, substance, areas, to);
         }
-        let points = self.points.iter().filter(|(_, place)| place.is_shown()).filter_map(
-            |(lamp, place)| Some((WorldLamp::point(lamp, place.transform)?, place.layers())),
-        );
-        let spots = self.spots.iter().filter(|(_, place)| place.is_shown()).filter_map(
-            |(lamp, place)| Some((WorldLamp::spot(lamp, place.transform)?, place.layers())),
-        );
+        let points =
+            self.points.iter().filter(|(_, place)| place.is_shown()).filter_map(|(lamp, place)| {
+                Some((WorldLamp::point(lamp, place.transform)?, place.layers()))
+            });
+        let spots =
+            self.spots.iter().filter(|(_, place)| place.is_shown()).filter_map(|(lamp, place)| {
+                Some((WorldLamp::spot(lamp, place.transform)?, place.layers()))
+            });
         to.lamps.extend(points.chain(spots));
         to.sort();
     }

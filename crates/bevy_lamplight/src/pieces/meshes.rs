@@ -40,7 +40,8 @@ impl MeshMatterItem<'_, '_> {
                     AlphaMode2d::Mask(alpha) => Cutoff::Mask(alpha),
                     AlphaMode2d::Blend => Cutoff::Blend,
                 };
-                let image = material.texture.as_ref().map_or(AssetId::default(), |image| image.id());
+                let image =
+                    material.texture.as_ref().map_or(AssetId::default(), |image| image.id());
                 (material.color.to_linear(), cutoff, image, material.uv_transform)
             }
         };

@@ -13,7 +13,7 @@ mod substance;
 mod texts;
 mod tiles;
 
-pub use gather::Gather;
+pub use gather::{Gather, Pictures};
 pub use piece::{Cutoff, Map, Piece, Shape};
 pub use substance::Substance;
 
@@ -21,7 +21,7 @@ use crate::components::WorldLamp;
 use bevy::asset::AssetId;
 use bevy::camera::visibility::RenderLayers;
 use bevy::image::Image;
-use bevy::math::Rect;
+use bevy::math::{Rect, Vec2};
 use std::ops::Range;
 
 /// All that takes part in light, in world units.
@@ -90,14 +90,30 @@ impl Surroundings {
         let pieces = &self.pieces[from..];
         let corners = pieces.iter().flat_map(Piece::corners);
         let bounds = corners.fold(Rect::EMPTY, |all, corner| all.union_point(corner));
-        let body =
-            Body { pieces: from as u32..self.pieces.len() as u32, image, layers, is_seen, z, bounds };
+        let body = Body {
+            pieces: from as u32..self.pieces.len() as u32,
+            image,
+            layers,
+            is_seen,
+            z,
+            bounds,
+        };
         let is_somewhere = pieces.iter().all(Piece::is_finite) && !z.is_nan();
         if !is_somewhere || pieces.is_empty() || !areas.iter().any(|&area| body.touches(area)) {
             self.pieces.truncate(from);
             return;
         }
         self.bodies.push(body);
+    }
+
+    /// What bodies and the ranges of lamps cover; none where there is nothing.
+    pub fn bounds(&self) -> Option<Rect> {
+        let bodies = self.bodies.iter().map(|body| body.bounds);
+        let lamps = self
+            .lamps
+            .iter()
+            .map(|(lamp, _)| Rect::from_center_half_size(lamp.position, Vec2::splat(lamp.range)));
+        bodies.chain(lamps).reduce(|all, own| all.union(own))
     }
 
     /// Puts bodies in the order in which they cover one another.

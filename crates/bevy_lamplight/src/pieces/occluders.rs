@@ -30,9 +30,7 @@ pub fn cut_up(
             add(Piece { param: 2.0 * radius / height, ..piece });
         }
         OccluderShape::Polygon { points } => {
-            let at = |i: &u32| {
-                world.transform_point3(points[*i as usize].extend(0.0)).truncate()
-            };
+            let at = |i: &u32| world.transform_point3(points[*i as usize].extend(0.0)).truncate();
             for [a, b, c] in triangles(points).as_chunks().0 {
                 let triangle = Map::of_triangle([at(a), at(b), at(c)]);
                 add(Piece::shape(triangle, Shape::Triangle));

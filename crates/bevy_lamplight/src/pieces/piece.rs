@@ -106,11 +106,7 @@ impl Map {
 
     /// The way back, where there is one.
     pub fn inverse(&self) -> Option<Affine2> {
-        let affine = Affine2::from_cols(
-            self.x_axis.into(),
-            self.y_axis.into(),
-            self.origin.into(),
-        );
+        let affine = Affine2::from_cols(self.x_axis.into(), self.y_axis.into(), self.origin.into());
         (affine.matrix2.determinant().abs() > f32::MIN_POSITIVE).then(|| affine.inverse())
     }
 }

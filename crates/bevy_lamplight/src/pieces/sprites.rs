@@ -71,9 +71,7 @@ impl SpriteMatterItem<'_, '_> {
         let texels = match (cell, sprite.rect) {
             (None, None) => Rect { min: Vec2::ZERO, max: picture },
             (Some(rect), None) | (None, Some(rect)) => rect,
-            (Some(cell), Some(rect)) => {
-                Rect { min: rect.min + cell.min, max: rect.max + cell.min }
-            }
+            (Some(cell), Some(rect)) => Rect { min: rect.min + cell.min, max: rect.max + cell.min },
         };
         Some(texels)
     }
@@ -102,7 +100,10 @@ impl SpriteMatterItem<'_, '_> {
         if fills {
             // What is too much of the picture is cut off; unit squares count from the bottom.
             let (min, size) = match wider > 1.0 {
-                true => (Vec2::new(0.0, (1.0 - along) * (1.0 - 1.0 / wider)), Vec2::new(1.0, 1.0 / wider)),
+                true => (
+                    Vec2::new(0.0, (1.0 - along) * (1.0 - 1.0 / wider)),
+                    Vec2::new(1.0, 1.0 / wider),
+                ),
                 false => (Vec2::new(along * (1.0 - wider), 0.0), Vec2::new(wider, 1.0)),
             };
             return Fitted { texels: whole.texels.cut(min, size), ..whole };
@@ -133,9 +134,7 @@ struct Fitted {
 /// What it is made of, where it is cut into slices.
 fn slices(sprite: &Sprite, texels: Rect) -> Option<Vec<TextureSlice>> {
     match &sprite.image_mode {
-        SpriteImageMode::Sliced(slicer) => {
-            Some(slicer.compute_slices(texels, sprite.custom_size))
-        }
+        SpriteImageMode::Sliced(slicer) => Some(slicer.compute_slices(texels, sprite.custom_size)),
         &SpriteImageMode::Tiled { tile_x, tile_y, stretch_value } => {
             let draw_size = sprite.custom_size.unwrap_or(texels.size());
             let slice = TextureSlice { texture_rect: texels, draw_size, offset: Vec2::ZERO };

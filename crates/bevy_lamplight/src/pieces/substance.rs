@@ -26,9 +26,8 @@ impl Substance {
     /// What is neither a number nor in range becomes the nearest that is.
     pub fn of(matter: &Matter2d) -> Self {
         let within = |v: f32, most: f32| if v > 0.0 { v.min(most) } else { 0.0 };
-        let rgb = |color: LinearRgba, most| {
-            [color.red, color.green, color.blue].map(|v| within(v, most))
-        };
+        let rgb =
+            |color: LinearRgba, most| [color.red, color.green, color.blue].map(|v| within(v, most));
         Self {
             emission: rgb(matter.emission, Self::BRIGHTEST),
             opacity: within(matter.opacity, 1.0),

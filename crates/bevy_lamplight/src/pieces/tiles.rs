@@ -36,16 +36,19 @@ impl TileMatterItem<'_, '_> {
                 }
             };
             // In the order in which the tilemap's own shader turns them.
-            [turn.mirror_h(), turn.mirror_v()].iter().zip(0..).filter(|(m, _)| **m).for_each(
-                |(_, axis)| mirror(axis),
-            );
+            [turn.mirror_h(), turn.mirror_v()]
+                .iter()
+                .zip(0..)
+                .filter(|(m, _)| **m)
+                .for_each(|(_, axis)| mirror(axis));
             if turn.mirror_d() {
                 for v in [&mut texels.x_axis, &mut texels.y_axis, &mut texels.origin] {
                     v.swap(0, 1);
                 }
             }
             let color = tile.color.to_linear().to_f32_array();
-            let piece = Piece::picture(Map::of_box(min, size, &world), texels, color, Cutoff::Blend);
+            let piece =
+                Piece::picture(Map::of_box(min, size, &world), texels, color, Cutoff::Blend);
             to.pieces.push(Piece { substance, layer: tile.tileset_index.into(), ..piece });
         }
         let z = place.transform.translation().z;

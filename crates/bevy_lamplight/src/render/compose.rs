@@ -39,12 +39,11 @@ pub fn prepare(
         return;
     };
     if let Some(glow) = &lit.glow {
-        let mut pass =
-            context.command_encoder().begin_render_pass(&RenderPassDescriptor {
-                label: Some("lamplight glow"),
-                color_attachments: &[Some(attachment(glow, LoadOp::Clear(Clear::TRANSPARENT)))],
-                ..RenderPassDescriptor::default()
-            });
+        let mut pass = context.command_encoder().begin_render_pass(&RenderPassDescriptor {
+            label: Some("lamplight glow"),
+            color_attachments: &[Some(attachment(glow, LoadOp::Clear(Clear::TRANSPARENT)))],
+            ..RenderPassDescriptor::default()
+        });
         if let Some(viewport) = &camera.viewport {
             let [x, y] = viewport.physical_position.to_array().map(|v| v as f32);
             let [width, height] = viewport.physical_size.to_array().map(|v| v as f32);

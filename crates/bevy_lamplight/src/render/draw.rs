@@ -2,7 +2,6 @@
 
 use super::extract::ExtractedView;
 use crate::pieces::{Map, Piece, Shape, Substance, Surroundings};
-use crate::placement::Placement;
 use bevy::asset::AssetId;
 use bevy::image::Image;
 use bevy::math::Vec2;
@@ -50,7 +49,9 @@ impl Draw {
             }
             let own = &from.pieces[body.pieces.start as usize..body.pieces.end as usize];
             let begin = pieces.len() as u32;
-            pieces.extend(own.iter().map(|piece| on_grid(piece, placement)));
+            let on_grid =
+                |piece: &Piece| Piece { world: placement.on_grid(&piece.world), ..*piece };
+            pieces.extend(own.iter().map(on_grid));
             *glows |= body.is_seen && from.substances[own[0].substance as usize].glows();
             let end = pieces.len() as u32;
             match batches.last_mut() {
@@ -98,15 +99,6 @@ impl Draw {
             batches.push(Batch { image: AssetId::default(), pieces: begin..end, is_seen: true });
         }
     }
-}
-
-/// A piece of the world in cells, y down.
-fn on_grid(piece: &Piece, placement: &Placement) -> Piece {
-    let corner = placement.corner();
-    let cells = |[x, y]: [f32; 2]| [x / placement.cell, -y / placement.cell];
-    let Map { x_axis, y_axis, origin } = piece.world;
-    let origin = cells([origin[0] - corner.x, origin[1] - corner.y]);
-    Piece { world: Map { x_axis: cells(x_axis), y_axis: cells(y_axis), origin }, ..*piece }
 }
 
 /// How much brighter lamps are drawn to make up for the grid ([`lamp::gain`]), remembered by where

@@ -114,12 +114,12 @@ pub fn prepare(
 /// Draws matter and records its light.
 pub fn record(
     view: ViewQuery<Entity>,
-    lit_views: Res<LitViews>,
+    mut lit_views: ResMut<LitViews>,
     pictures: Res<PictureBindings>,
     pipelines: Option<Res<Pipelines>>,
     mut context: RenderContext,
 ) {
-    let (Some(lit), Some(pipelines)) = (lit_views.0.get(&view.into_inner()), pipelines) else {
+    let (Some(lit), Some(pipelines)) = (lit_views.0.get_mut(&view.into_inner()), pipelines) else {
         return;
     };
     let diagnostics = context.diagnostic_recorder();
@@ -129,7 +129,7 @@ pub fn record(
     draw_matter(lit, &pipelines, &pictures, encoder);
     span.end(encoder);
     let span = diagnostics.time_span(encoder, "lamplight light");
-    lit.lighting.record(encoder);
+    lit.budget.record(&lit.lighting, encoder);
     if let Some(spots) = &lit.spots {
         spots.lighting.record(encoder);
     }
@@ -145,8 +145,13 @@ fn draw_matter(
     let grid = &lit.grid;
     // Nothing, but that tint lets all through.
     let [emission, albedo, tint, opacity] = &grid.sums;
-    let sums = [(emission, Color::TRANSPARENT), (albedo, Color::TRANSPARENT), (tint, Color::WHITE), (opacity, Color::TRANSPARENT)]
-        .map(|(view, color)| Some(attachment(view, LoadOp::Clear(color))));
+    let sums = [
+        (emission, Color::TRANSPARENT),
+        (albedo, Color::TRANSPARENT),
+        (tint, Color::WHITE),
+        (opacity, Color::TRANSPARENT),
+    ]
+    .map(|(view, color)| Some(attachment(view, LoadOp::Clear(color))));
     let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
         label: Some("lamplight matter"),
         color_attachments: &sums,
@@ -154,7 +159,10 @@ fn draw_matter(
     });
     lit.staged.draw(&mut pass, &pipelines.matter, &lit.draw, pictures, On::Grid);
     drop(pass);
-    let matter = grid.matter.each_ref().map(|view| Some(attachment(view, LoadOp::Clear(Color::TRANSPARENT))));
+    let matter = grid
+        .matter
+        .each_ref()
+        .map(|view| Some(attachment(view, LoadOp::Clear(Color::TRANSPARENT))));
     let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
         label: Some("lamplight settle"),
         color_attachments: &matter,

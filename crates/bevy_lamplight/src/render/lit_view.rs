@@ -1,5 +1,6 @@
 //! What is kept of each lit camera from frame to frame.
 
+use super::budget::Budget;
 use super::draw::Draw;
 use super::extract::ExtractedView;
 use super::stage::{GLOW, MATTER, Pipelines, SUMS, Stage, Staged};
@@ -21,6 +22,7 @@ pub struct LitViews(pub HashMap<Entity, LitView>);
 /// A lit camera.
 pub struct LitView {
     pub lighting: Lighting,
+    pub budget: Budget,
     /// Of spots, where the method does not light them itself.
     pub spots: Option<Spots>,
     pub compose: Compose,
@@ -77,6 +79,7 @@ impl LitView {
         let settings = view.lighting.settings(cell)?;
         Ok(Self {
             lighting: Lighting::new(device, queue, settings)?,
+            budget: Budget::new(device, queue),
             spots: None,
             compose: Compose::new(device)?,
             draw: Draw::default(),

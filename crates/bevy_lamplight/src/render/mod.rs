@@ -7,6 +7,7 @@
 //! | before the main pass | matter on the grid, then its light | `stage.rs`, `lit_view.rs` |
 //! | after the main pass | the picture × its light, then what is not lit | `compose.rs`, `unlit.rs` |
 
+mod budget;
 mod compose;
 mod draw;
 mod extract;
@@ -39,9 +40,7 @@ impl Plugin for LightRenderPlugin {
                 Render,
                 (
                     light::prepare.in_set(RenderSystems::PrepareBindGroups),
-                    unlit::set_apart
-                        .after(RenderSystems::PhaseSort)
-                        .before(RenderSystems::Prepare),
+                    unlit::set_apart.after(RenderSystems::PhaseSort).before(RenderSystems::Prepare),
                     unlit::take_out
                         .after(RenderSystems::PrepareBindGroups)
                         .before(RenderSystems::Render),

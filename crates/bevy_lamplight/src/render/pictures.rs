@@ -52,7 +52,10 @@ impl PictureBindings {
                     label: Some("lamplight picture"),
                     layout: &pipelines.picture_layout,
                     entries: &[
-                        BindGroupEntry { binding: 0, resource: BindingResource::TextureView(&view) },
+                        BindGroupEntry {
+                            binding: 0,
+                            resource: BindingResource::TextureView(&view),
+                        },
                         BindGroupEntry {
                             binding: 1,
                             resource: BindingResource::Sampler(&image.sampler),

@@ -52,7 +52,8 @@ pub struct Pipelines {
 
 impl Pipelines {
     pub fn new(device: &Device) -> Self {
-        let buffer = |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let buffer =
+            |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
         let texture = |filterable, view_dimension| BindingType::Texture {
             sample_type: TextureSampleType::Float { filterable },
             view_dimension,

@@ -59,7 +59,10 @@ pub fn set_apart(
 }
 
 /// Takes what is not lit out of the main pass.
-pub fn take_out(mut unlit: ResMut<Unlit>, mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>) {
+pub fn take_out(
+    mut unlit: ResMut<Unlit>,
+    mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>,
+) {
     let mark = (NOBODY, MainEntity::from(NOBODY));
     for (&view, phase) in phases.iter_mut() {
         let Some(at) = phase.items.get_index_of(&mark) else { continue };
@@ -70,7 +73,10 @@ pub fn take_out(mut unlit: ResMut<Unlit>, mut phases: ResMut<ViewSortedRenderPha
 }
 
 /// Gives it back: what stays from frame to frame stays in the camera's phase.
-pub fn put_back(mut unlit: ResMut<Unlit>, mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>) {
+pub fn put_back(
+    mut unlit: ResMut<Unlit>,
+    mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>,
+) {
     let mark = (NOBODY, MainEntity::from(NOBODY));
     for (view, mut kept) in unlit.phases.drain() {
         kept.items.shift_remove(&mark);

@@ -1,8 +1,8 @@
 //! On how many cells light is found: as many as there are, or fewer and larger ones.
 
 use anyhow::Result;
+use lamplight::coarse::{coarsen, coarsest};
 use lamplight::{Cells, Light, Settings};
-use lamplight_sandbox::coarse::{coarsen, coarsest};
 use lamplight_sandbox::pace::Pace;
 
 /// How large cells are, and who decides.

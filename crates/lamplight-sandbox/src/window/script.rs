@@ -6,7 +6,7 @@ use crate::window::subject::Choice;
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use lamplight::Method;
-use lamplight_sandbox::coarse::COARSEST;
+use lamplight::coarse::COARSEST;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 

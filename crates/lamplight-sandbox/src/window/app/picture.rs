@@ -12,8 +12,8 @@ use crate::window::view::{Pointer, View};
 use crate::window::words;
 use anyhow::Result;
 use eframe::egui::{Color32, Context, Key, Stroke, Ui};
+use lamplight::coarse::spread;
 use lamplight_sandbox::clock::Clock;
-use lamplight_sandbox::coarse::spread;
 use lamplight_sandbox::worlds::Input;
 
 impl App {

@@ -5,8 +5,8 @@ use anyhow::{Context as _, Result};
 use eframe::egui::{
     Color32, ColorImage, Context, Painter, Pos2, Rect, TextureHandle, TextureOptions,
 };
+use lamplight::coarse::spread;
 use lamplight::{Cells, Light, Settings, Solver};
-use lamplight_sandbox::coarse::spread;
 use std::borrow::Cow;
 use std::time::Duration;
 

@@ -5,8 +5,8 @@ use crate::window::inspect::{Inspector, View};
 use crate::window::resolution::Resolution;
 use crate::window::words;
 use eframe::egui::{ComboBox, Slider, Ui};
+use lamplight::coarse::COARSEST;
 use lamplight::{Method, Settings};
-use lamplight_sandbox::coarse::COARSEST;
 
 /// Which view.
 pub fn show(ui: &mut Ui, inspector: &mut Inspector) {

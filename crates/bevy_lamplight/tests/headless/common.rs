@@ -4,13 +4,12 @@
 use bevy::app::PluginsState;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::RenderTarget;
+use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
-use bevy::render::render_resource::{
-    Extent3d, TextureDimension, TextureFormat, TextureUsages,
-};
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 use bevy_lamplight::prelude::*;
@@ -40,22 +39,28 @@ impl Picture {
 #[derive(Resource, Default)]
 struct Arrived(Option<Vec<u8>>);
 
-/// An app with the plugin, and nothing to see.
+/// An app with the plugin, white all over where light of 1 falls.
 pub fn app() -> App {
+    let mut app = headless();
+    app.add_plugins(LamplightPlugin).insert_resource(ClearColor(Color::WHITE));
+    app
+}
+
+/// An app that draws, without a window.
+pub fn headless() -> App {
     let mut app = App::new();
     let window =
         WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
     let render = RenderPlugin { synchronous_pipeline_compilation: true, ..default() };
-    app.add_plugins((
+    app.add_plugins(
         DefaultPlugins
             .set(window)
             .set(render)
             .set(ImagePlugin::default_nearest())
             .disable::<WinitPlugin>()
+            .disable::<LogPlugin>()
             .disable::<PipelinedRenderingPlugin>(),
-        LamplightPlugin,
-    ))
-    .insert_resource(ClearColor(Color::WHITE))
+    )
     .init_resource::<Arrived>();
     app
 }
@@ -70,8 +75,12 @@ pub fn begin(app: &mut App) {
 }
 
 /// A target of so many pixels that keeps light as it is.
-pub fn target(app: &mut App, [width, height]: [u32; 2]) -> Handle<Image> {
-    let format = TextureFormat::Rgba16Float;
+pub fn target(app: &mut App, size: [u32; 2]) -> Handle<Image> {
+    target_of(app, size, TextureFormat::Rgba16Float)
+}
+
+/// A target of some format.
+pub fn target_of(app: &mut App, [width, height]: [u32; 2], format: TextureFormat) -> Handle<Image> {
     let mut image = Image::new_target_texture(width, height, format, None);
     image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     app.world_mut().resource_mut::<Assets<Image>>().add(image)
@@ -116,13 +125,21 @@ pub fn picture(app: &mut App, image: &Handle<Image>, frames: usize) -> Picture {
     app.world_mut().entity_mut(asked).despawn();
     let bytes = app.world_mut().resource_mut::<Arrived>().0.take().expect("a picture arrives");
     let images = app.world().resource::<Assets<Image>>();
-    let size = images.get(image).expect("the target is there").size().to_array();
-    let texels = bytes
-        .as_chunks::<8>()
-        .0
-        .iter()
-        .map(|texel| std::array::from_fn(|c| half([texel[2 * c], texel[2 * c + 1]])))
-        .collect();
+    let target = images.get(image).expect("the target is there");
+    let size = target.size().to_array();
+    let texels = match target.texture_descriptor.format {
+        TextureFormat::Rgba16Float => {
+            let texels = bytes.as_chunks::<8>().0.iter();
+            let texel =
+                |texel: &[u8; 8]| std::array::from_fn(|c| half([texel[2 * c], texel[2 * c + 1]]));
+            texels.map(texel).collect()
+        }
+        // As screens are given it.
+        _ => {
+            let texels = bytes.as_chunks::<4>().0.iter();
+            texels.map(|texel| texel.map(|v| f32::from(v) / 255.0)).collect()
+        }
+    };
     Picture { size, texels }
 }
 

@@ -1,10 +1,8 @@
 //! The light of a Bevy scene is the light of the same cells.
 
-mod common;
-
+use crate::common::{Picture, app, begin, camera, picture, plain, target};
 use bevy::prelude::*;
 use bevy_lamplight::prelude::*;
-use common::{Picture, app, begin, camera, picture, plain, target};
 use lamplight::{Bounces, Cells, Light, Matter, Method, Settings, Solver};
 use lamplight_wgpu::{Placed, View};
 

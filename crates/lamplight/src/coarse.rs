@@ -6,8 +6,8 @@
 //! weaker by as much as the block is wider than what glows in it, so that it looks as bright from afar. Fog and glass
 //! keep what they let through over the block: `T = Π Tᵢ^(1/factor)` over its cells, their mean way.
 
-use lamplight::stages::transmittance::log_transmittance;
-use lamplight::{Cells, Lamp, Light, Matter, Result, Rgb};
+use crate::stages::transmittance::log_transmittance;
+use crate::{Cells, Lamp, Light, Matter, Result, Rgb};
 
 /// Coarsest factor: beyond, nobody would take it for the same picture.
 pub const COARSEST: u32 = 4;

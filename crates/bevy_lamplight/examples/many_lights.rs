@@ -1,0 +1,84 @@
+//! Lamps without end that drift between pillars, and what a frame of them takes:
+//! `cargo run --release -p bevy_lamplight --example many_lights -- 5000`.
+
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::diagnostic::{FrameTimeDiagnosticsPlugin, LogDiagnosticsPlugin};
+use bevy::prelude::*;
+use bevy_lamplight::prelude::*;
+use std::f32::consts::TAU;
+
+fn main() {
+    App::new()
+        .add_plugins((DefaultPlugins, example))
+        .add_plugins((FrameTimeDiagnosticsPlugin::default(), LogDiagnosticsPlugin::default()))
+        .run();
+}
+
+pub fn example(app: &mut App) {
+    app.add_plugins(LamplightPlugin)
+        .insert_resource(ClearColor(Color::srgb(0.5, 0.5, 0.55)))
+        .add_systems(Startup, setup)
+        .add_systems(Update, drift);
+}
+
+/// Half of what lamps drift over.
+const REACH: Vec2 = Vec2::new(310.0, 170.0);
+
+/// Where a lamp turns, how far around it, and how fast.
+#[derive(Component)]
+struct Drift {
+    middle: Vec2,
+    radius: f32,
+    speed: f32,
+    phase: f32,
+}
+
+/// Numbers from 0 to 1 that look like chance, the same every time.
+fn chance() -> impl FnMut() -> f32 {
+    let mut state = 12345u32;
+    move || {
+        state = state.wrapping_mul(747796405).wrapping_add(2891336453);
+        (state >> 8) as f32 / (1 << 24) as f32
+    }
+}
+
+fn setup(mut commands: Commands) {
+    commands.spawn((
+        Camera2d,
+        Lighting2d { cells: CellSize::World(2.0), ..default() },
+        AmbientLight2d { brightness: 0.02, ..default() },
+        Tonemapping::AcesFitted,
+    ));
+    let count = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(500);
+    let mut chance = chance();
+    for _ in 0..count {
+        let lamp = PointLight2d {
+            color: Color::hsl(360.0 * chance(), 0.9, 0.6),
+            // As much light in all, however many they are.
+            intensity: 40.0 / count as f32,
+            range: 100.0,
+            radius: 2.0,
+            ..default()
+        };
+        let drift = Drift {
+            middle: REACH * (2.0 * Vec2::new(chance(), chance()) - 1.0),
+            radius: 40.0 * chance(),
+            speed: 2.0 * chance() - 1.0,
+            phase: TAU * chance(),
+        };
+        commands.spawn((lamp, drift));
+    }
+    for i in 0..60 {
+        let place = Vec2::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.5) * Vec2::new(62.0, 58.0);
+        let pillar = Sprite::from_color(Color::srgb(0.6, 0.55, 0.5), Vec2::splat(12.0));
+        commands.spawn((pillar, Matter2d::wall(), Transform::from_translation(place.extend(1.0))));
+    }
+}
+
+fn drift(time: Res<Time>, mut lamps: Query<(&Drift, &mut Transform)>) {
+    for (drift, mut transform) in &mut lamps {
+        let angle = drift.phase + drift.speed * time.elapsed_secs();
+        let place = drift.middle + drift.radius * Vec2::from_angle(angle);
+        transform.translation = place.extend(0.0);
+    }
+}

@@ -1,0 +1,107 @@
+//! Outlines of what has no picture: lamps and their ranges, occluders, and what each camera's light
+//! reaches to.
+
+use crate::components::{LightOccluder2d, Lighting2d, OccluderShape, PointLight2d, SpotLight2d};
+use crate::placement::Placement;
+use bevy::app::{App, Plugin, PostUpdate};
+use bevy::camera::{Camera, Projection};
+use bevy::color::{Alpha, Color};
+use bevy::gizmos::AppGizmoBuilder;
+use bevy::gizmos::config::GizmoConfigGroup;
+use bevy::gizmos::gizmos::Gizmos;
+use bevy::math::{Isometry2d, Vec2};
+use bevy::prelude::{GlobalTransform, IntoScheduleConfigs, Query, Reflect};
+use bevy::transform::TransformSystems;
+
+/// Draws outlines of lamps, spots, occluders and the borders of lit cameras, unlit and above the
+/// picture. Turned on and off, and made thicker, as other gizmos are, by the configuration of
+/// [`LightGizmos`].
+pub struct LamplightGizmosPlugin;
+
+impl Plugin for LamplightGizmosPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_gizmo_group::<LightGizmos>()
+            .add_systems(PostUpdate, draw.after(TransformSystems::Propagate));
+    }
+
+    fn is_unique(&self) -> bool {
+        false
+    }
+}
+
+/// The group of these gizmos ([`bevy::gizmos::config::GizmoConfigStore`]).
+#[derive(Default, Reflect, GizmoConfigGroup)]
+pub struct LightGizmos;
+
+const OCCLUDER: Color = Color::linear_rgb(1.0, 0.25, 0.1);
+const BORDER: Color = Color::linear_rgb(0.1, 0.8, 1.0);
+/// Alpha of ranges, which are large.
+const FAINT: f32 = 0.35;
+
+fn draw(
+    mut gizmos: Gizmos<LightGizmos>,
+    points: Query<(&PointLight2d, &GlobalTransform)>,
+    spots: Query<(&SpotLight2d, &GlobalTransform)>,
+    occluders: Query<(&LightOccluder2d, &GlobalTransform)>,
+    cameras: Query<(&Camera, &Projection, &GlobalTransform, &Lighting2d)>,
+) {
+    for (lamp, transform) in &points {
+        let middle = transform.translation().truncate();
+        if middle.is_finite() {
+            gizmos.circle_2d(middle, lamp.radius, lamp.color);
+            gizmos.circle_2d(middle, lamp.range, lamp.color.with_alpha(FAINT));
+        }
+    }
+    for (lamp, transform) in &spots {
+        let middle = transform.translation().truncate();
+        let ahead = transform.right().truncate().to_angle();
+        if middle.is_finite() && ahead.is_finite() && lamp.angle.is_finite() {
+            gizmos.circle_2d(middle, lamp.radius, lamp.color);
+            let edge =
+                |side: f32| middle + lamp.range * Vec2::from_angle(ahead + side * 0.5 * lamp.angle);
+            let steps = (-8..=8).map(|i| edge(i as f32 / 8.0));
+            let outline = std::iter::once(middle).chain(steps).chain([middle]);
+            gizmos.linestrip_2d(outline, lamp.color.with_alpha(FAINT));
+        }
+    }
+    for (occluder, transform) in &occluders {
+        let outline = outline(&occluder.shape).into_iter();
+        let at = |point: Vec2| transform.transform_point(point.extend(0.0)).truncate();
+        let outline: Vec<_> = outline.map(at).filter(|point| point.is_finite()).collect();
+        let closed = outline.iter().chain(outline.first());
+        gizmos.linestrip_2d(closed.copied(), OCCLUDER);
+    }
+    for (camera, projection, transform, lighting) in &cameras {
+        let Some(placement) = Placement::of(camera, projection, transform, lighting) else {
+            continue;
+        };
+        let area = placement.area();
+        gizmos.rect_2d(Isometry2d::from_translation(area.center()), area.size(), BORDER);
+    }
+}
+
+/// Corners of a shape, in the entity's own units.
+fn outline(shape: &OccluderShape) -> Vec<Vec2> {
+    const AROUND: usize = 32;
+    let arc = |middle: Vec2, radius: f32, from: usize, to: usize| {
+        (from..=to).map(move |i| {
+            let angle = i as f32 / AROUND as f32 * std::f32::consts::TAU;
+            middle + radius * Vec2::from_angle(angle)
+        })
+    };
+    match shape {
+        OccluderShape::Rectangle { size } => {
+            let half = 0.5 * *size;
+            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+                .map(|(x, y)| half * Vec2::new(x, y))
+                .into()
+        }
+        OccluderShape::Circle { radius } => arc(Vec2::ZERO, *radius, 0, AROUND).collect(),
+        OccluderShape::Capsule { radius, length } => {
+            let end = Vec2::new(0.0, 0.5 * length);
+            let top = arc(end, *radius, 0, AROUND / 2);
+            top.chain(arc(-end, *radius, AROUND / 2, AROUND)).collect()
+        }
+        OccluderShape::Polygon { points } => points.clone(),
+    }
+}

@@ -1,0 +1,325 @@
+//! The grid that answers, and the system parameter that asks.
+
+use super::raster::rasterize;
+use crate::components::{AmbientLight2d, LightMethod, Lighting2d, Sky2d};
+use crate::pieces::{Gather, Pictures, Surroundings};
+use crate::placement::Placement;
+use bevy::app::{App, Plugin, PostUpdate};
+use bevy::camera::visibility::{RenderLayers, VisibilitySystems};
+use bevy::camera::{Camera, Projection};
+use bevy::color::LinearRgba;
+use bevy::ecs::system::SystemParam;
+use bevy::log::error;
+use bevy::math::{Rect, Vec2};
+use bevy::prelude::{
+    GlobalTransform, IntoScheduleConfigs, Query, Reflect, ReflectResource, Res, ResMut, Resource,
+};
+use bevy::transform::TransformSystems;
+use lamplight::coarse::coarsen;
+use lamplight::{Cells, Lamp, Light, Method, Settings, Sky, Solver};
+use lamplight_wgpu::View;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Answers [`LightQuery`]; part of [`LamplightPlugin`](crate::LamplightPlugin), and enough by itself
+/// where nothing is drawn, as on a server.
+pub struct LightQueryPlugin;
+
+impl Plugin for LightQueryPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<LightQuerySettings>().init_resource::<Answer>().add_systems(
+            PostUpdate,
+            solve.after(TransformSystems::Propagate).after(VisibilitySystems::VisibilityPropagate),
+        );
+    }
+}
+
+/// How the light that [`LightQuery`] asks about is found.
+#[derive(Resource, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Debug, Clone, PartialEq)]
+pub struct LightQuerySettings {
+    /// World units a cell. Half of it costs four times as much. Walls are seen down to half of it.
+    pub cell: f32,
+    /// What can be asked about. None: what the first lit camera sees, with its border; where there
+    /// is no lit camera, all that takes part in light and as much again as lamps reach. Areas of
+    /// more than 131,072 cells get larger cells.
+    pub area: Option<Rect>,
+    /// How light is found. None: as the first lit camera says, or as [`Lighting2d::default`] does.
+    /// `holographic` without a preset is made `fast`.
+    pub lighting: Option<Lighting2d>,
+    /// Sees what is on these layers; those of the first lit camera where there is one.
+    #[reflect(ignore)]
+    pub layers: RenderLayers,
+}
+
+impl Default for LightQuerySettings {
+    fn default() -> Self {
+        Self { cell: 4.0, area: None, lighting: None, layers: RenderLayers::default() }
+    }
+}
+
+/// Asks how much light arrives at a place. The first time in a while nothing is known yet: light is
+/// found at the end of every frame in which somebody asked, and is one frame old.
+///
+/// ```
+/// # use bevy::prelude::*; use bevy_lamplight::prelude::*;
+/// # #[derive(Component)] struct Thief;
+/// fn is_seen(light: LightQuery, thief: Single<&GlobalTransform, With<Thief>>) {
+///     if light.level(thief.translation().truncate()).is_some_and(|level| level > 0.2) {
+///         println!("the guards see you");
+///     }
+/// }
+/// ```
+#[derive(SystemParam)]
+pub struct LightQuery<'w> {
+    answer: Res<'w, Answer>,
+}
+
+impl LightQuery<'_> {
+    /// Light that arrives at a place of the world, linear; none where it is not known.
+    pub fn at(&self, place: Vec2) -> Option<LinearRgba> {
+        let (answer, at) = self.answer.place(place)?;
+        Some(answer.sum(|light| light.sample(at)))
+    }
+
+    /// Mean light that arrives in the open part of a box; none where it is not known all over.
+    pub fn over(&self, area: Rect) -> Option<LinearRgba> {
+        let (answer, left_bottom) = self.answer.place(area.min)?;
+        let (_, right_top) = answer.place(area.max)?;
+        let (min, max) = ([left_bottom[0], right_top[1]], [right_top[0], left_bottom[1]]);
+        Some(answer.sum(|light| light.over(min, max)))
+    }
+
+    /// Luminance at a place: 1 is where white is shown white.
+    pub fn level(&self, place: Vec2) -> Option<f32> {
+        use bevy::color::Luminance;
+        self.at(place).map(|light| light.luminance())
+    }
+
+    /// What can be asked about; none before the first answer.
+    pub fn area(&self) -> Option<Rect> {
+        self.answer.ask();
+        Some(self.answer.grid?.area())
+    }
+}
+
+/// The light last found.
+#[derive(Resource, Default)]
+pub struct Answer {
+    asked: AtomicBool,
+    grid: Option<Placement>,
+    light: Light,
+    /// Of spots, where the method does not light them itself.
+    spots: Option<Light>,
+    ambient: [f32; 3],
+    /// World units a cell of light.
+    cell: f32,
+}
+
+impl Answer {
+    fn ask(&self) {
+        self.asked.store(true, Ordering::Relaxed);
+    }
+
+    /// A place of the world, in cells.
+    fn place(&self, place: Vec2) -> Option<(&Self, [f32; 2])> {
+        self.ask();
+        let grid = self.grid.filter(|grid| grid.area().contains(place))?;
+        let at = (place - grid.corner()) / self.cell;
+        Some((self, [at.x, -at.y]))
+    }
+
+    fn sum(&self, light: impl Fn(&Light) -> [f32; 3]) -> LinearRgba {
+        let spots = self.spots.as_ref().map_or([0.0; 3], &light);
+        let own = light(&self.light);
+        let [red, green, blue] = std::array::from_fn(|c| own[c] + spots[c] + self.ambient[c]);
+        LinearRgba::rgb(red, green, blue)
+    }
+}
+
+/// What is kept from answer to answer.
+#[derive(Default)]
+struct Bench {
+    surroundings: Surroundings,
+    fine: Option<Cells>,
+    cells: Option<Cells>,
+    lamps: Vec<Lamp>,
+    solver: Option<Solver>,
+    spots: Option<Solver>,
+    /// The problem last told.
+    told: String,
+}
+
+type LitCamera = (
+    &'static Camera,
+    &'static Projection,
+    &'static GlobalTransform,
+    &'static Lighting2d,
+    Option<&'static RenderLayers>,
+    Option<&'static Sky2d>,
+    Option<&'static AmbientLight2d>,
+);
+
+/// Finds the light where somebody asked since it was last found.
+fn solve(
+    settings: Res<LightQuerySettings>,
+    mut answer: ResMut<Answer>,
+    mut bench: bevy::prelude::Local<Bench>,
+    cameras: Query<LitCamera>,
+    gather: Gather,
+    pictures: Pictures,
+) {
+    if !answer.asked.swap(false, Ordering::Relaxed) {
+        return;
+    }
+    let camera = cameras.iter().filter(|(camera, ..)| camera.is_active).find_map(
+        |(camera, projection, transform, lighting, layers, sky, ambient)| {
+            let placement = Placement::of(camera, projection, transform, lighting)?;
+            Some((placement, lighting, layers.unwrap_or_default(), sky, ambient))
+        },
+    );
+    let default = Lighting2d::default();
+    let own = camera.as_ref().map(|(_, lighting, ..)| *lighting);
+    let lighting = settings.lighting.as_ref().or(own).unwrap_or(&default);
+    let layers = camera.as_ref().map_or(&settings.layers, |(_, _, layers, ..)| *layers);
+    let sky = camera.as_ref().and_then(|(_, _, _, sky, _)| *sky);
+    let ambient = camera.as_ref().and_then(|(.., ambient)| *ambient);
+    let seen = camera.as_ref().map(|(placement, ..)| placement.area());
+    let area = settings.area.or(seen);
+
+    let bench = &mut *bench;
+    // All there is, where nothing says what matters.
+    let everywhere = Rect::from_center_half_size(Vec2::ZERO, Vec2::splat(1e9));
+    gather.gather(&[area.unwrap_or(everywhere)], &mut bench.surroundings);
+    let Some(area) = area.or_else(|| bench.surroundings.bounds()) else {
+        answer.grid = None;
+        return;
+    };
+    let Some(grid) = place(area, settings.cell) else {
+        answer.grid = None;
+        return;
+    };
+    answer.ambient = ambient.map_or([0.0; 3], |ambient| ambient.radiance());
+    let sky = sky.map_or(Sky::BLACK, |sky| sky.sky());
+    match bench.solve(&grid, lighting, layers, sky, &pictures) {
+        Ok((light, spots)) => {
+            answer.light.clone_from(light);
+            answer.spots = spots.cloned();
+            answer.cell = grid.cell * FINER as f32;
+            answer.grid = Some(grid);
+        }
+        Err(problem) => {
+            answer.grid = None;
+            let problem = problem.to_string();
+            if bench.told != problem {
+                error!("no light is known: {problem}");
+                bench.told = problem;
+            }
+        }
+    }
+}
+
+/// So much finer is matter drawn, so that walls thinner than a cell stay shut.
+const FINER: u32 = 2;
+/// Most cells of an answer.
+const MOST_CELLS: u64 = 1 << 17;
+/// Cells of light after which methods do the same again.
+const LATTICE: u32 = 16;
+
+/// The fine grid over an area.
+fn place(area: Rect, cell: f32) -> Option<Placement> {
+    if !(cell > 0.0 && area.min.is_finite() && area.max.is_finite()) {
+        return None;
+    }
+    /// Beyond, nothing of a world is left.
+    const MOST_DOUBLINGS: usize = 32;
+    let doubled = (0..MOST_DOUBLINGS as i32).map(|i| cell * 2f32.powi(i));
+    let fits = |cell: f32| {
+        let fine = cell / FINER as f32;
+        let [x, y] = (area.center() / fine).to_array().map(f64::from);
+        let lattice = LATTICE * FINER;
+        let view = View { position: [x, -y], border: 0, lattice, step: lattice, ..View::default() };
+        let extent = (area.size() / fine).max(Vec2::ONE).to_array().map(f64::from);
+        let placed = view.cover(extent).ok()?;
+        let cells = placed.size.map(|side| u64::from(side / FINER));
+        (cells[0] * cells[1] <= MOST_CELLS).then_some(Placement { cell: fine, placed })
+    };
+    doubled.into_iter().find_map(fits)
+}
+
+impl Bench {
+    fn solve(
+        &mut self,
+        grid: &Placement,
+        lighting: &Lighting2d,
+        layers: &RenderLayers,
+        sky: Sky,
+        pictures: &Pictures,
+    ) -> lamplight::Result<(&Light, Option<&Light>)> {
+        let by_rule = matches!(lighting.method, LightMethod::Polar | LightMethod::Flood);
+        let mut lighting = lighting.clone();
+        if lighting.method == LightMethod::Holographic && lighting.preset.is_empty() {
+            lighting.preset = "fast".into();
+        }
+        let [width, height] = grid.placed.size;
+        let fine = match self.fine.take() {
+            Some(fine) if [fine.width(), fine.height()] == grid.placed.size => fine,
+            _ => Cells::new(width, height)?,
+        };
+        let fine = self.fine.insert(fine);
+        rasterize(&self.surroundings, grid, layers, pictures, fine);
+        fine.set_sky(sky);
+        // Spots are lit by rule whatever the method.
+        self.lamps.clear();
+        let lamps = self.surroundings.lamps.iter().filter(|(_, own)| own.intersects(layers));
+        for (lamp, _) in lamps {
+            let mut on_grid = lamp.on_grid(grid.corner(), grid.cell);
+            let is_spot = lamp.cone.is_some();
+            if !by_rule && !is_spot {
+                on_grid.color = lamp.disc();
+            }
+            if on_grid.check(&"lamp").is_err() {
+                continue;
+            }
+            match is_spot && !by_rule {
+                true => self.lamps.push(on_grid),
+                false => fine.lamps_mut().push(on_grid),
+            }
+        }
+        if lighting.method == LightMethod::Polar && fine.lamps().is_empty() {
+            // It refuses a scene without lamps; this one is off.
+            fine.lamps_mut().push(Lamp { intensity: 0.0, ..Lamp::default() });
+        }
+        let cells = match self.cells.take() {
+            Some(cells) => cells,
+            None => Cells::new(1, 1)?,
+        };
+        let cells = self.cells.insert(cells);
+        coarsen(fine, FINER, cells)?;
+        let settings = lighting.settings(grid.cell * FINER as f32)?;
+        let light = solved(&mut self.solver, settings, cells)?;
+        if self.lamps.is_empty() {
+            return Ok((light, None));
+        }
+        // The same matter, with no lamps but spots.
+        fine.lamps_mut().clear();
+        fine.lamps_mut().append(&mut self.lamps);
+        fine.set_sky(Sky::BLACK);
+        coarsen(fine, FINER, cells)?;
+        let settings = Settings { method: Method::Polar, ..Settings::default() };
+        Ok((light, Some(solved(&mut self.spots, settings, cells)?)))
+    }
+}
+
+/// Solves with a solver that is kept while its settings stay.
+fn solved<'a>(
+    solver: &'a mut Option<Solver>,
+    settings: Settings,
+    cells: &Cells,
+) -> lamplight::Result<&'a Light> {
+    let own = match solver.take() {
+        Some(own) if *own.settings() == settings => own,
+        _ => Solver::new(settings)?,
+    };
+    let own = solver.insert(own);
+    own.solve(cells)
+}

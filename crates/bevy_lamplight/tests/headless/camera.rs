@@ -1,0 +1,176 @@
+//! Cameras: light stays with the world while they move, and each has its own.
+
+use crate::common::{Picture, app, begin, camera, picture, plain, target};
+use bevy::camera::Viewport;
+use bevy::camera::visibility::RenderLayers;
+use bevy::prelude::*;
+use bevy_lamplight::prelude::*;
+
+const SIZE: [u32; 2] = [160, 120];
+/// A moving camera keeps every place's light to this share.
+const STEADY: f32 = 0.01;
+
+/// Something that glows and something that blocks, well inside of what every camera here sees.
+fn scene(app: &mut App) {
+    let lamp = Sprite::from_color(Color::linear_rgb(1.0, 0.5, 0.25), Vec2::splat(10.0));
+    let wall = Sprite::from_color(Color::WHITE, Vec2::new(4.0, 30.0));
+    app.world_mut().spawn((lamp, Matter2d::glow(10.0), Transform::from_xyz(-15.0, 5.0, 0.0)));
+    app.world_mut().spawn((wall, Matter2d::wall(), Transform::from_xyz(12.0, 0.0, 0.0)));
+}
+
+/// Light at places of the world, between the pixels of a camera's picture.
+fn light_at(picture: &Picture, camera: Transform, zoom: f32, places: &[Vec2]) -> Vec<f32> {
+    let back = camera.to_matrix().inverse();
+    let sample = |place: &Vec2| {
+        let seen = back.transform_point3(place.extend(0.0)).truncate() * zoom;
+        let x = seen.x + 0.5 * picture.size[0] as f32 - 0.5;
+        let y = 0.5 * picture.size[1] as f32 - seen.y - 0.5;
+        let (left, top) = (x.floor(), y.floor());
+        let grey = |dx: f32, dy: f32| picture.grey((left + dx) as u32, (top + dy) as u32);
+        let (fx, fy) = (x - left, y - top);
+        grey(0.0, 0.0).lerp(grey(1.0, 0.0), fx).lerp(grey(0.0, 1.0).lerp(grey(1.0, 1.0), fx), fy)
+    };
+    places.iter().map(sample).collect()
+}
+
+/// Places in the open, where light changes little from cell to cell.
+fn places() -> Vec<Vec2> {
+    let all = (-2..=2).flat_map(|y| (-2..=2).map(move |x| Vec2::new(x as f32, y as f32) * 9.0));
+    let far =
+        |place: &Vec2| place.distance(Vec2::new(-15.0, 5.0)) > 14.0 && (place.x - 12.0).abs() > 8.0;
+    all.filter(far).collect()
+}
+
+fn worst(before: &[f32], after: &[f32]) -> f32 {
+    let changes = before.iter().zip(after).map(|(a, b)| (a - b).abs() / a);
+    changes.fold(0.0, f32::max)
+}
+
+#[test]
+fn light_stays_where_it_is_while_the_camera_moves_and_turns() {
+    for method in [LightMethod::Cascades, LightMethod::Raymarch] {
+        let mut app = app();
+        let image = target(&mut app, SIZE);
+        let smooth = Lighting2d { method, filter: LightFilter::Linear, ..plain() };
+        // Rays without noise, so that every frame's light is the same.
+        let set = vec!["raymarch.noise='none'".to_owned(), "raymarch.rays=256".to_owned()];
+        let smooth = match method {
+            LightMethod::Raymarch => Lighting2d { set, ..smooth },
+            _ => smooth,
+        };
+        let eye = camera(&mut app, &image, smooth);
+        scene(&mut app);
+        begin(&mut app);
+        let places = places();
+        assert!(places.len() > 8);
+        let first = light_at(&picture(&mut app, &image, 3), Transform::default(), 1.0, &places);
+        for (x, y, turn) in [
+            (0.3, 0.0, 0.0),
+            (3.7, -2.2, 0.0),
+            (17.0, 9.5, 0.0),
+            (-21.25, 4.0, 0.0),
+            (2.0, 1.0, 0.3),
+            (0.0, 0.0, -1.1),
+        ] {
+            let place = Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(turn));
+            app.world_mut().entity_mut(eye).insert(place);
+            let seen = picture(&mut app, &image, 1);
+            let moved = worst(&first, &light_at(&seen, place, 1.0, &places));
+            println!("{method:?} at ({x}, {y}), turned by {turn}: {:.2} %", 100.0 * moved);
+            assert!(moved < STEADY, "{method:?} at ({x}, {y}), {turn}: {moved}");
+        }
+        // A lamp that has moved is another light.
+        let lamp = app.world_mut().query_filtered::<Entity, With<Matter2d>>();
+        let lamp = { lamp }.iter(app.world()).next().expect("there is one");
+        app.world_mut().entity_mut(lamp).insert(Transform::from_xyz(-16.0, 5.0, 0.0));
+        let seen = picture(&mut app, &image, 1);
+        let place = Transform::from_rotation(Quat::from_rotation_z(-1.1));
+        assert!(worst(&first, &light_at(&seen, place, 1.0, &places)) > STEADY);
+    }
+}
+
+#[test]
+fn zoom_changes_no_light_but_by_the_size_of_cells() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let lighting = Lighting2d {
+        cells: CellSize::Screen(1.0),
+        filter: LightFilter::Linear,
+        border: 64.0,
+        ..plain()
+    };
+    let eye = camera(&mut app, &image, lighting);
+    scene(&mut app);
+    begin(&mut app);
+    let places = places();
+    let mut zoomed = |scale: f32| {
+        let projection = OrthographicProjection { scale, ..OrthographicProjection::default_2d() };
+        app.world_mut().entity_mut(eye).insert(Projection::Orthographic(projection));
+        light_at(&picture(&mut app, &image, 2), Transform::default(), 1.0 / scale, &places)
+    };
+    let first = zoomed(1.0);
+    for scale in [0.8, 1.3] {
+        let moved = worst(&first, &zoomed(scale));
+        println!("zoomed by {scale}: {:.2} %", 100.0 * moved);
+        assert!(moved < STEADY, "zoomed by {scale}: {moved}");
+    }
+    // Twice as many world units a pixel: larger cells, about the same light.
+    let moved = worst(&first, &zoomed(1.9));
+    println!("other cells: {:.2} %", 100.0 * moved);
+    assert!(moved > 0.0 && moved < 0.1, "{moved}");
+}
+
+#[test]
+fn what_lies_in_the_border_lights_the_screen() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let eye = camera(&mut app, &image, Lighting2d { border: 40.0, ..plain() });
+    // Just off the screen, on the right.
+    let lamp = Sprite::from_color(Color::WHITE, Vec2::splat(10.0));
+    app.world_mut().spawn((lamp, Matter2d::glow(10.0), Transform::from_xyz(100.0, 0.0, 0.0)));
+    begin(&mut app);
+    let lit = picture(&mut app, &image, 3);
+    assert!(lit.grey(150, 60) > 0.2, "{}", lit.grey(150, 60));
+    // Every camera's border is its own.
+    app.world_mut().entity_mut(eye).insert(Lighting2d { border: 0.0, ..plain() });
+    let dark = picture(&mut app, &image, 1);
+    // Grids grow in steps: the lamp may still be on it, unless it is further away.
+    app.world_mut().entity_mut(eye).insert(Transform::from_xyz(-120.0, 0.0, 0.0));
+    let darker = picture(&mut app, &image, 1);
+    assert!(darker.grey(150, 60) < 1e-3, "{} {}", dark.grey(150, 60), darker.grey(150, 60));
+}
+
+#[test]
+fn a_split_screen_has_two_lights() {
+    let mut app = app();
+    let image = target(&mut app, [160, 80]);
+    let half = |x: u32| Viewport {
+        physical_position: UVec2::new(x, 0),
+        physical_size: UVec2::splat(80),
+        ..default()
+    };
+    let left = camera(&mut app, &image, plain());
+    let right = camera(&mut app, &image, Lighting2d { exposure: 1.0, ..plain() });
+    let layers = [RenderLayers::layer(1), RenderLayers::layer(2)];
+    for (order, (eye, x)) in [(left, 0), (right, 80)].into_iter().enumerate() {
+        let clear_color =
+            if order == 0 { ClearColorConfig::Default } else { ClearColorConfig::None };
+        let eye_camera =
+            Camera { viewport: Some(half(x)), order: order as isize, clear_color, ..default() };
+        app.world_mut().entity_mut(eye).insert((eye_camera, layers[order].clone()));
+    }
+    // Each sees a lamp of its own colour, at the same place.
+    for (layer, color) in
+        layers.into_iter().zip([Color::linear_rgb(1.0, 0.0, 0.0), Color::linear_rgb(0.0, 0.0, 1.0)])
+    {
+        let sprite = Sprite::from_color(color, Vec2::splat(8.0));
+        app.world_mut().spawn((sprite, Matter2d::glow(10.0), layer));
+    }
+    begin(&mut app);
+    let seen = picture(&mut app, &image, 3);
+    let (red, blue) = (seen.at(60, 40), seen.at(140, 40));
+    assert!(red[0] > 0.1 && red[2] == 0.0, "{red:?}");
+    assert!(blue[2] > 0.1 && blue[0] == 0.0, "{blue:?}");
+    // A stop brighter.
+    assert!((blue[2] / red[0] - 2.0).abs() < 0.01, "{red:?}, {blue:?}");
+}

@@ -1,0 +1,108 @@
+//! The examples run, and show what their pictures show.
+//!
+//! `LAMPLIGHT_DRAW=1` draws the pictures anew (`cargo xtask docs --bevy`).
+
+use crate::common::{Picture, begin, headless, picture, target_of};
+use bevy::camera::RenderTarget;
+use bevy::prelude::*;
+use bevy::render::render_resource::TextureFormat;
+use bevy::time::TimeUpdateStrategy;
+use std::path::Path;
+use std::time::Duration;
+
+#[path = "../../examples/dungeon.rs"]
+mod dungeon;
+#[path = "../../examples/hello.rs"]
+mod hello;
+#[path = "../../examples/many_lights.rs"]
+mod many_lights;
+#[path = "../../examples/neon_street.rs"]
+mod neon_street;
+#[path = "../../examples/split_screen.rs"]
+mod split_screen;
+#[path = "../../examples/stealth.rs"]
+mod stealth;
+
+const SIZE: [u32; 2] = [640, 360];
+/// Mean difference to the picture, of 255: other GPUs round otherwise, and noise is nowhere.
+const NEAR: f32 = 1.5;
+
+/// What an example shows after a few frames of a sixtieth of a second.
+fn shown(example: fn(&mut App)) -> Picture {
+    let mut app = headless();
+    app.add_plugins(example);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)));
+    let image = target_of(&mut app, SIZE, TextureFormat::Rgba8UnormSrgb);
+    let target = RenderTarget::Image(image.clone().into());
+    app.add_systems(
+        PostStartup,
+        move |mut commands: Commands, cameras: Query<Entity, With<Camera2d>>| {
+            for camera in &cameras {
+                commands.entity(camera).insert(target.clone());
+            }
+        },
+    );
+    begin(&mut app);
+    picture(&mut app, &image, 4)
+}
+
+/// Mean over all pixels and channels, of 255.
+fn difference(a: &[u8], b: &[u8]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    let sum: u64 = a.iter().zip(b).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    sum as f32 / a.len() as f32
+}
+
+fn check(name: &str, example: fn(&mut App)) {
+    let seen = shown(example);
+    let bytes: Vec<u8> = seen
+        .texels
+        .iter()
+        .flat_map(|&[r, g, b, _]| [r, g, b].map(|v| (255.0 * v).round() as u8))
+        .collect();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("pictures");
+    let path = folder.join(name).with_extension("png");
+    if std::env::var_os("LAMPLIGHT_DRAW").is_some() {
+        std::fs::create_dir_all(&folder).unwrap();
+        image::RgbImage::from_raw(SIZE[0], SIZE[1], bytes).unwrap().save(&path).unwrap();
+        return;
+    }
+    let right = image::open(&path).expect("the example's picture").into_rgb8();
+    assert_eq!([right.width(), right.height()], SIZE);
+    let off = difference(&bytes, right.as_raw());
+    println!("{name}: {off:.3} of 255");
+    assert!(off < NEAR, "{name} differs from its picture by {off} of 255");
+    // Its mirror image is another.
+    let mirrored = image::imageops::flip_horizontal(&right);
+    assert!(difference(&bytes, mirrored.as_raw()) > 2.0 * NEAR, "{name}");
+}
+
+#[test]
+fn hello_shows_its_picture() {
+    check("hello", hello::example);
+}
+
+#[test]
+fn dungeon_shows_its_picture() {
+    check("dungeon", dungeon::example);
+}
+
+#[test]
+fn neon_street_shows_its_picture() {
+    check("neon_street", neon_street::example);
+}
+
+#[test]
+fn stealth_shows_its_picture() {
+    check("stealth", stealth::example);
+}
+
+#[test]
+fn many_lights_shows_its_picture() {
+    check("many_lights", many_lights::example);
+}
+
+#[test]
+fn split_screen_shows_its_picture() {
+    check("split_screen", split_screen::example);
+}

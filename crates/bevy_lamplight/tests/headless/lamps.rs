@@ -1,0 +1,92 @@
+//! Lamps, spots, ambient light and sky.
+
+use crate::common::{app, begin, camera, picture, plain, target};
+use bevy::prelude::*;
+use bevy_lamplight::prelude::*;
+
+const SIZE: [u32; 2] = [160, 120];
+
+#[test]
+fn a_lamp_gives_its_intensity_at_a_quarter_of_its_range_wherever_it_glides() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let rays = vec!["raymarch.rays=512".to_owned()];
+    camera(&mut app, &image, Lighting2d { method: LightMethod::Raymarch, set: rays, ..plain() });
+    let light =
+        PointLight2d { color: Color::linear_rgb(1.0, 0.5, 0.0), intensity: 0.75, ..default() };
+    let lamp = app.world_mut().spawn((light, Transform::default())).id();
+    begin(&mut app);
+    for (x, y) in [(0.0, 0.0), (0.3, 0.7), (0.5, 0.5), (0.9, 0.1)] {
+        app.world_mut().entity_mut(lamp).insert(Transform::from_xyz(x, y, 0.0));
+        let seen = picture(&mut app, &image, 2);
+        // Means over rings: at a quarter, and at half of the range of 128.
+        for (distance, right) in [(32.0, 0.75), (56.0, 0.75 * 32.0 / 56.0)] {
+            let mut sum = [0.0f32; 3];
+            const AROUND: usize = 24;
+            for i in 0..AROUND {
+                let angle = i as f32 / AROUND as f32 * std::f32::consts::TAU;
+                let px = 80.0 + x + distance * angle.cos();
+                let py = 60.0 - y + distance * angle.sin();
+                let at = seen.at(px as u32, (py as u32).min(SIZE[1] - 1));
+                (0..3).for_each(|c| sum[c] += at[c] / AROUND as f32);
+            }
+            println!("({x}, {y}), {distance} away: {sum:?}, {right}");
+            assert!((sum[0] / right - 1.0).abs() < 0.05, "{sum:?}, not {right}");
+            assert!((sum[1] / sum[0] - 0.5).abs() < 0.01 && sum[2] == 0.0, "{sum:?}");
+        }
+    }
+}
+
+#[test]
+fn a_spot_lights_what_is_ahead_and_walls_stop_it() {
+    for method in [LightMethod::Cascades, LightMethod::Polar] {
+        let mut app = app();
+        let image = target(&mut app, SIZE);
+        camera(&mut app, &image, Lighting2d { method, ..plain() });
+        let spot = SpotLight2d { range: 100.0, angle: 0.8, softness: 0.2, ..default() };
+        // To the left and up, where a wall stands in the way.
+        let turn = Quat::from_rotation_z(2.5);
+        app.world_mut().spawn((spot, Transform::from_rotation(turn)));
+        let wall = LightOccluder2d::rectangle(4.0, 40.0);
+        app.world_mut().spawn((wall, Transform::from_xyz(-50.0, 36.0, 0.0)));
+        begin(&mut app);
+        let seen = picture(&mut app, &image, 3);
+        let at = |distance: f32, angle: f32| {
+            let (sin, cos) = angle.sin_cos();
+            seen.grey((80.0 + distance * cos) as u32, (60.0 - distance * sin) as u32)
+        };
+        // Linear falloff.
+        assert!((at(30.0, 2.5) - 0.7).abs() < 0.05, "{method:?}: {}", at(30.0, 2.5));
+        assert!(at(30.0, 2.5 + 0.6) < 1e-3, "beside the cone");
+        assert!(at(30.0, 2.5 - std::f32::consts::PI) < 1e-3, "behind");
+        assert!(at(72.0, 2.5) < 1e-3, "in the shadow: {}", at(72.0, 2.5));
+    }
+}
+
+#[test]
+fn ambient_light_is_everywhere_and_the_sky_comes_from_outside() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let eye = camera(&mut app, &image, plain());
+    // A lid: above it the sky is seen, below it hardly.
+    let lid = LightOccluder2d::rectangle(400.0, 8.0);
+    app.world_mut().spawn((lid, Transform::default()));
+    begin(&mut app);
+    let ambient = AmbientLight2d { color: Color::linear_rgb(0.5, 1.0, 0.25), brightness: 0.4 };
+    app.world_mut().entity_mut(eye).insert(ambient);
+    let seen = picture(&mut app, &image, 3);
+    for (x, y) in [(3, 3), (80, 60), (100, 110)] {
+        let found = seen.at(x, y);
+        let right = [0.2, 0.4, 0.1];
+        assert!((0..3).all(|c| (found[c] - right[c]).abs() < 1e-3), "{found:?}");
+    }
+    app.world_mut().entity_mut(eye).remove::<AmbientLight2d>().insert(Sky2d {
+        zenith: Color::linear_rgb(1.0, 1.0, 1.0),
+        horizon: Color::linear_rgb(1.0, 1.0, 1.0),
+        ground: Color::BLACK,
+        brightness: 2.0,
+    });
+    let seen = picture(&mut app, &image, 2);
+    let (above, below) = (seen.grey(80, 10), seen.grey(80, 110));
+    assert!(above > 0.8 && below < 0.5 * above, "{above}, {below}");
+}

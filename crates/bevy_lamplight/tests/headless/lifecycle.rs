@@ -1,0 +1,180 @@
+//! What comes, goes and is wrong.
+
+use crate::common::{app, begin, camera, picture, plain, target};
+use bevy::camera::RenderTarget;
+use bevy::prelude::*;
+use bevy::render::renderer::RenderDevice;
+use bevy::window::WindowRef;
+use bevy_lamplight::prelude::*;
+
+const SIZE: [u32; 2] = [64, 48];
+
+#[test]
+fn what_is_added_changed_hidden_and_despawned_is_so_in_the_light() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    camera(&mut app, &image, plain());
+    begin(&mut app);
+    let light = |app: &mut App| picture(app, &image, 1).at(48, 24);
+    assert_eq!(light(&mut app), [0.0; 3]);
+    let sprite = Sprite::from_color(Color::WHITE, Vec2::splat(6.0));
+    let lamp = app.world_mut().spawn((sprite, Matter2d::glow(6.0))).id();
+    let first = light(&mut app);
+    assert!(first[0] > 0.1 && first[0] == first[2], "{first:?}");
+    app.world_mut()
+        .entity_mut(lamp)
+        .insert(Matter2d { emission: LinearRgba::rgb(12.0, 0.0, 0.0), ..Matter2d::glow(1.0) });
+    let changed = light(&mut app);
+    assert!((changed[0] / first[0] - 2.0).abs() < 0.01 && changed[2] == 0.0, "{changed:?}");
+    app.world_mut().entity_mut(lamp).insert(Visibility::Hidden);
+    assert_eq!(light(&mut app), [0.0; 3]);
+    app.world_mut().entity_mut(lamp).insert(Visibility::Inherited);
+    assert_eq!(light(&mut app), changed);
+    app.world_mut().entity_mut(lamp).remove::<Matter2d>();
+    assert_eq!(light(&mut app), [0.0; 3]);
+    app.world_mut().entity_mut(lamp).insert(Matter2d::glow(6.0));
+    assert_eq!(light(&mut app), first);
+    app.world_mut().entity_mut(lamp).despawn();
+    assert_eq!(light(&mut app), [0.0; 3]);
+}
+
+#[test]
+fn a_window_may_have_no_size_for_a_while() {
+    let mut app = app();
+    let window = app.world_mut().spawn(Window { resolution: (64, 48).into(), ..default() }).id();
+    let target = RenderTarget::Window(WindowRef::Entity(window));
+    app.world_mut().spawn((Camera2d, target, plain()));
+    begin(&mut app);
+    for size in [(64, 48), (0, 0), (0, 48), (1, 1), (64, 0), (80, 60)] {
+        let mut window = app.world_mut().get_mut::<Window>(window).expect("there is one");
+        window.resolution.set_physical_resolution(size.0, size.1);
+        (0..2).for_each(|_| app.update());
+    }
+}
+
+#[test]
+fn a_target_that_changes_its_size_is_lit_all_over() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let eye = camera(&mut app, &image, plain());
+    app.world_mut().entity_mut(eye).insert(AmbientLight2d { brightness: 0.5, ..default() });
+    begin(&mut app);
+    for (width, height) in [(64, 48), (200, 3), (1, 1), (90, 110)] {
+        let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+        let mut texture = images.get_mut(&image).expect("the target is there");
+        texture.resize(bevy::render::render_resource::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        });
+        drop(texture);
+        let seen = picture(&mut app, &image, 2);
+        assert_eq!(seen.size, [width, height]);
+        assert!(seen.texels.iter().all(|[r, ..]| (r - 0.5).abs() < 1e-3), "{width}×{height}");
+    }
+}
+
+/// What of the GPU is held: buffers, textures, views, bind groups, pipelines, bytes.
+fn held(app: &App) -> [isize; 6] {
+    let device = app.world().resource::<RenderDevice>().wgpu_device().clone();
+    let counters = device.get_internal_counters().hal;
+    [
+        counters.buffers.read(),
+        counters.textures.read(),
+        counters.texture_views.read(),
+        counters.bind_groups.read(),
+        counters.compute_pipelines.read() + counters.render_pipelines.read(),
+        counters.buffer_memory.read() + counters.texture_memory.read(),
+    ]
+}
+
+#[test]
+fn three_hundred_frames_hold_no_more_than_thirty() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    camera(&mut app, &image, plain());
+    let sprite = Sprite::from_color(Color::WHITE, Vec2::splat(6.0));
+    let lamp = app.world_mut().spawn((sprite, Matter2d::glow(6.0))).id();
+    app.world_mut().spawn((SpotLight2d::default(), Transform::from_xyz(5.0, 5.0, 0.0)));
+    app.world_mut().spawn((PointLight2d::default(), Transform::from_xyz(-5.0, 5.0, 0.0)));
+    begin(&mut app);
+    let mut run = |frames: std::ops::Range<u32>| {
+        for i in frames {
+            let x = (i % 40) as f32 - 20.0;
+            app.world_mut().entity_mut(lamp).insert(Transform::from_xyz(x, 0.0, 0.0));
+            app.update();
+        }
+        held(&app)
+    };
+    let early = run(0..30);
+    let late = run(30..300);
+    assert!(early[0] > 10, "the counters count: {early:?}");
+    assert_eq!(early, late);
+}
+
+#[test]
+fn nothing_panics_without_a_camera_with_two_plugins_and_with_what_is_wrong() {
+    let mut app = app();
+    app.add_plugins(LamplightPlugin);
+    begin(&mut app);
+    (0..2).for_each(|_| app.update());
+
+    let image = target(&mut app, SIZE);
+    let eye = camera(&mut app, &image, plain());
+    app.world_mut().entity_mut(eye).insert(AmbientLight2d { brightness: 0.5, ..default() });
+    let nowhere = Transform::from_xyz(f32::NAN, 0.0, 0.0);
+    let gone = app.world().resource::<AssetServer>().load::<Image>("no such picture.png");
+    let sprite = Sprite::from_color(Color::WHITE, Vec2::splat(6.0));
+    let infinite = Transform::from_scale(Vec3::splat(f32::INFINITY));
+    let world = app.world_mut();
+    world.spawn((Sprite::from_image(gone), Matter2d::glow(5.0)));
+    world.spawn((Sprite::from_image(Handle::default()), Matter2d::glow(5.0), nowhere));
+    world.spawn((sprite.clone(), Matter2d::wall(), infinite));
+    world.spawn((sprite.clone(), Matter2d::wall(), Transform::from_scale(Vec3::ZERO)));
+    world.spawn((
+        sprite,
+        Matter2d {
+            opacity: f32::NAN,
+            emission: LinearRgba::rgb(f32::NAN, -1.0, f32::INFINITY),
+            ..default()
+        },
+        Transform::from_xyz(500.0, 0.0, 0.0),
+    ));
+    world.spawn((LightOccluder2d::polygon([Vec2::NAN, Vec2::ONE]), Transform::default()));
+    world.spawn((LightOccluder2d::polygon([]), Transform::default()));
+    world.spawn((LightOccluder2d::circle(-3.0), nowhere));
+    world.spawn((LightOccluder2d::capsule(0.0, 0.0), Transform::default()));
+    world.spawn((PointLight2d { radius: 0.0, ..default() }, Transform::default()));
+    world.spawn((PointLight2d { intensity: f32::NAN, ..default() }, Transform::default()));
+    world.spawn((PointLight2d::default(), nowhere));
+    world.spawn((SpotLight2d { angle: f32::INFINITY, ..default() }, Transform::default()));
+    world.spawn((SpotLight2d::default(), Transform::from_scale(Vec3::ZERO)));
+    let seen = picture(&mut app, &image, 3);
+    assert!(seen.texels.iter().all(|t| (t[0] - 0.5).abs() < 1e-3), "the rest is lit as ever");
+
+    // A camera that is nowhere, or asks for what there is not, shows its picture as it is.
+    let wrong = [
+        Lighting2d { preset: "no such preset".into(), ..plain() },
+        Lighting2d { set: vec!["no such key".into()], ..plain() },
+        Lighting2d { cells: CellSize::World(f32::NAN), ..plain() },
+        Lighting2d { cells: CellSize::World(0.0), ..plain() },
+        Lighting2d { bounces: LightBounces::Count(1000), ..plain() },
+        Lighting2d { exposure: f32::NAN, ..plain() },
+    ];
+    for lighting in wrong {
+        app.world_mut().entity_mut(eye).insert(lighting.clone());
+        let seen = picture(&mut app, &image, 1);
+        assert!(seen.texels.iter().all(|t| t[0] == 1.0), "{lighting:?}: {:?}", seen.texels[0]);
+    }
+    app.world_mut().entity_mut(eye).insert((plain(), nowhere));
+    picture(&mut app, &image, 1);
+    app.world_mut().entity_mut(eye).insert(Transform::from_xyz(1e30, -1e30, 0.0));
+    picture(&mut app, &image, 1);
+    app.world_mut().entity_mut(eye).insert(Transform::from_scale(Vec3::splat(1e-30)));
+    picture(&mut app, &image, 1);
+    // All is well again, and then the camera goes.
+    app.world_mut().entity_mut(eye).insert((plain(), Transform::default()));
+    assert!((picture(&mut app, &image, 1).at(0, 0)[0] - 0.5).abs() < 1e-3);
+    app.world_mut().entity_mut(eye).despawn();
+    (0..2).for_each(|_| app.update());
+}

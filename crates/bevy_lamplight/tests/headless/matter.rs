@@ -1,0 +1,303 @@
+//! Whatever is drawn is matter as it is drawn.
+
+use crate::common::{Picture, app, begin, camera, image, picture, plain, target};
+use bevy::asset::RenderAssetUsages;
+use bevy::image::{Image, TextureAtlas, TextureAtlasLayout};
+use bevy::mesh::{Mesh, Mesh2d};
+use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::sprite::{
+    Anchor, BorderRect, SliceScaleMode, SpriteImageMode, SpriteScalingMode, TextureSlicer,
+};
+use bevy::sprite_render::{
+    ColorMaterial, MeshMaterial2d, TileData, TileOrientation, TilemapChunk, TilemapChunkTileData,
+};
+use bevy_lamplight::prelude::*;
+
+const SIZE: [u32; 2] = [96, 72];
+
+/// What a scene shows as it is, and as what alone glows of it: the same colours at the same pixels.
+///
+/// `spawn` is given what to put on what it spawns; once a marker that does nothing, once matter that
+/// glows by 1, under which the screen shows `colour × (light + 1)`: so pixels of the second, less
+/// their own light, are those of the first. What is not covered shows light alone.
+fn seen_both_ways(spawn: impl Fn(&mut App) -> Entity) -> [Picture; 2] {
+    [false, true].map(|glows| {
+        let mut app = app();
+        app.insert_resource(ClearColor(Color::BLACK));
+        let target = target(&mut app, SIZE);
+        let eye = camera(&mut app, &target, plain());
+        let entity = spawn(&mut app);
+        if glows {
+            app.world_mut().entity_mut(entity).insert(Matter2d::glow(1.0));
+        } else {
+            app.world_mut().entity_mut(eye).insert(AmbientLight2d { brightness: 1.0, ..default() });
+        }
+        begin(&mut app);
+        picture(&mut app, &target, 4)
+    })
+}
+
+/// Pixels that are of matter where nothing is drawn, or the other way round. Where the first picture
+/// is black nothing may glow, and where it is not all of it must.
+fn wrong([drawn, glowing]: &[Picture; 2]) -> usize {
+    let mut wrong = 0;
+    for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+        let (drawn, glowing) = (drawn.at(x, y), glowing.at(x, y));
+        wrong +=
+            usize::from((0..3).any(|c| (drawn[c] - glowing[c]).abs() > 2e-3 * drawn[c].max(1.0)));
+    }
+    wrong
+}
+
+/// How much of a picture is not black.
+fn covered(picture: &Picture) -> usize {
+    picture.texels.iter().filter(|[r, g, b, _]| r + g + b > 0.0).count()
+}
+
+/// Four colours in the corners of a sheet of 16 × 8, unlike each other and black nowhere.
+fn sheet(app: &mut App) -> Handle<Image> {
+    image(app, [16, 8], |x, y| {
+        [60 + 10 * x as u8, 90 + 20 * y as u8, if x < 8 { 255 } else { 70 }, 255]
+    })
+}
+
+/// A picture that has its own shape.
+fn cross(app: &mut App) -> Handle<Image> {
+    image(app, [12, 12], |x, y| {
+        let inside = (4..8).contains(&x) || (5..7).contains(&y);
+        [200, 20 * y as u8, 10 * x as u8, if inside { 255 } else { 0 }]
+    })
+}
+
+#[test]
+fn sprites_count_as_they_are_drawn() {
+    type Change = (&'static str, fn(&mut Sprite), Anchor, Transform);
+    let plain_transform = Transform::from_xyz(0.0, 0.0, 0.0);
+    let turned = Transform::from_xyz(5.0, -3.0, 1.0)
+        .with_rotation(Quat::from_rotation_z(0.5))
+        .with_scale(Vec3::new(2.0, 3.0, 1.0));
+    let large = |sprite: &mut Sprite| sprite.custom_size = Some(Vec2::new(40.0, 30.0));
+    let changes: [Change; 12] = [
+        ("as it is", |_| {}, Anchor::CENTER, plain_transform),
+        ("mirrored", |s| s.flip_x = true, Anchor::CENTER, plain_transform),
+        ("upside down", |s| s.flip_y = true, Anchor::CENTER, turned),
+        ("by its corner", large, Anchor::BOTTOM_LEFT, turned),
+        ("in part", |s| s.rect = Some(Rect::new(2.0, 1.0, 9.0, 7.0)), Anchor::TOP_RIGHT, turned),
+        ("enlarged", large, Anchor(Vec2::new(0.1, -0.3)), plain_transform),
+        (
+            "filling",
+            |s| {
+                s.custom_size = Some(Vec2::new(30.0, 30.0));
+                s.image_mode = SpriteImageMode::Scale(SpriteScalingMode::FillStart);
+            },
+            Anchor::CENTER,
+            plain_transform,
+        ),
+        (
+            "filling to the end",
+            |s| {
+                s.custom_size = Some(Vec2::new(50.0, 10.0));
+                s.image_mode = SpriteImageMode::Scale(SpriteScalingMode::FillEnd);
+            },
+            Anchor::CENTER,
+            plain_transform,
+        ),
+        (
+            "fitting",
+            |s| {
+                s.custom_size = Some(Vec2::new(30.0, 40.0));
+                s.image_mode = SpriteImageMode::Scale(SpriteScalingMode::FitStart);
+            },
+            Anchor::CENTER,
+            plain_transform,
+        ),
+        (
+            "fitting to the end",
+            |s| {
+                s.custom_size = Some(Vec2::new(60.0, 20.0));
+                s.image_mode = SpriteImageMode::Scale(SpriteScalingMode::FitEnd);
+            },
+            Anchor::CENTER,
+            plain_transform,
+        ),
+        (
+            "in nine slices",
+            |s| {
+                s.custom_size = Some(Vec2::new(50.0, 40.0));
+                s.image_mode = SpriteImageMode::Sliced(TextureSlicer {
+                    border: BorderRect::all(3.0),
+                    center_scale_mode: SliceScaleMode::Tile { stretch_value: 1.0 },
+                    ..default()
+                });
+            },
+            Anchor::CENTER,
+            plain_transform,
+        ),
+        (
+            "tiled and mirrored",
+            |s| {
+                s.custom_size = Some(Vec2::new(40.0, 20.0));
+                s.flip_x = true;
+                s.image_mode =
+                    SpriteImageMode::Tiled { tile_x: true, tile_y: true, stretch_value: 1.0 };
+            },
+            Anchor::BOTTOM_CENTER,
+            plain_transform,
+        ),
+    ];
+    for (name, change, anchor, transform) in changes {
+        let seen = seen_both_ways(|app| {
+            let image = sheet(app);
+            let mut sprite = Sprite { image, color: Color::linear_rgb(0.9, 1.0, 0.7), ..default() };
+            change(&mut sprite);
+            app.world_mut().spawn((sprite, anchor, transform)).id()
+        });
+        assert!(covered(&seen[0]) > 30, "{name}: {} are drawn", covered(&seen[0]));
+        assert_eq!(wrong(&seen), 0, "{name}");
+    }
+}
+
+#[test]
+fn a_sprite_of_another_place_is_rejected() {
+    let [drawn, _] = seen_both_ways(|app| {
+        let image = sheet(app);
+        app.world_mut().spawn(Sprite::from_image(image)).id()
+    });
+    let [_, glowing] = seen_both_ways(|app| {
+        let image = sheet(app);
+        app.world_mut().spawn((Sprite::from_image(image), Transform::from_xyz(1.0, 0.0, 0.0))).id()
+    });
+    assert!(wrong(&[drawn, glowing]) > 10);
+}
+
+#[test]
+fn alpha_cells_of_a_sheet_texts_and_meshes_count_as_they_are_drawn() {
+    let by_alpha = seen_both_ways(|app| {
+        let image = cross(app);
+        app.world_mut().spawn(Sprite::from_image(image)).id()
+    });
+    let of_a_sheet = seen_both_ways(|app| {
+        let image = sheet(app);
+        let layout = TextureAtlasLayout::from_grid(UVec2::splat(4), 4, 2, None, None);
+        let layout = app.world_mut().resource_mut::<Assets<TextureAtlasLayout>>().add(layout);
+        let sprite = Sprite::from_atlas_image(image, TextureAtlas { layout, index: 6 });
+        app.world_mut().spawn((sprite, Transform::from_scale(Vec3::splat(6.0)))).id()
+    });
+    let text = seen_both_ways(|app| {
+        let color = TextColor(Color::linear_rgb(1.0, 0.5, 0.25));
+        app.world_mut().spawn((Text2d::new("Lamp"), color)).id()
+    });
+    let mesh = seen_both_ways(|app| {
+        let mesh = Mesh::from(RegularPolygon::new(24.0, 5));
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        let texture = Some(cross(app));
+        let color = Color::linear_rgb(0.5, 1.0, 1.0);
+        let material = ColorMaterial {
+            color,
+            texture,
+            alpha_mode: bevy::sprite_render::AlphaMode2d::Mask(0.5),
+            ..default()
+        };
+        let material = app.world_mut().resource_mut::<Assets<ColorMaterial>>().add(material);
+        app.world_mut().spawn((Mesh2d(mesh), MeshMaterial2d(material))).id()
+    });
+    for (name, seen) in [("alpha", by_alpha), ("sheet", of_a_sheet), ("text", text), ("mesh", mesh)]
+    {
+        assert!(covered(&seen[0]) > 30, "{name}: {} are drawn", covered(&seen[0]));
+        // Soft edges of glyphs show through by their share of a share.
+        let most = if name == "text" { covered(&seen[0]) / 2 } else { 0 };
+        assert!(wrong(&seen) <= most, "{name}: {}", wrong(&seen));
+    }
+}
+
+#[test]
+fn tiles_count_as_they_are_drawn_every_way_round() {
+    let seen = seen_both_ways(|app| {
+        // Two tiles, one over the other, with a corner that is not there.
+        let texel = |x: u32, y: u32| match (x < 2 && y % 4 < 2, y < 4) {
+            (true, _) => [0, 0, 0, 0],
+            (_, true) => [250, 40 * x as u8, 100, 255],
+            (_, false) => [20, 200, 60 * y as u8, 255],
+        };
+        let data = (0..8).flat_map(|y| (0..4).flat_map(move |x| texel(x, y))).collect();
+        let mut tileset = Image::new(
+            Extent3d { width: 4, height: 8, depth_or_array_layers: 1 },
+            TextureDimension::D2,
+            data,
+            TextureFormat::Rgba8UnormSrgb,
+            RenderAssetUsages::default(),
+        );
+        tileset.reinterpret_stacked_2d_as_array(2).unwrap();
+        let tileset = app.world_mut().resource_mut::<Assets<Image>>().add(tileset);
+        let ways = [
+            TileOrientation::Default,
+            TileOrientation::Rotate90,
+            TileOrientation::Rotate180,
+            TileOrientation::Rotate270,
+            TileOrientation::MirrorH,
+            TileOrientation::MirrorHRotate90,
+            TileOrientation::MirrorHRotate180,
+            TileOrientation::MirrorHRotate270,
+        ];
+        let tiles = (0..12)
+            .map(|i| {
+                (i % 5 != 4).then(|| TileData {
+                    tileset_index: i % 2,
+                    orientation: ways[usize::from(i) % 8],
+                    color: Color::linear_rgb(1.0, 1.0, 0.8),
+                    visible: i != 7,
+                })
+            })
+            .collect();
+        let chunk = TilemapChunk {
+            chunk_size: UVec2::new(4, 3),
+            tile_display_size: UVec2::splat(16),
+            tileset,
+            ..default()
+        };
+        app.world_mut().spawn((chunk, TilemapChunkTileData(tiles))).id()
+    });
+    assert!(covered(&seen[0]) > 500, "{}", covered(&seen[0]));
+    assert_eq!(wrong(&seen), 0);
+}
+
+/// Light beyond a shape that stands between a lamp and a place, and how much there is without it.
+fn beyond(occluder: LightOccluder2d, transform: Transform) -> (f32, f32) {
+    let lights = [true, false].map(|blocks| {
+        let mut app = app();
+        let target = target(&mut app, SIZE);
+        camera(&mut app, &target, plain());
+        app.world_mut().spawn((PointLight2d::default(), Transform::from_xyz(-30.0, 0.0, 0.0)));
+        if blocks {
+            app.world_mut().spawn((occluder.clone(), transform));
+        }
+        begin(&mut app);
+        picture(&mut app, &target, 3).grey(78, 36)
+    });
+    (lights[0], lights[1])
+}
+
+#[test]
+fn every_shape_of_occluder_blocks_light() {
+    let here = Transform::default();
+    let turned = Transform::from_rotation(Quat::from_rotation_z(1.2));
+    let triangle = [Vec2::new(-6.0, -14.0), Vec2::new(6.0, -14.0), Vec2::new(0.0, 16.0)];
+    // A horseshoe that is open to the right: not convex.
+    let horseshoe = [(8, 12), (-4, 12), (-4, -12), (8, -12), (8, -8), (0, -8), (0, 8), (8, 8)]
+        .map(|(x, y)| Vec2::new(x as f32, y as f32));
+    for (shape, transform) in [
+        (LightOccluder2d::rectangle(4.0, 24.0), here),
+        (LightOccluder2d::circle(12.0), here),
+        (LightOccluder2d::capsule(5.0, 16.0), here),
+        (LightOccluder2d::capsule(10.0, 16.0), turned),
+        (LightOccluder2d::polygon(triangle), here),
+        (LightOccluder2d::polygon(horseshoe), here),
+    ] {
+        let (with, without) = beyond(shape.clone(), transform);
+        assert!(without > 0.1 && with < 0.05 * without, "{shape:?}: {with} of {without}");
+    }
+    // The middle of the open horseshoe's mouth is lit.
+    let (with, without) = beyond(LightOccluder2d::circle(5.0), Transform::from_xyz(0.0, 25.0, 0.0));
+    assert!(with > 0.9 * without, "beside it: {with} of {without}");
+}

@@ -1,0 +1,159 @@
+//! What the light answers is what the picture shows.
+
+use crate::common::{app, begin, camera, picture, plain, target};
+use bevy::prelude::*;
+use bevy_lamplight::prelude::*;
+
+const SIZE: [u32; 2] = [320, 200];
+/// The README's bound: what is asked differs from what is seen by so much of it, mostly,
+const MOSTLY: f32 = 0.05;
+/// and at one place of twenty by more than so much. In parts of the light that is usual there, where
+/// there is hardly any.
+const SELDOM: f32 = 0.15;
+
+#[derive(Resource)]
+struct Ask(Vec<Vec2>);
+
+#[derive(Resource, Default)]
+struct Told(Vec<Option<LinearRgba>>, Option<f32>, Option<LinearRgba>);
+
+fn ask(light: LightQuery, ask: Res<Ask>, mut told: ResMut<Told>) {
+    told.0 = ask.0.iter().map(|&place| light.at(place)).collect();
+    told.1 = light.level(ask.0[0]);
+    told.2 = light.over(Rect::from_center_half_size(ask.0[0], Vec2::splat(6.0)));
+}
+
+/// A yard with walls, a glowing sign, lamps and a spot.
+fn yard(world: &mut World) {
+    let wall = |x, y, width, height| {
+        let sprite = Sprite::from_color(Color::WHITE, Vec2::new(width, height));
+        (sprite, Matter2d::wall(), Transform::from_xyz(x, y, 0.0))
+    };
+    world.spawn(wall(-60.0, 20.0, 6.0, 90.0));
+    world.spawn(wall(40.0, -30.0, 80.0, 12.0));
+    world.spawn((LightOccluder2d::circle(14.0), Transform::from_xyz(70.0, 50.0, 0.0)));
+    let sign = Sprite::from_color(Color::linear_rgb(1.0, 0.2, 0.4), Vec2::new(40.0, 8.0));
+    world.spawn((sign, Matter2d::glow(6.0), Transform::from_xyz(-10.0, 80.0, 0.0)));
+    world.spawn((
+        PointLight2d { range: 200.0, ..default() },
+        Transform::from_xyz(-110.0, -40.0, 0.0),
+    ));
+    let turn = Quat::from_rotation_z(-0.4);
+    world.spawn((SpotLight2d::default(), Transform::from_xyz(0.0, 20.0, 0.0).with_rotation(turn)));
+}
+
+fn places() -> Vec<Vec2> {
+    let all =
+        (-9..=9).flat_map(|x| (-5..=5).map(move |y| Vec2::new(x as f32, y as f32) * 16.0 + 3.0));
+    // Not within a cell or two of matter, where both depend on where exactly edges lie.
+    let boxes = [
+        (-60.0, 20.0, 6.0, 90.0),
+        (40.0, -30.0, 80.0, 12.0),
+        (70.0, 50.0, 28.0, 28.0),
+        (-10.0, 80.0, 40.0, 8.0),
+        (-110.0, -40.0, 8.0, 8.0),
+        (0.0, 20.0, 8.0, 8.0),
+    ];
+    all.filter(|place| {
+        boxes.iter().all(|&(x, y, width, height)| {
+            let off = (*place - Vec2::new(x, y)).abs() - 0.5 * Vec2::new(width, height);
+            off.max_element() > 10.0
+        })
+    })
+    .collect()
+}
+
+#[test]
+fn answers_agree_with_the_picture() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let lighting = Lighting2d {
+        cells: CellSize::World(2.0),
+        filter: LightFilter::Linear,
+        bounces: LightBounces::Count(1),
+        ..plain()
+    };
+    let eye = camera(&mut app, &image, lighting);
+    app.world_mut().entity_mut(eye).insert(AmbientLight2d { brightness: 0.02, ..default() });
+    yard(app.world_mut());
+    app.insert_resource(Ask(places())).init_resource::<Told>().add_systems(Update, ask);
+    begin(&mut app);
+    let seen = picture(&mut app, &image, 3);
+    let told = std::mem::take(&mut *app.world_mut().resource_mut::<Told>());
+    let grey = |x: u32, y: u32| seen.grey(x, y);
+    let usual = (0..SIZE[1])
+        .flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)))
+        .map(|(x, y)| grey(x, y))
+        .sum::<f32>()
+        / (SIZE[0] * SIZE[1]) as f32;
+    let mut off: Vec<f32> = places()
+        .iter()
+        .zip(&told.0)
+        .map(|(place, told)| {
+            let told = told.expect("the place is on the screen");
+            let told = (told.red + told.green + told.blue) / 3.0;
+            let right = grey((place.x + 160.0) as u32, (100.0 - place.y) as u32);
+            (told - right).abs() / right.max(0.25 * usual)
+        })
+        .collect();
+    off.sort_by(f32::total_cmp);
+    let (median, most) = (off[off.len() / 2], off[off.len() * 19 / 20]);
+    println!(
+        "{} places: median {:.1} %, 95th percentile {:.1} %",
+        off.len(),
+        100.0 * median,
+        100.0 * most
+    );
+    assert!(median < MOSTLY && most < SELDOM, "{median}, {most}");
+    let first = told.0[0].expect("known");
+    assert!((told.1.expect("known") - first.luminance()).abs() < 1e-6);
+    assert!((told.2.expect("known").green / first.green - 1.0).abs() < 0.2);
+}
+
+#[test]
+fn a_server_without_a_gpu_is_answered_too() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, LightQueryPlugin));
+    app.insert_resource(Ask(vec![Vec2::new(32.0, 0.0), Vec2::new(-32.0, 0.0), Vec2::splat(9e9)]));
+    app.init_resource::<Told>().add_systems(Update, ask);
+    app.world_mut().spawn(PointLight2d::default());
+    app.world_mut().spawn((
+        Sprite::from_color(Color::WHITE, Vec2::new(8.0, 40.0)),
+        Matter2d::wall(),
+        Transform::from_xyz(-16.0, 0.0, 0.0),
+    ));
+    app.update();
+    assert!(app.world().resource::<Told>().0[0].is_none(), "nothing was asked before");
+    app.update();
+    let told = app.world().resource::<Told>();
+    let level = told.0[0].expect("within the lamp's range").green;
+    // By the lamp's formula: its intensity at a quarter of its range; the grid is coarse.
+    assert!((level - 1.0).abs() < 0.15, "{level}");
+    assert!(told.0[1].expect("within it too").green < 0.1, "behind the wall");
+    assert!(told.0[2].is_none(), "far away");
+}
+
+#[test]
+fn nothing_to_light_is_no_answer() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, LightQueryPlugin));
+    app.insert_resource(Ask(vec![Vec2::ZERO])).init_resource::<Told>().add_systems(Update, ask);
+    for settings in [
+        LightQuerySettings::default(),
+        LightQuerySettings {
+            cell: f32::NAN,
+            area: Some(Rect::new(0.0, 0.0, 9.0, 9.0)),
+            ..default()
+        },
+        LightQuerySettings { area: Some(Rect::new(f32::NAN, 0.0, 9.0, 9.0)), ..default() },
+    ] {
+        app.insert_resource(settings);
+        (0..3).for_each(|_| app.update());
+        assert!(app.world().resource::<Told>().0[0].is_none());
+    }
+    // A box of nothing is dark.
+    let area = Some(Rect::new(-10.0, -10.0, 10.0, 10.0));
+    app.insert_resource(LightQuerySettings { area, ..default() });
+    (0..3).for_each(|_| app.update());
+    assert_eq!(app.world().resource::<Told>().0[0], Some(LinearRgba::BLACK));
+}

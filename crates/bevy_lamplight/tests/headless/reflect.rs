@@ -1,0 +1,57 @@
+//! Every component can be reflected, written and read.
+
+use bevy::prelude::*;
+use bevy::reflect::TypeRegistry;
+use bevy::reflect::serde::{ReflectDeserializer, ReflectSerializer};
+use bevy_lamplight::prelude::*;
+use serde::de::DeserializeSeed;
+
+fn registry() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, LamplightPlugin));
+    app
+}
+
+/// A component, written by reflection and read again.
+fn round_trip<T: Component + Reflect + FromReflect + PartialEq + std::fmt::Debug>(
+    value: &T,
+    registry: &TypeRegistry,
+) -> String {
+    let text = serde_json::to_string(&ReflectSerializer::new(value, registry)).unwrap();
+    let mut json = serde_json::Deserializer::from_str(&text);
+    let read = ReflectDeserializer::new(registry).deserialize(&mut json).unwrap();
+    let read = T::from_reflect(read.as_partial_reflect()).expect("it is one again");
+    assert_eq!(&read, value);
+    text
+}
+
+#[test]
+fn components_are_written_and_read_by_reflection() {
+    let app = registry();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let lighting = Lighting2d {
+        method: LightMethod::Polar,
+        bounces: LightBounces::Converged,
+        cells: CellSize::World(2.5),
+        set: vec!["polar.edges=\"soft\"".into()],
+        ..default()
+    };
+    let text = round_trip(&lighting, &registry);
+    assert!(text.contains("Polar") && text.contains("2.5"), "{text}");
+    round_trip(&Matter2d::glass(LinearRgba::rgb(0.9, 0.5, 1.0)), &registry);
+    round_trip(&LightOccluder2d::polygon([Vec2::X, Vec2::Y, Vec2::NEG_X]), &registry);
+    round_trip(&Unlit2d, &registry);
+    round_trip(&LightTexture2d, &registry);
+    round_trip(&PointLight2d { falloff: Falloff2d::Smooth, ..default() }, &registry);
+    round_trip(&SpotLight2d::default(), &registry);
+    round_trip(&AmbientLight2d::default(), &registry);
+    round_trip(&Sky2d::default(), &registry);
+}
+
+#[test]
+fn keys_that_are_left_out_have_their_defaults() {
+    let lighting: Lighting2d = serde_json::from_str(r#"{ "preset": "fast" }"#).unwrap();
+    assert_eq!(lighting, Lighting2d::default().with_preset("fast"));
+    let lamp: PointLight2d = serde_json::from_str(r#"{ "range": 5.0 }"#).unwrap();
+    assert_eq!(lamp, PointLight2d { range: 5.0, ..default() });
+}
