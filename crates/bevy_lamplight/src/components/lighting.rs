@@ -2,7 +2,6 @@
 
 use bevy::camera::Hdr;
 use bevy::prelude::*;
-use bevy::render::view::Msaa;
 use lamplight::{Bounces, Method, Settings, SettingsTable};
 
 /// Lights what a 2D camera sees.
@@ -20,7 +19,7 @@ use lamplight::{Bounces, Method, Settings, SettingsTable};
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-#[require(Hdr, Msaa::Off)]
+#[require(Hdr)]
 pub struct Lighting2d {
     /// How light is found.
     pub method: LightMethod,

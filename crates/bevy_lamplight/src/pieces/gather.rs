@@ -13,7 +13,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::image::{Image, TextureAtlasLayout};
 use bevy::math::Rect;
 use bevy::mesh::Mesh;
-use bevy::prelude::{GlobalTransform, Query, Res};
+use bevy::prelude::{GlobalTransform, Query, Res, Resource, Visibility};
 use bevy::sprite_render::ColorMaterial;
 use bevy::text::TextColor;
 
@@ -27,18 +27,27 @@ pub struct Pictures<'w, 's> {
     pub text_colors: Query<'w, 's, &'static TextColor>,
 }
 
+/// There where Bevy hands visibility down from parents to children. Without it, what an entity says
+/// itself counts.
+#[derive(Resource, Default)]
+pub struct VisibilityPropagates;
+
 /// Where an entity is, and who sees it.
 #[derive(QueryData)]
 pub struct Place {
     pub transform: &'static GlobalTransform,
-    visibility: Option<&'static InheritedVisibility>,
+    own: Option<&'static Visibility>,
+    inherited: Option<&'static InheritedVisibility>,
     layers: Option<&'static RenderLayers>,
 }
 
 impl PlaceItem<'_, '_> {
     /// Whether it is shown at all; not whether it lies on a screen.
-    pub fn is_shown(&self) -> bool {
-        self.visibility.is_none_or(|visibility| visibility.get())
+    fn is_shown(&self, propagates: bool) -> bool {
+        match propagates {
+            true => self.inherited.is_none_or(|visibility| visibility.get()),
+            false => self.own.is_none_or(|visibility| *visibility != Visibility::Hidden),
+        }
     }
 
     /// Its layers.
@@ -58,6 +67,7 @@ pub struct Gather<'w, 's> {
     points: Query<'w, 's, (&'static PointLight2d, Place)>,
     spots: Query<'w, 's, (&'static SpotLight2d, Place)>,
     pictures: Pictures<'w, 's>,
+    propagates: Option<Res<'w, VisibilityPropagates>>,
 }
 
 impl Gather<'_, '_> {
@@ -68,37 +78,44 @@ impl Gather<'_, '_> {
             return;
         }
         let pictures = &self.pictures;
-        for (matter, place, sprite) in self.sprites.iter().filter(|(_, place, _)| place.is_shown())
+        let propagates = self.propagates.is_some();
+        for (matter, place, sprite) in
+            self.sprites.iter().filter(|(_, place, _)| place.is_shown(propagates))
         {
             let substance = to.add_substance(Substance::of(matter));
             sprite.cut_up(&place, substance, pictures, areas, to);
         }
-        for (matter, place, text) in self.texts.iter().filter(|(_, place, _)| place.is_shown()) {
+        for (matter, place, text) in
+            self.texts.iter().filter(|(_, place, _)| place.is_shown(propagates))
+        {
             let substance = to.add_substance(Substance::of(matter));
             text.cut_up(&place, substance, pictures, areas, to);
         }
-        for (matter, place, mesh) in self.meshes.iter().filter(|(_, place, _)| place.is_shown()) {
+        for (matter, place, mesh) in
+            self.meshes.iter().filter(|(_, place, _)| place.is_shown(propagates))
+        {
             let substance = to.add_substance(Substance::of(matter));
             mesh.cut_up(&place, substance, pictures, areas, to);
         }
-        for (matter, place, tiles) in self.tiles.iter().filter(|(_, place, _)| place.is_shown()) {
+        for (matter, place, tiles) in
+            self.tiles.iter().filter(|(_, place, _)| place.is_shown(propagates))
+        {
             let substance = to.add_substance(Substance::of(matter));
             tiles.cut_up(&place, substance, areas, to);
         }
         let wall = Matter2d::wall();
-        for (matter, place, shape) in self.occluders.iter().filter(|(_, place, _)| place.is_shown())
+        for (matter, place, shape) in
+            self.occluders.iter().filter(|(_, place, _)| place.is_shown(propagates))
         {
             let substance = to.add_substance(Substance::of(matter.unwrap_or(&wall)));
             occluders::cut_up(shape, &place, substance, areas, to);
         }
-        let points =
-            self.points.iter().filter(|(_, place)| place.is_shown()).filter_map(|(lamp, place)| {
-                Some((WorldLamp::point(lamp, place.transform)?, place.layers()))
-            });
-        let spots =
-            self.spots.iter().filter(|(_, place)| place.is_shown()).filter_map(|(lamp, place)| {
-                Some((WorldLamp::spot(lamp, place.transform)?, place.layers()))
-            });
+        let points = self.points.iter().filter(|(_, place)| place.is_shown(propagates)).filter_map(
+            |(lamp, place)| Some((WorldLamp::point(lamp, place.transform)?, place.layers())),
+        );
+        let spots = self.spots.iter().filter(|(_, place)| place.is_shown(propagates)).filter_map(
+            |(lamp, place)| Some((WorldLamp::spot(lamp, place.transform)?, place.layers())),
+        );
         to.lamps.extend(points.chain(spots));
         to.sort();
     }

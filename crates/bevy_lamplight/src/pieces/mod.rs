@@ -13,7 +13,7 @@ mod substance;
 mod texts;
 mod tiles;
 
-pub use gather::{Gather, Pictures};
+pub use gather::{Gather, Pictures, VisibilityPropagates};
 pub use piece::{Cutoff, Map, Piece, Shape};
 pub use substance::Substance;
 

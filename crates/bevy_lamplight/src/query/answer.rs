@@ -2,10 +2,10 @@
 
 use super::raster::rasterize;
 use crate::components::{AmbientLight2d, LightMethod, Lighting2d, Sky2d};
-use crate::pieces::{Gather, Pictures, Surroundings};
+use crate::pieces::{Gather, Pictures, Surroundings, VisibilityPropagates};
 use crate::placement::Placement;
 use bevy::app::{App, Plugin, PostUpdate};
-use bevy::camera::visibility::{RenderLayers, VisibilitySystems};
+use bevy::camera::visibility::{RenderLayers, VisibilityPlugin, VisibilitySystems};
 use bevy::camera::{Camera, Projection};
 use bevy::color::LinearRgba;
 use bevy::ecs::system::SystemParam;
@@ -31,6 +31,17 @@ impl Plugin for LightQueryPlugin {
             solve.after(TransformSystems::Propagate).after(VisibilitySystems::VisibilityPropagate),
         );
     }
+
+    fn finish(&self, app: &mut App) {
+        // A server has none.
+        if app.is_plugin_added::<VisibilityPlugin>() {
+            app.init_resource::<VisibilityPropagates>();
+        }
+    }
+
+    fn is_unique(&self) -> bool {
+        false
+    }
 }
 
 /// How the light that [`LightQuery`] asks about is found.
@@ -43,8 +54,8 @@ pub struct LightQuerySettings {
     /// is no lit camera, all that takes part in light and as much again as lamps reach. Areas of
     /// more than 131,072 cells get larger cells.
     pub area: Option<Rect>,
-    /// How light is found. None: as the first lit camera says, or as [`Lighting2d::default`] does.
-    /// `holographic` without a preset is made `fast`.
+    /// How light is found. None: by `holographic`'s preset `fast`, with as many bounces as the first
+    /// lit camera has; by `polar` or `flood` where that does, which are light of other kinds.
     pub lighting: Option<Lighting2d>,
     /// Sees what is on these layers; those of the first lit camera where there is one.
     #[reflect(ignore)]
@@ -177,9 +188,8 @@ fn solve(
             Some((placement, lighting, layers.unwrap_or_default(), sky, ambient))
         },
     );
-    let default = Lighting2d::default();
     let own = camera.as_ref().map(|(_, lighting, ..)| *lighting);
-    let lighting = settings.lighting.as_ref().or(own).unwrap_or(&default);
+    let lighting = settings.lighting.clone().unwrap_or_else(|| quick(own));
     let layers = camera.as_ref().map_or(&settings.layers, |(_, _, layers, ..)| *layers);
     let sky = camera.as_ref().and_then(|(_, _, _, sky, _)| *sky);
     let ambient = camera.as_ref().and_then(|(.., ambient)| *ambient);
@@ -200,7 +210,7 @@ fn solve(
     };
     answer.ambient = ambient.map_or([0.0; 3], |ambient| ambient.radiance());
     let sky = sky.map_or(Sky::BLACK, |sky| sky.sky());
-    match bench.solve(&grid, lighting, layers, sky, &pictures) {
+    match bench.solve(&grid, &lighting, layers, sky, &pictures) {
         Ok((light, spots)) => {
             answer.light.clone_from(light);
             answer.spots = spots.cloned();
@@ -214,6 +224,17 @@ fn solve(
                 error!("no light is known: {problem}");
                 bench.told = problem;
             }
+        }
+    }
+}
+
+/// How light is found where nobody says: as the camera's is, and soon.
+fn quick(camera: Option<&Lighting2d>) -> Lighting2d {
+    match camera {
+        Some(own) if matches!(own.method, LightMethod::Polar | LightMethod::Flood) => own.clone(),
+        own => {
+            let bounces = own.map_or(Lighting2d::default().bounces, |own| own.bounces);
+            Lighting2d { bounces, ..Lighting2d::default() }.with_preset("fast")
         }
     }
 }
@@ -256,10 +277,6 @@ impl Bench {
         pictures: &Pictures,
     ) -> lamplight::Result<(&Light, Option<&Light>)> {
         let by_rule = matches!(lighting.method, LightMethod::Polar | LightMethod::Flood);
-        let mut lighting = lighting.clone();
-        if lighting.method == LightMethod::Holographic && lighting.preset.is_empty() {
-            lighting.preset = "fast".into();
-        }
         let [width, height] = grid.placed.size;
         let fine = match self.fine.take() {
             Some(fine) if [fine.width(), fine.height()] == grid.placed.size => fine,

@@ -10,12 +10,14 @@ const SIZE: [u32; 2] = [160, 120];
 /// A moving camera keeps every place's light to this share.
 const STEADY: f32 = 0.01;
 
-/// Something that glows and something that blocks, well inside of what every camera here sees.
-fn scene(app: &mut App) {
+/// Something that blocks, and something that glows, which it gives, well inside of what every camera
+/// here sees.
+fn scene(app: &mut App) -> Entity {
     let lamp = Sprite::from_color(Color::linear_rgb(1.0, 0.5, 0.25), Vec2::splat(10.0));
     let wall = Sprite::from_color(Color::WHITE, Vec2::new(4.0, 30.0));
-    app.world_mut().spawn((lamp, Matter2d::glow(10.0), Transform::from_xyz(-15.0, 5.0, 0.0)));
     app.world_mut().spawn((wall, Matter2d::wall(), Transform::from_xyz(12.0, 0.0, 0.0)));
+    let place = Transform::from_xyz(-15.0, 5.0, 0.0);
+    app.world_mut().spawn((lamp, Matter2d::glow(10.0), place)).id()
 }
 
 /// Light at places of the world, between the pixels of a camera's picture.
@@ -48,31 +50,30 @@ fn worst(before: &[f32], after: &[f32]) -> f32 {
 
 #[test]
 fn light_stays_where_it_is_while_the_camera_moves_and_turns() {
-    for method in [LightMethod::Cascades, LightMethod::Raymarch] {
+    // The second takes long on a software GPU, and is given less.
+    let moves = [
+        (0.3, 0.0, 0.0),
+        (17.0, 9.5, 0.0),
+        (2.0, 1.0, 0.3),
+        (3.7, -2.2, 0.0),
+        (-21.25, 4.0, 0.0),
+        (0.0, 0.0, -1.1),
+    ];
+    let places = places();
+    assert!(places.len() > 8);
+    for (method, moves) in
+        [(LightMethod::Cascades, &moves[..]), (LightMethod::Holographic, &moves[..2])]
+    {
         let mut app = app();
         let image = target(&mut app, SIZE);
         let smooth = Lighting2d { method, filter: LightFilter::Linear, ..plain() };
-        // Rays without noise, so that every frame's light is the same.
-        let set = vec!["raymarch.noise='none'".to_owned(), "raymarch.rays=256".to_owned()];
-        let smooth = match method {
-            LightMethod::Raymarch => Lighting2d { set, ..smooth },
-            _ => smooth,
-        };
         let eye = camera(&mut app, &image, smooth);
-        scene(&mut app);
+        let lamp = scene(&mut app);
         begin(&mut app);
-        let places = places();
-        assert!(places.len() > 8);
         let first = light_at(&picture(&mut app, &image, 3), Transform::default(), 1.0, &places);
-        for (x, y, turn) in [
-            (0.3, 0.0, 0.0),
-            (3.7, -2.2, 0.0),
-            (17.0, 9.5, 0.0),
-            (-21.25, 4.0, 0.0),
-            (2.0, 1.0, 0.3),
-            (0.0, 0.0, -1.1),
-        ] {
-            let place = Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(turn));
+        let mut place = Transform::default();
+        for &(x, y, turn) in moves {
+            place = Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(turn));
             app.world_mut().entity_mut(eye).insert(place);
             let seen = picture(&mut app, &image, 1);
             let moved = worst(&first, &light_at(&seen, place, 1.0, &places));
@@ -80,11 +81,8 @@ fn light_stays_where_it_is_while_the_camera_moves_and_turns() {
             assert!(moved < STEADY, "{method:?} at ({x}, {y}), {turn}: {moved}");
         }
         // A lamp that has moved is another light.
-        let lamp = app.world_mut().query_filtered::<Entity, With<Matter2d>>();
-        let lamp = { lamp }.iter(app.world()).next().expect("there is one");
         app.world_mut().entity_mut(lamp).insert(Transform::from_xyz(-16.0, 5.0, 0.0));
         let seen = picture(&mut app, &image, 1);
-        let place = Transform::from_rotation(Quat::from_rotation_z(-1.1));
         assert!(worst(&first, &light_at(&seen, place, 1.0, &places)) > STEADY);
     }
 }

@@ -10,6 +10,7 @@ use bevy::render::RenderPlugin;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
+use bevy::render::view::Msaa;
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 use bevy_lamplight::prelude::*;
@@ -103,7 +104,7 @@ pub fn plain() -> Lighting2d {
 /// Spawns a lit camera that draws on an image.
 pub fn camera(app: &mut App, image: &Handle<Image>, lighting: Lighting2d) -> Entity {
     let target = RenderTarget::Image(image.clone().into());
-    app.world_mut().spawn((Camera2d, target, lighting)).id()
+    app.world_mut().spawn((Camera2d, target, Msaa::Off, lighting)).id()
 }
 
 /// What a target shows after so many frames more.
@@ -127,16 +128,19 @@ pub fn picture(app: &mut App, image: &Handle<Image>, frames: usize) -> Picture {
     let images = app.world().resource::<Assets<Image>>();
     let target = images.get(image).expect("the target is there");
     let size = target.size().to_array();
+    // Rows are padded.
+    let row = bytes.len() / size[1] as usize;
+    let rows = bytes.chunks(row);
     let texels = match target.texture_descriptor.format {
         TextureFormat::Rgba16Float => {
-            let texels = bytes.as_chunks::<8>().0.iter();
+            let texels = rows.flat_map(|row| row.as_chunks::<8>().0[..size[0] as usize].iter());
             let texel =
                 |texel: &[u8; 8]| std::array::from_fn(|c| half([texel[2 * c], texel[2 * c + 1]]));
             texels.map(texel).collect()
         }
         // As screens are given it.
         _ => {
-            let texels = bytes.as_chunks::<4>().0.iter();
+            let texels = rows.flat_map(|row| row.as_chunks::<4>().0[..size[0] as usize].iter());
             texels.map(|texel| texel.map(|v| f32::from(v) / 255.0)).collect()
         }
     };

@@ -3,6 +3,7 @@
 
 mod camera;
 mod common;
+#[allow(dead_code)]
 mod examples;
 mod lamps;
 mod lifecycle;

@@ -38,14 +38,24 @@ fn seen_both_ways(spawn: impl Fn(&mut App) -> Entity) -> [Picture; 2] {
     })
 }
 
-/// Pixels that are of matter where nothing is drawn, or the other way round. Where the first picture
-/// is black nothing may glow, and where it is not all of it must.
-fn wrong([drawn, glowing]: &[Picture; 2]) -> usize {
+/// Light that falls on what glows from other parts of it, at most so much of what they give off: its
+/// corners see each other, and a turned edge is stairs.
+const OWN: f32 = 1.0;
+/// The same for an upright box, whose faces see nothing of each other but by the method's error.
+const ROUND: f32 = 0.03;
+
+/// Pixels that are of matter where nothing is drawn, or the other way round: where the first picture
+/// is black nothing may glow, and where it is not all of it must, with no light besides but `own`.
+fn wrong([drawn, glowing]: &[Picture; 2], own: f32) -> usize {
     let mut wrong = 0;
     for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
         let (drawn, glowing) = (drawn.at(x, y), glowing.at(x, y));
-        wrong +=
-            usize::from((0..3).any(|c| (drawn[c] - glowing[c]).abs() > 2e-3 * drawn[c].max(1.0)));
+        let right = |c: usize| {
+            let near = 2e-3 * drawn[c].max(1.0);
+            (drawn[c] - near..=drawn[c] * (1.0 + own) + near).contains(&glowing[c])
+        };
+        let alike = (drawn == [0.0; 3]) == (glowing == [0.0; 3]);
+        wrong += usize::from(!alike || !(0..3).all(right));
     }
     wrong
 }
@@ -154,7 +164,8 @@ fn sprites_count_as_they_are_drawn() {
             app.world_mut().spawn((sprite, anchor, transform)).id()
         });
         assert!(covered(&seen[0]) > 30, "{name}: {} are drawn", covered(&seen[0]));
-        assert_eq!(wrong(&seen), 0, "{name}");
+        let own = if transform == turned { OWN } else { ROUND };
+        assert_eq!(wrong(&seen, own), 0, "{name}");
     }
 }
 
@@ -168,7 +179,7 @@ fn a_sprite_of_another_place_is_rejected() {
         let image = sheet(app);
         app.world_mut().spawn((Sprite::from_image(image), Transform::from_xyz(1.0, 0.0, 0.0))).id()
     });
-    assert!(wrong(&[drawn, glowing]) > 10);
+    assert!(wrong(&[drawn, glowing], OWN) > 10);
 }
 
 #[test]
@@ -207,7 +218,7 @@ fn alpha_cells_of_a_sheet_texts_and_meshes_count_as_they_are_drawn() {
         assert!(covered(&seen[0]) > 30, "{name}: {} are drawn", covered(&seen[0]));
         // Soft edges of glyphs show through by their share of a share.
         let most = if name == "text" { covered(&seen[0]) / 2 } else { 0 };
-        assert!(wrong(&seen) <= most, "{name}: {}", wrong(&seen));
+        assert!(wrong(&seen, OWN) <= most, "{name}: {}", wrong(&seen, OWN));
     }
 }
 
@@ -217,8 +228,8 @@ fn tiles_count_as_they_are_drawn_every_way_round() {
         // Two tiles, one over the other, with a corner that is not there.
         let texel = |x: u32, y: u32| match (x < 2 && y % 4 < 2, y < 4) {
             (true, _) => [0, 0, 0, 0],
-            (_, true) => [250, 40 * x as u8, 100, 255],
-            (_, false) => [20, 200, 60 * y as u8, 255],
+            (_, true) => [250, 40 + 40 * x as u8, 100, 255],
+            (_, false) => [20, 200, 20 * y as u8, 255],
         };
         let data = (0..8).flat_map(|y| (0..4).flat_map(move |x| texel(x, y))).collect();
         let mut tileset = Image::new(
@@ -259,7 +270,7 @@ fn tiles_count_as_they_are_drawn_every_way_round() {
         app.world_mut().spawn((chunk, TilemapChunkTileData(tiles))).id()
     });
     assert!(covered(&seen[0]) > 500, "{}", covered(&seen[0]));
-    assert_eq!(wrong(&seen), 0);
+    assert_eq!(wrong(&seen, OWN), 0);
 }
 
 /// Light beyond a shape that stands between a lamp and a place, and how much there is without it.
