@@ -11,7 +11,7 @@ use std::time::Instant;
 const FIRST_COMMAND: &str = "cargo run --release -- render scenes/cave.toml";
 const SCENE: &str = "scenes/cave.toml";
 
-/// What the names of tests that need a GPU begin with, outside of the GPU's own crate.
+/// What the names of tests that need a GPU begin with, outside of the crates that are the GPU's alone.
 const ON_THE_GPU: &str = "on_the_gpu";
 
 pub fn run(with_gpu: bool) -> Result<()> {
@@ -28,7 +28,9 @@ pub fn run(with_gpu: bool) -> Result<()> {
         step("a GPU", gpu::ensure)?;
         step("a display", display::ensure)?;
     } else {
-        tests.extend(["--exclude", "lamplight-wgpu", "--", "--skip", ON_THE_GPU]);
+        let of_the_gpu = ["lamplight-wgpu", "bevy_lamplight"];
+        tests.extend(of_the_gpu.iter().flat_map(|package| ["--exclude", package]));
+        tests.extend(["--", "--skip", ON_THE_GPU]);
     }
     step("tests", || cargo(&tests))?;
     step("generated files are up to date", || {

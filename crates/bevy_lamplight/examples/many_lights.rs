@@ -57,7 +57,7 @@ fn setup(mut commands: Commands) {
             // As much light in all, however many they are.
             intensity: 40.0 / count as f32,
             range: 100.0,
-            radius: 2.0,
+            radius: 3.0,
             ..default()
         };
         let drift = Drift {

@@ -50,31 +50,40 @@ fn setup(mut commands: Commands) {
     // The street, which sends much of the light on.
     let wet = Matter2d { albedo: LinearRgba::rgb(0.95, 0.95, 0.95), ..Matter2d::wall() };
     commands.spawn((block(Color::srgb(0.5, 0.5, 0.55), 0.0, -160.0, 1400.0, 60.0, 1.0), wet));
-    // Houses, their windows, and the roofs of others behind them.
-    for (i, (x, width, height)) in
-        [(-285.0, 90.0, 190.0), (-150.0, 100.0, 130.0), (155.0, 110.0, 160.0), (290.0, 90.0, 230.0)]
-            .into_iter()
-            .enumerate()
+    // Fronts of houses, on which light falls, and their windows.
+    for (i, (x, width, height)) in [
+        (-262.0, 116.0, 190.0),
+        (-140.0, 104.0, 130.0),
+        (-8.0, 130.0, 230.0),
+        (130.0, 120.0, 150.0),
+        (262.0, 116.0, 250.0),
+    ]
+    .into_iter()
+    .enumerate()
     {
-        let brick = Color::srgb(0.55 - 0.05 * i as f32, 0.4, 0.38 + 0.05 * i as f32);
+        let brick = Color::srgb(0.62 - 0.06 * i as f32, 0.45, 0.4 + 0.06 * i as f32);
         let y = -130.0 + 0.5 * height;
-        commands.spawn((block(brick, x, y, width, height, 0.0), Matter2d::wall()));
-        for n in 0..6 {
+        commands.spawn(block(brick, x, y, width, height, 0.0));
+        for n in 0..9 {
             let (column, row) = ((n % 3) as f32 - 1.0, (n / 3) as f32);
-            let at = (x + column * 0.3 * width, y + 0.32 * height - row * 34.0);
-            let is_lit = (n * 7 + i * 5) % 4 == 0;
-            let (color, matter) = match is_lit {
-                true => (Color::srgb(1.0, 0.8, 0.5), Matter2d::glow(1.6)),
-                false => (Color::srgb(0.12, 0.13, 0.18), Matter2d::wall()),
+            let at = (x + column * 0.3 * width, y + 0.5 * height - 20.0 - row * 34.0);
+            let window = |color| block(color, at.0, at.1, 14.0, 18.0, 2.0);
+            match (n * 7 + i * 5) % 4 == 0 && row < 2.0 {
+                true => commands.spawn((window(Color::srgb(1.0, 0.8, 0.5)), Matter2d::glow(1.6))),
+                false => commands.spawn(window(Color::srgb(0.12, 0.13, 0.18))),
             };
-            commands.spawn((block(color, at.0, at.1, 14.0, 18.0, 2.0), matter));
         }
+    }
+    // Awnings, under which it is dark.
+    for x in [-200.0, 190.0] {
+        commands
+            .spawn((block(Color::srgb(0.5, 0.2, 0.2), x, -70.0, 50.0, 5.0, 3.0), Matter2d::wall()));
     }
     // Signs are texts and sprites that glow in their own colours.
     for (text, size, color, x, y, strength) in [
-        ("NOODLES", 40.0, Color::srgb(1.0, 0.15, 0.45), -10.0, 40.0, 7.0),
-        ("open all night", 20.0, Color::srgb(0.2, 0.9, 1.0), -10.0, 5.0, 5.0),
-        ("HOTEL", 30.0, Color::srgb(0.4, 1.0, 0.35), 290.0, 130.0, 5.0),
+        ("NOODLES", 36.0, Color::srgb(1.0, 0.15, 0.45), -8.0, -15.0, 5.0),
+        ("open all night", 20.0, Color::srgb(0.2, 0.9, 1.0), -8.0, -50.0, 4.0),
+        ("HOTEL", 30.0, Color::srgb(0.4, 1.0, 0.35), 262.0, 140.0, 4.0),
     ] {
         let sign = (Text2d::new(text), TextFont::from_font_size(size), TextColor(color));
         let glow = Matter2d { opacity: 0.6, ..Matter2d::glow(strength) };
@@ -85,8 +94,8 @@ fn setup(mut commands: Commands) {
     }
     let tube =
         |color, x, y, width, height| (block(color, x, y, width, height, 3.0), Matter2d::glow(6.0));
-    commands.spawn(tube(Color::srgb(1.0, 0.55, 0.1), -98.0, -60.0, 3.0, 90.0));
-    commands.spawn(tube(Color::srgb(0.45, 0.3, 1.0), 98.0, -40.0, 3.0, 120.0));
+    commands.spawn(tube(Color::srgb(1.0, 0.55, 0.1), -80.0, -70.0, 3.0, 90.0));
+    commands.spawn(tube(Color::srgb(0.45, 0.3, 1.0), 64.0, -40.0, 3.0, 120.0));
     // A car with a lamp ahead.
     let car = block(Color::srgb(0.6, 0.1, 0.12), 0.0, -122.0, 56.0, 14.0, 4.0);
     let lamp = SpotLight2d {
@@ -101,7 +110,7 @@ fn setup(mut commands: Commands) {
         .with_child((lamp, Transform::from_xyz(30.0, 0.0, 0.0)));
     // Steam over a drain.
     let steam = Sprite::from_color(Color::srgba(1.0, 1.0, 1.0, 0.5), Vec2::new(40.0, 110.0));
-    commands.spawn((steam, Matter2d::fog(0.01), Transform::from_xyz(60.0, -75.0, 5.0)));
+    commands.spawn((steam, Matter2d::fog(0.01), Transform::from_xyz(110.0, -75.0, 5.0)));
 }
 
 fn flicker(time: Res<Time>, mut signs: Query<&mut Matter2d, With<Flicker>>) {

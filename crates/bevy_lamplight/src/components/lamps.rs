@@ -40,7 +40,7 @@ impl Default for PointLight2d {
             color: Color::WHITE,
             intensity: 1.0,
             range: 128.0,
-            radius: 4.0,
+            radius: 8.0,
             falloff: Falloff2d::default(),
         }
     }

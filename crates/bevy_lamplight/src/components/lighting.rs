@@ -54,7 +54,7 @@ impl Default for Lighting2d {
             bounces: LightBounces::Count(1),
             cells: CellSize::default(),
             border: 64.0,
-            wall_depth: 8.0,
+            wall_depth: 24.0,
             exposure: 0.0,
             filter: LightFilter::default(),
         }

@@ -34,7 +34,8 @@ pub fn prepare(
 ) {
     let (entity, camera, target, msaa) = view.into_inner();
     let own = extracted.views.iter().find(|view| view.entity == entity);
-    let (Some(lit), Some(own), Some(pipelines)) = (lit_views.0.get_mut(&entity), own, pipelines)
+    let (Some(lit), Some(own), Some(pipelines)) =
+        (lit_views.views.get_mut(&entity), own, pipelines)
     else {
         return;
     };
@@ -71,7 +72,7 @@ pub fn prepare(
     let (device, queue): (_, &wgpu::Queue) = (device.wgpu_device(), &queue.0);
     if let Err(problem) = lit.compose.prepare(device, queue, &lit.lighting, drawn_on, &shown) {
         error_once!("a camera's picture is not lit: {problem}");
-        lit_views.0.remove(&entity);
+        lit_views.views.remove(&entity);
     }
 }
 
@@ -84,7 +85,7 @@ pub fn record(
     mut context: RenderContext,
 ) {
     let (entity, camera, view, target, depth) = view.into_inner();
-    let Some(lit) = lit_views.0.get(&entity) else { return };
+    let Some(lit) = lit_views.views.get(&entity) else { return };
     let diagnostics = context.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     target.post_process_write();

@@ -4,9 +4,9 @@ use super::extract::Extracted;
 use super::lit_view::{LitView, LitViews, Target};
 use super::pictures::PictureBindings;
 use super::stage::{On, Pipelines};
+use bevy::ecs::system::SystemParam;
 use bevy::log::error;
-use bevy::platform::collections::HashSet;
-use bevy::prelude::{Commands, Component, Entity, Local, Query, Res, ResMut};
+use bevy::prelude::{Commands, Component, Entity, Query, Res, ResMut, With};
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_asset::RenderAssets;
@@ -34,36 +34,38 @@ pub struct ViewLightTexture {
     pub corner: bevy::math::Vec2,
 }
 
+/// What drawing needs of the engine.
+#[derive(SystemParam)]
+pub struct Engine<'w> {
+    device: Res<'w, RenderDevice>,
+    queue: Res<'w, RenderQueue>,
+    images: Res<'w, RenderAssets<GpuImage>>,
+    pipelines: Option<Res<'w, Pipelines>>,
+}
+
 /// Makes ready what is recorded later.
 pub fn prepare(
     mut commands: Commands,
+    engine: Engine,
     extracted: Res<Extracted>,
     mut lit_views: ResMut<LitViews>,
     mut pictures: ResMut<PictureBindings>,
-    pipelines: Option<Res<Pipelines>>,
-    images: Res<RenderAssets<GpuImage>>,
     cameras: Query<&ExtractedCamera>,
-    textures: Query<Entity, bevy::prelude::With<ViewLightTexture>>,
-    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
-    mut told: Local<HashSet<String>>,
+    textures: Query<Entity, With<ViewLightTexture>>,
 ) {
+    let Engine { device, queue, images, pipelines } = engine;
     let (device, queue): (_, &wgpu::Queue) = (device.wgpu_device(), &queue.0);
     for entity in &textures {
         commands.entity(entity).remove::<ViewLightTexture>();
     }
-    let lit_views = &mut lit_views.0;
+    let LitViews { views: lit_views, told } = &mut *lit_views;
     lit_views.retain(|&entity, _| extracted.views.iter().any(|view| view.entity == entity));
     if extracted.views.is_empty() {
         return;
     }
-    let made;
-    let pipelines = match &pipelines {
-        Some(pipelines) => &**pipelines,
-        None => {
-            made = Pipelines::new(device);
-            commands.insert_resource(Pipelines::new(device));
-            &made
-        }
+    let Some(pipelines) = pipelines else {
+        commands.insert_resource(Pipelines::new(device));
+        return;
     };
     pictures.sweep(&images);
     for view in &extracted.views {
@@ -77,16 +79,16 @@ pub fn prepare(
         let known = lit_views.remove(&view.entity);
         let prepared = match known {
             Some(known) => Ok(known),
-            None => LitView::new(device, queue, pipelines, view),
+            None => LitView::new(device, queue, &pipelines, view),
         }
         .and_then(|mut lit| {
-            lit.prepare(device, queue, pipelines, view, &extracted.surroundings, target)?;
+            lit.prepare(device, queue, &pipelines, view, &extracted.surroundings, target)?;
             Ok(lit)
         });
         match prepared {
             Ok(lit) => {
                 for batch in &lit.draw.batches {
-                    pictures.bind(device, pipelines, batch.image, &images);
+                    pictures.bind(device, &pipelines, batch.image, &images);
                 }
                 if let Some(texture) = &lit.texture {
                     let placement = &view.placement;
@@ -119,7 +121,8 @@ pub fn record(
     pipelines: Option<Res<Pipelines>>,
     mut context: RenderContext,
 ) {
-    let (Some(lit), Some(pipelines)) = (lit_views.0.get_mut(&view.into_inner()), pipelines) else {
+    let (Some(lit), Some(pipelines)) = (lit_views.views.get_mut(&view.into_inner()), pipelines)
+    else {
         return;
     };
     let diagnostics = context.diagnostic_recorder();

@@ -6,7 +6,7 @@ use super::extract::ExtractedView;
 use super::stage::{GLOW, MATTER, Pipelines, SUMS, Stage, Staged};
 use crate::components::{LightMethod, Lighting2d};
 use crate::pieces::Surroundings;
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
 use lamplight::{Method, Settings};
 use lamplight_wgpu::wgpu::{
@@ -17,7 +17,11 @@ use lamplight_wgpu::{Compose, Lighting, Result, Textures, Window};
 
 /// Lit cameras, by their entities in the render world.
 #[derive(Resource, Default)]
-pub struct LitViews(pub HashMap<Entity, LitView>);
+pub struct LitViews {
+    pub views: HashMap<Entity, LitView>,
+    /// Problems that were told; once is enough.
+    pub told: HashSet<String>,
+}
 
 /// A lit camera.
 pub struct LitView {

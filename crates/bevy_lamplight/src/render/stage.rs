@@ -6,12 +6,12 @@ use bevy::prelude::Resource;
 use bytemuck::{Pod, Zeroable};
 use lamplight_wgpu::wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
-    BindGroupLayoutEntry, BindingType, BlendComponent, BlendFactor, BlendOperation, BlendState,
-    Buffer, BufferBindingType, BufferDescriptor, BufferUsages, ColorTargetState, ColorWrites,
-    Device, FragmentState, PipelineLayoutDescriptor, Queue, RenderPass, RenderPipeline,
-    RenderPipelineDescriptor, SamplerBindingType, ShaderModule, ShaderModuleDescriptor,
-    ShaderSource, ShaderStages, TextureFormat, TextureSampleType, TextureViewDimension,
-    VertexState,
+    BindGroupLayoutEntry, BindingResource, BindingType, BlendComponent, BlendFactor,
+    BlendOperation, BlendState, Buffer, BufferBindingType, BufferDescriptor, BufferUsages,
+    ColorTargetState, ColorWrites, Device, FragmentState, PipelineLayoutDescriptor, Queue,
+    RenderPass, RenderPipeline, RenderPipelineDescriptor, SamplerBindingType, ShaderModule,
+    ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureFormat, TextureSampleType,
+    TextureView, TextureViewDimension, VertexState,
 };
 use std::borrow::Cow;
 
@@ -109,12 +109,7 @@ impl Pipelines {
     }
 
     /// Binds the sums.
-    pub fn bind_sums(
-        &self,
-        device: &Device,
-        sums: &[lamplight_wgpu::wgpu::TextureView; 4],
-    ) -> BindGroup {
-        use lamplight_wgpu::wgpu::BindingResource;
+    pub fn bind_sums(&self, device: &Device, sums: &[TextureView; 4]) -> BindGroup {
         let entries: Vec<_> = (0..)
             .zip(sums)
             .map(|(binding, view)| BindGroupEntry {
