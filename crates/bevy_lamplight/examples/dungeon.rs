@@ -14,6 +14,7 @@ fn main() {
     App::new().add_plugins((DefaultPlugins.set(pixels), example)).run();
 }
 
+/// All of it, as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::BLACK))
@@ -56,7 +57,7 @@ fn tile(at: UVec2) -> Tile {
         [true, false] if within.y == middle && mix != 3 => Tile::Door,
         [false, true] if within.x.abs_diff(middle) < 2 && mix != 5 => Tile::Floor,
         [true, _] | [_, true] => Tile::Wall,
-        _ if mix % 3 == 1 && within.x % 3 == 0 && within.y % 3 == 0 => Tile::Wall,
+        _ if mix % 3 == 1 && within % 3 == UVec2::ZERO => Tile::Wall,
         _ => Tile::Floor,
     }
 }
@@ -156,10 +157,12 @@ fn setup(mut commands: Commands, mut images: ResMut<Assets<Image>>) {
         ));
 }
 
+type ADoor = (&'static Transform, &'static Visibility);
+
 fn walk(
     time: Res<Time>,
     keys: Option<Res<ButtonInput<KeyCode>>>,
-    doors: Query<(&Transform, &Visibility), (With<Door>, Without<Hero>)>,
+    doors: Query<ADoor, (With<Door>, Without<Hero>)>,
     mut hero: Single<&mut Transform, With<Hero>>,
 ) {
     let Some(keys) = keys else { return };

@@ -14,6 +14,7 @@ fn main() {
         .run();
 }
 
+/// All of it, as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::srgb(0.5, 0.5, 0.55)))

@@ -10,6 +10,7 @@ fn main() {
     App::new().add_plugins((DefaultPlugins, example)).run();
 }
 
+/// All of it, as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::srgb(0.45, 0.5, 0.5)))

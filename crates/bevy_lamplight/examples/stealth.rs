@@ -10,6 +10,7 @@ fn main() {
     App::new().add_plugins((DefaultPlugins, example)).run();
 }
 
+/// All of it, as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::srgb(0.42, 0.48, 0.4)))
@@ -38,7 +39,7 @@ fn setup(mut commands: Commands) {
             ..OrthographicProjection::default_2d()
         }),
         Lighting2d::default(),
-        AmbientLight2d { color: Color::srgb(0.5, 0.6, 1.0), brightness: 0.06 },
+        AmbientLight2d { color: Color::srgb(0.5, 0.6, 1.0), brightness: 0.2 },
         Tonemapping::AcesFitted,
     ));
     for (x, y, width, height) in [
