@@ -65,7 +65,8 @@ Bevy. Everything here but the words is measured, in one run:
   shadows.
 - Times: median of up to {frames} frames in ms, of one where they are slow, from the begin of a frame until the
   GPU has done all of it. In brackets until its commands are complete: the part of the CPU. Contenders
-  take turns, a frame each.
+  take turns, a frame each. Where frames take seconds there is one, after a long wait: its brackets are
+  larger than those of frames that follow each other.
 
 ## Lamps
 
