@@ -90,6 +90,15 @@ pub fn sandbox() -> Result<()> {
     Ok(())
 }
 
+/// Pictures of the examples for Bevy, which its tests compare with.
+pub fn bevy() -> Result<()> {
+    let mut draw = command(root());
+    draw.args(["test", "--package", "bevy_lamplight", "--test", "headless", "examples::"]);
+    let status = draw.env("LAMPLIGHT_DRAW", "1").status()?;
+    ensure!(status.success(), "drawing the examples ended with {status}");
+    Ok(())
+}
+
 /// Sizes at which frames on the GPU are accounted for, and timed where there is a hardware one.
 const GPU_SIZES: &str = "512x512,1024x1024,1920x1080";
 

@@ -54,6 +54,9 @@ enum Chore {
         /// Only pictures of the sandbox.
         #[arg(long, conflicts_with = "gpu")]
         sandbox: bool,
+        /// Only pictures of the examples for Bevy.
+        #[arg(long, conflicts_with_all = ["gpu", "sandbox"])]
+        bevy: bool,
     },
     /// Write the JSON Schema of scene files.
     Schema(Generate),
@@ -91,9 +94,11 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Web { serve } => web::run(serve),
         Chore::Docs { gpu: true, .. } => docs::gpu(),
         Chore::Docs { sandbox: true, .. } => docs::sandbox(),
+        Chore::Docs { bevy: true, .. } => docs::bevy(),
         Chore::Docs { .. } => {
             docs::run()?;
             docs::gpu()?;
+            docs::bevy()?;
             docs::sandbox()
         }
         Chore::Schema(args) => schema::run(args.mode()),

@@ -75,3 +75,8 @@ impl Plugin for LamplightPlugin {
         false
     }
 }
+
+/// The README's examples are compiled with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
