@@ -3,7 +3,6 @@
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::ScalingMode;
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy::sprite_render::{TileData, TilemapChunk, TilemapChunkTileData};
@@ -153,7 +152,6 @@ fn setup(mut commands: Commands, mut images: ResMut<Assets<Image>>) {
             }),
             Lighting2d { wall_depth: 10.0, ..default() },
             AmbientLight2d { color: Color::srgb(0.5, 0.6, 1.0), brightness: 0.01 },
-            Tonemapping::AcesFitted,
         ));
 }
 

@@ -1,6 +1,5 @@
 //! Lit in one line: `cargo run --release -p bevy_lamplight --example hello`.
 
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy_lamplight::prelude::*;
 
@@ -16,7 +15,7 @@ pub fn example(app: &mut App) {
 }
 
 fn setup(mut commands: Commands) {
-    commands.spawn((Camera2d, Lighting2d::default(), Tonemapping::AcesFitted));
+    commands.spawn((Camera2d, Lighting2d::default()));
 
     let warm = Color::srgb(1.0, 0.75, 0.4);
     let lamp = PointLight2d { color: warm, intensity: 2.5, range: 150.0, ..default() };

@@ -1,7 +1,6 @@
 //! Lamps without end that drift between pillars, and what a frame of them takes:
 //! `cargo run --release -p bevy_lamplight --example many_lights -- 5000`.
 
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::diagnostic::{FrameTimeDiagnosticsPlugin, LogDiagnosticsPlugin};
 use bevy::prelude::*;
 use bevy_lamplight::prelude::*;
@@ -48,7 +47,6 @@ fn setup(mut commands: Commands) {
         Camera2d,
         Lighting2d { cells: CellSize::World(2.0), ..default() },
         AmbientLight2d { brightness: 0.02, ..default() },
-        Tonemapping::AcesFitted,
     ));
     let count = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(500);
     let mut chance = chance();

@@ -2,7 +2,6 @@
 //! `cargo run --release -p bevy_lamplight --example split_screen`.
 
 use bevy::camera::{CameraUpdateSystems, ScalingMode, Viewport};
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy_lamplight::prelude::*;
 
@@ -61,7 +60,6 @@ fn setup(mut commands: Commands) {
                 }),
                 lighting,
                 Half(number),
-                Tonemapping::AcesFitted,
             ))
             .id();
         commands.entity(player).add_child(camera);

@@ -2,7 +2,6 @@
 //! seen. Move with the arrow keys: `cargo run --release -p bevy_lamplight --example stealth`.
 
 use bevy::camera::ScalingMode;
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy_lamplight::prelude::*;
 
@@ -40,7 +39,6 @@ fn setup(mut commands: Commands) {
         }),
         Lighting2d::default(),
         AmbientLight2d { color: Color::srgb(0.5, 0.6, 1.0), brightness: 0.2 },
-        Tonemapping::AcesFitted,
     ));
     for (x, y, width, height) in [
         (-120.0, 60.0, 60.0, 60.0),

@@ -2,7 +2,7 @@
 
 use bevy::camera::Hdr;
 use bevy::prelude::*;
-use lamplight::{Bounces, Method, Settings, SettingsTable};
+use lamplight::{Bounces, Method, Settings, SettingsTable, ToneMap};
 
 /// Lights what a 2D camera sees.
 ///
@@ -13,8 +13,7 @@ use lamplight::{Bounces, Method, Settings, SettingsTable};
 /// # }
 /// ```
 ///
-/// Every length is in world units, so that light does not change when the camera zooms. Light that
-/// is brighter than 1 needs a tone map: give the camera one ([`bevy::core_pipeline::tonemapping`]).
+/// Every length is in world units, so that light does not change when the camera zooms.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
@@ -41,6 +40,8 @@ pub struct Lighting2d {
     pub wall_depth: f32,
     /// Stops by which the picture is brightened; 1 doubles its light.
     pub exposure: f32,
+    /// How light above 1 is brought back to what a screen shows.
+    pub tone_map: LightToneMap,
     /// How light is shown between the cells it was found on.
     pub filter: LightFilter,
 }
@@ -56,6 +57,7 @@ impl Default for Lighting2d {
             border: 64.0,
             wall_depth: 24.0,
             exposure: 0.0,
+            tone_map: LightToneMap::default(),
             filter: LightFilter::default(),
         }
     }
@@ -161,6 +163,39 @@ pub enum CellSize {
 impl Default for CellSize {
     fn default() -> Self {
         Self::Screen(0.5)
+    }
+}
+
+/// How light above 1 is brought back to what a screen shows: lamps add up to more than that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub enum LightToneMap {
+    /// By the camera's own `Tonemapping` where it has one, which comes after bloom, and `Aces` where
+    /// it has none.
+    #[default]
+    Camera,
+    /// Not at all: what is above 1 is cut off unless a later pass needs it.
+    Off,
+    /// `v / (1 + v)`, channel by channel.
+    Reinhard,
+    /// Narkowicz's fit of the ACES curve (2015). What is [`Unlit2d`](crate::Unlit2d) keeps its
+    /// colours, as under all but the camera's own.
+    Aces,
+    /// AgX, which turns bright colours paler than `Aces` does.
+    Agx,
+}
+
+impl LightToneMap {
+    /// What the library is told, for a camera that has a tone map of its own or not.
+    pub(crate) fn for_camera(self, has_own: bool) -> ToneMap {
+        match self {
+            Self::Camera if has_own => ToneMap::None,
+            Self::Off => ToneMap::None,
+            Self::Reinhard => ToneMap::Reinhard,
+            Self::Camera | Self::Aces => ToneMap::Aces,
+            Self::Agx => ToneMap::Agx,
+        }
     }
 }
 

@@ -6,5 +6,7 @@ mod matter;
 
 pub(crate) use lamps::WorldLamp;
 pub use lamps::{AmbientLight2d, Falloff2d, PointLight2d, Sky2d, SpotLight2d};
-pub use lighting::{CellSize, LightBounces, LightFilter, LightMethod, LightTexture2d, Lighting2d};
+pub use lighting::{
+    CellSize, LightBounces, LightFilter, LightMethod, LightTexture2d, LightToneMap, Lighting2d,
+};
 pub use matter::{LightOccluder2d, Matter2d, OccluderShape, Unlit2d};

@@ -16,7 +16,7 @@ use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_resource::RenderPassDescriptor;
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::render::view::{ExtractedView, Msaa, ViewDepthTexture, ViewTarget};
-use lamplight::{Display, ToneMap};
+use lamplight::Display;
 use lamplight_wgpu::wgpu::{
     self, Color as Clear, LoadOp, Operations, RenderPassDepthStencilAttachment, StoreOp,
 };
@@ -53,7 +53,7 @@ pub fn prepare(
         lit.staged.draw(&mut pass, &pipelines.glow, &lit.draw, &pictures, On::Screen);
     }
     let shown = Shown {
-        display: Display { tonemap: ToneMap::None, exposure: own.lighting.exposure },
+        display: Display { tonemap: own.tone_map, exposure: own.lighting.exposure },
         filter: match own.lighting.filter {
             LightFilter::Linear => Filter::Linear,
             LightFilter::Nearest => Filter::Nearest,

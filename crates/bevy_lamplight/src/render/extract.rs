@@ -5,11 +5,12 @@ use crate::pieces::{Gather, Surroundings};
 use crate::placement::Placement;
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{Camera, Projection};
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::math::Rect;
 use bevy::prelude::{Entity, GlobalTransform, Has, Query, ResMut, Resource};
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
-use lamplight::Sky;
+use lamplight::{Sky, ToneMap};
 
 /// What a frame is lit by.
 #[derive(Resource, Default)]
@@ -28,6 +29,7 @@ pub struct ExtractedView {
     pub layers: RenderLayers,
     pub sky: Sky,
     pub ambient: [f32; 3],
+    pub tone_map: ToneMap,
     pub to_texture: bool,
 }
 
@@ -40,6 +42,7 @@ type LitCamera = (
     Option<&'static RenderLayers>,
     Option<&'static Sky2d>,
     Option<&'static AmbientLight2d>,
+    Option<&'static Tonemapping>,
     Has<LightTexture2d>,
 );
 
@@ -50,7 +53,18 @@ pub fn extract(
 ) {
     let Extracted { views, surroundings, areas } = &mut *extracted;
     let lit = cameras.iter().filter(|(_, camera, ..)| camera.is_active).filter_map(
-        |(entity, camera, projection, transform, lighting, layers, sky, ambient, to_texture)| {
+        |(
+            entity,
+            camera,
+            projection,
+            transform,
+            lighting,
+            layers,
+            sky,
+            ambient,
+            own,
+            to_texture,
+        )| {
             Some(ExtractedView {
                 entity,
                 placement: Placement::of(camera, projection, transform, lighting)?,
@@ -58,6 +72,7 @@ pub fn extract(
                 layers: layers.unwrap_or_default().clone(),
                 sky: sky.map_or(Sky::BLACK, |sky| sky.sky()),
                 ambient: ambient.map_or([0.0; 3], |ambient| ambient.radiance()),
+                tone_map: lighting.tone_map.for_camera(own.is_some_and(|own| own.is_enabled())),
                 to_texture,
             })
         },

@@ -21,7 +21,7 @@ pub struct Unlit {
     phases: HashMap<RetainedViewEntity, SortedRenderPhase<Transparent2d>>,
 }
 
-/// In the main world, which gizmos and the mark between lit and unlit have no entity of.
+/// The entity of the mark between lit and unlit.
 const NOBODY: Entity = Entity::PLACEHOLDER;
 
 pub fn extract(mut unlit: ResMut<Unlit>, marked: Extract<Query<Entity, With<Unlit2d>>>) {
@@ -40,8 +40,8 @@ pub fn set_apart(
     for view in extracted.views.iter().filter_map(|view| views.get(view.entity).ok()) {
         let Some(phase) = phases.get_mut(&view.retained_view_entity) else { continue };
         let is_unlit = |item: &Transparent2d| {
-            let entity = item.main_entity().id();
-            entity == NOBODY || unlit.entities.contains(&entity)
+            // Gizmos lie infinitely high.
+            item.sort_key.0 == f32::INFINITY || unlit.entities.contains(&item.main_entity().id())
         };
         let Some(first) = phase.items.values().find(|item| is_unlit(item)) else { continue };
         let mark = Transparent2d {

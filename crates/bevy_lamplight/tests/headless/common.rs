@@ -97,6 +97,7 @@ pub fn plain() -> Lighting2d {
         border: 16.0,
         wall_depth: 0.0,
         filter: LightFilter::Nearest,
+        tone_map: LightToneMap::Off,
         ..default()
     }
 }

@@ -11,4 +11,5 @@ mod matter;
 mod parity;
 mod query;
 mod reflect;
+mod tools;
 mod unlit;
