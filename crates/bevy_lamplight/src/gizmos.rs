@@ -1,10 +1,9 @@
 //! Outlines of what has no picture: lamps and their ranges, occluders, and what each camera's light
 //! reaches to.
 
-use crate::components::{LightOccluder2d, Lighting2d, OccluderShape, PointLight2d, SpotLight2d};
-use crate::placement::Placement;
+use crate::components::{LightOccluder2d, OccluderShape, PointLight2d, SpotLight2d};
+use crate::lit_camera::LitCamera;
 use bevy::app::{App, Plugin, PostUpdate};
-use bevy::camera::{Camera, Projection};
 use bevy::color::{Alpha, Color};
 use bevy::gizmos::AppGizmoBuilder;
 use bevy::gizmos::config::GizmoConfigGroup;
@@ -43,7 +42,7 @@ fn draw(
     points: Query<(&PointLight2d, &GlobalTransform)>,
     spots: Query<(&SpotLight2d, &GlobalTransform)>,
     occluders: Query<(&LightOccluder2d, &GlobalTransform)>,
-    cameras: Query<(&Camera, &Projection, &GlobalTransform, &Lighting2d)>,
+    cameras: Query<LitCamera>,
 ) {
     for (lamp, transform) in &points {
         let middle = transform.translation().truncate();
@@ -71,10 +70,7 @@ fn draw(
         let closed = outline.iter().chain(outline.first());
         gizmos.linestrip_2d(closed.copied(), OCCLUDER);
     }
-    for (camera, projection, transform, lighting) in &cameras {
-        let Some(placement) = Placement::of(camera, projection, transform, lighting) else {
-            continue;
-        };
+    for placement in cameras.iter().filter_map(|camera| camera.placement()) {
         let area = placement.area();
         gizmos.rect_2d(Isometry2d::from_translation(area.center()), area.size(), BORDER);
     }

@@ -26,6 +26,7 @@
 mod components;
 #[cfg(feature = "gizmos")]
 mod gizmos;
+mod lit_camera;
 mod pieces;
 mod placement;
 pub mod query;

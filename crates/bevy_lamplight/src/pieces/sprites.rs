@@ -83,20 +83,17 @@ impl SpriteMatterItem<'_, '_> {
         let SpriteImageMode::Scale(mode) = &self.sprite.image_mode else { return whole };
         // How much wider than the picture it is.
         let wider = (size.x / size.y) / (texels.width() / texels.height());
-        let along = |mode: Align| match mode {
-            Align::Start => 0.0,
-            Align::Center => 0.5,
-            Align::End => 1.0,
+        const START: f32 = 0.0;
+        const CENTER: f32 = 0.5;
+        const END: f32 = 1.0;
+        let (fills, along) = match mode {
+            SpriteScalingMode::FillStart => (true, START),
+            SpriteScalingMode::FillCenter => (true, CENTER),
+            SpriteScalingMode::FillEnd => (true, END),
+            SpriteScalingMode::FitStart => (false, START),
+            SpriteScalingMode::FitCenter => (false, CENTER),
+            SpriteScalingMode::FitEnd => (false, END),
         };
-        let (fills, align) = match mode {
-            SpriteScalingMode::FillStart => (true, Align::Start),
-            SpriteScalingMode::FillCenter => (true, Align::Center),
-            SpriteScalingMode::FillEnd => (true, Align::End),
-            SpriteScalingMode::FitStart => (false, Align::Start),
-            SpriteScalingMode::FitCenter => (false, Align::Center),
-            SpriteScalingMode::FitEnd => (false, Align::End),
-        };
-        let along = along(align);
         if fills {
             // What is too much of the picture is cut off; unit squares count from the bottom.
             let (min, size) = match wider > 1.0 {
@@ -116,12 +113,6 @@ impl SpriteMatterItem<'_, '_> {
         let shift = (1.0 - 2.0 * along) * Vec2::new(left.x, -left.y);
         Fitted { size: fitted, shift, ..whole }
     }
-}
-
-enum Align {
-    Start,
-    Center,
-    End,
 }
 
 /// What of a picture is shown, how large, and how far beside its place.

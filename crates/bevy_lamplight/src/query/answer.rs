@@ -1,18 +1,18 @@
 //! The grid that answers, and the system parameter that asks.
 
 use super::raster::rasterize;
-use crate::components::{AmbientLight2d, LightMethod, Lighting2d, Sky2d};
+use crate::components::{LightMethod, Lighting2d};
+use crate::lit_camera::LitCamera;
 use crate::pieces::{Gather, Pictures, Surroundings, VisibilityPropagates};
 use crate::placement::Placement;
 use bevy::app::{App, Plugin, PostUpdate};
 use bevy::camera::visibility::{RenderLayers, VisibilityPlugin, VisibilitySystems};
-use bevy::camera::{Camera, Projection};
 use bevy::color::LinearRgba;
 use bevy::ecs::system::SystemParam;
 use bevy::log::error;
 use bevy::math::{Rect, Vec2};
 use bevy::prelude::{
-    GlobalTransform, IntoScheduleConfigs, Query, Reflect, ReflectResource, Res, ResMut, Resource,
+    IntoScheduleConfigs, Local, Query, Reflect, ReflectResource, Res, ResMut, Resource,
 };
 use bevy::transform::TransformSystems;
 use lamplight::coarse::coarsen;
@@ -160,21 +160,11 @@ struct Bench {
     told: String,
 }
 
-type LitCamera = (
-    &'static Camera,
-    &'static Projection,
-    &'static GlobalTransform,
-    &'static Lighting2d,
-    Option<&'static RenderLayers>,
-    Option<&'static Sky2d>,
-    Option<&'static AmbientLight2d>,
-);
-
 /// Finds the light where somebody asked since it was last found.
 fn solve(
     settings: Res<LightQuerySettings>,
     mut answer: ResMut<Answer>,
-    mut bench: bevy::prelude::Local<Bench>,
+    mut bench: Local<Bench>,
     cameras: Query<LitCamera>,
     gather: Gather,
     pictures: Pictures,
@@ -182,18 +172,13 @@ fn solve(
     if !answer.asked.swap(false, Ordering::Relaxed) {
         return;
     }
-    let camera = cameras.iter().filter(|(camera, ..)| camera.is_active).find_map(
-        |(camera, projection, transform, lighting, layers, sky, ambient)| {
-            let placement = Placement::of(camera, projection, transform, lighting)?;
-            Some((placement, lighting, layers.unwrap_or_default(), sky, ambient))
-        },
-    );
-    let own = camera.as_ref().map(|(_, lighting, ..)| *lighting);
+    let camera = cameras.iter().find_map(|camera| Some((camera.placement()?, camera)));
+    let (seen, camera) = camera.map_or((None, None), |(seen, camera)| (Some(seen), Some(camera)));
+    let own = camera.as_ref().map(|camera| camera.lighting);
     let lighting = settings.lighting.clone().unwrap_or_else(|| quick(own));
-    let layers = camera.as_ref().map_or(&settings.layers, |(_, _, layers, ..)| *layers);
-    let sky = camera.as_ref().and_then(|(_, _, _, sky, _)| *sky);
-    let ambient = camera.as_ref().and_then(|(.., ambient)| *ambient);
-    let seen = camera.as_ref().map(|(placement, ..)| placement.area());
+    let layers = camera.as_ref().map_or(&settings.layers, |camera| camera.layers());
+    let sky = camera.as_ref().map_or(Sky::BLACK, |camera| camera.sky());
+    let seen = seen.map(|placement| placement.area());
     let area = settings.area.or(seen);
 
     let bench = &mut *bench;
@@ -208,8 +193,7 @@ fn solve(
         answer.grid = None;
         return;
     };
-    answer.ambient = ambient.map_or([0.0; 3], |ambient| ambient.radiance());
-    let sky = sky.map_or(Sky::BLACK, |sky| sky.sky());
+    answer.ambient = camera.as_ref().map_or([0.0; 3], |camera| camera.ambient());
     match bench.solve(&grid, &lighting, layers, sky, &pictures) {
         Ok((light, spots)) => {
             answer.light.clone_from(light);

@@ -9,7 +9,6 @@ use super::stage::{On, Pipelines};
 use super::unlit::Unlit;
 use crate::components::LightFilter;
 use bevy::core_pipeline::core_2d::CORE_2D_DEPTH_FORMAT;
-use bevy::log::error_once;
 use bevy::prelude::{Entity, Res, ResMut, World};
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::diagnostic::RecordDiagnostics;
@@ -71,7 +70,7 @@ pub fn prepare(
     };
     let (device, queue): (_, &wgpu::Queue) = (device.wgpu_device(), &queue.0);
     if let Err(problem) = lit.compose.prepare(device, queue, &lit.lighting, drawn_on, &shown) {
-        error_once!("a camera's picture is not lit: {problem}");
+        lit_views.told.tell(problem.to_string());
         lit_views.views.remove(&entity);
     }
 }

@@ -5,7 +5,6 @@ use super::lit_view::{LitView, LitViews, Target};
 use super::pictures::PictureBindings;
 use super::stage::{On, Pipelines};
 use bevy::ecs::system::SystemParam;
-use bevy::log::error;
 use bevy::prelude::{Commands, Component, Entity, Query, Res, ResMut, With};
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::diagnostic::RecordDiagnostics;
@@ -34,6 +33,9 @@ pub struct ViewLightTexture {
     pub corner: bevy::math::Vec2,
 }
 
+/// What every device with compute shaders has.
+const STORAGE_BUFFERS: u32 = 8;
+
 /// What drawing needs of the engine.
 #[derive(SystemParam)]
 pub struct Engine<'w> {
@@ -61,6 +63,10 @@ pub fn prepare(
     let LitViews { views: lit_views, told } = &mut *lit_views;
     lit_views.retain(|&entity, _| extracted.views.iter().any(|view| view.entity == entity));
     if extracted.views.is_empty() {
+        return;
+    }
+    if device.limits().max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+        told.tell("this device has no compute shaders, as under WebGL 2".into());
         return;
     }
     let Some(pipelines) = pipelines else {
@@ -102,13 +108,7 @@ pub fn prepare(
                 lit_views.insert(view.entity, lit);
             }
             // The camera's picture stays as it is.
-            Err(problem) => {
-                let problem = problem.to_string();
-                if !told.contains(&problem) {
-                    error!("a camera is not lit: {problem}");
-                    told.insert(problem);
-                }
-            }
+            Err(problem) => told.tell(problem.to_string()),
         }
     }
 }

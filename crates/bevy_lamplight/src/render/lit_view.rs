@@ -6,6 +6,7 @@ use super::extract::ExtractedView;
 use super::stage::{GLOW, MATTER, Pipelines, SUMS, Stage, Staged};
 use crate::components::{LightMethod, Lighting2d};
 use crate::pieces::Surroundings;
+use bevy::log::error;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
 use lamplight::{Method, Settings};
@@ -19,8 +20,21 @@ use lamplight_wgpu::{Compose, Lighting, Result, Textures, Window};
 #[derive(Resource, Default)]
 pub struct LitViews {
     pub views: HashMap<Entity, LitView>,
-    /// Problems that were told; once is enough.
-    pub told: HashSet<String>,
+    pub told: Told,
+}
+
+/// Why cameras are not lit; once is enough.
+#[derive(Default)]
+pub struct Told(HashSet<String>);
+
+impl Told {
+    /// Says what was not said before.
+    pub fn tell(&mut self, problem: String) {
+        if !self.0.contains(&problem) {
+            error!("a camera is not lit: {problem}");
+            self.0.insert(problem);
+        }
+    }
 }
 
 /// A lit camera.
