@@ -151,7 +151,7 @@ impl OnGpu {
             display: shown.display,
             filter: if shown.smooth || is_coarse { Filter::Linear } else { Filter::Nearest },
             color,
-            window: None,
+            ..lamplight_wgpu::Shown::default()
         };
         let mut compose = self.compose.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(compose.prepare(&self.device, &self.queue, &self.lighting, self.target, &shown)?)
