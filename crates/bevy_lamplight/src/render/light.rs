@@ -60,10 +60,8 @@ pub fn prepare(
     for entity in &textures {
         commands.entity(entity).remove::<ViewLightTexture>();
     }
-    let LitViews { views: lit_views, failed, told } = &mut *lit_views;
-    let is_lit = |entity: Entity| extracted.views.iter().any(|view| view.entity == entity);
-    lit_views.retain(|&entity, _| is_lit(entity));
-    failed.retain(|&entity, _| is_lit(entity));
+    let LitViews { views: lit_views, told } = &mut *lit_views;
+    lit_views.retain(|&entity, _| extracted.views.iter().any(|view| view.entity == entity));
     if extracted.views.is_empty() {
         return;
     }
@@ -83,10 +81,6 @@ pub fn prepare(
         else {
             continue;
         };
-        let asked = (&view.lighting, &view.placement);
-        if failed.get(&view.entity).is_some_and(|(lighting, place)| (lighting, place) == asked) {
-            continue;
-        }
         let target = Target { size: size.to_array(), viewport: viewport.to_array() };
         let known = lit_views.remove(&view.entity);
         let prepared = match known {
@@ -99,7 +93,6 @@ pub fn prepare(
         });
         match prepared {
             Ok(lit) => {
-                failed.remove(&view.entity);
                 for batch in &lit.draw.batches {
                     pictures.bind(device, &pipelines, batch.image, &images);
                 }
@@ -115,10 +108,7 @@ pub fn prepare(
                 lit_views.insert(view.entity, lit);
             }
             // The camera's picture stays as it is.
-            Err(problem) => {
-                told.tell(problem.to_string());
-                failed.insert(view.entity, (view.lighting.clone(), view.placement));
-            }
+            Err(problem) => told.tell(problem.to_string()),
         }
     }
 }

@@ -6,7 +6,6 @@ use super::extract::ExtractedView;
 use super::stage::{GLOW, MATTER, Pipelines, SUMS, Stage, Staged};
 use crate::components::{LightMethod, Lighting2d};
 use crate::pieces::Surroundings;
-use crate::placement::Placement;
 use bevy::log::error;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
@@ -21,8 +20,6 @@ use lamplight_wgpu::{Compose, Lighting, Result, Textures, Window};
 #[derive(Resource, Default)]
 pub struct LitViews {
     pub views: HashMap<Entity, LitView>,
-    /// What could not be lit: not tried again until it is asked for otherwise.
-    pub failed: HashMap<Entity, (Lighting2d, Placement)>,
     pub told: Told,
 }
 
