@@ -22,7 +22,14 @@ const MOST_CELLS: u64 = 1 << 22;
 /// Steps in which grids grow, so that a camera that zooms seldom makes buffers anew.
 const STEP: u32 = 32;
 /// Cells after which methods that find light on planes or probes do the same again.
-const LATTICE: u32 = 16;
+pub const LATTICE: u32 = 16;
+
+/// Ever larger cells to choose from where a grid of a size would have too many.
+pub fn doubled(cell: f32) -> impl Iterator<Item = f32> {
+    /// Beyond, nothing of a world is left.
+    const MOST_DOUBLINGS: i32 = 32;
+    (0..MOST_DOUBLINGS).map(move |doublings| cell * 2f32.powi(doublings))
+}
 
 impl Placement {
     /// Where what a camera sees lies, with the border round it.
@@ -47,7 +54,7 @@ impl Placement {
             return None;
         }
         // Neither cells nor lattice nor step change what is found at a place of the world.
-        let mut cell = match lighting.cells {
+        let cell = match lighting.cells {
             CellSize::World(size) => size,
             CellSize::Screen(share) => {
                 (extent.y / pixels.y / share.clamp(0.05, 2.0)).log2().round().exp2()
@@ -56,9 +63,7 @@ impl Placement {
         if !(cell > 0.0 && cell.is_finite()) {
             return None;
         }
-        /// Beyond, nothing of a world is left.
-        const MOST_DOUBLINGS: usize = 32;
-        for _ in 0..MOST_DOUBLINGS {
+        for cell in doubled(cell) {
             let [x, y] = (middle / cell).to_array().map(f64::from);
             let view = View {
                 position: [x, -y],
@@ -81,7 +86,6 @@ impl Placement {
             } else if middle.abs().max_element() / cell > 1e9 {
                 return None;
             }
-            cell *= 2.0;
         }
         None
     }

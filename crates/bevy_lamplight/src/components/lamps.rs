@@ -171,6 +171,9 @@ impl Sky2d {
     }
 }
 
+/// Brightest that what glows is drawn: half floats hold as much, with room for sums.
+pub(crate) const BRIGHTEST: f32 = 60_000.0;
+
 /// What a colour of some brightness gives; nothing of what no light is.
 fn radiance(color: Color, brightness: f32) -> [f32; 3] {
     let LinearRgba { red, green, blue, .. } = color.to_linear();
@@ -220,8 +223,6 @@ impl WorldLamp {
     /// Radiance of the disc that stands for it where methods see what glows: of a disc of radius r
     /// and radiance E there arrives `E · 2r / (2π d)`, the share of the circle it fills.
     pub fn disc(&self) -> [f32; 3] {
-        /// Cells and their emission are half floats.
-        const BRIGHTEST: f32 = 60_000.0;
         let gain = PI * self.range / (4.0 * self.radius);
         self.color.map(|c| (c * gain).min(BRIGHTEST))
     }

@@ -2,7 +2,7 @@
 
 use bevy::camera::Hdr;
 use bevy::prelude::*;
-use lamplight::{Bounces, Method, Settings, SettingsTable, ToneMap};
+use lamplight::{Method, Settings, SettingsTable, ToneMap};
 
 /// Lights what a 2D camera sees.
 ///
@@ -113,6 +113,13 @@ pub enum LightMethod {
     Flood,
 }
 
+impl LightMethod {
+    /// Whether it lights lamps by rule; for the others they are discs that glow.
+    pub(crate) fn lights_lamps(self) -> bool {
+        Method::from(self).lights_lamps()
+    }
+}
+
 impl From<LightMethod> for Method {
     fn from(method: LightMethod) -> Self {
         match method {
@@ -134,15 +141,6 @@ pub enum LightBounces {
     Count(u32),
     /// Until the largest change is under 0.1 % of the mean.
     Converged,
-}
-
-impl From<LightBounces> for Bounces {
-    fn from(bounces: LightBounces) -> Self {
-        match bounces {
-            LightBounces::Count(count) => Self::Count(count),
-            LightBounces::Converged => Self::Converged,
-        }
-    }
 }
 
 /// How large the square cells are on which light is found. Half the size costs four times as much.

@@ -4,8 +4,8 @@ mod lamps;
 mod lighting;
 mod matter;
 
-pub(crate) use lamps::WorldLamp;
 pub use lamps::{AmbientLight2d, Falloff2d, PointLight2d, Sky2d, SpotLight2d};
+pub(crate) use lamps::{BRIGHTEST, WorldLamp};
 pub use lighting::{
     CellSize, LightBounces, LightFilter, LightMethod, LightTexture2d, LightToneMap, Lighting2d,
 };

@@ -77,6 +77,11 @@ impl Surroundings {
         self.lamps.clear();
     }
 
+    /// The pieces of a body.
+    pub fn pieces_of(&self, body: &Body) -> &[Piece] {
+        &self.pieces[body.pieces.start as usize..body.pieces.end as usize]
+    }
+
     /// Notes what a body is made of, and gives its number.
     fn add_substance(&mut self, substance: Substance) -> u32 {
         self.substances.push(substance);
@@ -88,7 +93,7 @@ impl Surroundings {
     fn close(&mut self, from: usize, kind: Kind, areas: &[Rect]) {
         let Kind { image, layers, is_seen, z } = kind;
         let pieces = &self.pieces[from..];
-        let corners = pieces.iter().flat_map(Piece::corners);
+        let corners = pieces.iter().flat_map(|piece| piece.world.corners());
         let bounds = corners.fold(Rect::EMPTY, |all, corner| all.union_point(corner));
         let body = Body {
             pieces: from as u32..self.pieces.len() as u32,

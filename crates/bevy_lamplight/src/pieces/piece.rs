@@ -104,6 +104,16 @@ impl Map {
         Vec2::from(self.origin) + x * Vec2::from(self.x_axis) + y * Vec2::from(self.y_axis)
     }
 
+    /// Where the corners of the unit square lie.
+    pub fn corners(&self) -> [Vec2; 4] {
+        [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| self.at(x, y))
+    }
+
+    /// The box round it.
+    pub fn bounds(&self) -> Rect {
+        self.corners().into_iter().fold(Rect::EMPTY, |all, corner| all.union_point(corner))
+    }
+
     /// The way back, where there is one.
     pub fn inverse(&self) -> Option<Affine2> {
         let affine = Affine2::from_cols(self.x_axis.into(), self.y_axis.into(), self.origin.into());
@@ -144,15 +154,10 @@ impl Piece {
         Self { shape: shape as u32, ..piece }
     }
 
-    /// Where the corners of its unit square lie.
-    pub fn corners(&self) -> [Vec2; 4] {
-        [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| self.world.at(x, y))
-    }
-
     /// Whether it is anywhere.
     pub fn is_finite(&self) -> bool {
         let Self { world, texels, color, .. } = self;
-        self.corners().iter().all(|corner| corner.is_finite())
+        world.corners().iter().all(|corner| corner.is_finite())
             && bytemuck::cast_slice::<Map, f32>(&[*world, *texels]).iter().all(|v| v.is_finite())
             && color.iter().all(|v| v.is_finite())
     }

@@ -1,6 +1,6 @@
 //! What a body is made of.
 
-use crate::components::Matter2d;
+use crate::components::{BRIGHTEST, Matter2d};
 use bevy::color::LinearRgba;
 use bytemuck::{Pod, Zeroable};
 
@@ -20,16 +20,13 @@ pub struct Substance {
 }
 
 impl Substance {
-    /// Brightest that a half float holds with room for sums.
-    const BRIGHTEST: f32 = 60_000.0;
-
     /// What is neither a number nor in range becomes the nearest that is.
     pub fn of(matter: &Matter2d) -> Self {
         let within = |v: f32, most: f32| if v > 0.0 { v.min(most) } else { 0.0 };
         let rgb =
             |color: LinearRgba, most| [color.red, color.green, color.blue].map(|v| within(v, most));
         Self {
-            emission: rgb(matter.emission, Self::BRIGHTEST),
+            emission: rgb(matter.emission, BRIGHTEST),
             opacity: within(matter.opacity, 1.0),
             tint: rgb(matter.tint, 1.0),
             glow: 1.0,

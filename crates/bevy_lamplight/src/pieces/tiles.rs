@@ -36,11 +36,12 @@ impl TileMatterItem<'_, '_> {
                 }
             };
             // In the order in which the tilemap's own shader turns them.
-            [turn.mirror_h(), turn.mirror_v()]
-                .iter()
-                .zip(0..)
-                .filter(|(m, _)| **m)
-                .for_each(|(_, axis)| mirror(axis));
+            if turn.mirror_h() {
+                mirror(0);
+            }
+            if turn.mirror_v() {
+                mirror(1);
+            }
             if turn.mirror_d() {
                 for v in [&mut texels.x_axis, &mut texels.y_axis, &mut texels.origin] {
                     v.swap(0, 1);

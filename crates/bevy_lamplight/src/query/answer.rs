@@ -4,7 +4,7 @@ use super::raster::rasterize;
 use crate::components::{LightMethod, Lighting2d};
 use crate::lit_camera::LitCamera;
 use crate::pieces::{Gather, Pictures, Surroundings, VisibilityPropagates};
-use crate::placement::Placement;
+use crate::placement::{LATTICE, Placement, doubled};
 use bevy::app::{App, Plugin, PostUpdate};
 use bevy::camera::visibility::{RenderLayers, VisibilityPlugin, VisibilitySystems};
 use bevy::color::LinearRgba;
@@ -88,16 +88,16 @@ pub struct LightQuery<'w> {
 impl LightQuery<'_> {
     /// Light that arrives at a place of the world, linear; none where it is not known.
     pub fn at(&self, place: Vec2) -> Option<LinearRgba> {
-        let (answer, at) = self.answer.place(place)?;
-        Some(answer.sum(|light| light.sample(at)))
+        let at = self.answer.place(place)?;
+        Some(self.answer.sum(|light| light.sample(at)))
     }
 
     /// Mean light that arrives in the open part of a box; none where it is not known all over.
     pub fn over(&self, area: Rect) -> Option<LinearRgba> {
-        let (answer, left_bottom) = self.answer.place(area.min)?;
-        let (_, right_top) = answer.place(area.max)?;
+        let left_bottom = self.answer.place(area.min)?;
+        let right_top = self.answer.place(area.max)?;
         let (min, max) = ([left_bottom[0], right_top[1]], [right_top[0], left_bottom[1]]);
-        Some(answer.sum(|light| light.over(min, max)))
+        Some(self.answer.sum(|light| light.over(min, max)))
     }
 
     /// Luminance at a place: 1 is where white is shown white.
@@ -117,13 +117,12 @@ impl LightQuery<'_> {
 #[derive(Resource, Default)]
 pub struct Answer {
     asked: AtomicBool,
+    /// The fine one, on which matter is drawn.
     grid: Option<Placement>,
     light: Light,
     /// Of spots, where the method does not light them itself.
     spots: Option<Light>,
     ambient: [f32; 3],
-    /// World units a cell of light.
-    cell: f32,
 }
 
 impl Answer {
@@ -132,11 +131,11 @@ impl Answer {
     }
 
     /// A place of the world, in cells.
-    fn place(&self, place: Vec2) -> Option<(&Self, [f32; 2])> {
+    fn place(&self, place: Vec2) -> Option<[f32; 2]> {
         self.ask();
         let grid = self.grid.filter(|grid| grid.area().contains(place))?;
-        let at = (place - grid.corner()) / self.cell;
-        Some((self, [at.x, -at.y]))
+        let at = (place - grid.corner()) / (grid.cell * FINER as f32);
+        Some([at.x, -at.y])
     }
 
     fn sum(&self, light: impl Fn(&Light) -> [f32; 3]) -> LinearRgba {
@@ -172,8 +171,8 @@ fn solve(
     if !answer.asked.swap(false, Ordering::Relaxed) {
         return;
     }
-    let camera = cameras.iter().find_map(|camera| Some((camera.placement()?, camera)));
-    let (seen, camera) = camera.map_or((None, None), |(seen, camera)| (Some(seen), Some(camera)));
+    let (seen, camera) =
+        cameras.iter().find_map(|camera| Some((camera.placement()?, camera))).unzip();
     let own = camera.as_ref().map(|camera| camera.lighting);
     let lighting = settings.lighting.clone().unwrap_or_else(|| quick(own));
     let layers = camera.as_ref().map_or(&settings.layers, |camera| camera.layers());
@@ -198,7 +197,6 @@ fn solve(
         Ok((light, spots)) => {
             answer.light.clone_from(light);
             answer.spots = spots.cloned();
-            answer.cell = grid.cell * FINER as f32;
             answer.grid = Some(grid);
         }
         Err(problem) => {
@@ -215,7 +213,7 @@ fn solve(
 /// How light is found where nobody says: as the camera's is, and soon.
 fn quick(camera: Option<&Lighting2d>) -> Lighting2d {
     match camera {
-        Some(own) if matches!(own.method, LightMethod::Polar | LightMethod::Flood) => own.clone(),
+        Some(own) if own.method.lights_lamps() => own.clone(),
         own => {
             let bounces = own.map_or(Lighting2d::default().bounces, |own| own.bounces);
             Lighting2d { bounces, ..Lighting2d::default() }.with_preset("fast")
@@ -227,17 +225,11 @@ fn quick(camera: Option<&Lighting2d>) -> Lighting2d {
 const FINER: u32 = 2;
 /// Most cells of an answer.
 const MOST_CELLS: u64 = 1 << 17;
-/// Cells of light after which methods do the same again.
-const LATTICE: u32 = 16;
-
 /// The fine grid over an area.
 fn place(area: Rect, cell: f32) -> Option<Placement> {
     if !(cell > 0.0 && area.min.is_finite() && area.max.is_finite()) {
         return None;
     }
-    /// Beyond, nothing of a world is left.
-    const MOST_DOUBLINGS: usize = 32;
-    let doubled = (0..MOST_DOUBLINGS as i32).map(|i| cell * 2f32.powi(i));
     let fits = |cell: f32| {
         let fine = cell / FINER as f32;
         let [x, y] = (area.center() / fine).to_array().map(f64::from);
@@ -248,7 +240,7 @@ fn place(area: Rect, cell: f32) -> Option<Placement> {
         let cells = placed.size.map(|side| u64::from(side / FINER));
         (cells[0] * cells[1] <= MOST_CELLS).then_some(Placement { cell: fine, placed })
     };
-    doubled.into_iter().find_map(fits)
+    doubled(cell).find_map(fits)
 }
 
 impl Bench {
@@ -260,7 +252,7 @@ impl Bench {
         sky: Sky,
         pictures: &Pictures,
     ) -> lamplight::Result<(&Light, Option<&Light>)> {
-        let by_rule = matches!(lighting.method, LightMethod::Polar | LightMethod::Flood);
+        let by_rule = lighting.method.lights_lamps();
         let [width, height] = grid.placed.size;
         let fine = match self.fine.take() {
             Some(fine) if [fine.width(), fine.height()] == grid.placed.size => fine,

@@ -5,7 +5,7 @@ use crate::placement::Placement;
 use bevy::camera::visibility::RenderLayers;
 use bevy::color::ColorToComponents;
 use bevy::image::Image;
-use bevy::math::{Rect, Vec2, Vec4};
+use bevy::math::{Vec2, Vec4};
 use lamplight::{Cells, Matter};
 
 /// Draws what is on some layers; lamps are not among it. The grid is emptied first.
@@ -21,7 +21,7 @@ pub fn rasterize(
     let bodies = from.bodies.iter().filter(|body| body.layers.intersects(layers));
     for body in bodies.filter(|body| body.touches(area)) {
         let picture = pictures.images.as_ref().and_then(|images| images.get(body.image));
-        for piece in &from.pieces[body.pieces.start as usize..body.pieces.end as usize] {
+        for piece in from.pieces_of(body) {
             let substance = from.substances[piece.substance as usize];
             draw(piece, &substance, grid, picture, to);
         }
@@ -37,8 +37,7 @@ fn draw(
 ) {
     let map = grid.on_grid(&piece.world);
     let Some(back) = map.inverse() else { return };
-    let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| map.at(x, y));
-    let bounds = corners.into_iter().fold(Rect::EMPTY, |all, corner| all.union_point(corner));
+    let bounds = map.bounds();
     // Casts keep to the grid.
     let range = |low: f32, high: f32, most: u32| low.floor() as u32..(high.ceil() as u32).min(most);
     let columns = range(bounds.min.x, bounds.max.x, to.width());

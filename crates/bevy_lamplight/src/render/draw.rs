@@ -47,7 +47,7 @@ impl Draw {
             if !body.layers.intersects(&view.layers) || !body.touches(area) {
                 continue;
             }
-            let own = &from.pieces[body.pieces.start as usize..body.pieces.end as usize];
+            let own = from.pieces_of(body);
             let begin = pieces.len() as u32;
             let on_grid =
                 |piece: &Piece| Piece { world: placement.on_grid(&piece.world), ..*piece };

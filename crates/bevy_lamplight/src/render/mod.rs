@@ -3,8 +3,8 @@
 //! | when | what | file |
 //! | --- | --- | --- |
 //! | extraction | lit cameras, and what is around them | `extract.rs` |
-//! | prepare | each camera's pieces, textures and settings | `lit_view.rs`, `pictures.rs` |
-//! | before the main pass | matter on the grid, then its light | `stage.rs`, `lit_view.rs` |
+//! | prepare | each camera's pieces, textures and settings | `draw.rs`, `lit_view.rs`, `pictures.rs` |
+//! | before the main pass | matter on the grid, then its light | `light.rs`, `stage.rs`, `budget.rs` |
 //! | after the main pass | the picture × its light, then what is not lit | `compose.rs`, `unlit.rs` |
 
 mod budget;

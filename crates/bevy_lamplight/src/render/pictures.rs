@@ -10,8 +10,7 @@ use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{TextureId, TextureViewDescriptor};
 use bevy::render::texture::GpuImage;
 use lamplight_wgpu::wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Device, TextureDimension,
-    TextureSampleType, TextureUsages, TextureViewDimension,
+    BindGroup, Device, TextureDimension, TextureSampleType, TextureUsages, TextureViewDimension,
 };
 
 /// Bound pictures.
@@ -48,20 +47,7 @@ impl PictureBindings {
                     dimension: Some(TextureViewDimension::D2Array),
                     ..TextureViewDescriptor::default()
                 });
-                device.create_bind_group(&BindGroupDescriptor {
-                    label: Some("lamplight picture"),
-                    layout: &pipelines.picture_layout,
-                    entries: &[
-                        BindGroupEntry {
-                            binding: 0,
-                            resource: BindingResource::TextureView(&view),
-                        },
-                        BindGroupEntry {
-                            binding: 1,
-                            resource: BindingResource::Sampler(&image.sampler),
-                        },
-                    ],
-                })
+                pipelines.bind_picture(device, &view, &image.sampler)
             }),
         });
     }

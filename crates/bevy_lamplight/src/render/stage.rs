@@ -9,9 +9,9 @@ use lamplight_wgpu::wgpu::{
     BindGroupLayoutEntry, BindingResource, BindingType, BlendComponent, BlendFactor,
     BlendOperation, BlendState, Buffer, BufferBindingType, BufferDescriptor, BufferUsages,
     ColorTargetState, ColorWrites, Device, FragmentState, PipelineLayoutDescriptor, Queue,
-    RenderPass, RenderPipeline, RenderPipelineDescriptor, SamplerBindingType, ShaderModule,
-    ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureFormat, TextureSampleType,
-    TextureView, TextureViewDimension, VertexState,
+    RenderPass, RenderPipeline, RenderPipelineDescriptor, Sampler, SamplerBindingType,
+    ShaderModule, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureFormat,
+    TextureSampleType, TextureView, TextureViewDimension, VertexState,
 };
 use std::borrow::Cow;
 
@@ -43,7 +43,7 @@ pub const GLOW: TextureFormat = TextureFormat::Rgba16Float;
 #[derive(Resource)]
 pub struct Pipelines {
     stage_layout: BindGroupLayout,
-    pub picture_layout: BindGroupLayout,
+    picture_layout: BindGroupLayout,
     sums_layout: BindGroupLayout,
     pub matter: RenderPipeline,
     pub glow: RenderPipeline,
@@ -110,19 +110,34 @@ impl Pipelines {
 
     /// Binds the sums.
     pub fn bind_sums(&self, device: &Device, sums: &[TextureView; 4]) -> BindGroup {
-        let entries: Vec<_> = (0..)
-            .zip(sums)
-            .map(|(binding, view)| BindGroupEntry {
-                binding,
-                resource: BindingResource::TextureView(view),
-            })
-            .collect();
-        device.create_bind_group(&BindGroupDescriptor {
-            label: Some("lamplight sums"),
-            layout: &self.sums_layout,
-            entries: &entries,
-        })
+        let sums = sums.each_ref().map(BindingResource::TextureView);
+        bind(device, "lamplight sums", &self.sums_layout, sums)
     }
+
+    /// Binds a picture.
+    pub fn bind_picture(
+        &self,
+        device: &Device,
+        view: &TextureView,
+        sampler: &Sampler,
+    ) -> BindGroup {
+        let picture = [BindingResource::TextureView(view), BindingResource::Sampler(sampler)];
+        bind(device, "lamplight picture", &self.picture_layout, picture)
+    }
+}
+
+/// Binds resources in the order of their layout.
+fn bind<'a>(
+    device: &Device,
+    label: &str,
+    layout: &BindGroupLayout,
+    resources: impl IntoIterator<Item = BindingResource<'a>>,
+) -> BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| BindGroupEntry { binding, resource })
+        .collect();
+    device.create_bind_group(&BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
 /// What is drawn already shows through by what a share leaves of it.
@@ -258,19 +273,9 @@ impl Staged {
             });
             queue.write_buffer(own, 0, bytemuck::bytes_of(&stage));
             group.get_or_insert_with(|| {
-                let entries = [&*own, &buffers.pieces, &buffers.substances];
-                let entries: Vec<_> = (0..)
-                    .zip(entries)
-                    .map(|(binding, buffer)| BindGroupEntry {
-                        binding,
-                        resource: buffer.as_entire_binding(),
-                    })
-                    .collect();
-                device.create_bind_group(&BindGroupDescriptor {
-                    label: Some("lamplight stage"),
-                    layout: &pipelines.stage_layout,
-                    entries: &entries,
-                })
+                let list = [&*own, &buffers.pieces, &buffers.substances];
+                let list = list.map(|buffer| buffer.as_entire_binding());
+                bind(device, "lamplight stage", &pipelines.stage_layout, list)
             });
         }
     }

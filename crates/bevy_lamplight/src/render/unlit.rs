@@ -21,8 +21,10 @@ pub struct Unlit {
     phases: HashMap<RetainedViewEntity, SortedRenderPhase<Transparent2d>>,
 }
 
-/// The entity of the mark between lit and unlit.
-const NOBODY: Entity = Entity::PLACEHOLDER;
+/// The mark between lit and unlit, which is of no entity.
+fn mark() -> (Entity, MainEntity) {
+    (Entity::PLACEHOLDER, Entity::PLACEHOLDER.into())
+}
 
 pub fn extract(mut unlit: ResMut<Unlit>, marked: Extract<Query<Entity, With<Unlit2d>>>) {
     unlit.entities.clear();
@@ -44,8 +46,8 @@ pub fn set_apart(
             item.sort_key.0 == f32::INFINITY || unlit.entities.contains(&item.main_entity().id())
         };
         let Some(first) = phase.items.values().find(|item| is_unlit(item)) else { continue };
-        let mark = Transparent2d {
-            entity: (NOBODY, MainEntity::from(NOBODY)),
+        let item = Transparent2d {
+            entity: mark(),
             batch_range: 0..0,
             extra_index: PhaseItemExtraIndex::None,
             extracted_index: usize::MAX,
@@ -54,7 +56,7 @@ pub fn set_apart(
         // Sorting keeps the order among its kind.
         phase.items.sort_by_key(|_, item| is_unlit(item));
         let lit = phase.items.values().take_while(|item| !is_unlit(item)).count();
-        phase.items.shift_insert(lit, (NOBODY, MainEntity::from(NOBODY)), mark);
+        phase.items.shift_insert(lit, mark(), item);
     }
 }
 
@@ -63,9 +65,8 @@ pub fn take_out(
     mut unlit: ResMut<Unlit>,
     mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>,
 ) {
-    let mark = (NOBODY, MainEntity::from(NOBODY));
     for (&view, phase) in phases.iter_mut() {
-        let Some(at) = phase.items.get_index_of(&mark) else { continue };
+        let Some(at) = phase.items.get_index_of(&mark()) else { continue };
         let items = phase.items.split_off(at);
         let kept = SortedRenderPhase { items, transient_items: Vec::new() };
         unlit.phases.insert(view, kept);
@@ -77,9 +78,8 @@ pub fn put_back(
     mut unlit: ResMut<Unlit>,
     mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>,
 ) {
-    let mark = (NOBODY, MainEntity::from(NOBODY));
     for (view, mut kept) in unlit.phases.drain() {
-        kept.items.shift_remove(&mark);
+        kept.items.shift_remove(&mark());
         if let Some(phase) = phases.get_mut(&view) {
             phase.items.append(&mut kept.items);
         }
