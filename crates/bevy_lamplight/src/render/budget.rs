@@ -17,30 +17,46 @@ pub struct Budget {
     /// None where the adapter cannot tell.
     timer: Option<Timer>,
     frame: u64,
-    late: u32,
-    told: bool,
+    judge: Judge,
 }
 
 impl Budget {
     pub fn new(device: &Device, queue: &Queue) -> Self {
-        Self { timer: Timer::new(device, queue), frame: 0, late: 0, told: false }
+        Self { timer: Timer::new(device, queue), frame: 0, judge: Judge::default() }
     }
 
     /// Records light, timed or not; says once where it takes more than a frame has.
     pub fn record(&mut self, lighting: &lamplight_wgpu::Lighting, encoder: &mut CommandEncoder) {
         self.frame += 1;
-        let is_timed = self.frame.is_multiple_of(EVERY) && !self.told;
+        let is_timed = self.frame.is_multiple_of(EVERY) && !self.judge.told;
         let Some(timer) = self.timer.as_mut().filter(|_| is_timed) else {
             return lighting.record(encoder);
         };
-        let stages = timer.read();
-        let taken: Duration = stages.iter().map(|(_, time)| *time).sum();
-        self.late = if taken > FRAME { self.late + 1 } else { 0 };
-        if self.late >= PATIENCE {
-            warn!("{}", too_much(taken, stages));
-            self.told = true;
+        if let Some(words) = self.judge.hear(timer.read()) {
+            warn!("{words}");
         }
         lighting.record_timed(encoder, timer);
+    }
+}
+
+/// Decides when there is something to say.
+#[derive(Default)]
+struct Judge {
+    /// Frames, one after the other.
+    late: u32,
+    told: bool,
+}
+
+impl Judge {
+    /// What is to be said of a frame that was timed: once, when several were late.
+    fn hear(&mut self, stages: &[(&str, Duration)]) -> Option<String> {
+        let taken: Duration = stages.iter().map(|(_, time)| *time).sum();
+        self.late = if taken > FRAME { self.late + 1 } else { 0 };
+        if self.told || self.late < PATIENCE {
+            return None;
+        }
+        self.told = true;
+        Some(too_much(taken, stages))
     }
 }
 
@@ -62,6 +78,19 @@ fn too_much(taken: Duration, stages: &[(&str, Duration)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn late_frames_are_told_of_once_and_a_single_one_is_not() {
+        let (late, quick) = ([("hop", FRAME * 2)], [("hop", FRAME / 2)]);
+        let mut judge = Judge::default();
+        let mut hear = |frames: &[&[(&str, Duration)]]| {
+            frames.iter().filter_map(|stages| judge.hear(stages)).count()
+        };
+        assert_eq!(hear(&[&late, &late, &quick, &late, &late, &[]]), 0);
+        assert_eq!(hear(&[&late, &late]), 0);
+        assert_eq!(hear(&[&late]), 1);
+        assert_eq!(hear(&[&late, &late, &late, &late]), 0);
+    }
 
     #[test]
     fn what_is_too_much_is_said_with_figures_and_what_to_do() {
