@@ -16,6 +16,7 @@ use bevy::render::render_resource::RenderPassDescriptor;
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::render::view::{ExtractedView, Msaa, ViewDepthTexture, ViewTarget};
 use lamplight::Display;
+use lamplight_wgpu::wgpu::util::TextureBlitter;
 use lamplight_wgpu::wgpu::{
     self, Color as Clear, LoadOp, Operations, RenderPassDepthStencilAttachment, StoreOp,
 };
@@ -69,6 +70,12 @@ pub fn prepare(
         depth: Some(CORE_2D_DEPTH_FORMAT),
     };
     let (device, queue): (_, &wgpu::Queue) = (device.wgpu_device(), &queue.0);
+    // Several samples keep it themselves.
+    let keeps = camera.viewport.is_some() && drawn_on.samples == 1;
+    lit.around = keeps.then(|| match lit.around.take() {
+        Some((format, blitter)) if format == drawn_on.format => (format, blitter),
+        _ => (drawn_on.format, TextureBlitter::new(device, drawn_on.format)),
+    });
     if let Err(problem) = lit.compose.prepare(device, queue, &lit.lighting, drawn_on, &shown) {
         lit_views.told.tell(problem.to_string());
         lit_views.views.remove(&entity);
@@ -81,13 +88,18 @@ pub fn record(
     view: ViewQuery<(Entity, &ExtractedCamera, &ExtractedView, &ViewTarget, &ViewDepthTexture)>,
     lit_views: Res<LitViews>,
     unlit: Res<Unlit>,
+    device: Res<RenderDevice>,
     mut context: RenderContext,
 ) {
     let (entity, camera, view, target, depth) = view.into_inner();
     let Some(lit) = lit_views.views.get(&entity) else { return };
     let diagnostics = context.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
-    target.post_process_write();
+    let swapped = target.post_process_write();
+    if let Some((_, blitter)) = &lit.around {
+        let (from, to) = (swapped.source, swapped.destination);
+        blitter.copy(device.wgpu_device(), context.command_encoder(), from, to);
+    }
     let attachments = [Some(target.get_color_attachment())];
     let mut pass = context.begin_tracked_render_pass(RenderPassDescriptor {
         label: Some("lamplight compose"),

@@ -4,12 +4,13 @@ use super::budget::Budget;
 use super::draw::Draw;
 use super::extract::ExtractedView;
 use super::stage::{GLOW, MATTER, Pipelines, SUMS, Stage, Staged};
-use crate::components::{LightMethod, Lighting2d};
+use crate::components::Lighting2d;
 use crate::pieces::Surroundings;
 use bevy::log::error;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
 use lamplight::{Method, Settings};
+use lamplight_wgpu::wgpu::util::TextureBlitter;
 use lamplight_wgpu::wgpu::{
     BindGroup, Device, Extent3d, Queue, TextureDescriptor, TextureDimension, TextureFormat,
     TextureUsages, TextureView,
@@ -44,6 +45,8 @@ pub struct LitView {
     /// Of spots, where the method does not light them itself.
     pub spots: Option<Spots>,
     pub compose: Compose,
+    /// Carries over what lies around the camera's part of its target, which is other cameras'.
+    pub around: Option<(TextureFormat, TextureBlitter)>,
     pub draw: Draw,
     pub staged: Staged,
     pub grid: Grid,
@@ -100,6 +103,7 @@ impl LitView {
             budget: Budget::new(device, queue),
             spots: None,
             compose: Compose::new(device)?,
+            around: None,
             draw: Draw::default(),
             staged: Staged::default(),
             grid: Grid::new(device, pipelines, view.placement.placed.size),
@@ -130,7 +134,7 @@ impl LitView {
         if placed.size != self.grid.size {
             self.grid = Grid::new(device, pipelines, placed.size);
         }
-        let by_rule = matches!(lighting.method, LightMethod::Polar | LightMethod::Flood);
+        let by_rule = lighting.method.lights_lamps();
         self.draw.take(view, surroundings, by_rule);
         let [width, height] = placed.size.map(|v| v as f32);
         let grid = Stage {

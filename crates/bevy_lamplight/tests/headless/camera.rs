@@ -1,8 +1,8 @@
 //! Cameras: light stays with the world while they move, and each has its own.
 
 use crate::common::{Picture, app, begin, camera, picture, plain, target};
-use bevy::camera::Viewport;
 use bevy::camera::visibility::RenderLayers;
+use bevy::camera::{RenderTarget, Viewport};
 use bevy::prelude::*;
 use bevy::render::view::Msaa;
 use bevy_lamplight::prelude::*;
@@ -141,6 +141,12 @@ fn what_lies_in_the_border_lights_the_screen() {
 
 #[test]
 fn a_split_screen_has_two_lights() {
+    for msaa in [Msaa::Sample4, Msaa::Off] {
+        split_screen(msaa);
+    }
+}
+
+fn split_screen(msaa: Msaa) {
     let mut app = app();
     let image = target(&mut app, [160, 80]);
     let half = |x: u32| Viewport {
@@ -156,10 +162,14 @@ fn a_split_screen_has_two_lights() {
             if order == 0 { ClearColorConfig::Default } else { ClearColorConfig::None };
         let eye_camera =
             Camera { viewport: Some(half(x)), order: order as isize, clear_color, ..default() };
-        // Without multisampling the first half is not lit: a known fault, in the README's limits.
-        let msaa = Msaa::Sample4;
         app.world_mut().entity_mut(eye).insert((eye_camera, msaa, layers[order].clone()));
     }
+    // Over both, and not lit.
+    let over = Camera { order: 2, clear_color: ClearColorConfig::None, ..default() };
+    let over = (Camera2d, over, msaa, RenderLayers::layer(3));
+    app.world_mut().spawn((over, RenderTarget::Image(image.clone().into())));
+    let label = Sprite::from_color(Color::WHITE, Vec2::splat(8.0));
+    app.world_mut().spawn((label, RenderLayers::layer(3)));
     // Each sees a lamp of its own colour, at the same place.
     for (layer, color) in
         layers.into_iter().zip([Color::linear_rgb(1.0, 0.0, 0.0), Color::linear_rgb(0.0, 0.0, 1.0)])
@@ -170,8 +180,9 @@ fn a_split_screen_has_two_lights() {
     begin(&mut app);
     let seen = picture(&mut app, &image, 3);
     let (red, blue) = (seen.at(60, 40), seen.at(140, 40));
-    assert!(red[0] > 0.1 && red[2] == 0.0, "{red:?}");
-    assert!(blue[2] > 0.1 && blue[0] == 0.0, "{blue:?}");
+    assert!(red[0] > 0.1 && red[2] == 0.0, "{msaa:?}: {red:?}");
+    assert!(blue[2] > 0.1 && blue[0] == 0.0, "{msaa:?}: {blue:?}");
     // A stop brighter.
-    assert!((blue[2] / red[0] - 2.0).abs() < 0.01, "{red:?}, {blue:?}");
+    assert!((blue[2] / red[0] - 2.0).abs() < 0.01, "{msaa:?}: {red:?}, {blue:?}");
+    assert_eq!(seen.at(80, 40), [1.0; 3], "{msaa:?}");
 }
