@@ -40,6 +40,9 @@ enum Chore {
     },
     /// Build the sandbox as a web page, in `target/web/`.
     Web {
+        /// Instead of it an example for Bevy.
+        #[arg(long)]
+        bevy: bool,
         /// Serve it to this machine, at this port.
         #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "8080")]
         serve: Option<u16>,
@@ -91,7 +94,9 @@ fn run(chore: Chore) -> Result<()> {
     match chore {
         Chore::Test { web: true, .. } => test::web(),
         Chore::Test { without_gpu, .. } => test::run(!without_gpu),
-        Chore::Web { serve } => web::run(serve),
+        Chore::Web { bevy, serve } => {
+            web::run(if bevy { &web::BEVY } else { &web::SANDBOX }, serve)
+        }
         Chore::Docs { gpu: true, .. } => docs::gpu(),
         Chore::Docs { sandbox: true, .. } => docs::sandbox(),
         Chore::Docs { bevy: true, .. } => docs::bevy(),

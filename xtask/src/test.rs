@@ -49,16 +49,20 @@ pub fn run(with_gpu: bool) -> Result<()> {
 /// The web page, in a browser.
 pub fn web() -> Result<()> {
     let begin = Instant::now();
-    step("lints of the page", || {
+    step("lints of the pages", || {
         web::ensure_target()?;
-        let lints = ["clippy", "--quiet", "--package", web::PACKAGE, "--target", web::TARGET];
-        match has_component("clippy", "clippy") {
-            true => cargo(&[&lints[..], &["--", "-D", "warnings"]].concat()),
-            false => Ok(()),
+        if has_component("clippy", "clippy") {
+            for page in [&web::SANDBOX, &web::BEVY] {
+                cargo(
+                    &[&["clippy", "--quiet"], &page.program()[..], &["--", "-D", "warnings"]]
+                        .concat(),
+                )?;
+            }
         }
+        Ok(())
     })?;
-    step("the page", || web::build().map(|_| ()))?;
-    step("the page in a browser", || browser::test(web::folder()?))?;
+    step("the page", || web::SANDBOX.build().map(|_| ()))?;
+    step("the page in a browser", || browser::test(web::SANDBOX.folder()?))?;
     println!("all passed in {:.1} s", begin.elapsed().as_secs_f64());
     Ok(())
 }

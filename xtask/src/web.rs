@@ -1,4 +1,4 @@
-//! `cargo xtask web`: the sandbox as a web page, in `target/web/`.
+//! `cargo xtask web`: web pages, in `target/web/`: the sandbox, or an example for Bevy.
 
 use crate::generated::root;
 use crate::serve::Server;
@@ -13,55 +13,86 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 pub const TARGET: &str = "wasm32-unknown-unknown";
-pub const PACKAGE: &str = "lamplight-sandbox";
 /// The profile in `Cargo.toml`.
 const PROFILE: &str = "web";
-/// What the script and the program on the page are called.
-const NAME: &str = "lamplight";
-/// Bytes that the page may have, compressed as servers send it.
-const LIMIT: usize = 3_000_000;
 
-/// Builds the page, and serves it where a port is given; 0 is any free one.
-pub fn run(port: Option<u16>) -> Result<()> {
-    let page = build()?;
+/// What a page is made of: a program, and the `web/index.html` of its package.
+pub struct Page {
+    package: &'static str,
+    /// None: the package's own program.
+    example: Option<&'static str>,
+    /// What the script and the program on the page are called.
+    name: &'static str,
+    /// Bytes that it may have, compressed as servers send it.
+    limit: usize,
+}
+
+pub const SANDBOX: Page =
+    Page { package: "lamplight-sandbox", example: None, name: "lamplight", limit: 3_000_000 };
+/// Bevy itself is most of it.
+pub const BEVY: Page = Page {
+    package: "bevy_lamplight",
+    example: Some("neon_street"),
+    name: "neon_street",
+    limit: 12_000_000,
+};
+
+/// Builds a page, and serves it where a port is given; 0 is any free one.
+pub fn run(page: &Page, port: Option<u16>) -> Result<()> {
+    let folder = page.build()?;
     let Some(port) = port else { return Ok(()) };
-    let server = Server::new(page, port)?;
+    let server = Server::new(folder, port)?;
     println!("the page is at {}; Ctrl+C ends", server.address());
     server.run();
     Ok(())
 }
 
-/// Where the page is.
-pub fn folder() -> Result<PathBuf> {
-    Ok(target_folder()?.join("web"))
-}
-
-/// Builds the page and says where it is.
-pub fn build() -> Result<PathBuf> {
-    ensure_target()?;
-    let target = target_folder()?;
-    let bindgen = bindgen(&target)?;
-    cargo(&["build", "--package", PACKAGE, "--target", TARGET, "--profile", PROFILE])?;
-    let page = folder()?;
-    if page.exists() {
-        fs::remove_dir_all(&page)?;
+impl Page {
+    /// Where it is.
+    pub fn folder(&self) -> Result<PathBuf> {
+        Ok(target_folder()?.join("web").join(self.name))
     }
-    fs::create_dir_all(&page)?;
-    let status = Command::new(&bindgen)
-        .args(["--target", "web", "--no-typescript", "--remove-name-section"])
-        .args(["--remove-producers-section", "--out-name", NAME, "--out-dir"])
-        .arg(&page)
-        .arg(target.join(TARGET).join(PROFILE).join(PACKAGE).with_extension("wasm"))
-        .status()?;
-    ensure!(status.success(), "wasm-bindgen ended with {status}");
-    let source = root().join("crates").join(PACKAGE).join("web/index.html");
-    fs::copy(&source, page.join("index.html")).with_context(|| source.display().to_string())?;
-    weigh(&page)?;
-    Ok(page)
+
+    /// What Cargo is told to compile.
+    pub fn program(&self) -> Vec<&'static str> {
+        let package = ["--package", self.package, "--target", TARGET];
+        let example = self.example.map(|example| ["--example", example]);
+        package.into_iter().chain(example.into_iter().flatten()).collect()
+    }
+
+    /// Builds it and says where it is.
+    pub fn build(&self) -> Result<PathBuf> {
+        ensure_target()?;
+        let target = target_folder()?;
+        let bindgen = bindgen(&target)?;
+        cargo(&[&["build", "--profile", PROFILE], &self.program()[..]].concat())?;
+        let built = target.join(TARGET).join(PROFILE);
+        let program = match self.example {
+            None => built.join(self.package),
+            Some(example) => built.join("examples").join(example),
+        };
+        let folder = self.folder()?;
+        if folder.exists() {
+            fs::remove_dir_all(&folder)?;
+        }
+        fs::create_dir_all(&folder)?;
+        let status = Command::new(&bindgen)
+            .args(["--target", "web", "--no-typescript", "--remove-name-section"])
+            .args(["--remove-producers-section", "--out-name", self.name, "--out-dir"])
+            .arg(&folder)
+            .arg(program.with_extension("wasm"))
+            .status()?;
+        ensure!(status.success(), "wasm-bindgen ended with {status}");
+        let source = root().join("crates").join(self.package).join("web/index.html");
+        fs::copy(&source, folder.join("index.html"))
+            .with_context(|| source.display().to_string())?;
+        weigh(&folder, self.limit)?;
+        Ok(folder)
+    }
 }
 
-/// Prints what the page weighs; an error where that is too much.
-fn weigh(page: &Path) -> Result<()> {
+/// Prints what a page weighs; an error where that is too much.
+fn weigh(page: &Path, limit: usize) -> Result<()> {
     let mut total = 0;
     for (name, bytes) in files(page)? {
         let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
@@ -79,10 +110,10 @@ fn weigh(page: &Path) -> Result<()> {
     println!(
         "{:.2} MB compressed, of {:.2} at most: {}",
         megabytes(total),
-        megabytes(LIMIT),
+        megabytes(limit),
         page.display()
     );
-    ensure!(total <= LIMIT, "the page is heavier than {:.2} MB", megabytes(LIMIT));
+    ensure!(total <= limit, "the page is heavier than {:.2} MB", megabytes(limit));
     Ok(())
 }
 

@@ -71,8 +71,9 @@ impl Contender {
                  soft shadows, walls and fog send light on (one bounce here), and any sprite, text, mesh or \
                  tile may glow, block, filter or scatter. Lamps and occluders are drawn as instanced pieces on \
                  that grid, and light is found from the grid alone. `fast` takes fewer rays; `cascades` \
-                 finds the same light by radiance cascades, softer. No cap on lamps or occluders. Its camera \
-                 has to be HDR.",
+                 finds the same light by radiance cascades, softer, and traces nothing where all around is \
+                 clear, so that sparse scenes take it less. No cap on lamps or occluders. Its camera has to \
+                 be HDR.",
             ),
             Self::HolographicFast | Self::Cascades => None,
             Self::Light2d => Some(
