@@ -8,7 +8,7 @@ use bevy::color::{Alpha, Color};
 use bevy::gizmos::AppGizmoBuilder;
 use bevy::gizmos::config::GizmoConfigGroup;
 use bevy::gizmos::gizmos::Gizmos;
-use bevy::math::{Isometry2d, Vec2};
+use bevy::math::{Isometry2d, Vec2, Vec3};
 use bevy::prelude::{GlobalTransform, IntoScheduleConfigs, Query, Reflect};
 use bevy::transform::TransformSystems;
 
@@ -53,7 +53,7 @@ fn draw(
     }
     for (lamp, transform) in &spots {
         let middle = transform.translation().truncate();
-        let ahead = transform.right().truncate().to_angle();
+        let ahead = transform.affine().transform_vector3(Vec3::X).truncate().to_angle();
         if middle.is_finite() && ahead.is_finite() && lamp.angle.is_finite() {
             gizmos.circle_2d(middle, lamp.radius, lamp.color);
             let edge =
@@ -70,7 +70,7 @@ fn draw(
         let closed = outline.iter().chain(outline.first());
         gizmos.linestrip_2d(closed.copied(), OCCLUDER);
     }
-    for placement in cameras.iter().filter_map(|camera| camera.placement()) {
+    for placement in cameras.iter().filter_map(|camera| camera.placement().ok().flatten()) {
         let area = placement.area();
         gizmos.rect_2d(Isometry2d::from_translation(area.center()), area.size(), BORDER);
     }

@@ -5,7 +5,11 @@
 //! use bevy_lamplight::prelude::*;
 //!
 //! fn main() {
-//!     App::new().add_plugins((DefaultPlugins, LamplightPlugin)).add_systems(Startup, setup).run();
+//!     App::new()
+//!         .add_plugins((DefaultPlugins, LamplightPlugin))
+//!         .insert_resource(ClearColor(Color::srgb(0.5, 0.5, 0.5)))
+//!         .add_systems(Startup, setup)
+//!         .run();
 //! }
 //!
 //! fn setup(mut commands: Commands) {

@@ -1,7 +1,7 @@
 //! Cameras that are lit, and all that says how.
 
 use crate::components::{AmbientLight2d, LightTexture2d, Lighting2d, Sky2d};
-use crate::placement::Placement;
+use crate::placement::{Misplaced, Placement};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{Camera, Projection};
 use bevy::core_pipeline::tonemapping::Tonemapping;
@@ -25,9 +25,12 @@ pub struct LitCamera {
 
 impl LitCameraItem<'_, '_> {
     /// Where its light lies; none where it sees nothing, or is off.
-    pub fn placement(&self) -> Option<Placement> {
+    pub fn placement(&self) -> Result<Option<Placement>, Misplaced> {
         let Self { camera, projection, transform, lighting, .. } = self;
-        Placement::of(camera, projection, transform, lighting).filter(|_| camera.is_active)
+        match camera.is_active {
+            true => Placement::of(camera, projection, transform, lighting),
+            false => Ok(None),
+        }
     }
 
     /// What it sees.

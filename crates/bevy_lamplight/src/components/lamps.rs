@@ -18,6 +18,7 @@ use std::f32::consts::{FRAC_PI_3, PI};
 /// the lamp blocks its light as it does any other; a lamp in a wall shines out of it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(Transform, Visibility)]
@@ -28,7 +29,8 @@ pub struct PointLight2d {
     pub intensity: f32,
     /// How far it reaches, world units.
     pub range: f32,
-    /// Radius of what glows, world units: larger lamps have softer shadows and no more light.
+    /// Radius of what glows, world units: larger lamps have softer shadows and no more light. Less than
+    /// two cells is as two cells, so that the smallest lamps are as bright.
     pub radius: f32,
     /// How light fades, for `polar` and `flood`.
     pub falloff: Falloff2d,
@@ -54,6 +56,7 @@ impl Default for PointLight2d {
 /// but for `flood`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(Transform, Visibility)]
@@ -85,6 +88,7 @@ impl Default for SpotLight2d {
 /// How light fades to nothing at a lamp's range ([`lamplight::Falloff`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum Falloff2d {
     /// Evenly.
@@ -110,6 +114,7 @@ impl From<Falloff2d> for Falloff {
 /// so that nothing is black.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct AmbientLight2d {
@@ -137,6 +142,7 @@ impl AmbientLight2d {
 /// in a side view. For views from above, which have no outside, see [`AmbientLight2d`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct Sky2d {
@@ -198,8 +204,8 @@ impl WorldLamp {
         let PointLight2d { color, intensity, range, radius, falloff } = *lamp;
         let position = transform.translation().truncate();
         let color = radiance(color, intensity);
-        let finite = [range, radius].iter().all(|v| v.is_finite() && *v > 0.0);
-        (finite && position.is_finite() && color != [0.0; 3]).then_some(Self {
+        let is_a_size = range.is_finite() && range > 0.0 && radius.is_finite() && radius >= 0.0;
+        (is_a_size && position.is_finite() && color != [0.0; 3]).then_some(Self {
             position,
             color,
             range,
@@ -220,13 +226,6 @@ impl WorldLamp {
             .then_some(Self { cone: Some(cone), ..lamp })
     }
 
-    /// Radiance of the disc that stands for it where methods see what glows: of a disc of radius r
-    /// and radiance E there arrives `E · 2r / (2π d)`, the share of the circle it fills.
-    pub fn disc(&self) -> [f32; 3] {
-        let gain = PI * self.range / (4.0 * self.radius);
-        self.color.map(|c| (c * gain).min(BRIGHTEST))
-    }
-
     /// As the library knows it, on a grid whose left and top lies at `corner` of the world.
     pub fn on_grid(&self, corner: Vec2, cell: f32) -> Lamp {
         let place = (self.position - corner) / cell;
@@ -243,5 +242,16 @@ impl WorldLamp {
                 softness: softness.clamp(0.0, 1.0),
             }),
         }
+    }
+
+    /// The disc that stands for it where methods see what glows, its radiance for a colour: of a disc
+    /// of radius r and radiance E there arrives `E · 2r / (2π d)`, the share of the circle it fills.
+    pub fn disc(&self, corner: Vec2, cell: f32) -> Lamp {
+        /// Cells; the light of smaller discs falls between rays.
+        const LEAST: f32 = 2.0;
+        let lamp = self.on_grid(corner, cell);
+        let size = lamp.size.max(LEAST);
+        let gain = PI * self.range / (4.0 * size * cell);
+        Lamp { size, color: self.color.map(|c| (c * gain).min(BRIGHTEST)), ..lamp }
     }
 }

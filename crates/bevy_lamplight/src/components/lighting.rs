@@ -16,6 +16,7 @@ use lamplight::{Method, Settings, SettingsTable, ToneMap};
 /// Every length is in world units, so that light does not change when the camera zooms.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(Hdr)]
@@ -25,8 +26,8 @@ pub struct Lighting2d {
     /// A preset of the method by its name, such as `"fast"` or `"quality"` of `holographic`
     /// ([`lamplight::Method::presets`]); empty: the method's default.
     pub preset: String,
-    /// Other settings as `lamplight`'s command line writes them, laid over the preset:
-    /// `"raymarch.rays=64"`.
+    /// Other settings of the method as `lamplight`'s command line writes them, laid over the preset:
+    /// `"raymarch.rays=64"`. Not those that have a field here.
     pub set: Vec<String>,
     /// How often walls and fog send light on. Each time costs one more pass over them.
     pub bounces: LightBounces,
@@ -84,6 +85,11 @@ impl Lighting2d {
             LightBounces::Converged => table.set("bounces", "converged"),
         }
         for text in &self.set {
+            let key = text.split('=').next().unwrap_or_default().trim();
+            if ["method", "bounces", "wall_depth"].contains(&key) {
+                let expected = "another setting: `Lighting2d` has a field for this one";
+                return Err(lamplight::Error::value("set", format!("{text:?}"), expected));
+            }
             table.set_from_text(text)?;
         }
         let mut settings = table.resolve()?;
@@ -98,6 +104,7 @@ impl Lighting2d {
 /// How light is found ([`lamplight::Method`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq, Hash)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightMethod {
     /// Rays made from shorter rays: no noise, the same cost however much light and matter there is.
@@ -135,6 +142,7 @@ impl From<LightMethod> for Method {
 /// How often light is sent on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightBounces {
     /// At most this many times, 0 to 256; 0 is direct light only.
@@ -147,6 +155,7 @@ pub enum LightBounces {
 /// Matter thinner than a cell may fall between two.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum CellSize {
     /// So many cells to a logical pixel of the screen, 0.05 to 2. The size in the world is rounded
@@ -167,6 +176,7 @@ impl Default for CellSize {
 /// How light above 1 is brought back to what a screen shows: lamps add up to more than that.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightToneMap {
     /// By the camera's own `Tonemapping` where it has one, which comes after bloom, and `Aces` where
@@ -200,6 +210,7 @@ impl LightToneMap {
 /// How light is shown between cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightFilter {
     /// Smooth.
@@ -214,6 +225,7 @@ pub enum LightFilter {
 /// camera's entity.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct LightTexture2d;

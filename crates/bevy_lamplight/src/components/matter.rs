@@ -11,6 +11,7 @@ use bevy::prelude::*;
 /// ([`RenderLayers`](bevy::camera::visibility::RenderLayers)).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct Matter2d {
@@ -71,6 +72,7 @@ impl Matter2d {
 /// instead, in white.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(Transform, Visibility)]
@@ -110,6 +112,7 @@ impl LightOccluder2d {
 /// The outline of a [`LightOccluder2d`].
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[reflect(Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum OccluderShape {
     /// Width and height.
@@ -142,6 +145,7 @@ pub enum OccluderShape {
 /// [`AlphaMode2d::Blend`](bevy::sprite_render::AlphaMode2d::Blend).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct Unlit2d;

@@ -9,19 +9,19 @@ use bevy::app::{App, Plugin, PostUpdate};
 use bevy::camera::visibility::{RenderLayers, VisibilityPlugin, VisibilitySystems};
 use bevy::color::LinearRgba;
 use bevy::ecs::system::SystemParam;
-use bevy::log::error;
+use bevy::log::{error, warn};
 use bevy::math::{Rect, Vec2};
 use bevy::prelude::{
     IntoScheduleConfigs, Local, Query, Reflect, ReflectResource, Res, ResMut, Resource,
 };
-use bevy::transform::TransformSystems;
+use bevy::transform::{TransformPlugin, TransformSystems};
 use lamplight::coarse::coarsen;
 use lamplight::{Cells, Lamp, Light, Method, Settings, Sky, Solver};
 use lamplight_wgpu::View;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Answers [`LightQuery`]; part of [`LamplightPlugin`](crate::LamplightPlugin), and enough by itself
-/// where nothing is drawn, as on a server.
+/// with Bevy's `TransformPlugin` where nothing is drawn, as on a server.
 pub struct LightQueryPlugin;
 
 impl Plugin for LightQueryPlugin {
@@ -37,6 +37,11 @@ impl Plugin for LightQueryPlugin {
         if app.is_plugin_added::<VisibilityPlugin>() {
             app.init_resource::<VisibilityPropagates>();
         }
+        if !app.is_plugin_added::<TransformPlugin>() {
+            warn!(
+                "without Bevy's `TransformPlugin` lamps and matter have no place for `LightQuery`"
+            );
+        }
     }
 
     fn is_unique(&self) -> bool {
@@ -47,6 +52,7 @@ impl Plugin for LightQueryPlugin {
 /// How the light that [`LightQuery`] asks about is found.
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
 pub struct LightQuerySettings {
     /// World units a cell. Half of it costs four times as much. Walls are seen down to half of it.
     pub cell: f32,
@@ -82,6 +88,9 @@ impl Default for LightQuerySettings {
 /// ```
 #[derive(SystemParam)]
 pub struct LightQuery<'w> {
+    #[system_param(
+        validation_message = "`LightQuery` needs `LamplightPlugin`, or `LightQueryPlugin` alone"
+    )]
     answer: Res<'w, Answer>,
 }
 
@@ -92,8 +101,13 @@ impl LightQuery<'_> {
         Some(self.answer.sum(|light| light.sample(at)))
     }
 
-    /// Mean light that arrives in the open part of a box; none where it is not known all over.
+    /// Mean light that arrives in the open part of a box, at its middle where it has no size; none where
+    /// it is not known all over.
     pub fn over(&self, area: Rect) -> Option<LinearRgba> {
+        let area = Rect::from_corners(area.min, area.max);
+        if area.is_empty() {
+            return self.at(area.center());
+        }
         let left_bottom = self.answer.place(area.min)?;
         let right_top = self.answer.place(area.max)?;
         let (min, max) = ([left_bottom[0], right_top[1]], [right_top[0], left_bottom[1]]);
@@ -172,7 +186,7 @@ fn solve(
         return;
     }
     let (seen, camera) =
-        cameras.iter().find_map(|camera| Some((camera.placement()?, camera))).unzip();
+        cameras.iter().find_map(|camera| Some((camera.placement().ok()??, camera))).unzip();
     let own = camera.as_ref().map(|camera| camera.lighting);
     let lighting = settings.lighting.clone().unwrap_or_else(|| quick(own));
     let layers = camera.as_ref().map_or(&settings.layers, |camera| camera.layers());
@@ -190,6 +204,8 @@ fn solve(
     };
     let Some(grid) = place(area, settings.cell) else {
         answer.grid = None;
+        let LightQuerySettings { cell, .. } = *settings;
+        bench.tell(format!("cells of {cell} world units cannot cover {area:?}"));
         return;
     };
     answer.ambient = camera.as_ref().map_or([0.0; 3], |camera| camera.ambient());
@@ -201,11 +217,7 @@ fn solve(
         }
         Err(problem) => {
             answer.grid = None;
-            let problem = problem.to_string();
-            if bench.told != problem {
-                error!("no light is known: {problem}");
-                bench.told = problem;
-            }
+            bench.tell(problem.to_string());
         }
     }
 }
@@ -227,7 +239,7 @@ const FINER: u32 = 2;
 const MOST_CELLS: u64 = 1 << 17;
 /// The fine grid over an area.
 fn place(area: Rect, cell: f32) -> Option<Placement> {
-    if !(cell > 0.0 && area.min.is_finite() && area.max.is_finite()) {
+    if !(cell > 0.0 && cell.is_finite() && area.min.is_finite() && area.max.is_finite()) {
         return None;
     }
     let fits = |cell: f32| {
@@ -238,12 +250,21 @@ fn place(area: Rect, cell: f32) -> Option<Placement> {
         let extent = (area.size() / fine).max(Vec2::ONE).to_array().map(f64::from);
         let placed = view.cover(extent).ok()?;
         let cells = placed.size.map(|side| u64::from(side / FINER));
-        (cells[0] * cells[1] <= MOST_CELLS).then_some(Placement { cell: fine, placed })
+        let asked = fine;
+        (cells[0] * cells[1] <= MOST_CELLS).then_some(Placement { cell: fine, asked, placed })
     };
     doubled(cell).find_map(fits)
 }
 
 impl Bench {
+    /// Says why nothing is known; once is enough.
+    fn tell(&mut self, problem: String) {
+        if self.told != problem {
+            error!("no light is known: {problem}");
+            self.told = problem;
+        }
+    }
+
     fn solve(
         &mut self,
         grid: &Placement,
@@ -265,11 +286,11 @@ impl Bench {
         self.lamps.clear();
         let lamps = self.surroundings.lamps.iter().filter(|(_, own)| own.intersects(layers));
         for (lamp, _) in lamps {
-            let mut on_grid = lamp.on_grid(grid.corner(), grid.cell);
             let is_spot = lamp.cone.is_some();
-            if !by_rule && !is_spot {
-                on_grid.color = lamp.disc();
-            }
+            let on_grid = match by_rule || is_spot {
+                true => lamp.on_grid(grid.corner(), grid.cell),
+                false => lamp.disc(grid.corner(), grid.cell),
+            };
             if on_grid.check(&"lamp").is_err() {
                 continue;
             }

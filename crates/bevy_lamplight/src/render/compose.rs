@@ -77,7 +77,7 @@ pub fn prepare(
         _ => (drawn_on.format, TextureBlitter::new(device, drawn_on.format)),
     });
     if let Err(problem) = lit.compose.prepare(device, queue, &lit.lighting, drawn_on, &shown) {
-        lit_views.told.tell(problem.to_string());
+        lit_views.told.problem(own.camera, problem);
         lit_views.views.remove(&entity);
     }
 }

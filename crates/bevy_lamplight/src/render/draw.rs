@@ -68,11 +68,15 @@ impl Draw {
         let begin = pieces.len() as u32;
         let corner = placement.corner();
         for (lamp, layers) in &from.lamps {
-            let on_grid = lamp.on_grid(corner, placement.cell);
+            let as_rule = by_rule || lamp.cone.is_some();
+            let on_grid = match as_rule {
+                true => lamp.on_grid(corner, placement.cell),
+                false => lamp.disc(corner, placement.cell),
+            };
             if !layers.intersects(&view.layers) || on_grid.check(&"lamp").is_err() {
                 continue;
             }
-            if by_rule || lamp.cone.is_some() {
+            if as_rule {
                 lamps.push(on_grid);
                 continue;
             }
@@ -83,7 +87,7 @@ impl Draw {
                 continue;
             }
             let gain = gains.of(on_grid.position, on_grid.size);
-            substances.push(Substance::lamp(lamp.disc().map(|c| c * gain)));
+            substances.push(Substance::lamp(on_grid.color.map(|c| c * gain)));
             let size = Vec2::splat(2.0 * on_grid.size);
             let world = Map {
                 x_axis: [size.x, 0.0],

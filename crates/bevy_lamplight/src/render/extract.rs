@@ -3,7 +3,7 @@
 use crate::components::Lighting2d;
 use crate::lit_camera::LitCamera;
 use crate::pieces::{Gather, Surroundings};
-use crate::placement::Placement;
+use crate::placement::{Misplaced, Placement};
 use bevy::camera::visibility::RenderLayers;
 use bevy::math::Rect;
 use bevy::prelude::{Entity, Query, ResMut, Resource};
@@ -15,12 +15,16 @@ use lamplight::{Sky, ToneMap};
 #[derive(Resource, Default)]
 pub struct Extracted {
     pub views: Vec<ExtractedView>,
+    /// Cameras of the main world that cannot be lit.
+    pub misplaced: Vec<(Entity, Misplaced)>,
     pub surroundings: Surroundings,
     areas: Vec<Rect>,
 }
 
 /// A lit camera.
 pub struct ExtractedView {
+    /// In the main world.
+    pub camera: Entity,
     /// In the render world.
     pub entity: Entity,
     pub placement: Placement,
@@ -34,24 +38,33 @@ pub struct ExtractedView {
 
 pub fn extract(
     mut extracted: ResMut<Extracted>,
-    cameras: Extract<Query<(RenderEntity, LitCamera)>>,
+    cameras: Extract<Query<(Entity, RenderEntity, LitCamera)>>,
     gather: Extract<Gather>,
 ) {
-    let Extracted { views, surroundings, areas } = &mut *extracted;
-    let lit = cameras.iter().filter_map(|(entity, camera)| {
-        Some(ExtractedView {
-            entity,
-            placement: camera.placement()?,
-            lighting: camera.lighting.clone(),
-            layers: camera.layers().clone(),
-            sky: camera.sky(),
-            ambient: camera.ambient(),
-            tone_map: camera.tone_map(),
-            to_texture: camera.to_texture,
-        })
-    });
+    let Extracted { views, misplaced, surroundings, areas } = &mut *extracted;
     views.clear();
-    views.extend(lit);
+    misplaced.clear();
+    for (camera, entity, lit) in &cameras {
+        let placement = match lit.placement() {
+            Ok(Some(placement)) => placement,
+            Ok(None) => continue,
+            Err(why) => {
+                misplaced.push((camera, why));
+                continue;
+            }
+        };
+        views.push(ExtractedView {
+            camera,
+            entity,
+            placement,
+            lighting: lit.lighting.clone(),
+            layers: lit.layers().clone(),
+            sky: lit.sky(),
+            ambient: lit.ambient(),
+            tone_map: lit.tone_map(),
+            to_texture: lit.to_texture,
+        });
+    }
     areas.clear();
     areas.extend(views.iter().map(|view| view.placement.area()));
     gather.gather(areas, surroundings);

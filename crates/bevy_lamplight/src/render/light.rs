@@ -4,6 +4,7 @@ use super::extract::Extracted;
 use super::lit_view::{LitView, LitViews, Target};
 use super::pictures::PictureBindings;
 use super::stage::{On, Pipelines};
+use crate::placement::{MOST_CELLS, Placement};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::{Commands, Component, Entity, Query, Res, ResMut, With};
 use bevy::render::camera::ExtractedCamera;
@@ -62,11 +63,16 @@ pub fn prepare(
     }
     let LitViews { views: lit_views, told } = &mut *lit_views;
     lit_views.retain(|&entity, _| extracted.views.iter().any(|view| view.entity == entity));
+    for &(camera, why) in &extracted.misplaced {
+        told.problem(camera, why);
+    }
     if extracted.views.is_empty() {
         return;
     }
     if device.limits().max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
-        told.tell("this device has no compute shaders, as under WebGL 2".into());
+        for view in &extracted.views {
+            told.problem(view.camera, "this device has no compute shaders, as under WebGL 2");
+        }
         return;
     }
     let Some(pipelines) = pipelines else {
@@ -81,6 +87,16 @@ pub fn prepare(
         else {
             continue;
         };
+        let Placement { cell, asked, .. } = view.placement;
+        if cell > asked {
+            told.advice(
+                view.camera,
+                format_args!(
+                    "its cells have {cell} world units instead of {asked}: there would be more than \
+                     {MOST_CELLS} of them. Larger cells (`CellSize`) or a smaller `border` spare this"
+                ),
+            );
+        }
         let target = Target { size: size.to_array(), viewport: viewport.to_array() };
         let known = lit_views.remove(&view.entity);
         let prepared = match known {
@@ -108,7 +124,7 @@ pub fn prepare(
                 lit_views.insert(view.entity, lit);
             }
             // The camera's picture stays as it is.
-            Err(problem) => told.tell(problem.to_string()),
+            Err(problem) => told.problem(view.camera, problem),
         }
     }
 }

@@ -6,7 +6,7 @@ use super::extract::ExtractedView;
 use super::stage::{GLOW, MATTER, Pipelines, SUMS, Stage, Staged};
 use crate::components::Lighting2d;
 use crate::pieces::Surroundings;
-use bevy::log::error;
+use bevy::log::{error, warn};
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
 use lamplight::{Method, Settings};
@@ -16,6 +16,7 @@ use lamplight_wgpu::wgpu::{
     TextureUsages, TextureView,
 };
 use lamplight_wgpu::{Compose, Lighting, Result, Textures, Window};
+use std::fmt::Display;
 
 /// Lit cameras, by their entities in the render world.
 #[derive(Resource, Default)]
@@ -24,17 +25,31 @@ pub struct LitViews {
     pub told: Told,
 }
 
-/// Why cameras are not lit; once is enough.
+/// What was said of cameras; once is enough.
 #[derive(Default)]
-pub struct Told(HashSet<String>);
+pub struct Told(HashSet<(Entity, String)>);
 
 impl Told {
-    /// Says what was not said before.
-    pub fn tell(&mut self, problem: String) {
-        if !self.0.contains(&problem) {
-            error!("a camera is not lit: {problem}");
-            self.0.insert(problem);
+    /// Says why a camera is not lit.
+    pub fn problem(&mut self, camera: Entity, words: impl Display) {
+        let words = words.to_string();
+        if self.is_new(camera, &words) {
+            error!("the camera {camera} is not lit: {words}");
         }
+    }
+
+    /// Says what may surprise.
+    pub fn advice(&mut self, camera: Entity, words: impl Display) {
+        let words = words.to_string();
+        if self.is_new(camera, &words) {
+            warn!("the camera {camera}: {words}");
+        }
+    }
+
+    /// The same with other figures is the same.
+    fn is_new(&mut self, camera: Entity, words: &str) -> bool {
+        let kind = words.replace(|c: char| c.is_ascii_digit() || c == '.', "");
+        self.0.insert((camera, kind))
     }
 }
 
@@ -146,7 +161,7 @@ impl LitView {
             unused: 0.0,
         };
         let stages = [grid, on_screen(&placed.window, placement.cell, target.viewport)];
-        self.staged.write(device, queue, pipelines, &self.draw, stages);
+        self.staged.write(device, queue, pipelines, &self.draw, stages)?;
         self.glow = match (self.draw.glows, self.glow.take()) {
             (false, _) => None,
             (true, Some(glow)) if size_of_view(&glow) == target.size => Some(glow),
@@ -264,4 +279,19 @@ fn texture(
         view_formats: &[],
     });
     texture.create_view(&Default::default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_problem_is_told_once_a_camera_whatever_its_figures() {
+        let mut told = Told::default();
+        let [first, second] = [1, 2].map(|i| Entity::from_raw_u32(i).unwrap());
+        assert!(told.is_new(first, "exposure is 33, not below 32"));
+        assert!(!told.is_new(first, "exposure is 34.5, not below 32"));
+        assert!(told.is_new(first, "wall_depth is 33, not below 32"));
+        assert!(told.is_new(second, "exposure is 33, not below 32"));
+    }
 }

@@ -28,7 +28,10 @@ use bevy::render::{Render, RenderApp, RenderSystems};
 pub(crate) struct LightRenderPlugin;
 
 impl Plugin for LightRenderPlugin {
-    fn build(&self, app: &mut App) {
+    fn build(&self, _: &mut App) {}
+
+    // Whatever order plugins are added in.
+    fn finish(&self, app: &mut App) {
         // A server has none.
         let Some(app) = app.get_sub_app_mut(RenderApp) else { return };
         app.init_resource::<extract::Extracted>()

@@ -13,6 +13,7 @@ use lamplight_wgpu::wgpu::{
     ShaderModule, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureFormat,
     TextureSampleType, TextureView, TextureViewDimension, VertexState,
 };
+use lamplight_wgpu::{Error, Result};
 use std::borrow::Cow;
 
 /// `Stage` of shaders/pieces.wgsl: from cells to a target.
@@ -236,7 +237,8 @@ pub enum On {
 }
 
 impl Staged {
-    /// Hands over what is drawn and where, the grid first. Buffers grow by half, and stay.
+    /// Hands over what is drawn and where, the grid first. Buffers grow by half, and stay. An error where
+    /// the device binds no buffer as large.
     pub fn write(
         &mut self,
         device: &Device,
@@ -244,7 +246,7 @@ impl Staged {
         pipelines: &Pipelines,
         draw: &Draw,
         stages: [Stage; 2],
-    ) {
+    ) -> Result<()> {
         let lists = [bytemuck::cast_slice(&draw.pieces), bytemuck::cast_slice(&draw.substances)];
         let holds = |buffers: &Lists| {
             [&buffers.pieces, &buffers.substances]
@@ -253,18 +255,22 @@ impl Staged {
                 .all(|(buffer, list)| buffer.size() >= list.len() as u64)
         };
         if !self.lists.as_ref().is_some_and(holds) {
+            let limits = device.limits();
+            let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
             let list = |label, bytes: &[u8]| {
-                const LEAST: u64 = 1 << 12;
-                let size = (bytes.len() as u64 * 3 / 2).next_multiple_of(LEAST).max(LEAST);
-                buffer(device, label, size, BufferUsages::STORAGE)
+                let needed = bytes.len() as u64;
+                let size = room(needed, most).ok_or_else(|| {
+                    Error::Device(format!("{label} take {needed} bytes, and it binds {most}"))
+                })?;
+                Ok::<_, Error>(buffer(device, label, size, BufferUsages::STORAGE))
             };
             self.lists = Some(Lists {
-                pieces: list("lamplight pieces", lists[0]),
-                substances: list("lamplight substances", lists[1]),
+                pieces: list("lamplight pieces", lists[0])?,
+                substances: list("lamplight substances", lists[1])?,
             });
             self.groups = [None, None];
         }
-        let Some(buffers) = &self.lists else { return };
+        let Some(buffers) = &self.lists else { return Ok(()) };
         queue.write_buffer(&buffers.pieces, 0, lists[0]);
         queue.write_buffer(&buffers.substances, 0, lists[1]);
         for ((own, group), stage) in self.stages.iter_mut().zip(&mut self.groups).zip(stages) {
@@ -278,6 +284,7 @@ impl Staged {
                 bind(device, "lamplight stage", &pipelines.stage_layout, list)
             });
         }
+        Ok(())
     }
 
     /// Draws all whose pictures are loaded; on the screen what is seen there.
@@ -301,6 +308,13 @@ impl Staged {
     }
 }
 
+/// Bytes of a buffer for so many, with room to grow; none where it cannot have as many.
+fn room(needed: u64, most: u64) -> Option<u64> {
+    const LEAST: u64 = 1 << 12;
+    let ample = (needed * 3 / 2).next_multiple_of(LEAST).max(LEAST);
+    (needed <= most).then(|| ample.min(most))
+}
+
 fn buffer(device: &Device, label: &str, size: u64, usage: BufferUsages) -> Buffer {
     device.create_buffer(&BufferDescriptor {
         label: Some(label),
@@ -308,4 +322,17 @@ fn buffer(device: &Device, label: &str, size: u64, usage: BufferUsages) -> Buffe
         usage: usage | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buffers_grow_up_to_what_the_device_binds() {
+        assert_eq!(room(0, 1 << 20), Some(1 << 12));
+        assert_eq!(room(8192, 1 << 20), Some(12_288));
+        assert_eq!(room(900_000, 1 << 20), Some(1 << 20));
+        assert_eq!(room((1 << 20) + 1, 1 << 20), None);
+    }
 }

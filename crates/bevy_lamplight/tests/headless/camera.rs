@@ -2,7 +2,7 @@
 
 use crate::common::{Picture, app, begin, camera, picture, plain, target};
 use bevy::camera::visibility::RenderLayers;
-use bevy::camera::{RenderTarget, Viewport};
+use bevy::camera::{RenderTarget, SubCameraView, Viewport};
 use bevy::prelude::*;
 use bevy::render::view::Msaa;
 use bevy_lamplight::prelude::*;
@@ -117,6 +117,58 @@ fn zoom_changes_no_light_but_by_the_size_of_cells() {
     let moved = worst(&first, &zoomed(1.9));
     println!("other cells: {:.2} %", 100.0 * moved);
     assert!(moved > 0.0 && moved < 0.1, "{moved}");
+}
+
+#[test]
+fn mirrored_cameras_and_parts_of_a_view_see_the_same_light() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let smooth = Lighting2d { filter: LightFilter::Linear, ..plain() };
+    let eye = camera(&mut app, &image, smooth);
+    scene(&mut app);
+    begin(&mut app);
+    let places = places();
+    let first = light_at(&picture(&mut app, &image, 3), Transform::default(), 1.0, &places);
+    for (x, y) in [(-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
+        let place = Transform::from_scale(Vec3::new(x, y, 1.0));
+        app.world_mut().entity_mut(eye).insert(place);
+        let seen = picture(&mut app, &image, 2);
+        let moved = worst(&first, &light_at(&seen, place, 1.0, &places));
+        assert!(moved < STEADY, "mirrored by ({x}, {y}): {moved}");
+    }
+    // A quarter of it, twice as large, left of the middle and above.
+    let part = SubCameraView {
+        full_size: SIZE.into(),
+        offset: Vec2::new(30.0, 20.0),
+        size: UVec2::new(80, 60),
+    };
+    let part = Camera { sub_camera_view: Some(part), ..default() };
+    app.world_mut().entity_mut(eye).insert((part, Transform::default()));
+    let seen = picture(&mut app, &image, 2);
+    let middle = Transform::from_xyz(-10.0, 10.0, 0.0);
+    let moved = worst(&first, &light_at(&seen, middle, 2.0, &places));
+    assert!(moved < STEADY, "a part: {moved}");
+}
+
+#[test]
+fn a_camera_above_another_lights_what_it_draws_alone_where_it_clears_to_nothing() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let below = camera(&mut app, &image, plain());
+    app.world_mut().entity_mut(below).insert(AmbientLight2d { brightness: 0.5, ..default() });
+    let above = camera(&mut app, &image, plain());
+    let clear = ClearColorConfig::Custom(Color::NONE);
+    let own = Camera { order: 1, clear_color: clear, ..default() };
+    let layer = RenderLayers::layer(1);
+    let dim = AmbientLight2d { brightness: 0.25, ..default() };
+    app.world_mut().entity_mut(above).insert((own, dim, layer.clone()));
+    let sprite = Sprite::from_color(Color::WHITE, Vec2::splat(20.0));
+    app.world_mut().spawn((sprite, layer));
+    begin(&mut app);
+    let seen = picture(&mut app, &image, 3);
+    let near = |found: f32, right: f32| assert!((found - right).abs() < 2e-3, "{found}, {right}");
+    near(seen.grey(20, 20), 0.5);
+    near(seen.grey(80, 60), 0.25);
 }
 
 #[test]

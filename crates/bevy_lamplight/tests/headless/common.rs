@@ -50,6 +50,12 @@ pub fn app() -> App {
 /// An app that draws, without a window.
 pub fn headless() -> App {
     let mut app = App::new();
+    add_bevy(&mut app);
+    app
+}
+
+/// Adds what draws, without a window.
+pub fn add_bevy(app: &mut App) {
     let window =
         WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
     let render = RenderPlugin { synchronous_pipeline_compilation: true, ..default() };
@@ -63,7 +69,6 @@ pub fn headless() -> App {
             .disable::<PipelinedRenderingPlugin>(),
     )
     .init_resource::<Arrived>();
-    app
 }
 
 /// Ends the building of an app, so that it can run.

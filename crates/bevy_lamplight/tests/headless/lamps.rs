@@ -38,6 +38,29 @@ fn a_lamp_gives_its_intensity_at_a_quarter_of_its_range_wherever_it_glides() {
 }
 
 #[test]
+fn the_smallest_lamps_give_as_much_light() {
+    let mut app = app();
+    let image = target(&mut app, [96, 64]);
+    let eye = camera(&mut app, &image, plain());
+    let lamp = app.world_mut().spawn(Transform::from_xyz(0.3, 0.7, 0.0)).id();
+    begin(&mut app);
+    for method in [LightMethod::Cascades, LightMethod::Holographic] {
+        app.world_mut().entity_mut(eye).insert(Lighting2d { method, ..plain() });
+        for radius in [4.0, 2.0, 0.5, 1e-3, 0.0] {
+            let light = PointLight2d { range: 60.0, radius, ..default() };
+            app.world_mut().entity_mut(lamp).insert(light);
+            let seen = picture(&mut app, &image, 2);
+            // At a quarter of the range.
+            let around = [(15, 0), (-15, 0), (0, 15), (0, -15)];
+            let light = around.map(|(x, y)| seen.grey((48 + x) as u32, (31 + y) as u32));
+            let mean = light.iter().sum::<f32>() / 4.0;
+            println!("{method:?}, radius {radius}: {mean} of {light:?}");
+            assert!((mean - 1.0).abs() < 0.1, "{method:?}, radius {radius}: {light:?}");
+        }
+    }
+}
+
+#[test]
 fn a_spot_lights_what_is_ahead_and_walls_stop_it() {
     for method in [LightMethod::Cascades, LightMethod::Polar] {
         let mut app = app();

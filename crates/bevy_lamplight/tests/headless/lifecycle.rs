@@ -1,6 +1,6 @@
 //! What comes, goes and is wrong.
 
-use crate::common::{app, begin, camera, picture, plain, target};
+use crate::common::{add_bevy, app, begin, camera, picture, plain, target};
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::renderer::RenderDevice;
@@ -68,6 +68,20 @@ fn a_target_of_another_size_is_lit_all_over() {
         let wrong = seen.texels.iter().find(|[r, ..]| (r - 0.5).abs() > 1e-3);
         assert_eq!(wrong, None, "{width}×{height}");
     }
+}
+
+#[test]
+fn plugins_may_be_added_in_any_order() {
+    let mut app = App::new();
+    app.add_plugins(LamplightPlugin);
+    add_bevy(&mut app);
+    app.insert_resource(ClearColor(Color::WHITE));
+    let image = target(&mut app, SIZE);
+    let eye = camera(&mut app, &image, plain());
+    app.world_mut().entity_mut(eye).insert(AmbientLight2d { brightness: 0.5, ..default() });
+    begin(&mut app);
+    let seen = picture(&mut app, &image, 3);
+    assert!((seen.grey(9, 9) - 0.5).abs() < 1e-3, "{}", seen.grey(9, 9));
 }
 
 /// What of the GPU is held: buffers, textures, views, bind groups, pipelines, bytes.
@@ -147,7 +161,7 @@ fn nothing_panics_without_a_camera_with_two_plugins_and_with_what_is_wrong() {
     world.spawn((LightOccluder2d::polygon([]), Transform::default()));
     world.spawn((LightOccluder2d::circle(-3.0), nowhere));
     world.spawn((LightOccluder2d::capsule(0.0, 0.0), Transform::default()));
-    world.spawn((PointLight2d { radius: 0.0, ..default() }, Transform::default()));
+    world.spawn((PointLight2d { radius: -1.0, ..default() }, Transform::default()));
     world.spawn((PointLight2d { intensity: f32::NAN, ..default() }, Transform::default()));
     world.spawn((PointLight2d::default(), nowhere));
     world.spawn((SpotLight2d { angle: f32::INFINITY, ..default() }, Transform::default()));
@@ -159,6 +173,8 @@ fn nothing_panics_without_a_camera_with_two_plugins_and_with_what_is_wrong() {
     let wrong = [
         Lighting2d { preset: "no such preset".into(), ..plain() },
         Lighting2d { set: vec!["no such key".into()], ..plain() },
+        Lighting2d { set: vec!["method=polar".into()], ..plain() },
+        Lighting2d { border: f32::INFINITY, ..plain() },
         Lighting2d { cells: CellSize::World(f32::NAN), ..plain() },
         Lighting2d { cells: CellSize::World(0.0), ..plain() },
         Lighting2d { bounces: LightBounces::Count(1000), ..plain() },

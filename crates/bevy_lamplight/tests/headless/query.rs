@@ -21,6 +21,10 @@ fn ask(light: LightQuery, ask: Res<Ask>, mut told: ResMut<Told>) {
     told.0 = ask.0.iter().map(|&place| light.at(place)).collect();
     told.1 = light.level(ask.0[0]);
     told.2 = light.over(Rect::from_center_half_size(ask.0[0], Vec2::splat(6.0)));
+    // Corners may be named in any order; what has no size is a place.
+    let turned = Rect { min: ask.0[0] + 6.0, max: ask.0[0] - 6.0 };
+    assert_eq!(light.over(turned), told.2);
+    assert_eq!(light.over(Rect { min: ask.0[0], max: ask.0[0] }), told.0[0]);
 }
 
 /// A yard with walls, a glowing sign, lamps and a spot.
