@@ -242,18 +242,17 @@ fn place(area: Rect, cell: f32) -> Option<Placement> {
     if !(cell > 0.0 && cell.is_finite() && area.min.is_finite() && area.max.is_finite()) {
         return None;
     }
-    let fits = |cell: f32| {
-        let fine = cell / FINER as f32;
+    let asked = cell / FINER as f32;
+    let fits = |fine: f32| {
         let [x, y] = (area.center() / fine).to_array().map(f64::from);
         let lattice = LATTICE * FINER;
         let view = View { position: [x, -y], border: 0, lattice, step: lattice, ..View::default() };
         let extent = (area.size() / fine).max(Vec2::ONE).to_array().map(f64::from);
         let placed = view.cover(extent).ok()?;
         let cells = placed.size.map(|side| u64::from(side / FINER));
-        let asked = fine;
         (cells[0] * cells[1] <= MOST_CELLS).then_some(Placement { cell: fine, asked, placed })
     };
-    doubled(cell).find_map(fits)
+    doubled(asked).find_map(fits)
 }
 
 impl Bench {
