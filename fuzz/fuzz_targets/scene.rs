@@ -4,11 +4,11 @@
 //!
 //! ```sh
 //! mkdir -p fuzz/corpus/scene
-//! cp scenes/*.toml crates/lamplight/tests/scene_whole.toml fuzz/corpus/scene/
+//! cp scenes/*.toml crates/lamplight/tests/suite/scene_whole.toml fuzz/corpus/scene/
 //! cargo +nightly fuzz run scene -- -timeout=10 -max_len=65536
 //! ```
 //!
-//! What it finds becomes a case in `crates/lamplight/tests/scene_fuzz.rs`.
+//! Every finding becomes a case in `crates/lamplight/tests/suite/scene_fuzz.rs`.
 
 #![no_main]
 

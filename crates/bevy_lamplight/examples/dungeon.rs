@@ -1,5 +1,5 @@
-//! A dungeon of tiles with doors and a thousand torches. Walk with the arrow keys, open and shut
-//! doors with the space bar: `cargo run --release -p bevy_lamplight --example dungeon`.
+//! A dungeon of tiles with doors and a thousand torches. The arrow keys move, and the space bar opens
+//! and closes doors: `cargo run --release -p bevy_lamplight --example dungeon`.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::ScalingMode;
@@ -13,7 +13,7 @@ fn main() {
     App::new().add_plugins((DefaultPlugins.set(pixels), example)).run();
 }
 
-/// All of it, as a plugin.
+/// The example as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::BLACK))
@@ -21,11 +21,11 @@ pub fn example(app: &mut App) {
         .add_systems(Update, (walk, open));
 }
 
-/// World units a tile.
+/// World units per tile.
 const TILE: u32 = 16;
-/// Tiles of the map.
+/// Columns and rows of tiles.
 const MAP: UVec2 = UVec2::new(201, 121);
-/// Tiles from wall to wall of a room, with a wall.
+/// Tiles from one wall to the next.
 const ROOM: u32 = 10;
 const TORCHES: usize = 1000;
 
@@ -35,7 +35,7 @@ struct Hero;
 #[derive(Component)]
 struct Door;
 
-/// What there is at a tile.
+/// The kind of a tile.
 #[derive(Clone, Copy, PartialEq)]
 enum Tile {
     Floor,
@@ -43,7 +43,7 @@ enum Tile {
     Door,
 }
 
-/// Rooms in rows, most of them with a door to the next; pillars in some.
+/// A grid of rooms. Most have a door to the next one, some have pillars.
 fn tile(at: UVec2) -> Tile {
     let within = at % ROOM;
     let room = at / ROOM;
@@ -61,12 +61,12 @@ fn tile(at: UVec2) -> Tile {
     }
 }
 
-/// The middle of a tile, in the world.
+/// The centre of a tile in the world.
 fn middle(at: UVec2) -> Vec2 {
     (at.as_vec2() + 0.5 - 0.5 * MAP.as_vec2()) * TILE as f32
 }
 
-/// Bricks, then flagstones.
+/// Two layers: bricks and flagstones.
 fn tileset() -> Image {
     let texel = |layer: u32, x: u32, y: u32| {
         let brick = y % 8 == 7 || (x + if y % 16 < 8 { 0 } else { 8 }) % 16 == 15;
@@ -112,14 +112,12 @@ fn setup(mut commands: Commands, mut images: ResMut<Assets<Image>>) {
     for at in tiles().filter(|&at| tile(at) == Tile::Door) {
         let door = Sprite::from_color(Color::srgb(0.5, 0.3, 0.15), Vec2::new(6.0, TILE as f32));
         let place = Transform::from_translation(middle(at).extend(1.0));
-        // Every other one stands open.
-        let visibility = match (at.x / ROOM + at.y / ROOM) % 2 {
-            0 => Visibility::Hidden,
-            _ => Visibility::Inherited,
-        };
+        // Every other door is open.
+        let is_open = (at.x / ROOM + at.y / ROOM).is_multiple_of(2);
+        let visibility = if is_open { Visibility::Hidden } else { Visibility::Inherited };
         commands.spawn((door, Matter2d::wall(), Door, place, visibility));
     }
-    // Torches hang beside walls.
+    // Torches near walls.
     let places = tiles().filter(|&at| {
         tile(at) == Tile::Floor
             && [2, ROOM - 2].contains(&(at.x % ROOM))
@@ -155,22 +153,22 @@ fn setup(mut commands: Commands, mut images: ResMut<Assets<Image>>) {
         ));
 }
 
-type ADoor = (&'static Transform, &'static Visibility);
+type DoorQuery = (&'static Transform, &'static Visibility);
 
 fn walk(
     time: Res<Time>,
     keys: Option<Res<ButtonInput<KeyCode>>>,
-    doors: Query<ADoor, (With<Door>, Without<Hero>)>,
+    doors: Query<DoorQuery, (With<Door>, Without<Hero>)>,
     mut hero: Single<&mut Transform, With<Hero>>,
 ) {
     let Some(keys) = keys else { return };
     let along = |more, less| f32::from(keys.pressed(more)) - f32::from(keys.pressed(less));
-    let way = Vec2::new(
+    let direction = Vec2::new(
         along(KeyCode::ArrowRight, KeyCode::ArrowLeft),
         along(KeyCode::ArrowUp, KeyCode::ArrowDown),
     );
-    let step = 90.0 * time.delta_secs() * way.normalize_or_zero();
-    // One axis at a time, so that walls are slid along.
+    let step = 90.0 * time.delta_secs() * direction.normalize_or_zero();
+    // One axis at a time, so that the hero slides along walls.
     for step in [step * Vec2::X, step * Vec2::Y] {
         let next = hero.translation.truncate() + step;
         let at = (next / TILE as f32 + 0.5 * MAP.as_vec2()).as_uvec2();
@@ -184,7 +182,7 @@ fn walk(
     }
 }
 
-/// Opens or shuts the doors within reach.
+/// Opens or closes the doors within reach.
 fn open(
     keys: Option<Res<ButtonInput<KeyCode>>>,
     hero: Single<&Transform, With<Hero>>,

@@ -7,7 +7,7 @@ fn main() {
     App::new().add_plugins((DefaultPlugins, example)).run();
 }
 
-/// All of it, as a plugin.
+/// The example as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::srgb(0.55, 0.5, 0.45)))

@@ -1,4 +1,4 @@
-//! Lamps without end that drift between pillars, and what a frame of them takes:
+//! Any number of lamps that drift between pillars, with frame times:
 //! `cargo run --release -p bevy_lamplight --example many_lights -- 5000`.
 
 use bevy::diagnostic::{FrameTimeDiagnosticsPlugin, LogDiagnosticsPlugin};
@@ -13,7 +13,7 @@ fn main() {
         .run();
 }
 
-/// All of it, as a plugin.
+/// The example as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::srgb(0.5, 0.5, 0.55)))
@@ -21,10 +21,10 @@ pub fn example(app: &mut App) {
         .add_systems(Update, drift);
 }
 
-/// Half of what lamps drift over.
+/// Half of the area that lamps drift in.
 const REACH: Vec2 = Vec2::new(310.0, 170.0);
 
-/// Where a lamp turns, how far around it, and how fast.
+/// The orbit of a lamp.
 #[derive(Component)]
 struct Drift {
     middle: Vec2,
@@ -33,8 +33,8 @@ struct Drift {
     phase: f32,
 }
 
-/// Numbers from 0 to 1 that look like chance, the same every time.
-fn chance() -> impl FnMut() -> f32 {
+/// Pseudorandom numbers from 0 to 1, the same in every run.
+fn random() -> impl FnMut() -> f32 {
     let mut state = 12345u32;
     move || {
         state = state.wrapping_mul(747796405).wrapping_add(2891336453);
@@ -49,21 +49,21 @@ fn setup(mut commands: Commands) {
         AmbientLight2d { brightness: 0.02, ..default() },
     ));
     let count = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(500);
-    let mut chance = chance();
+    let mut random = random();
     for _ in 0..count {
         let lamp = PointLight2d {
-            color: Color::hsl(360.0 * chance(), 0.9, 0.6),
-            // As much light in all, however many they are.
+            color: Color::hsl(360.0 * random(), 0.9, 0.6),
+            // The total light does not depend on the number of lamps.
             intensity: 40.0 / count as f32,
             range: 100.0,
             radius: 3.0,
             ..default()
         };
         let drift = Drift {
-            middle: REACH * (2.0 * Vec2::new(chance(), chance()) - 1.0),
-            radius: 40.0 * chance(),
-            speed: 2.0 * chance() - 1.0,
-            phase: TAU * chance(),
+            middle: REACH * (2.0 * Vec2::new(random(), random()) - 1.0),
+            radius: 40.0 * random(),
+            speed: 2.0 * random() - 1.0,
+            phase: TAU * random(),
         };
         commands.spawn((lamp, drift));
     }

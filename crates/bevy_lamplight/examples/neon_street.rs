@@ -1,4 +1,4 @@
-//! A wet street at night: signs that light what is around them, in HDR, with bloom:
+//! A wet street at night, lit by its signs, in HDR and with bloom:
 //! `cargo run --release -p bevy_lamplight --example neon_street`.
 
 use bevy::camera::ScalingMode;
@@ -11,7 +11,7 @@ fn main() {
     App::new().add_plugins((DefaultPlugins, example)).run();
 }
 
-/// All of it, as a plugin.
+/// The example as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::srgb(0.4, 0.42, 0.5)))
@@ -19,7 +19,7 @@ pub fn example(app: &mut App) {
         .add_systems(Update, (flicker, drive));
 }
 
-/// A sign that goes out now and then.
+/// A sign that flickers.
 #[derive(Component)]
 struct Flicker;
 
@@ -48,10 +48,10 @@ fn setup(mut commands: Commands) {
         let sprite = Sprite::from_color(color, Vec2::new(width, height));
         (sprite, Transform::from_xyz(x, y, z))
     };
-    // The street, which sends much of the light on.
+    // The street, which reflects much of the light.
     let wet = Matter2d { albedo: LinearRgba::rgb(0.95, 0.95, 0.95), ..Matter2d::wall() };
     commands.spawn((block(Color::srgb(0.5, 0.5, 0.55), 0.0, -160.0, 1400.0, 60.0, 1.0), wet));
-    // Fronts of houses, on which light falls, and their windows.
+    // Lit facades and their windows.
     for (i, (x, width, height)) in [
         (-262.0, 116.0, 190.0),
         (-140.0, 104.0, 130.0),
@@ -69,18 +69,19 @@ fn setup(mut commands: Commands) {
             let (column, row) = ((n % 3) as f32 - 1.0, (n / 3) as f32);
             let at = (x + column * 0.3 * width, y + 0.5 * height - 20.0 - row * 34.0);
             let window = |color| block(color, at.0, at.1, 14.0, 18.0, 2.0);
-            match (n * 7 + i * 5) % 4 == 0 && row < 2.0 {
-                true => commands.spawn((window(Color::srgb(1.0, 0.8, 0.5)), Matter2d::glow(1.6))),
-                false => commands.spawn(window(Color::srgb(0.12, 0.13, 0.18))),
-            };
+            if (n * 7 + i * 5) % 4 == 0 && row < 2.0 {
+                commands.spawn((window(Color::srgb(1.0, 0.8, 0.5)), Matter2d::glow(1.6)));
+            } else {
+                commands.spawn(window(Color::srgb(0.12, 0.13, 0.18)));
+            }
         }
     }
-    // Awnings, under which it is dark.
+    // Awnings that cast shadows.
     for x in [-200.0, 190.0] {
         commands
             .spawn((block(Color::srgb(0.5, 0.2, 0.2), x, -70.0, 50.0, 5.0, 3.0), Matter2d::wall()));
     }
-    // Signs are texts and sprites that glow in their own colours.
+    // Signs: texts and sprites that emit their own colours.
     for (text, size, color, x, y, strength) in [
         ("NOODLES", 36.0, Color::srgb(1.0, 0.15, 0.45), -8.0, -15.0, 5.0),
         ("open all night", 20.0, Color::srgb(0.2, 0.9, 1.0), -8.0, -50.0, 4.0),
@@ -97,7 +98,7 @@ fn setup(mut commands: Commands) {
         |color, x, y, width, height| (block(color, x, y, width, height, 3.0), Matter2d::glow(6.0));
     commands.spawn(tube(Color::srgb(1.0, 0.55, 0.1), -80.0, -70.0, 3.0, 90.0));
     commands.spawn(tube(Color::srgb(0.45, 0.3, 1.0), 64.0, -40.0, 3.0, 120.0));
-    // A car with a lamp ahead.
+    // A car with a headlight.
     let car = block(Color::srgb(0.6, 0.1, 0.12), 0.0, -122.0, 56.0, 14.0, 4.0);
     let lamp = SpotLight2d {
         color: Color::srgb(1.0, 0.95, 0.8),

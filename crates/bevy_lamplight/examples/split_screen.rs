@@ -1,4 +1,4 @@
-//! Two players, two cameras, each lit in its own way:
+//! Two players and two cameras with different light settings:
 //! `cargo run --release -p bevy_lamplight --example split_screen`.
 
 use bevy::camera::{CameraUpdateSystems, ScalingMode, Viewport};
@@ -9,7 +9,7 @@ fn main() {
     App::new().add_plugins((DefaultPlugins, example)).run();
 }
 
-/// All of it, as a plugin.
+/// The example as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::srgb(0.45, 0.5, 0.5)))
@@ -18,14 +18,14 @@ pub fn example(app: &mut App) {
         .add_systems(PostUpdate, share_the_screen.before(CameraUpdateSystems));
 }
 
-/// Number of a player and of the half of the screen that is theirs.
+/// The index of a player, a camera and their half of the screen.
 #[derive(Component)]
 struct Half(u32);
 
 fn setup(mut commands: Commands) {
     let lightings = [
         (Lighting2d::default(), AmbientLight2d { brightness: 0.03, ..default() }),
-        // The other player sees in the dark, on the grid of large pixels.
+        // The other player has night vision with large pixels.
         (
             Lighting2d {
                 cells: CellSize::World(4.0),
@@ -81,7 +81,7 @@ fn walk(time: Res<Time>, mut players: Query<(&Half, &mut Transform), With<PointL
     }
 }
 
-/// Gives each camera its half of whatever it draws on.
+/// Gives each camera its half of the render target.
 fn share_the_screen(mut cameras: Query<(&Half, &mut Camera)>) {
     for (half, mut camera) in &mut cameras {
         let Some(size) = camera.physical_target_size() else { continue };

@@ -1,5 +1,5 @@
-//! Keep to the shadows: guards' lamps sweep a yard, and the light itself is asked whether you are
-//! seen. Move with the arrow keys: `cargo run --release -p bevy_lamplight --example stealth`.
+//! Stay in the shadows: the lamps of guards sweep a yard, and a light query decides whether they see
+//! you. The arrow keys move: `cargo run --release -p bevy_lamplight --example stealth`.
 
 use bevy::camera::ScalingMode;
 use bevy::prelude::*;
@@ -9,18 +9,18 @@ fn main() {
     App::new().add_plugins((DefaultPlugins, example)).run();
 }
 
-/// All of it, as a plugin.
+/// The example as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
         .insert_resource(ClearColor(Color::srgb(0.42, 0.48, 0.4)))
         .add_systems(Startup, setup)
-        .add_systems(Update, (walk, sweep, judge).chain());
+        .add_systems(Update, (walk, sweep, update_verdict).chain());
 }
 
 #[derive(Component)]
 struct Thief;
 
-/// Turns to and fro.
+/// Turns back and forth.
 #[derive(Component)]
 struct Guard {
     towards: f32,
@@ -79,11 +79,11 @@ fn walk(
 ) {
     let Some(keys) = keys else { return };
     let along = |more, less| f32::from(keys.pressed(more)) - f32::from(keys.pressed(less));
-    let way = Vec2::new(
+    let direction = Vec2::new(
         along(KeyCode::ArrowRight, KeyCode::ArrowLeft),
         along(KeyCode::ArrowUp, KeyCode::ArrowDown),
     );
-    thief.translation += (120.0 * time.delta_secs() * way.normalize_or_zero()).extend(0.0);
+    thief.translation += (120.0 * time.delta_secs() * direction.normalize_or_zero()).extend(0.0);
 }
 
 fn sweep(time: Res<Time>, mut guards: Query<(&Guard, &mut Transform)>) {
@@ -93,10 +93,10 @@ fn sweep(time: Res<Time>, mut guards: Query<(&Guard, &mut Transform)>) {
     }
 }
 
-/// Light by which somebody is seen.
-const SEEN: f32 = 0.25;
+/// The luminance above which guards see somebody.
+const VISIBLE: f32 = 0.25;
 
-fn judge(
+fn update_verdict(
     light: LightQuery,
     thief: Single<&GlobalTransform, With<Thief>>,
     verdict: Single<(&mut Text2d, &mut TextColor), With<Verdict>>,
@@ -104,7 +104,8 @@ fn judge(
     let around = Rect::from_center_half_size(thief.translation().truncate(), Vec2::splat(6.0));
     let Some(level) = light.over(around).map(|light| light.luminance()) else { return };
     let (mut text, mut color) = verdict.into_inner();
-    let word = if level > SEEN { "seen" } else { "hidden" };
+    let word = if level > VISIBLE { "seen" } else { "hidden" };
     text.0 = format!("{word}: light {level:.2}");
-    color.0 = if level > SEEN { Color::srgb(1.0, 0.35, 0.3) } else { Color::srgb(0.5, 1.0, 0.6) };
+    color.0 =
+        if level > VISIBLE { Color::srgb(1.0, 0.35, 0.3) } else { Color::srgb(0.5, 1.0, 0.6) };
 }

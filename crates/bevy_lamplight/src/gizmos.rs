@@ -1,5 +1,4 @@
-//! Outlines of what has no picture: lamps and their ranges, occluders, and what each camera's light
-//! reaches to.
+//! Gizmos: outlines of lamps and their ranges, of occluders, and of each camera's lit grid.
 
 use crate::components::{LightOccluder2d, OccluderShape, PointLight2d, SpotLight2d};
 use crate::lit_camera::LitCamera;
@@ -12,9 +11,8 @@ use bevy::math::{Isometry2d, Vec2, Vec3};
 use bevy::prelude::{GlobalTransform, IntoScheduleConfigs, Query, Reflect};
 use bevy::transform::TransformSystems;
 
-/// Draws outlines of lamps, spots, occluders and the borders of lit cameras, unlit and above the
-/// picture. Turned on and off, and made thicker, as other gizmos are, by the configuration of
-/// [`LightGizmos`].
+/// Draws outlines of lamps, spots, occluders and the lit grids of cameras, unlit and above the picture.
+/// The configuration of [`LightGizmos`] enables them and sets their line width.
 pub struct LamplightGizmosPlugin;
 
 impl Plugin for LamplightGizmosPlugin {
@@ -28,13 +26,13 @@ impl Plugin for LamplightGizmosPlugin {
     }
 }
 
-/// The group of these gizmos ([`bevy::gizmos::config::GizmoConfigStore`]).
+/// The configuration group of these gizmos ([`bevy::gizmos::config::GizmoConfigStore`]).
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct LightGizmos;
 
 const OCCLUDER: Color = Color::linear_rgb(1.0, 0.25, 0.1);
 const BORDER: Color = Color::linear_rgb(0.1, 0.8, 1.0);
-/// Alpha of ranges, which are large.
+/// Alpha of ranges, which cover much of the screen.
 const FAINT: f32 = 0.35;
 
 fn draw(
@@ -76,8 +74,9 @@ fn draw(
     }
 }
 
-/// Corners of a shape, in the entity's own units.
+/// The outline of a shape, in the entity's own units.
 fn outline(shape: &OccluderShape) -> Vec<Vec2> {
+    /// Segments of a circle.
     const AROUND: usize = 32;
     let arc = |middle: Vec2, radius: f32, from: usize, to: usize| {
         (from..=to).map(move |i| {

@@ -20,19 +20,19 @@
 //! }
 //! ```
 //!
-//! [`Lighting2d`] on a camera says how its picture is lit; [`Matter2d`] on whatever is drawn makes it
-//! glow, block, filter or reflect; [`PointLight2d`] and [`SpotLight2d`] are lamps,
-//! [`LightOccluder2d`] shapes that are not seen. [`Unlit2d`] is not lit.
+//! [`Lighting2d`] lights a camera. [`Matter2d`] makes anything that is drawn emit, block, filter or
+//! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, and [`LightOccluder2d`] is an invisible
+//! shape that blocks light. [`Unlit2d`] entities are not lit.
 //!
-//! What light means is written in `docs/light.md` of the project. World units stand for its cells:
-//! opacity and tint are of one world unit crossed.
+//! `docs/light.md` of the project defines light. World units take the place of its cells: opacity and
+//! tint are per world unit.
 
 mod components;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 mod lit_camera;
-mod pieces;
 mod placement;
+mod quads;
 pub mod query;
 pub mod render;
 
@@ -43,7 +43,7 @@ pub use query::{LightQuery, LightQueryPlugin, LightQuerySettings};
 
 use bevy::app::{App, Plugin};
 
-/// What most programs use.
+/// The names that most programs use.
 pub mod prelude {
     #[cfg(feature = "gizmos")]
     pub use crate::LamplightGizmosPlugin;
@@ -75,13 +75,13 @@ impl Plugin for LamplightPlugin {
         }
     }
 
-    /// Twice is no more than once.
+    /// Adding the plugin twice has no effect.
     fn is_unique(&self) -> bool {
         false
     }
 }
 
-/// The README's examples are compiled with the tests.
+/// The README, whose examples are compiled with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

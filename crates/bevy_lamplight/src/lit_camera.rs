@@ -1,7 +1,7 @@
-//! Cameras that are lit, and all that says how.
+//! The query of lit cameras and the components that configure their light.
 
 use crate::components::{AmbientLight2d, LightTexture2d, Lighting2d, Sky2d};
-use crate::placement::{Misplaced, Placement};
+use crate::placement::{Placement, PlacementError};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{Camera, Projection};
 use bevy::core_pipeline::tonemapping::Tonemapping;
@@ -20,37 +20,40 @@ pub struct LitCamera {
     sky: Option<&'static Sky2d>,
     ambient: Option<&'static AmbientLight2d>,
     tone_map: Option<&'static Tonemapping>,
-    pub to_texture: Has<LightTexture2d>,
+    pub has_light_texture: Has<LightTexture2d>,
 }
 
 impl LitCameraItem<'_, '_> {
-    /// Where its light lies; none where it sees nothing, or is off.
-    pub fn placement(&self) -> Result<Option<Placement>, Misplaced> {
+    /// The placement of its grid; `None` if it sees nothing or is inactive.
+    pub fn placement(&self) -> Result<Option<Placement>, PlacementError> {
         let Self { camera, projection, transform, lighting, .. } = self;
-        match camera.is_active {
-            true => Placement::of(camera, projection, transform, lighting),
-            false => Ok(None),
+        if !camera.is_active {
+            return Ok(None);
         }
+        Placement::new(camera, projection, transform, lighting)
     }
 
-    /// What it sees.
+    /// The layers that it sees.
     pub fn layers(&self) -> &RenderLayers {
         self.layers.unwrap_or_default()
     }
 
-    /// Light from outside.
+    /// The sky around its grid.
     pub fn sky(&self) -> Sky {
         self.sky.map_or(Sky::BLACK, |sky| sky.sky())
     }
 
-    /// Light from everywhere.
+    /// The radiance of its ambient light.
     pub fn ambient(&self) -> [f32; 3] {
         self.ambient.map_or([0.0; 3], |ambient| ambient.radiance())
     }
 
-    /// By what its light is brought back to what a screen shows.
+    /// The tone map of its lit picture.
     pub fn tone_map(&self) -> ToneMap {
-        let has_own = self.tone_map.is_some_and(|own| own.is_enabled());
+        // Bevy gives 2D cameras `Linear`, which maps nothing.
+        let has_own = self
+            .tone_map
+            .is_some_and(|own| !matches!(own, Tonemapping::None | Tonemapping::Linear));
         self.lighting.tone_map.for_camera(has_own)
     }
 }

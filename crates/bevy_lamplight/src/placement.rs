@@ -1,41 +1,40 @@
-//! Where the lit grid of a camera lies in the world.
+//! The placement of a camera's lit grid in the world.
 
 use crate::components::{CellSize, LightMethod, Lighting2d};
-use crate::pieces::Map;
+use crate::quads::QuadMap;
 use bevy::camera::{Camera, Projection, SubCameraView};
 use bevy::math::{Rect, Vec2, Vec3};
 use bevy::prelude::GlobalTransform;
-use lamplight_wgpu::{Placed, View, Window};
+use lamplight_wgpu::{Camera2dView, GridPlacement, VisibleRect};
 
-/// A grid over the world: cells of some world units, that stay where they are while the camera
-/// moves.
+/// A grid over the world. Its cells stay in place while the camera moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// World units a cell.
+    /// World units per cell.
     pub cell: f32,
-    /// What was asked for; less where the grid would have too many cells.
-    pub asked: f32,
-    /// Which cells, and what of them is seen.
-    pub placed: Placed,
+    /// World units per cell as configured. Smaller than `cell` if the grid would have had too many cells.
+    pub requested: f32,
+    /// The cells, and the part of them that the camera sees.
+    pub placed: GridPlacement,
 }
 
-/// Most cells that are lit for a camera. Larger grids get larger cells.
-pub const MOST_CELLS: u64 = 1 << 22;
-/// Steps in which grids grow, so that a camera that zooms seldom makes buffers anew.
+/// The largest number of cells of a camera's grid. Larger grids get larger cells.
+pub const MAX_CELLS: u64 = 1 << 22;
+/// Grid sizes are multiples of this, so that a camera that zooms rarely reallocates its buffers.
 const STEP: u32 = 32;
-/// Cells after which methods that find light on planes or probes do the same again.
+/// The period, in cells, of methods that place planes or probes on a lattice.
 pub const LATTICE: u32 = 16;
 
-/// Ever larger cells to choose from where a grid of a size would have too many.
+/// Sizes of cells to try in turn: `cell` and its doublings.
 pub fn doubled(cell: f32) -> impl Iterator<Item = f32> {
-    /// Beyond, nothing of a world is left.
-    const MOST_DOUBLINGS: i32 = 32;
-    (0..MOST_DOUBLINGS).map(move |doublings| cell * 2f32.powi(doublings))
+    /// By then a cell is larger than any world.
+    const MAX_DOUBLINGS: i32 = 32;
+    (0..MAX_DOUBLINGS).map(move |doublings| cell * 2f32.powi(doublings))
 }
 
-/// Why a camera cannot be lit.
+/// The reason why a camera cannot be lit.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Misplaced {
+pub enum PlacementError {
     #[error("`Lighting2d` wants an orthographic projection")]
     Projection,
     #[error("its transform is not a number")]
@@ -51,50 +50,50 @@ pub enum Misplaced {
 }
 
 impl Placement {
-    /// Where what a camera sees lies, with the border round it; none where it sees nothing, such as
-    /// a window of no size.
-    pub fn of(
+    /// The placement of what a camera sees, with the border around it. `None` if it sees nothing, as in
+    /// a window of size 0.
+    pub fn new(
         camera: &Camera,
         projection: &Projection,
         transform: &GlobalTransform,
         lighting: &Lighting2d,
-    ) -> Result<Option<Self>, Misplaced> {
+    ) -> Result<Option<Self>, PlacementError> {
         let Projection::Orthographic(orthographic) = projection else {
-            return Err(Misplaced::Projection);
+            return Err(PlacementError::Projection);
         };
         let border = lighting.border;
         if !(border >= 0.0 && border.is_finite()) {
-            return Err(Misplaced::Border(border));
+            return Err(PlacementError::Border(border));
         }
         let Some(pixels) = camera.logical_viewport_size() else { return Ok(None) };
-        let area = seen(orthographic.area, camera.sub_camera_view.as_ref());
+        let area = visible_area(orthographic.area, camera.sub_camera_view.as_ref());
         let world = transform.affine();
         let middle = world.transform_point3(area.center().extend(0.0)).truncate();
-        // From left to right, and from below to above.
+        // From left to right, and from bottom to top.
         let across = world.transform_vector3(Vec3::X * area.width()).truncate();
         let up = world.transform_vector3(Vec3::Y * area.height()).truncate();
         let extent = Vec2::new(across.length(), up.length());
         if !(middle.is_finite() && extent.is_finite()) {
-            return Err(Misplaced::Transform);
+            return Err(PlacementError::Transform);
         }
         if !(pixels.min_element() >= 1.0 && extent.min_element() > 0.0) {
             return Ok(None);
         }
-        // Neither cells nor lattice nor step change what is found at a place of the world.
-        let asked = match lighting.cells {
+        // Cells, lattice and step do not change the light at a place of the world.
+        let requested = match lighting.cells {
             CellSize::World(size) => size,
-            CellSize::Screen(share) => {
-                (extent.y / pixels.y / share.clamp(0.05, 2.0)).log2().round().exp2()
+            CellSize::Screen(density) => {
+                (extent.y / pixels.y / density.clamp(0.05, 2.0)).log2().round().exp2()
             }
         };
-        if !(asked > 0.0 && asked.is_finite()) {
-            return Err(Misplaced::Cell(asked));
+        if !(requested > 0.0 && requested.is_finite()) {
+            return Err(PlacementError::Cell(requested));
         }
-        // The same line for cameras that are mirrored: the grid covers both.
+        // A mirrored camera has the same grid.
         let level = across * across.x.signum();
-        for cell in doubled(asked) {
+        for cell in doubled(requested) {
             let position = (middle / cell).to_array().map(f64::from);
-            let view = View {
+            let view = Camera2dView {
                 position: [position[0], -position[1]],
                 border: (border / cell).ceil() as u32,
                 lattice: match lighting.method {
@@ -104,41 +103,41 @@ impl Placement {
                 // The grid's y points down.
                 rotation: -f64::from(level.to_angle()),
                 step: STEP,
-                ..View::default()
+                ..Camera2dView::default()
             };
             let columns_rows = (extent / cell).to_array().map(f64::from);
             let Ok(mut placed) = view.cover(columns_rows) else { continue };
             let [width, height] = placed.size.map(u64::from);
-            if width * height <= MOST_CELLS {
+            if width * height <= MAX_CELLS {
                 let on_grid = |v: Vec2| Vec2::new(v.x, -v.y) / cell;
                 let (right, down) = (on_grid(across), on_grid(-up));
                 let middle: [f64; 2] =
                     std::array::from_fn(|a| view.position[a] - f64::from(placed.origin[a]));
                 let corner = Vec2::from(middle.map(|v| v as f32)) - 0.5 * (right + down);
-                placed.window =
-                    Window { corner: corner.into(), right: right.into(), down: down.into() };
-                return Ok(Some(Self { cell, asked, placed }));
+                let (corner, right, down) = (corner.into(), right.into(), down.into());
+                placed.visible = VisibleRect { corner, right, down };
+                return Ok(Some(Self { cell, requested, placed }));
             }
         }
-        Err(Misplaced::TooFar(asked))
+        Err(PlacementError::TooFar(requested))
     }
 
-    /// The place in the world of the grid's left and top.
+    /// The place in the world of the grid's top left corner.
     pub fn corner(&self) -> Vec2 {
         let [x, y] = self.placed.origin.map(|v| v as f32 * self.cell);
         Vec2::new(x, -y)
     }
 
-    /// Where something of the world lies on the grid, in cells and y down.
-    pub fn on_grid(&self, map: &Map) -> Map {
+    /// Converts a map from world units to cells, y down.
+    pub fn on_grid(&self, map: &QuadMap) -> QuadMap {
         let corner = self.corner();
         let cells = |[x, y]: [f32; 2]| [x / self.cell, -y / self.cell];
-        let Map { x_axis, y_axis, origin: [x, y] } = *map;
+        let QuadMap { x_axis, y_axis, origin: [x, y] } = *map;
         let origin = cells([x - corner.x, y - corner.y]);
-        Map { x_axis: cells(x_axis), y_axis: cells(y_axis), origin }
+        QuadMap { x_axis: cells(x_axis), y_axis: cells(y_axis), origin }
     }
 
-    /// What the grid covers.
+    /// The area of the world that the grid covers.
     pub fn area(&self) -> Rect {
         let [width, height] = self.placed.size.map(|v| v as f32 * self.cell);
         let corner = self.corner();
@@ -146,8 +145,9 @@ impl Placement {
     }
 }
 
-/// What of a projection's area a camera shows, as Bevy cuts it: the whole's width follows from its height.
-fn seen(area: Rect, part: Option<&SubCameraView>) -> Rect {
+/// The part of a projection's area that a camera shows. As in Bevy, the width of the full view follows
+/// from its height.
+fn visible_area(area: Rect, part: Option<&SubCameraView>) -> Rect {
     let Some(SubCameraView { full_size, offset, size }) = part else { return area };
     let unit = area.height() / full_size.y as f32;
     let left = area.center().x - 0.5 * unit * full_size.x as f32;
@@ -162,45 +162,45 @@ mod tests {
     use bevy::camera::{OrthographicProjection, PerspectiveProjection, RenderTargetInfo};
     use bevy::math::UVec2;
 
-    fn place(lighting: Lighting2d, at: Vec3) -> Result<Option<Placement>, Misplaced> {
+    fn place(lighting: Lighting2d, at: Vec3) -> Result<Option<Placement>, PlacementError> {
         let mut camera = Camera::default();
         let physical_size = UVec2::new(320, 180);
         camera.computed.target_info = Some(RenderTargetInfo { physical_size, scale_factor: 1.0 });
         let mut projection = OrthographicProjection::default_2d();
         projection.area = Rect::from_center_size(Vec2::ZERO, Vec2::new(320.0, 180.0));
         let projection = Projection::Orthographic(projection);
-        Placement::of(&camera, &projection, &GlobalTransform::from_translation(at), &lighting)
+        Placement::new(&camera, &projection, &GlobalTransform::from_translation(at), &lighting)
     }
 
     #[test]
-    fn cameras_that_cannot_be_lit_are_refused_with_a_reason() {
+    fn a_camera_that_cannot_be_lit_is_an_error_with_a_reason() {
         let default = Lighting2d::default;
         let placed = place(default(), Vec3::ZERO).unwrap().unwrap();
-        assert_eq!((placed.cell, placed.asked), (2.0, 2.0));
+        assert_eq!((placed.cell, placed.requested), (2.0, 2.0));
         let cells = |cells| place(Lighting2d { cells, ..default() }, Vec3::ZERO);
         for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             let why = cells(CellSize::World(bad)).unwrap_err().to_string();
             assert!(why.contains(&format!("{bad} world units")), "{why}");
         }
-        assert!(matches!(cells(CellSize::Screen(f32::NAN)), Err(Misplaced::Cell(_))));
-        assert_eq!(cells(CellSize::World(1e-30)), Err(Misplaced::TooFar(1e-30)));
+        assert!(matches!(cells(CellSize::Screen(f32::NAN)), Err(PlacementError::Cell(_))));
+        assert_eq!(cells(CellSize::World(1e-30)), Err(PlacementError::TooFar(1e-30)));
         for border in [-1.0, f32::NAN, f32::INFINITY] {
             let refused = place(Lighting2d { border, ..default() }, Vec3::ZERO);
-            assert!(matches!(refused, Err(Misplaced::Border(_))), "{border}");
+            assert!(matches!(refused, Err(PlacementError::Border(_))), "{border}");
         }
-        assert_eq!(place(default(), Vec3::NAN), Err(Misplaced::Transform));
+        assert_eq!(place(default(), Vec3::NAN), Err(PlacementError::Transform));
         let perspective = Projection::Perspective(PerspectiveProjection::default());
         let at = GlobalTransform::IDENTITY;
-        let refused = Placement::of(&Camera::default(), &perspective, &at, &default());
-        assert_eq!(refused, Err(Misplaced::Projection));
+        let refused = Placement::new(&Camera::default(), &perspective, &at, &default());
+        assert_eq!(refused, Err(PlacementError::Projection));
     }
 
     #[test]
-    fn too_many_cells_are_made_larger() {
+    fn a_grid_with_too_many_cells_gets_larger_ones() {
         let small = Lighting2d { cells: CellSize::World(0.01), ..Lighting2d::default() };
         let placed = place(small, Vec3::ZERO).unwrap().unwrap();
-        assert!(placed.cell > placed.asked, "{placed:?}");
+        assert!(placed.cell > placed.requested, "{placed:?}");
         let [width, height] = placed.placed.size.map(u64::from);
-        assert!((MOST_CELLS / 5..=MOST_CELLS).contains(&(width * height)), "{width}×{height}");
+        assert!((MAX_CELLS / 5..=MAX_CELLS).contains(&(width * height)), "{width}×{height}");
     }
 }

@@ -1,48 +1,43 @@
 //! Flags that several commands share.
 
-use crate::failure::{Failure, Outcome};
+use crate::error::{CliError, Result};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use lamplight::{Bounces, Display, Method, Settings, SettingsTable, ToneMap};
+use lamplight::{Bounces, Display, Method, Quality, Settings, SettingsTable, ToneMap};
 
-/// Who answers: one of the engine's methods, or the path tracer that judges them.
+/// A method of the engine, or the path tracer that methods are compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum Renderer {
     /// A method of the engine.
-    By(Method),
+    Method(Method),
     /// The path tracer.
     Reference,
 }
 
-impl Answer {
+impl Renderer {
     const ALL: &'static [Self] = &{
         let mut all = [Self::Reference; Method::ALL.len() + 1];
         let mut i = 0;
         while i < Method::ALL.len() {
-            all[i] = Self::By(Method::ALL[i]);
+            all[i] = Self::Method(Method::ALL[i]);
             i += 1;
         }
         all
     };
 
-    /// Whether it lights lamps by a rule of its own, and does not draw them.
-    pub fn lights_lamps(self) -> bool {
-        matches!(self, Self::By(method) if method.lights_lamps())
-    }
-
     /// The name in flags and tables.
     pub fn name(self) -> &'static str {
         match self {
-            Self::By(method) => method.name(),
+            Self::Method(method) => method.name(),
             Self::Reference => "reference",
         }
     }
 }
 
-/// What computes.
+/// The device that computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Backend {
-    /// A hardware GPU where this build and machine have one, else the CPU.
+    /// A hardware GPU if this machine has one, else the CPU.
     #[default]
     Auto,
     /// The CPU.
@@ -61,83 +56,83 @@ pub fn by_name<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// How to light: method, settings, machine.
+/// Flags of how a scene is lit: method, settings, device.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Lighting")]
-pub struct Lighting {
-    /// How light is found [default: what the scene says, else holographic]
-    #[arg(long, value_name = "METHOD", value_parser = by_name(Answer::ALL, Answer::name))]
-    pub method: Option<Answer>,
+pub struct LightingArgs {
+    /// The method that computes the light [default: the scene's method, else holographic]
+    #[arg(long, value_name = "METHOD", value_parser = by_name(Renderer::ALL, Renderer::name))]
+    pub method: Option<Renderer>,
     #[command(flatten)]
-    pub settings: SettingFlags,
-    /// Frames to solve one after another: noise averages out over them
+    pub settings: SettingArgs,
+    /// Solve N frames in a row; noise averages out over them
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub frames: u32,
-    /// Paths a pixel, with `--method reference` [default: 256]
+    /// Paths per pixel, with `--method reference` [default: 256]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub samples: Option<u32>,
     #[command(flatten)]
-    pub machine: Machine,
+    pub machine: MachineArgs,
 }
 
-impl Lighting {
-    /// The settings that a scene and the flags make together.
-    pub fn resolve(&self, scene: &SettingsTable) -> Outcome<Settings> {
-        let mut table = self.settings.over(scene)?;
-        if let Some(Answer::By(method)) = self.method {
-            table.set("method", method.name());
-        }
-        Ok(table.resolve()?)
-    }
-
-    /// Flags that are without effect on who answers, one sentence each.
-    pub fn idle(&self, answer: Answer) -> Vec<String> {
-        let name = answer.name();
-        let mut idle = Vec::new();
-        for text in &self.settings.set {
-            let of = text.split(['.', '=']).next().unwrap_or_default().trim();
-            if of != name && Method::ALL.iter().any(|method| method.name() == of) {
-                idle.push(format!("`--set {text}` changes nothing: light is found by {name}"));
-            }
-        }
-        if self.samples.is_some() && answer != Answer::Reference {
-            idle.push(format!("--samples changes nothing: it is for the reference, not {name}"));
-        }
-        let bounces = self.settings.bounces.is_some_and(|bounces| bounces != Bounces::Count(0));
-        if bounces && answer.lights_lamps() {
-            idle.push(format!("--bounces changes nothing: {name} lights by a rule of its own"));
-        }
-        idle
-    }
-
-    /// Who answers.
-    pub fn answer(&self, settings: &Settings) -> Answer {
-        self.method.unwrap_or(Answer::By(settings.method))
+impl LightingArgs {
+    /// The renderer and the settings that a scene and the flags result in.
+    pub fn resolve(&self, scene: &SettingsTable) -> Result<(Renderer, Settings)> {
+        let table = self.settings.over(scene, self.method)?;
+        let settings = table.resolve()?;
+        Ok((self.method.unwrap_or(Renderer::Method(settings.method)), settings))
     }
 }
 
 /// Flags that change settings.
 #[derive(Args, Debug)]
-pub struct SettingFlags {
-    /// How often light is sent on: a number, or `converged` [default: what the scene says, else 0]
+#[command(next_help_heading = "Lighting")]
+pub struct SettingArgs {
+    /// The level of quality, which selects the method's preset. It replaces all settings of methods in
+    /// the scene [default: the scene's quality, else default]
+    #[arg(long, value_name = "QUALITY", value_parser = by_name(Quality::ALL, Quality::name))]
+    pub quality: Option<Quality>,
+    /// Times that light is reflected: a number, or `converged` [default: the scene's, else 0]
     #[arg(long, value_name = "N")]
     pub bounces: Option<Bounces>,
-    /// Seed of everything random: the same seed gives the same bytes [default: 0]
+    /// Seed for all random numbers; the same seed gives the same bytes [default: 0]
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Change any setting, such as `holographic.preset=fast` or `wall_depth=4`; may be repeated, in
-    /// any order. A preset replaces what the scene sets of its method
+    /// Change any setting, such as `holographic.preset=fast` or `wall_depth=4`. Repeat it for more,
+    /// in any order. A preset replaces all that the scene sets for its method
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }
 
-impl SettingFlags {
-    /// The settings of a scene with those of the flags over them.
-    pub fn over(&self, scene: &SettingsTable) -> Outcome<SettingsTable> {
+impl SettingArgs {
+    /// The settings of a scene with those of the flags over them, for `renderer` or, without one,
+    /// the method that they name.
+    pub fn over(&self, scene: &SettingsTable, renderer: Option<Renderer>) -> Result<SettingsTable> {
+        let mut flags = self.table()?;
+        if let Some(Renderer::Method(method)) = renderer {
+            flags.set("method", method.name());
+        }
+        if let Some(quality) = self.quality {
+            flags.set("quality", quality.name());
+        }
+        let mut table = scene.clone();
+        table.merge(flags);
+        Ok(table)
+    }
+
+    /// The settings of the flags alone, except `--quality`.
+    fn table(&self) -> Result<SettingsTable> {
         let mut flags = SettingsTable::default();
         for text in &self.set {
-            flags.set_from_text(text)?;
+            // As in `[light]`; its keys stand at the root here.
+            let text = text.strip_prefix("light.").unwrap_or(text);
+            if let Some(error) = misplaced(text) {
+                return Err(error);
+            }
+            flags
+                .set_from_text(text)
+                .map_err(|error| CliError::bad_input(format_args!("--set: {error}")))?;
         }
         if let Some(bounces) = self.bounces {
             match bounces {
@@ -148,59 +143,68 @@ impl SettingFlags {
         if let Some(seed) = self.seed {
             flags.set("seed", seed);
         }
-        let mut table = scene.clone();
-        table.merge(flags);
-        Ok(table)
+        Ok(flags)
     }
 }
 
-/// What computes, and how much it says meanwhile.
+/// The error for `--set` of a key that stands elsewhere.
+fn misplaced(text: &str) -> Option<CliError> {
+    let (key, value) = text.split_once('=')?;
+    let hint = match key.trim() {
+        "preset" => "use `--quality`, or name the method: `--set holographic.preset=fast`".into(),
+        "exposure" | "display.exposure" => format!("use `--exposure {value}`"),
+        "tonemap" | "display.tonemap" => format!("use `--tonemap {value}`"),
+        "frames" => format!("use `--frames {value}`"),
+        "samples" => format!("use `--samples {value}`"),
+        _ => return None,
+    };
+    let message = format!("`--set {text}`: `{}` is not a setting of the light", key.trim());
+    Some(CliError::bad_input(message).hint(hint))
+}
+
+/// Flags of the device, and of how much is printed meanwhile.
 #[derive(Args, Debug)]
-pub struct Machine {
-    /// What computes; `auto` takes a hardware GPU when there is one, else the CPU
+#[command(next_help_heading = "Lighting")]
+pub struct MachineArgs {
+    /// The device that computes
     #[arg(
         long,
         value_name = "BACKEND",
         value_enum,
         default_value_t,
         hide_possible_values = true,
-        help = "What computes: auto, cpu or gpu; auto takes a hardware GPU when there is one, \
-                  else the CPU"
+        help = "The device that computes: auto, cpu or gpu; auto uses a hardware GPU if there is \
+                  one, else the CPU"
     )]
     pub backend: Backend,
     /// Threads to compute with; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// No progress bar, no warnings, no report of what was done
+    /// Print no progress bar, no warnings and no summary
     #[arg(long, short)]
     pub quiet: bool,
 }
 
-impl Machine {
-    /// Runs work on as many threads as were asked for; gives it their number.
-    pub fn run<T: Send>(&self, work: impl FnOnce(usize) -> Outcome<T> + Send) -> Outcome<T> {
+impl MachineArgs {
+    /// Runs work on the number of threads that the flags name, and passes it that number.
+    pub fn run<T: Send>(&self, work: impl FnOnce(usize) -> Result<T> + Send) -> Result<T> {
         let threads = self.threads.map_or(0, usize::from);
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
-            .map_err(|e| Failure::failed(format_args!("cannot start the threads: {e}")))?;
+            .map_err(|e| CliError::failed(format_args!("cannot start the threads: {e}")))?;
         pool.install(|| work(rayon::current_num_threads()))
     }
 }
 
-/// So many threads, in words.
-pub fn threads_in_words(threads: usize) -> String {
-    format!("{threads} thread{}", if threads == 1 { "" } else { "s" })
-}
-
-/// How light is shown.
+/// Flags of how light is shown.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Display")]
-pub struct Show {
-    /// How bright light is brought to the screen [default: what the scene says, else aces]
+pub struct DisplayArgs {
+    /// Tone map: the curve that brings light to the screen [default: the scene's, else aces]
     #[arg(long, value_name = "CURVE", value_parser = by_name(ToneMap::ALL, ToneMap::name))]
     pub tonemap: Option<ToneMap>,
-    /// Exposure in stops: 1 doubles the light, -1 halves it [default: what the scene says, else 0]
+    /// Exposure in stops: 1 doubles the light, -1 halves it [default: the scene's, else 0]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
     pub exposure: Option<f32>,
     /// Show each cell as K×K pixels
@@ -209,9 +213,16 @@ pub struct Show {
     pub scale: u32,
 }
 
-impl Show {
-    /// The display that a scene and the flags make together.
-    pub fn display(&self, scene: Display) -> Outcome<Display> {
+/// No flags given.
+impl Default for DisplayArgs {
+    fn default() -> Self {
+        Self { tonemap: None, exposure: None, scale: 1 }
+    }
+}
+
+impl DisplayArgs {
+    /// The display that a scene and the flags result in.
+    pub fn resolve(&self, scene: Display) -> Result<Display> {
         let display = Display {
             tonemap: self.tonemap.unwrap_or(scene.tonemap),
             exposure: self.exposure.unwrap_or(scene.exposure),

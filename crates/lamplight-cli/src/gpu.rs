@@ -1,17 +1,22 @@
-//! The GPU, for commands that light scenes.
+//! Light found on the GPU.
 
-use crate::args::{Answer, Backend};
-use crate::failure::{Failure, Outcome};
-use crate::lighting::{Lit, to_json};
-use crate::place::Place;
+use crate::args::{Backend, Renderer};
+use crate::device_info::DeviceInfo;
+use crate::error::{CliError, Result};
+use crate::lit::{Lit, to_json};
 use crate::stage::Fields;
+use crate::stderr;
 use lamplight::{Cells, Light, Settings};
+use lamplight_wgpu::error::{CreateError, PrepareError, ReadBackError, RecordError};
 use lamplight_wgpu::read_back::{self, read_back};
 use lamplight_wgpu::wgpu::{
     Adapter, Backends, Buffer, Device, DeviceDescriptor, DeviceType, Features, Instance,
     InstanceDescriptor, PollType, PowerPreference, Queue, RequestAdapterOptions,
 };
-use lamplight_wgpu::{Cost, Lighting, Stage, Tier, Timer, required_features, required_limits};
+use lamplight_wgpu::{
+    Cost, FrameInput, Lighting, LightingOptions, Stage, Tier, Timer, required_features,
+    required_limits,
+};
 use std::time::{Duration, Instant};
 
 /// An open device.
@@ -22,30 +27,36 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The GPU to solve on; none: the CPU is to do it.
-    pub fn choose(backend: Backend) -> Outcome<Option<Self>> {
+    /// The GPU to compute on, or none if the CPU computes.
+    pub fn choose(backend: Backend) -> Result<Option<Self>> {
         match backend {
             Backend::Cpu => Ok(None),
-            Backend::Gpu => Self::open(false).map(Some),
+            Backend::Gpu => Self::open().map(Some),
             // A GPU that fails is no reason to stop.
-            Backend::Auto => Ok(Self::open(true).ok()),
+            Backend::Auto => Ok(stderr::captured(|| Self::request(Candidates::Hardware)).0.ok()),
         }
     }
 
-    /// The best GPU; `hardware`: no software one.
-    fn open(hardware: bool) -> Outcome<Self> {
+    /// The best GPU, a software one if there is no other.
+    pub fn open() -> Result<Self> {
+        let (gpu, printed) = stderr::captured(|| Self::request(Candidates::All));
+        // Messages of the driver matter if it fails.
+        gpu.inspect_err(|_| printed.lines().for_each(|line| eprintln!("driver: {line}")))
+    }
+
+    fn request(candidates: Candidates) -> Result<Self> {
         let options = RequestAdapterOptions {
             power_preference: PowerPreference::HighPerformance,
             ..RequestAdapterOptions::default()
         };
         let none = || {
-            Failure::failed("there is no GPU here that Vulkan, Metal or DirectX 12 knows")
+            CliError::failed("there is no GPU here that Vulkan, Metal or DirectX 12 knows")
                 .hint("`lamplight info` lists what is found; --backend cpu needs none")
         };
         let adapter =
             pollster::block_on(instance().request_adapter(&options)).map_err(|_| none())?;
         let info = adapter.get_info();
-        if hardware && info.device_type == DeviceType::Cpu {
+        if candidates == Candidates::Hardware && info.device_type == DeviceType::Cpu {
             return Err(none());
         }
         let wanted = DeviceDescriptor {
@@ -54,133 +65,147 @@ impl Gpu {
             ..DeviceDescriptor::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&wanted))
-            .map_err(|e| Failure::failed(format_args!("cannot open {}: {e}", info.name)))?;
+            .map_err(|e| CliError::failed(format_args!("cannot open {}: {e}", info.name)))?;
         Ok(Self { device, queue, name: info.name })
     }
 
-    /// The GPU that commands run on that ask for one.
-    pub fn best() -> Outcome<Self> {
-        Self::open(false)
-    }
-
-    /// Which one it is.
+    /// The name of the adapter.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Where what it computes was computed.
-    pub fn place(&self) -> Place {
+    /// Adapter information for reports.
+    pub fn device_info(&self) -> DeviceInfo {
         let has_clock = self.device.features().contains(Features::TIMESTAMP_QUERY);
-        Place::Gpu { adapter: self.name.clone(), has_clock }
+        DeviceInfo::Gpu { adapter: self.name.clone(), has_clock }
     }
 
-    /// Frames to be timed, and what each takes by the code's own account.
+    /// Frames to be timed, and the cost of each as planned.
     pub fn frames<'a>(
         &'a self,
         cells: &'a Cells,
         settings: Settings,
-    ) -> Outcome<(Frames<'a>, Cost)> {
+    ) -> Result<(GpuFrames<'a>, Cost)> {
         let (device, queue) = (&self.device, &self.queue);
-        let mut lighting = Lighting::new(device, queue, settings)?;
-        lighting.prepare(device, queue, cells)?;
-        let cost = lighting.cost().ok_or_else(|| Failure::failed("no frame was planned"))?;
+        let mut lighting = Lighting::new(device, queue, &LightingOptions::default())?;
+        lighting.prepare(&FrameInput::of_cells(&settings, cells))?;
+        let cost = lighting.cost().ok_or_else(|| CliError::failed("no frame was planned"))?;
         // This one is never run: the next is the first.
         lighting.reset();
-        Ok((Frames { gpu: self, cells, lighting, timer: Timer::new(device, queue) }, cost))
+        let timer = Timer::new(device, queue);
+        Ok((GpuFrames { gpu: self, cells, settings, lighting, timer }, cost))
     }
 
-    /// Solves some frames and fetches the light of the last.
-    pub fn solve(&self, cells: &Cells, settings: Settings, frames: u32) -> Outcome<Lit> {
-        let answer = Answer::By(settings.method);
-        let told = to_json(&settings)?;
+    /// Solves some frames and returns the light of the last.
+    pub fn solve(&self, cells: &Cells, settings: Settings, frames: u32) -> Result<Lit> {
+        let renderer = Renderer::Method(settings.method);
+        let settings_json = to_json(&settings)?;
         let (device, queue) = (&self.device, &self.queue);
-        let mut lighting = Lighting::new(device, queue, settings)?;
+        let mut lighting = Lighting::new(device, queue, &LightingOptions::default())?;
+        lighting.precompile(&settings)?;
         let mut timer = Timer::new(device, queue);
         let start = Instant::now();
         for frame in 1..=frames {
-            lighting.prepare(device, queue, cells)?;
+            lighting.prepare(&FrameInput::of_cells(&settings, cells))?;
             let mut encoder = device.create_command_encoder(&Default::default());
             match &mut timer {
-                Some(timer) if frame == frames => lighting.record_timed(&mut encoder, timer),
-                _ => lighting.record(&mut encoder),
+                Some(timer) if frame == frames => lighting.record_timed(&mut encoder, timer)?,
+                _ => lighting.record(&mut encoder)?,
             }
             queue.submit([encoder.finish()]);
         }
-        let light = read_back::light(device, queue, &lighting, cells)?;
+        let light = read_back::light(&lighting, cells)?;
         let total = start.elapsed();
         let stages = stages(timer.as_mut(), total);
-        let place = self.place();
-        Ok(Lit { light, answer, place, stages, total, frames, settings: told })
+        let device_info = self.device_info();
+        Ok(Lit {
+            light,
+            renderer,
+            device: device_info,
+            stages,
+            total,
+            frames,
+            settings: settings_json,
+        })
     }
 
-    /// Finds the nearest occupied cell of each cell, and how far it is.
-    pub fn fields(&self, cells: &Cells, settings: Settings) -> Outcome<Fields> {
+    /// Finds the nearest occupied cell of each cell, and the distance to it.
+    pub fn fields(&self, cells: &Cells, settings: Settings) -> Result<Fields> {
         let (device, queue) = (&self.device, &self.queue);
-        let mut lighting = Lighting::new(device, queue, settings)?;
-        lighting.prepare(device, queue, cells)?;
+        let mut lighting = Lighting::new(device, queue, &LightingOptions::default())?;
+        let input = FrameInput::of_cells(&settings, cells);
+        lighting.prepare(&FrameInput { distance_field: true, ..input })?;
         let mut encoder = device.create_command_encoder(&Default::default());
-        lighting.record_fields(device, &mut encoder)?;
+        lighting.record(&mut encoder)?;
         queue.submit([encoder.finish()]);
-        let nearest = read_back(device, queue, made(&lighting, Stage::Nearest)?)?;
-        let distance: Vec<f32> = read_back(device, queue, made(&lighting, Stage::Distance)?)?;
-        // Where there is no matter: shaders do without infinity.
+        let nearest = read_back(device, queue, buffer_of(&lighting, Stage::Nearest)?)?;
+        let distance: Vec<f32> = read_back(device, queue, buffer_of(&lighting, Stage::Distance)?)?;
+        // Shaders do without infinity, which is the distance in a grid without matter.
         let far = |d| if d == f32::MAX { f32::INFINITY } else { d };
         let distance = distance.into_iter().map(far).collect();
-        Ok(Fields { nearest, distance, place: self.place() })
+        Ok(Fields { nearest, distance, device: self.device_info() })
     }
 }
 
-/// The stages of the last frame; one for all where the GPU tells no times.
+/// The time of each stage of the last frame, or of all as one if the GPU has no clock.
 fn stages(timer: Option<&mut Timer>, total: Duration) -> Vec<(&'static str, Duration)> {
     let timed = timer.map_or(&[][..], |timer| timer.read());
     if timed.is_empty() { vec![("gpu", total)] } else { timed.to_vec() }
 }
 
-/// What a stage has left behind.
-fn made(lighting: &Lighting, stage: Stage) -> Outcome<&Buffer> {
-    let none = || Failure::failed(format_args!("the GPU has made no {stage:?}"));
+/// The buffer that a stage has filled.
+fn buffer_of(lighting: &Lighting, stage: Stage) -> Result<&Buffer> {
+    let none = || CliError::failed(format_args!("the GPU has made no {stage:?}"));
     lighting.stage(stage).ok_or_else(none)
 }
 
-/// One frame over and over, for who times it.
-pub struct Frames<'a> {
+/// Frames of the same cells, one after the other.
+pub struct GpuFrames<'a> {
     gpu: &'a Gpu,
     cells: &'a Cells,
+    settings: Settings,
     lighting: Lighting,
     timer: Option<Timer>,
 }
 
-impl Frames<'_> {
-    /// Runs the next frame; says what each stage took or, where the GPU tells no times, all of it with
+impl GpuFrames<'_> {
+    /// Runs the next frame and returns the time of each stage or, if the GPU has no clock, of all with
     /// the way there and back.
-    pub fn next(&mut self) -> Outcome<Vec<(&'static str, Duration)>> {
-        let Self { gpu: Gpu { device, queue, .. }, cells, lighting, timer } = self;
-        lighting.prepare(device, queue, cells)?;
+    pub fn next(&mut self) -> Result<Vec<(&'static str, Duration)>> {
+        let Self { gpu: Gpu { device, queue, .. }, cells, settings, lighting, timer } = self;
+        lighting.prepare(&FrameInput::of_cells(settings, cells))?;
         let mut encoder = device.create_command_encoder(&Default::default());
         match timer {
-            Some(timer) => lighting.record_timed(&mut encoder, timer),
-            None => lighting.record(&mut encoder),
+            Some(timer) => lighting.record_timed(&mut encoder, timer)?,
+            None => lighting.record(&mut encoder)?,
         }
         let start = Instant::now();
         queue.submit([encoder.finish()]);
-        device.poll(PollType::wait_indefinitely()).map_err(Failure::failed)?;
+        device.poll(PollType::wait_indefinitely()).map_err(CliError::failed)?;
         let total = start.elapsed();
         Ok(stages(timer.as_mut(), total))
     }
 
     /// Fetches the light of the last frame.
-    pub fn light(&self) -> Outcome<Light> {
-        let Gpu { device, queue, .. } = self.gpu;
-        Ok(read_back::light(device, queue, &self.lighting, self.cells)?)
+    pub fn light(&self) -> Result<Light> {
+        Ok(read_back::light(&self.lighting, self.cells)?)
     }
 }
 
-/// All GPUs that are found, software ones among them.
-pub fn adapters() -> Vec<Adapter> {
-    pollster::block_on(instance().enumerate_adapters(Backends::PRIMARY))
+/// The GPUs to choose from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Candidates {
+    All,
+    Hardware,
 }
 
-/// Whether an adapter can tell what each stage takes.
+/// All GPUs, software ones too.
+pub fn adapters() -> Vec<Adapter> {
+    let enumerate = || pollster::block_on(instance().enumerate_adapters(Backends::PRIMARY));
+    stderr::captured(enumerate).0
+}
+
+/// True if an adapter can time each stage.
 pub fn times_stages(adapter: &Adapter) -> bool {
     required_features(Tier::Native, adapter).contains(Features::TIMESTAMP_QUERY)
 }
@@ -191,12 +216,32 @@ fn instance() -> Instance {
     Instance::new(descriptor)
 }
 
-impl From<lamplight_wgpu::Error> for Failure {
-    fn from(error: lamplight_wgpu::Error) -> Self {
+impl From<CreateError> for CliError {
+    fn from(error: CreateError) -> Self {
         match error {
-            lamplight_wgpu::Error::Refused(error) => error.into(),
-            lamplight_wgpu::Error::ReadBack(_) => Self::failed(error),
+            CreateError::Settings(error) => error.into(),
             _ => Self::bad_input(error),
         }
+    }
+}
+
+impl From<PrepareError> for CliError {
+    fn from(error: PrepareError) -> Self {
+        match error {
+            PrepareError::Input(error) => error.into(),
+            _ => Self::bad_input(error),
+        }
+    }
+}
+
+impl From<RecordError> for CliError {
+    fn from(error: RecordError) -> Self {
+        Self::failed(error)
+    }
+}
+
+impl From<ReadBackError> for CliError {
+    fn from(error: ReadBackError) -> Self {
+        Self::failed(error)
     }
 }

@@ -1,3 +1,3 @@
-//! What the command `lamplight` shares with the project's chores: how results are drawn.
+//! Drawing of results, shared by the command `lamplight` and the project's chores.
 
 pub mod plot;

@@ -1,33 +1,40 @@
 //! The command `lamplight`: light scene files, compare methods, look at every stage.
 //!
 //! Results go to stdout, everything else to stderr. Exit codes: 0 done, 1 failed, 2 bad input or
-//! usage, 130 stopped by Ctrl-C.
+//! usage; 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP.
+//!
+//! A command resolves its arguments first ([`job`]), then runs, then writes ([`output`]).
 
 mod args;
+mod bench_scene;
 mod commands;
-mod contest;
-mod failure;
+mod comparison;
+mod contact_sheet;
+mod device_info;
+mod error;
 mod frames;
 mod gpu;
-mod lighting;
+mod job;
+mod lit;
+mod memory;
 mod output;
-mod place;
 mod progress;
 mod report;
-mod room;
-mod sheet;
+mod signals;
+mod solve;
 mod stage;
+mod stderr;
 mod table;
 mod text;
+mod usage;
+mod warnings;
 
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    output::clean_up_when_stopped();
-    let cli = commands::Cli::parse();
-    match commands::run(cli.command) {
+    signals::handle_termination();
+    match usage::parse().and_then(|cli| commands::run(cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+        Err(error) => error.report(),
     }
 }

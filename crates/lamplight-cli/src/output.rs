@@ -1,41 +1,44 @@
-//! What leaves the program: text on stdout, and files that are whole or not there at all.
+//! Results on stdout, and output files: whole or not written at all, and never over an input.
 
-use crate::failure::{Failure, Outcome};
+use crate::error::{CliError, Result};
 use image::{ExtendedColorType, ImageEncoder, Rgb32FImage, RgbImage};
 use lamplight::Rgb;
 use std::fmt::Display;
-use std::fs;
+use std::fs::{self, OpenOptions};
 use std::io::{self, Cursor, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+/// Most links that are followed from one path, as on Linux.
+const MAX_LINKS: usize = 40;
+
 /// Prints a line of results.
-pub fn print(text: impl Display) -> Outcome {
+pub fn print(text: impl Display) -> Result {
     let mut out = io::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {
         Ok(()) => Ok(()),
-        Err(e) if e.kind() == ErrorKind::BrokenPipe => Err(Failure::reader_left()),
-        Err(e) => Err(Failure::failed(format_args!("cannot write to stdout: {e}"))),
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Err(CliError::reader_left()),
+        Err(e) => Err(CliError::failed(format_args!("cannot write to stdout: {e}"))),
     }
 }
 
-/// A kind of picture file, by its ending.
+/// The format of a picture file, by its extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// 8 bits a channel, sRGB.
+    /// 8 bits per channel, sRGB.
     Png,
     /// 32-bit floats, linear.
     Exr,
 }
 
 impl Format {
-    /// The format that a file's ending names.
-    pub fn of(path: &Path) -> Outcome<Self> {
-        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        match ending.as_str() {
+    /// The format that a file's extension names.
+    pub fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        match extension.as_str() {
             "png" => Ok(Self::Png),
             "exr" => Ok(Self::Exr),
-            _ => Err(Failure::bad_input(format_args!(
+            _ => Err(CliError::bad_input(format_args!(
                 "cannot tell what to write from the name {}: it must end in .png (sRGB picture) \
                  or .exr (linear floats)",
                 path.display()
@@ -44,68 +47,127 @@ impl Format {
     }
 }
 
-/// Refuses an output file that cannot be written, before any work is done for it.
-pub fn check_file(path: &Path) -> Outcome {
-    let shown = path.display();
-    if path.is_dir() {
-        return Err(Failure::bad_input(format_args!("cannot write {shown}: it is a directory"))
+/// A writer of output files that refuses to write over the files a command reads.
+#[derive(Debug, Default)]
+pub struct OutputFiles {
+    /// Canonical paths.
+    inputs: Vec<PathBuf>,
+}
+
+impl OutputFiles {
+    /// A writer that protects `inputs`. Links to them are protected too.
+    pub fn protecting(inputs: impl IntoIterator<Item = PathBuf>) -> Self {
+        // An input that cannot be found is reported when it is read.
+        Self { inputs: inputs.into_iter().filter_map(|path| path.canonicalize().ok()).collect() }
+    }
+
+    /// Refuses a file that cannot be written, before any work is done for it.
+    pub fn check(&self, path: &Path) -> Result {
+        self.target(path).map(drop)
+    }
+
+    /// Writes a whole file: beside its place first, then moved over it. If `path` is a link, its
+    /// target is written and the link stays.
+    pub fn write(&self, path: &Path, bytes: &[u8]) -> Result {
+        let target = self.target(path)?;
+        write_beside(&target, bytes).map_err(|e| cannot_write(path, reason(&e)))
+    }
+
+    /// Removes a file that an earlier run has written, unless it is an input by now.
+    pub fn remove(&self, path: &Path) -> Result {
+        if path.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
+            return Ok(());
+        }
+        match fs::remove_file(path) {
+            Err(e) if e.kind() != ErrorKind::NotFound => {
+                let shown = path.display();
+                Err(CliError::failed(format_args!("cannot remove {shown}: {}", reason(&e))))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The file that `path` leads to, which need not exist yet.
+    fn target(&self, path: &Path) -> Result<PathBuf> {
+        let shown = path.display();
+        if path.is_dir() {
+            return Err(CliError::bad_input(format_args!(
+                "cannot write {shown}: it is a directory"
+            ))
             .hint(format_args!(
                 "name a file in it, such as {}",
                 path.join("light.png").display()
             )));
-    }
-    match folder_of(path) {
-        folder if folder.is_dir() => Ok(()),
-        folder if folder.exists() => Err(Failure::bad_input(format_args!(
-            "cannot write {shown}: {} is not a directory",
-            folder.display()
-        ))),
-        folder => Err(Failure::bad_input(format_args!(
-            "cannot write {shown}: there is no directory {}",
-            folder.display()
-        ))),
+        }
+        let target = follow_links(path)
+            .ok_or_else(|| cannot_write(path, "its links form a circle".into()))?;
+        match folder_of(&target) {
+            folder if folder.is_dir() => {}
+            folder if folder.exists() => {
+                return Err(CliError::bad_input(format_args!(
+                    "cannot write {shown}: {} is not a directory",
+                    folder.display()
+                )));
+            }
+            folder => {
+                return Err(CliError::bad_input(format_args!(
+                    "cannot write {shown}: there is no directory {}",
+                    folder.display()
+                )));
+            }
+        }
+        let Ok(metadata) = fs::metadata(&target) else { return Ok(target) };
+        if target.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
+            return Err(CliError::bad_input(format_args!(
+                "cannot write {shown}: the scene reads this file"
+            ))
+            .hint("name another file"));
+        }
+        if !metadata.is_file() {
+            return Err(cannot_write(path, "it is not a regular file".into()));
+        }
+        // A superuser may open any file; the owner's wish counts all the same.
+        if metadata.permissions().readonly() {
+            return Err(cannot_write(path, "it is read-only".into()));
+        }
+        OpenOptions::new().write(true).open(&target).map_err(|e| cannot_write(path, reason(&e)))?;
+        Ok(target)
     }
 }
 
-/// Makes a directory for output files, with its parents.
-pub fn make_directory(path: &Path) -> Outcome {
+/// Creates a directory for output files, with its parents.
+pub fn make_directory(path: &Path) -> Result {
     let shown = path.display();
     if path.exists() && !path.is_dir() {
-        return Err(Failure::bad_input(format_args!(
+        return Err(CliError::bad_input(format_args!(
             "cannot write into {shown}: it is a file, not a directory"
         )));
     }
     fs::create_dir_all(path)
-        .map_err(|e| Failure::failed(format_args!("cannot make the directory {shown}: {e}")))
+        .map_err(|e| CliError::failed(format_args!("cannot make the directory {shown}: {e}")))
 }
 
-/// The temporary file that is being written now; Ctrl-C removes it.
+/// The path behind all links, even if the last one leads to a file that does not exist.
+fn follow_links(path: &Path) -> Option<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        match fs::read_link(&path) {
+            Ok(link) => path = folder_of(&path).join(link),
+            // Not a link, or not there.
+            Err(_) => return Some(path),
+        }
+    }
+    None
+}
+
+/// The temporary file that is being written now.
 static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
 
-/// From here on Ctrl-C (and SIGTERM) removes an unfinished file before it ends the program.
-pub fn clean_up_when_stopped() {
-    // Without a handler Ctrl-C still ends the program; it may leave a temporary file then.
-    let _ = ctrlc::set_handler(|| {
-        if let Some(path) = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            let _ = fs::remove_file(path);
-        }
-        std::process::exit(130);
-    });
-}
-
-/// Writes a file whole: beside its place first, then moved over it.
-pub fn write(path: &Path, bytes: &[u8]) -> Outcome {
-    // Where a link leads, the file behind it changes and the link stays.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    // Errors would name the temporary file, which means nothing to a user.
-    write_beside(&target, bytes).map_err(|e| {
-        let reason = match e.kind() {
-            ErrorKind::PermissionDenied => "permission denied".to_owned(),
-            ErrorKind::NotFound => "there is no such directory".to_owned(),
-            _ => e.to_string(),
-        };
-        Failure::failed(format_args!("cannot write {}: {reason}", path.display()))
-    })
+/// Removes the temporary file that is being written, if there is one.
+pub fn remove_unfinished() {
+    if let Some(path) = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        let _ = fs::remove_file(path);
+    }
 }
 
 fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<()> {
@@ -113,7 +175,7 @@ fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<()> {
     builder.prefix(".lamplight-").suffix(".tmp");
     #[cfg(unix)]
     {
-        // As any new file, not only for its owner; the umask takes its share.
+        // Like any new file, not only for its owner; the umask applies.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
@@ -124,11 +186,32 @@ fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<()> {
         *unfinished = Some(file.path().to_owned());
         file
     };
-    let written = file.write_all(bytes).and_then(|()| file.flush());
+    // A file that is replaced passes its permissions on. Not every file system has them.
+    if let Ok(metadata) = fs::metadata(target) {
+        let _ = file.as_file().set_permissions(metadata.permissions());
+    }
+    let written = file.as_file_mut().write_all(bytes);
     let mut unfinished = lock();
     let done = written.and_then(|()| Ok(file.persist(target).map(drop)?));
     *unfinished = None;
     done
+}
+
+fn cannot_write(path: &Path, reason: String) -> CliError {
+    CliError::failed(format_args!("cannot write {}: {reason}", path.display()))
+}
+
+/// The reason of an error, without the name of the temporary file.
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        ErrorKind::PermissionDenied => "permission denied".to_owned(),
+        ErrorKind::NotFound => "there is no such directory".to_owned(),
+        ErrorKind::StorageFull => "the disk is full".to_owned(),
+        ErrorKind::ReadOnlyFilesystem => "the file system is read-only".to_owned(),
+        // An error of the system as it is; others may hold the path of the temporary file.
+        _ if error.raw_os_error().is_some() => error.to_string(),
+        kind => kind.to_string(),
+    }
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -136,22 +219,40 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// A picture as the bytes of a PNG file.
-pub fn png(picture: &RgbImage) -> Outcome<Vec<u8>> {
+pub fn png(picture: &RgbImage) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     image::codecs::png::PngEncoder::new(&mut bytes)
         .write_image(picture, picture.width(), picture.height(), ExtendedColorType::Rgb8)
-        .map_err(|e| Failure::failed(format_args!("cannot encode a PNG: {e}")))?;
+        .map_err(|e| CliError::failed(format_args!("cannot encode a PNG: {e}")))?;
     Ok(bytes)
 }
 
 /// Linear pixels in row order as the bytes of an EXR file of 32-bit floats.
-pub fn exr(width: u32, height: u32, pixels: &[Rgb]) -> Outcome<Vec<u8>> {
+pub fn exr(width: u32, height: u32, pixels: &[Rgb]) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     Rgb32FImage::from_raw(width, height, pixels.as_flattened().to_vec())
         .ok_or_else(|| "a pixel is missing".to_owned())
         .and_then(|image| {
             image.write_to(&mut bytes, image::ImageFormat::OpenExr).map_err(|e| e.to_string())
         })
-        .map_err(|e| Failure::failed(format_args!("cannot encode an EXR: {e}")))?;
+        .map_err(|e| CliError::failed(format_args!("cannot encode an EXR: {e}")))?;
     Ok(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_do_not_name_the_temporary_file() {
+        // ENOSPC
+        let full = io::Error::from_raw_os_error(28);
+        #[cfg(unix)]
+        assert_eq!(reason(&full), "the disk is full");
+        // As the crate tempfile wraps it.
+        let wrapped = io::Error::new(full.kind(), "at path \".lamplight-x.tmp\"");
+        assert!(!reason(&wrapped).contains(".tmp"), "{}", reason(&wrapped));
+        let wrapped = io::Error::new(ErrorKind::FileTooLarge, "at path \".lamplight-x.tmp\"");
+        assert!(!reason(&wrapped).contains(".tmp"), "{}", reason(&wrapped));
+    }
 }

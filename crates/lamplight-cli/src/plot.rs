@@ -15,7 +15,7 @@ const LABEL: i32 = 14;
 /// Width of a character ÷ its size: fonts differ from screen to screen, this is enough for most.
 const CHARACTER: f64 = 0.55;
 const FONT: &str = "system-ui, sans-serif";
-/// Radius of a point, px, and of the small ones that it is the mean of.
+/// Radii of a point and of the small ones that it is the mean of, px.
 const POINT: i32 = 5;
 const PART: i32 = 2;
 
@@ -29,27 +29,27 @@ const PALETTE: [RGBColor; 6] = [
     RGBColor(213, 94, 0),
 ];
 
-/// What belongs together: the settings of a method.
+/// The points of a method, one for each of its settings.
 #[derive(Clone, Debug)]
 pub struct Series {
     /// The method's name.
     pub name: &'static str,
     /// Red, green, blue.
     pub color: [u8; 3],
-    /// Its settings.
+    /// Its settings, with their times and errors.
     pub points: Vec<Point>,
 }
 
-/// Settings, and how they did.
+/// The time and the error of some settings.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// What they are called.
+    /// The name of the settings.
     pub label: String,
     /// Time of a frame, ms.
     pub ms: f64,
     /// Relative RMSE; 1 is 100 %.
     pub error: f64,
-    /// Times and errors that the point is the mean of, where it is one.
+    /// Times and errors that the point is the mean of, if it is one.
     pub parts: Vec<(f64, f64)>,
 }
 
@@ -60,16 +60,18 @@ pub fn color(method: Method) -> [u8; 3] {
     [r, g, b]
 }
 
-/// An SVG of relative RMSE over ms a frame. The settings of a method that no other of it beats in
-/// both are joined by a line, its frontier; all are labelled. A dashed line is at `noise`, the
-/// reference's own relative error, where it is above 0: nothing can be seen to be better.
+/// Draws relative RMSE over ms per frame as an SVG.
+///
+/// A line, the frontier, connects the settings of a method that no other of them beats in both; all are
+/// labelled. A dashed line marks `noise`, the reference's own relative error, if it is above 0: no
+/// method can be measured to be better.
 pub fn plot(series: &[Series], noise: f64) -> Result<String, Box<dyn Error>> {
     let mut svg = String::new();
     draw(&mut svg, series, noise * 100.0)?;
     Ok(svg)
 }
 
-/// The same SVG without a size of its own: it takes that of the page around it.
+/// Removes the size of an SVG by [`plot`], so it takes that of the page around it.
 pub fn scalable(svg: &str) -> String {
     svg.replacen(
         &format!("width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1),
@@ -78,7 +80,7 @@ pub fn scalable(svg: &str) -> String {
     )
 }
 
-/// The points that none is faster and better than, from the fastest to the best.
+/// The points that no other is both faster and better than, from the fastest to the best.
 pub fn frontier(points: &[Point]) -> Vec<&Point> {
     let mut sorted: Vec<&Point> = points.iter().collect();
     sorted.sort_by(|a, b| a.ms.total_cmp(&b.ms).then(a.error.total_cmp(&b.error)));
@@ -91,7 +93,7 @@ pub fn frontier(points: &[Point]) -> Vec<&Point> {
     frontier
 }
 
-/// Time and error in percent; what cannot be on a logarithmic axis sits at its end.
+/// Time and error in percent. Values that a logarithmic axis lacks are moved to its end.
 fn place((ms, error): (f64, f64)) -> (f64, f64) {
     let error = error * 100.0;
     (ms.max(1e-3), if error.is_finite() { error.max(1e-3) } else { 1e3 })
@@ -101,7 +103,7 @@ fn middle(point: &Point) -> (f64, f64) {
     place((point.ms, point.error))
 }
 
-/// A range that holds all values, with room beside them.
+/// A range that holds all values, with a margin.
 fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) =
         values.fold((f64::INFINITY, 0.0f64), |(low, high), v| (low.min(v), high.max(v)));
@@ -129,7 +131,7 @@ fn draw(svg: &mut String, series: &[Series], noise: f64) -> Result<(), Box<dyn E
         )?;
     chart
         .configure_mesh()
-        .x_desc("ms a frame")
+        .x_desc("ms per frame")
         .y_desc("relative RMSE, %")
         .label_style((FONT, 15).into_font().color(&INK))
         .axis_desc_style((FONT, 16).into_font().color(&INK))
@@ -162,7 +164,7 @@ fn draw(svg: &mut String, series: &[Series], noise: f64) -> Result<(), Box<dyn E
     let widest = series.iter().map(|s| width(s.name)).max().unwrap_or_default();
     for (line, Series { name, color, .. }) in (0i32..).zip(series) {
         let at = (SIZE.0 as i32 - 28 - widest, 24 + line * (LABEL + 4));
-        // No circle, which would be a point of the plot.
+        // Not a circle, which would look like a point of the plot.
         let swatch = [(at.0 - 18, at.1 + 3), (at.0 - 6, at.1 + LABEL - 3)];
         root.draw(&Rectangle::new(swatch, ink(*color).filled()))?;
         write(name, at, ink(*color))?;
@@ -196,10 +198,10 @@ fn width(words: &str) -> i32 {
     (words.chars().count() as f64 * f64::from(LABEL) * CHARACTER) as i32
 }
 
-/// Places labels beside their points so that they cover neither each other nor a point.
+/// Places labels beside their points without covering another label or point.
 #[derive(Default)]
 struct Labels {
-    /// Left, top, right, bottom of what is taken, px.
+    /// Left, top, right, bottom of the occupied rectangles, px.
     taken: Vec<[i32; 4]>,
 }
 
@@ -225,14 +227,14 @@ impl Labels {
     }
 }
 
-/// What is named on a logarithmic axis: 1, 2 and 5 times each power of ten.
+/// The labelled values of a logarithmic axis: 1, 2 and 5 times each power of ten.
 fn ticks(range: &Range<f64>) -> Vec<f64> {
     let powers = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
     let all = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|v| v * 10f64.powi(power)));
     all.filter(|v| range.contains(v)).collect()
 }
 
-/// A number without digits that say nothing.
+/// A number without trailing zeros.
 fn tick(v: f64) -> String {
     if v >= 1.0 { format!("{v:.0}") } else { format!("{v:.3}").trim_end_matches('0').to_owned() }
 }
@@ -246,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn the_frontier_is_what_nothing_beats() {
+    fn the_frontier_has_the_points_that_no_other_beats() {
         let points = [
             point("slow and bad", 9.0, 0.5),
             point("good", 8.0, 0.01),

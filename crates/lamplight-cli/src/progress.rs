@@ -3,13 +3,13 @@
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::Duration;
 
-/// A bar of `steps` steps on stderr; it is gone when dropped.
+/// A progress bar on stderr, cleared when dropped.
 pub struct Progress(ProgressBar);
 
 impl Progress {
-    /// A bar with something to say in front of it.
+    /// A bar with a label in front of it.
     pub fn new(what: &str, steps: u64, quiet: bool) -> Self {
-        // Drawing to stderr shows nothing where stderr is no terminal.
+        // Nothing is drawn if stderr is not a terminal.
         let target =
             if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(steps), target);
@@ -21,17 +21,17 @@ impl Progress {
         Self(bar)
     }
 
-    /// Says what is being done now.
-    pub fn say(&self, what: &str) {
+    /// Changes the label.
+    pub fn label(&self, what: &str) {
         self.0.set_message(what.to_owned());
     }
 
-    /// One step more is done.
+    /// Advances by one step.
     pub fn step(&self) {
         self.0.inc(1);
     }
 
-    /// So many steps are done.
+    /// Sets the number of finished steps.
     pub fn at(&self, step: u64) {
         self.0.set_position(step);
     }

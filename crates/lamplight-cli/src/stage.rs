@@ -1,28 +1,28 @@
 //! The stages of a frame as pictures.
 
-use crate::failure::{Failure, Outcome};
-use crate::place::Place;
+use crate::device_info::DeviceInfo;
+use crate::error::{CliError, Result};
 use image::{RgbImage, imageops};
-use lamplight::{Cells, Display, Light, Rgb, views};
+use lamplight::{Cells, Display, Light, Rgb, debug_views};
 
-/// What of a frame is to be seen.
+/// A stage of a frame to show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Stage {
-    /// What the cells give off, lamps drawn in.
+    /// Light that cells emit, with lamps drawn in.
     Emission,
-    /// White is solid.
+    /// Opacity; white is solid.
     Opacity,
-    /// What share of light the cells send on.
+    /// Fraction of the light that cells reflect or scatter.
     Albedo,
-    /// What colours light takes on in passing through the cells.
+    /// Colour filter of the light that passes through cells.
     Tint,
-    /// Each cell in the colour of the occupied cell nearest to it, as the jump flood found it.
+    /// Nearest occupied cell of each cell, as colours.
     Voronoi,
     /// Distance to the nearest occupied cell, with contour lines.
     Distance,
-    /// The light that arrives at each cell, alone.
+    /// Light alone, without the colours it falls on.
     Light,
-    /// The final picture.
+    /// Final picture.
     #[default]
     Final,
 }
@@ -54,84 +54,84 @@ impl Stage {
         }
     }
 
-    /// What the stage shows, in a few words.
-    pub fn words(self) -> &'static str {
+    /// A caption for the stage.
+    pub fn caption(self) -> &'static str {
         match self {
-            Self::Emission => "the light that cells give off, lamps drawn in",
-            Self::Opacity => "what stops light: white is solid",
-            Self::Albedo => "the share of light that is sent on",
-            Self::Tint => "the colour filter of what light passes",
-            Self::Voronoi => "the nearest occupied cell, a colour each",
-            Self::Distance => "px to it, with contour lines",
-            Self::Light => "the light that arrives, alone, tone mapped",
+            Self::Emission => "light that cells emit, with lamps drawn in",
+            Self::Opacity => "white is solid",
+            Self::Albedo => "fraction of the light that is reflected",
+            Self::Tint => "colour filter of the light that passes",
+            Self::Voronoi => "nearest occupied cell, one colour each",
+            Self::Distance => "px to the nearest occupied cell",
+            Self::Light => "light alone, tone mapped",
             Self::Final => "colour × light, tone mapped",
         }
     }
 
-    /// Whether the stage shows what arrives, so that the frame has to be lit.
+    /// True if the stage shows light, which has to be found first.
     pub fn needs_light(self) -> bool {
         matches!(self, Self::Light | Self::Final)
     }
 
-    /// Whether the stage shows [`Fields`].
+    /// True if the stage shows [`Fields`].
     pub fn needs_fields(self) -> bool {
         matches!(self, Self::Voronoi | Self::Distance)
     }
 }
 
-/// A frame to be looked at: what there is of it, and how it is to be shown.
-pub struct View<'a> {
+/// The parts of a frame, and how they are shown.
+pub struct FrameView<'a> {
     cells: &'a Cells,
     light: Option<&'a Light>,
     fields: Option<&'a Fields>,
     display: Display,
 }
 
-/// The stages before the rays.
+/// The stages before any rays.
 pub struct Fields {
     /// The nearest occupied cell of each cell, packed ([`lamplight::stages::seed`]).
     pub nearest: Vec<u32>,
-    /// px to it; infinite where there is no matter.
+    /// Distance to it, px; infinite in a grid without matter.
     pub distance: Vec<f32>,
-    /// Where they were found.
-    pub place: Place,
+    /// The device that found them.
+    pub device: DeviceInfo,
 }
 
-impl<'a> View<'a> {
-    /// The cells (lamps drawn in), shown through `display`.
+impl<'a> FrameView<'a> {
+    /// A view of cells that have their lamps drawn in.
     pub fn new(cells: &'a Cells, display: Display) -> Self {
         Self { cells, light: None, fields: None, display }
     }
 
-    /// With light.
+    /// Adds light.
     pub fn lit(mut self, light: &'a Light) -> Self {
         self.light = Some(light);
         self
     }
 
-    /// With the stages before the rays.
+    /// Adds the stages before any rays.
     pub fn with_fields(mut self, fields: &'a Fields) -> Self {
         self.fields = Some(fields);
         self
     }
 
-    /// A stage as a picture, each cell as `scale` × `scale` pixels.
-    pub fn picture(&self, stage: Stage, scale: u32) -> Outcome<RgbImage> {
+    /// A stage as a picture, with `scale` × `scale` pixels per cell.
+    pub fn picture(&self, stage: Stage, scale: u32) -> Result<RgbImage> {
         let picture = match stage {
-            Stage::Emission => views::emission(self.cells, &self.display),
-            Stage::Albedo => views::albedo(self.cells),
-            Stage::Opacity => views::opacity(self.cells),
-            Stage::Tint => views::tint(self.cells),
-            Stage::Voronoi => views::seeds(self.cells.width(), &self.fields()?.nearest),
-            Stage::Distance => views::distance(self.cells.width(), &self.fields()?.distance),
+            Stage::Emission => debug_views::emission(self.cells, &self.display),
+            Stage::Albedo => debug_views::albedo(self.cells),
+            Stage::Opacity => debug_views::opacity(self.cells),
+            Stage::Tint => debug_views::tint(self.cells),
+            Stage::Voronoi => debug_views::seeds(self.cells.width(), &self.fields()?.nearest),
+            Stage::Distance => debug_views::distance(self.cells.width(), &self.fields()?.distance),
             Stage::Light => self.light()?.picture(&self.display),
             Stage::Final => self.light()?.compose(self.cells, &self.display)?,
         };
         enlarge(&picture, scale)
     }
 
-    /// A stage as linear numbers, nothing applied to them; the final picture with its exposure.
-    pub fn floats(&self, stage: Stage) -> Outcome<Vec<Rgb>> {
+    /// A stage as linear numbers. Only the final picture has exposure applied.
+    pub fn floats(&self, stage: Stage) -> Result<Vec<Rgb>> {
         let grey = |values: &[f32]| values.iter().map(|&v| [v; 3]).collect();
         Ok(match stage {
             Stage::Emission => self.cells.emission().to_vec(),
@@ -139,7 +139,7 @@ impl<'a> View<'a> {
             Stage::Albedo => self.cells.albedo().to_vec(),
             Stage::Tint => self.cells.tint().to_vec(),
             Stage::Voronoi => {
-                return Err(Failure::bad_input(
+                return Err(CliError::bad_input(
                     "the stage voronoi is a picture of cells, not of numbers",
                 )
                 .hint("write it to a file that ends in .png"));
@@ -155,31 +155,36 @@ impl<'a> View<'a> {
         })
     }
 
-    fn light(&self) -> Outcome<&Light> {
-        self.light.ok_or_else(|| Failure::failed("this frame has not been lit"))
+    fn light(&self) -> Result<&Light> {
+        self.light.ok_or_else(|| CliError::failed("this frame has not been lit"))
     }
 
-    fn fields(&self) -> Outcome<&Fields> {
-        self.fields.ok_or_else(|| Failure::failed("this frame has not been solved"))
+    fn fields(&self) -> Result<&Fields> {
+        self.fields.ok_or_else(|| CliError::failed("this frame has not been solved"))
     }
 }
 
-/// Each pixel as `scale` × `scale` of its kind.
-pub fn enlarge(picture: &RgbImage, scale: u32) -> Outcome<RgbImage> {
-    let (w, h) = (picture.width(), picture.height());
-    if u64::from(w) * u64::from(h) * u64::from(scale).pow(2) > MOST_PIXELS {
-        return Err(Failure::bad_input(format_args!(
-            "--scale {scale} makes {}×{} pixels of {w}×{h} cells: more than {} million pixels",
-            u64::from(w) * u64::from(scale),
-            u64::from(h) * u64::from(scale),
-            MOST_PIXELS >> 20
-        )));
+/// Refuses pictures that are too large.
+pub fn check_scale([width, height]: [u32; 2], scale: u32) -> Result {
+    let [wide, high] = [width, height].map(|side| u64::from(side) * u64::from(scale));
+    if wide * high <= MOST_PIXELS {
+        return Ok(());
     }
+    Err(CliError::bad_input(format_args!(
+        "--scale {scale} makes {wide}×{high} pixels of {width}×{height} cells: more than {} million pixels",
+        MOST_PIXELS >> 20
+    )))
+}
+
+/// A picture with each pixel repeated `scale` × `scale` times.
+pub fn enlarge(picture: &RgbImage, scale: u32) -> Result<RgbImage> {
+    let (w, h) = (picture.width(), picture.height());
+    check_scale([w, h], scale)?;
     if scale == 1 {
         return Ok(picture.clone());
     }
     Ok(imageops::resize(picture, w * scale, h * scale, imageops::FilterType::Nearest))
 }
 
-/// Pictures beyond this many pixels are refused before memory for them is.
+/// Most pixels of an enlarged picture.
 const MOST_PIXELS: u64 = 1 << 28;

@@ -1,13 +1,13 @@
-//! Tables of results, to be read by people and cut by scripts.
+//! Tables of results, for people and scripts.
 
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 
-/// A line under the header and nothing else.
+/// A single line, under the header.
 const STYLE: TableStyle =
     TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
 
-/// A table: a header, then rows. The columns `words` are aligned to the left, as words are; the
-/// others to the right, as numbers are.
+/// A table with a header. The columns `words` are aligned to the left, the others, of numbers, to the
+/// right.
 pub fn table(
     header: &[&str],
     words: &[usize],
@@ -23,7 +23,7 @@ pub fn table(
     table.trim_fmt()
 }
 
-/// A number with four significant digits, so that columns hold dim and bright alike.
+/// A number with four significant digits.
 pub fn number(v: f64) -> String {
     let digits = if v == 0.0 || !v.is_finite() { 3 } else { 3 - v.abs().log10().floor() as i32 };
     format!("{v:.*}", digits.clamp(0, 9) as usize)

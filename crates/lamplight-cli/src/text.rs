@@ -1,36 +1,36 @@
-//! Words in pictures: Noto Sans Mono, as the bitmaps that noto-sans-mono-bitmap holds.
+//! Text in pictures, in Noto Sans Mono.
 
 use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-/// A size and weight of writing.
+/// A size and a weight.
 #[derive(Clone, Copy, Debug)]
 pub struct Font {
     weight: FontWeight,
     size: RasterHeight,
 }
 
-/// For what explains.
+/// The font of captions.
 pub const SMALL: Font = Font { weight: FontWeight::Regular, size: RasterHeight::Size16 };
-/// For what names.
+/// The font of names.
 pub const STRONG: Font = Font { weight: FontWeight::Bold, size: RasterHeight::Size16 };
-/// For the head of a page.
+/// The font of titles.
 pub const LARGE: Font = Font { weight: FontWeight::Bold, size: RasterHeight::Size24 };
 
 impl Font {
-    /// Height of a line, px.
+    /// The height of a line, px.
     pub fn height(self) -> u32 {
         self.size.val() as u32
     }
 
-    /// Width of a text, px.
+    /// The width of a text, px.
     pub fn width(self, text: &str) -> u32 {
         (get_raster_width(self.weight, self.size) * text.chars().count()) as u32
     }
 }
 
-/// Writes a line with its top left corner at (x, y) and gives the x behind it. What lies outside
-/// the picture is cut off; characters that the font lacks show as `?`.
+/// Writes a line with its top left corner at (x, y) and returns the x of its end. The picture clips
+/// it; characters that the font lacks show as `?`.
 pub fn write(
     picture: &mut RgbImage,
     [x, y]: [u32; 2],

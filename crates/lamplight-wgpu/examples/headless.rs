@@ -8,7 +8,7 @@ use lamplight_wgpu::wgpu::{
     Device, DeviceDescriptor, Extent3d, Instance, InstanceDescriptor, Queue, TexelCopyBufferLayout,
     TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
 };
-use lamplight_wgpu::{Lighting, Stage, Textures};
+use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Stage, Textures};
 use pollster::block_on;
 
 const SIZE: [u32; 2] = [320, 180];
@@ -20,32 +20,36 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("lighting on {}", adapter.get_info().name);
     let (device, queue) = block_on(adapter.request_device(&DeviceDescriptor::default()))?;
 
-    // And these it draws: what glows, what stands in the way, what colour it throws back.
-    let textures = Textures {
-        emission: texture(&device, &queue, |x, y| match lamp(x, y) {
-            true => [255, 190, 110, 255],
-            false => [0; 4],
-        }),
-        tint_opacity: texture(&device, &queue, |x, y| match () {
-            () if lamp(x, y) || pillar(x, y) => [255; 4],
-            () if (150.0..153.0).contains(&x) => [90, 220, 255, 0],
-            () => [255, 255, 255, 0],
-        }),
-        albedo: texture(&device, &queue, |x, _| match x < 160.0 {
-            true => [220, 90, 60, 255],
-            false => [80, 140, 220, 255],
-        }),
-    };
+    // The host draws these: emitted radiance, tint and opacity, albedo.
+    let textures =
+        Textures {
+            emission: texture(&device, &queue, |x, y| {
+                if lamp(x, y) { [255, 190, 110, 255] } else { [0; 4] }
+            }),
+            tint_opacity: texture(&device, &queue, |x, y| {
+                if lamp(x, y) || pillar(x, y) {
+                    [255; 4]
+                } else if (150.0..153.0).contains(&x) {
+                    [90, 220, 255, 0]
+                } else {
+                    [255, 255, 255, 0]
+                }
+            }),
+            albedo: texture(&device, &queue, |x, _| {
+                if x < 160.0 { [220, 90, 60, 255] } else { [80, 140, 220, 255] }
+            }),
+        };
 
     let mut settings =
         Settings { bounces: Bounces::Count(2), wall_depth: 4.0, ..Settings::default() };
     settings.method = Method::Raymarch;
     settings.raymarch.rays = 256;
     settings.raymarch.emission_multiplier = 6.0;
-    let mut lighting = Lighting::new(&device, &queue, settings)?;
-    lighting.prepare_textures(&device, &queue, &textures, Sky::Uniform([0.01, 0.01, 0.03]))?;
+    let mut lighting = Lighting::new(&device, &queue, &LightingOptions::default())?;
+    let sky = Sky::Uniform([0.01, 0.01, 0.03]);
+    lighting.prepare(&FrameInput::of_textures(&settings, &textures, &[], sky))?;
     let mut encoder = device.create_command_encoder(&Default::default());
-    lighting.record(&mut encoder);
+    lighting.record(&mut encoder)?;
     queue.submit([encoder.finish()]);
 
     let light = lighting.stage(Stage::Light).ok_or("nothing was lit")?;
@@ -65,7 +69,7 @@ fn pillar(x: f32, y: f32) -> bool {
     ((x % 40.0) - 20.0).hypot((y % 45.0) - 22.0) < 6.0
 }
 
-/// A texture of eight bits a channel, as games have them.
+/// A texture with eight bits per channel, as in games.
 fn texture(device: &Device, queue: &Queue, texel: impl Fn(f32, f32) -> [u8; 4]) -> TextureView {
     let [width, height] = SIZE;
     let texture = device.create_texture(&TextureDescriptor {

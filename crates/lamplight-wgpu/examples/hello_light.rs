@@ -6,7 +6,7 @@ use lamplight_wgpu::wgpu::{
     CurrentSurfaceTexture, Device, DeviceDescriptor, Instance, InstanceDescriptor, Queue,
     RequestAdapterOptions, Surface, SurfaceConfiguration,
 };
-use lamplight_wgpu::{Compose, Filter, Lighting, Shown};
+use lamplight_wgpu::{Compose, ComposeParams, Filter, FrameInput, Lighting, LightingOptions};
 use pollster::block_on;
 use std::{error::Error, sync::Arc};
 use winit::event_loop::{ActiveEventLoop, EventLoop};
@@ -28,6 +28,7 @@ struct Game {
     device: Device,
     queue: Queue,
     cells: Cells,
+    settings: Settings,
     lighting: Lighting,
     compose: Compose,
 }
@@ -63,10 +64,10 @@ impl Game {
 
         let (method, bounces) = (Method::Raymarch, Bounces::Count(1));
         let mut settings = Settings { method, bounces, wall_depth: 4.0, ..Settings::default() };
-        settings.raymarch.rays = 128; // noise is what fewer would cost
-        let lighting = Lighting::new(&device, &queue, settings)?;
-        let compose = Compose::new(&device)?;
-        Ok(Self { window, surface, config, device, queue, cells, lighting, compose })
+        settings.raymarch.rays = 128; // fewer rays: more noise
+        let lighting = Lighting::new(&device, &queue, &LightingOptions::default())?;
+        let compose = Compose::new(&device, &queue)?;
+        Ok(Self { window, surface, config, device, queue, cells, settings, lighting, compose })
     }
 
     fn draw(&mut self) -> Result<(), Box<dyn Error>> {
@@ -74,18 +75,18 @@ impl Game {
         let Self { device, queue, surface, lighting, compose, .. } = self;
         self.window.request_redraw();
         let (Success(frame) | Suboptimal(frame)) = surface.get_current_texture() else {
-            // Hidden, or of another size than the window: the next frame is another chance.
+            // Hidden, or of another size than the window: the next frame tries again.
             surface.configure(device, &self.config);
             return Ok(());
         };
-        lighting.prepare(device, queue, &self.cells)?;
-        let shown = Shown { filter: Filter::Linear, ..Shown::default() };
-        compose.prepare(device, queue, lighting, self.config.format, &shown)?;
+        lighting.prepare(&FrameInput::of_cells(&self.settings, &self.cells))?;
+        let params = ComposeParams { filter: Filter::Linear, ..ComposeParams::default() };
+        compose.prepare(lighting, self.config.format, &params)?;
         let mut encoder = device.create_command_encoder(&Default::default());
-        lighting.record(&mut encoder);
-        compose.record(&mut encoder, &frame.texture.create_view(&Default::default()));
+        lighting.record(&mut encoder)?;
+        compose.record(&mut encoder, &frame.texture.create_view(&Default::default()))?;
         queue.submit([encoder.finish()]);
-        frame.present();
+        queue.present(frame);
         Ok(())
     }
 }

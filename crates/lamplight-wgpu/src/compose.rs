@@ -1,9 +1,10 @@
-//! Drawing what is seen: light × colour, exposed and tone mapped, on the host's target.
+//! Drawing light × colour, exposed and tone mapped, on the host's target.
 
-use crate::guarded::guarded;
-use crate::stages::display::{Look, Shading, Target, encodes};
-use crate::view::Window;
-use crate::{Error, Lighting, Result, matter};
+use crate::camera::VisibleRect;
+use crate::error::{CreateError, PrepareError, RecordError, Result};
+use crate::error_scope::with_error_scope;
+use crate::stages::display::{ComposeUniforms, Shading, Target, encodes};
+use crate::{Lighting, matter};
 use lamplight::{Display, Rgb};
 use std::collections::HashMap;
 use wgpu::{
@@ -13,28 +14,27 @@ use wgpu::{
     TextureView,
 };
 
-/// How light is shown on a target that has more pixels than the grid has cells, or that lies between
-/// them.
+/// The filter for a target whose pixels are smaller than the grid's cells, or lie between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
     /// Each pixel shows the cell it lies in, as `--scale` of the command line does.
     #[default]
     Nearest,
-    /// Each pixel shows the mean of the four cells whose centres are nearest, by how near they are:
-    /// smooth, and light follows a camera that moves by fractions of a cell. Four times the reads.
+    /// Each pixel shows the bilinear mean of the four nearest cells: smooth, and light follows a camera that
+    /// moves by fractions of a cell. Four times the reads.
     Linear,
 }
 
-/// What the light falls on: views of two-dimensional textures in any float or normalised format, with
-/// the usage `TEXTURE_BINDING`. Linear, an sRGB format decodes by itself.
+/// The colour that the light falls on: views of two-dimensional textures in any float or normalised format,
+/// with the usage `TEXTURE_BINDING`. Linear, an sRGB format decodes by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Color<'a> {
     /// White: the light alone.
     #[default]
     White,
-    /// A texel a cell, as large as the grid; filtered with the light.
+    /// One texel per cell, as large as the grid; filtered with the light.
     Cells(&'a TextureView),
-    /// A picture that covers what is seen, of any size: the host's own frame at the target's
+    /// A picture that covers the visible part, of any size: the host's own frame at the target's
     /// resolution. Each pixel takes the texel it lies in.
     View(&'a TextureView),
     /// A picture as large as the target: each pixel takes its own texel, and its alpha. The host's own
@@ -42,66 +42,67 @@ pub enum Color<'a> {
     Target(&'a TextureView),
 }
 
-/// How a frame is shown.
+/// The parameters of the compose pass.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Shown<'a> {
+pub struct ComposeParams<'a> {
     /// Exposure and tone map.
     pub display: Display,
-    /// Between cells.
+    /// Filter between cells.
     pub filter: Filter,
-    /// What the light falls on.
+    /// The colour that the light falls on.
     pub color: Color<'a>,
-    /// Radiance with which the colour itself glows, `colour × (light + glow)`, instead of what cells give
-    /// off: a picture as large as the target, as [`Color::Target`]. Glowing things then have edges as
-    /// fine as the target's pixels.
-    pub glow: Option<&'a TextureView>,
-    /// Light that arrives besides the grid's, a texel a cell: what another [`Lighting`] wrote to a texture
-    /// ([`Lighting::write_to`]).
+    /// Emission of the colour itself, `colour × (light + emission)`, instead of that of cells: a picture as
+    /// large as the target, as [`Color::Target`]. Emitters then have edges as fine as the target's pixels.
+    pub emission: Option<&'a TextureView>,
+    /// Light in addition to the grid's, one texel per cell: the output of another [`Lighting`]
+    /// ([`crate::FrameInput::output`]).
     pub more: Option<&'a TextureView>,
-    /// Light that arrives everywhere, in walls too; finite and 0 or more.
+    /// Light that arrives everywhere, in solid cells too; finite and 0 or more.
     pub ambient: Rgb,
-    /// The part of the grid that fills the target's viewport, as [`crate::View::place`] gives it;
-    /// none: all of it.
-    pub window: Option<Window>,
+    /// The part of the grid that fills the target's viewport, as [`crate::Camera2dView::place`] returns it;
+    /// `None`: all of it.
+    pub visible: Option<VisibleRect>,
 }
 
 /// Draws the light of a [`Lighting`] on the host's targets, with the same pixels as the library's
-/// [`lamplight::Light::compose`] but for rounding (one 8-bit step).
+/// [`lamplight::Light::compose`] up to rounding (one 8-bit step).
 ///
-/// What is drawn on decides about sRGB: formats that encode by themselves (`…UnormSrgb`) are given
-/// linear light, other normalised ones encoded light, floats the tone-mapped light, linear: 0 to 1, or
-/// without a tone map all that there is, for a host that has its own.
+/// The target's format decides about sRGB: formats that encode by themselves (`…UnormSrgb`) receive linear
+/// light, other normalised ones encoded light. Float formats receive linear tone-mapped light: 0 to 1, or
+/// without a tone map the full range, for a host that has its own.
 ///
-/// A pipeline is built for each kind of target when it is first seen. One `Compose` shows one frame
-/// at a time: a split screen takes one for each part.
+/// A pipeline is compiled for each kind of target when it is first used. One `Compose` shows one frame at a
+/// time: a split screen needs one per part.
 ///
 /// ```no_run
-/// # use lamplight_wgpu::{Compose, Lighting, Result, Shown, wgpu};
-/// # fn show(device: &wgpu::Device, queue: &wgpu::Queue, lighting: &Lighting, compose: &mut Compose,
-/// #         encoder: &mut wgpu::CommandEncoder, screen: &wgpu::TextureView) -> Result<()> {
+/// # use lamplight_wgpu::{Compose, ComposeParams, Error, Lighting, wgpu};
+/// # fn show(lighting: &Lighting, compose: &mut Compose, encoder: &mut wgpu::CommandEncoder,
+/// #         screen: &wgpu::TextureView) -> Result<(), Error> {
 /// // After `lighting.prepare` and `lighting.record`:
-/// compose.prepare(device, queue, lighting, screen.texture().format(), &Shown::default())?;
-/// compose.record(encoder, screen); // or `compose.draw(&mut pass)` in a pass of the host's
+/// compose.prepare(lighting, screen.texture().format(), &ComposeParams::default())?;
+/// compose.record(encoder, screen)?; // or `compose.draw(&mut pass)` in a pass of the host's
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Debug)]
 pub struct Compose {
+    device: Device,
+    queue: Queue,
     shading: Shading,
-    look: Buffer,
+    uniforms: Buffer,
     pipelines: HashMap<Target, RenderPipeline>,
     pipeline: Option<RenderPipeline>,
-    bound: Option<Bound>,
+    bound: Option<BoundGroup>,
 }
 
-/// What is bound, and to what.
+/// A bind group and its resources.
 #[derive(Debug)]
-struct Bound {
+struct BoundGroup {
     resources: [Resource; 7],
     group: BindGroup,
 }
 
-/// Bound as long as it stays the same.
+/// A resource that is bound as long as it stays the same.
 #[derive(Clone, Debug, PartialEq)]
 enum Resource {
     Buffer(Buffer),
@@ -119,17 +120,19 @@ impl Resource {
 
 impl Compose {
     /// Compiles the shader.
-    pub fn new(device: &Device) -> Result<Self> {
-        let look = BufferDescriptor {
-            label: Some("look"),
-            size: size_of::<Look>() as u64,
+    pub fn new(device: &Device, queue: &Queue) -> Result<Self, CreateError> {
+        let uniforms = BufferDescriptor {
+            label: Some("compose uniforms"),
+            size: size_of::<ComposeUniforms>() as u64,
             usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         };
-        guarded(device, || {
+        with_error_scope(device, || {
             Ok(Self {
+                device: device.clone(),
+                queue: queue.clone(),
                 shading: Shading::new(device),
-                look: device.create_buffer(&look),
+                uniforms: device.create_buffer(&uniforms),
                 pipelines: HashMap::new(),
                 pipeline: None,
                 bound: None,
@@ -137,79 +140,72 @@ impl Compose {
         })
     }
 
-    /// Makes ready to draw the light last recorded on such a target: a format, or a [`Target`] where
-    /// the host's pass has depth or several samples. Before the first frame of `lighting` there is
-    /// nothing to draw, which is no error.
+    /// Prepares to draw the light recorded last on a target: a format, or a [`Target`] if the host's pass has
+    /// depth or several samples.
+    ///
+    /// # Errors
+    /// [`PrepareError::NothingLit`] before the first frame of `lighting`, and others if the target or the
+    /// parameters are invalid.
     pub fn prepare(
         &mut self,
-        device: &Device,
-        queue: &Queue,
         lighting: &Lighting,
         target: impl Into<Target>,
-        shown: &Shown,
+        params: &ComposeParams,
     ) -> Result<()> {
-        shown.display.check()?;
+        params.display.check()?;
         let target = target.into();
         let Some(encode) = encodes(target.format) else {
             let problem =
                 format!("has the format {:?}, which no picture is drawn to", target.format);
-            return Err(Error::Texture { name: "target", problem });
+            return Err(PrepareError::Texture { name: "target", problem });
         };
-        let Some(lit) = lighting.lit() else {
-            self.bound = None;
-            return Ok(());
-        };
-        // Never read.
+        let lit = lighting.compose_inputs().ok_or(PrepareError::NothingLit)?;
+        // Bound where nothing is read.
         let nothing = &lit.textures.albedo;
-        let (color_from, color) = match shown.color {
+        let (color_from, color) = match params.color {
             Color::White => (0, nothing),
             Color::Cells(view) => (1, view),
             Color::View(view) => (2, view),
             Color::Target(view) => (3, view),
         };
-        let of_cells = |name, view: &TextureView| match matter::readable(name, view)? {
-            size if size == lit.size => Ok(()),
-            [w, h] => {
-                let [width, height] = lit.size;
-                let problem = format!("is {w}×{h}, but the grid is {width}×{height}");
-                Err(Error::Texture { name, problem })
-            }
+        let of_cells = |name, view: &TextureView| {
+            matter::check_size(name, matter::readable(name, view)?, "the grid", lit.size)
         };
-        match color_from {
-            1 => of_cells("color", color)?,
-            _ => {
-                matter::readable("color", color)?;
-            }
+        if let Color::Cells(color) = params.color {
+            of_cells("color", color)?;
+        } else {
+            matter::readable("color", color)?;
         }
-        if let Some(glow) = shown.glow {
-            matter::readable("glow", glow)?;
+        if let Some(emission) = params.emission {
+            matter::readable("emission", emission)?;
         }
-        if let Some(more) = shown.more {
+        if let Some(more) = params.more {
             of_cells("more", more)?;
         }
-        if !shown.ambient.iter().all(|v| v.is_finite() && *v >= 0.0) {
-            let [r, g, b] = shown.ambient;
+        if !params.ambient.iter().all(|v| v.is_finite() && *v >= 0.0) {
+            let [r, g, b] = params.ambient;
             let found = format!("[{r}, {g}, {b}]");
             return Err(lamplight::Error::value("ambient", found, "finite and 0 or more").into());
         }
-        let mut look = Look::new(&shown.display, lit.size);
+        let mut uniforms = ComposeUniforms::new(&params.display, lit.size);
         if matches!(target.format, TextureFormat::Rgba16Float | TextureFormat::Rg11b10Ufloat) {
-            look.keep_finite();
+            uniforms.keep_finite();
         }
-        look.filter_light = (shown.filter == Filter::Linear).into();
-        look.color_from = color_from;
-        look.keep_alpha = (color_from == 3).into();
-        look.color_glows = shown.glow.is_some().into();
-        look.more_light = shown.more.is_some().into();
-        look.ambient = shown.ambient;
-        if let Some(window) = shown.window {
-            (look.corner, look.right, look.down) = (window.corner, window.right, window.down);
+        uniforms.filter_light = (params.filter == Filter::Linear).into();
+        uniforms.color_from = color_from;
+        uniforms.keep_alpha = (color_from == 3).into();
+        uniforms.color_emits = params.emission.is_some().into();
+        uniforms.more_light = params.more.is_some().into();
+        uniforms.ambient = params.ambient;
+        if let Some(VisibleRect { corner, right, down }) = params.visible {
+            (uniforms.corner, uniforms.right, uniforms.down) = (corner, right, down);
         }
-        queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look));
+        self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
 
         if !self.pipelines.contains_key(&target) {
-            let made = guarded(device, || Ok(self.shading.pipeline(device, target, encode)))?;
-            self.pipelines.insert(target, made);
+            let compile = || Ok(self.shading.pipeline(&self.device, target, encode));
+            let compiled = with_error_scope::<_, PrepareError>(&self.device, compile)?;
+            self.pipelines.insert(target, compiled);
         }
         self.pipeline = self.pipelines.get(&target).cloned();
         let resources = [
@@ -218,42 +214,56 @@ impl Compose {
             Resource::View(lit.textures.emission.clone()),
             Resource::View(lit.textures.tint_opacity.clone()),
             Resource::View(color.clone()),
-            Resource::View(shown.glow.unwrap_or(nothing).clone()),
-            Resource::View(shown.more.unwrap_or(nothing).clone()),
+            Resource::View(params.emission.unwrap_or(nothing).clone()),
+            Resource::View(params.more.unwrap_or(nothing).clone()),
         ];
         if self.bound.as_ref().is_none_or(|bound| bound.resources != resources) {
-            let group = guarded(device, || Ok(self.bind(device, &resources)))?;
-            self.bound = Some(Bound { resources, group });
+            let bind = || Ok(self.bind(&resources));
+            let group = with_error_scope::<_, PrepareError>(&self.device, bind)?;
+            self.bound = Some(BoundGroup { resources, group });
         }
         Ok(())
     }
 
-    fn bind(&self, device: &Device, [frame, rest @ ..]: &[Resource; 7]) -> BindGroup {
-        let look = self.look.as_entire_binding();
-        let all = [frame.binding(), look].into_iter().chain(rest.iter().map(Resource::binding));
+    fn bind(&self, [frame, rest @ ..]: &[Resource; 7]) -> BindGroup {
+        let uniforms = self.uniforms.as_entire_binding();
+        let all = [frame.binding(), uniforms].into_iter().chain(rest.iter().map(Resource::binding));
         let entries: Vec<_> = (0..)
             .zip(all)
             .map(|(binding, resource)| BindGroupEntry { binding, resource })
             .collect();
-        device.create_bind_group(&BindGroupDescriptor {
+        self.device.create_bind_group(&BindGroupDescriptor {
             label: Some("display"),
             layout: &self.shading.layout,
             entries: &entries,
         })
     }
 
-    /// Draws over the viewport of the host's pass; nothing before the first [`Self::prepare`].
-    pub fn draw(&self, pass: &mut RenderPass) {
-        let (Some(pipeline), Some(bound)) = (&self.pipeline, &self.bound) else { return };
+    /// Draws over the viewport of the host's pass.
+    ///
+    /// # Errors
+    /// Returns [`RecordError::NotPrepared`] before the first successful [`Self::prepare`].
+    pub fn draw(&self, pass: &mut RenderPass) -> Result<(), RecordError> {
+        let (Some(pipeline), Some(bound)) = (&self.pipeline, &self.bound) else {
+            return Err(RecordError::NotPrepared);
+        };
         pass.push_debug_group("lamplight display");
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &bound.group, &[]);
         pass.draw(0..3, 0..1);
         pass.pop_debug_group();
+        Ok(())
     }
 
-    /// Draws over all of a view, in a pass of its own; black before the first [`Self::prepare`].
-    pub fn record(&self, encoder: &mut CommandEncoder, view: &TextureView) {
+    /// Draws over all of a view, in a pass of its own. The view is cleared first.
+    ///
+    /// # Errors
+    /// Returns [`RecordError::NotPrepared`] before the first successful [`Self::prepare`].
+    pub fn record(
+        &self,
+        encoder: &mut CommandEncoder,
+        view: &TextureView,
+    ) -> Result<(), RecordError> {
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("lamplight display"),
             color_attachments: &[Some(RenderPassColorAttachment {
@@ -264,6 +274,6 @@ impl Compose {
             })],
             ..RenderPassDescriptor::default()
         });
-        self.draw(&mut pass);
+        self.draw(&mut pass)
     }
 }

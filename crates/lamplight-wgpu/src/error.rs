@@ -1,15 +1,66 @@
-//! Everything that can go wrong, as one typed enum.
+//! Errors, one type per phase: creation, preparation, recording, reading back.
 
-/// Shorthand for results of this crate.
-pub type Result<T, E = Error> = std::result::Result<T, E>;
+/// The result of planning a frame.
+pub(crate) type Result<T, E = PrepareError> = std::result::Result<T, E>;
 
-/// Why light cannot be found on this GPU.
+/// An error of any phase, for hosts that do not distinguish them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The library refuses the settings or the cells.
+    /// The library rejects something before it reaches the GPU.
     #[error(transparent)]
-    Refused(#[from] lamplight::Error),
+    Library(#[from] lamplight::Error),
+    /// The device refuses something of the host's.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// Something could not be created.
+    #[error(transparent)]
+    Create(#[from] CreateError),
+    /// A frame could not be prepared.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// A frame could not be recorded.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// A result could not be read back.
+    #[error(transparent)]
+    ReadBack(#[from] ReadBackError),
+}
+
+/// The device's reason to reject something.
+#[derive(Debug, thiserror::Error)]
+#[error("the device refuses: {0}")]
+pub struct DeviceError(pub String);
+
+/// The reason why something cannot be created or compiled.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CreateError {
+    /// The library rejects the settings.
+    #[error(transparent)]
+    Settings(#[from] lamplight::Error),
+    /// An option is out of its range.
+    #[error("the option `{name}` is {value}, not {range}")]
+    Option {
+        /// The option's name.
+        name: &'static str,
+        /// The value found.
+        value: u32,
+        /// The range of valid values.
+        range: &'static str,
+    },
+    /// The device refuses, for a reason that only it knows.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+}
+
+/// The reason why a frame cannot be prepared.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PrepareError {
+    /// The library rejects the settings, the cells, the lamps, the sky or the display.
+    #[error(transparent)]
+    Input(#[from] lamplight::Error),
     /// The grid is larger than the device's limits allow.
     #[error(
         "a grid of {width}×{height} needs {needed} {what}, but this device allows {allowed}: request \
@@ -20,35 +71,57 @@ pub enum Error {
         width: u32,
         /// Rows.
         height: u32,
-        /// Which limit.
+        /// The limit that is exceeded.
         what: &'static str,
-        /// What the grid needs.
+        /// The amount that the grid needs.
         needed: u64,
-        /// What the device allows.
+        /// The amount that the device allows.
         allowed: u64,
     },
     /// A texture of the host's cannot be used.
     #[error("the texture `{name}` {problem}")]
     Texture {
-        /// Which one.
+        /// The texture's name.
         name: &'static str,
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
-    /// An option is out of its range.
-    #[error("the option `{name}` is {value}, not {range}")]
-    Option {
-        /// Which one.
-        name: &'static str,
-        /// What it is.
-        value: u32,
-        /// What it may be.
-        range: &'static str,
+    /// There is nothing to show: no frame has been prepared ([`crate::Lighting::prepare`]).
+    #[error("there is no light to show: no frame has been prepared")]
+    NothingLit,
+    /// The device refuses, for a reason that only it knows.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+}
+
+/// The reason why a frame cannot be recorded.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordError {
+    /// No frame has been prepared.
+    #[error("nothing can be recorded before the first frame has been prepared")]
+    NotPrepared,
+}
+
+/// The reason why a result cannot be read back.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadBackError {
+    /// No frame has been prepared.
+    #[error("cannot read from the GPU: nothing has been lit")]
+    NothingLit,
+    /// The light has another number of cells than the grid that it is asked for.
+    #[error("cannot read from the GPU: {lit} cells were lit, but {asked} are asked for")]
+    OtherCells {
+        /// The number of cells that were lit.
+        lit: usize,
+        /// The number of cells asked for.
+        asked: usize,
     },
-    /// The device refuses what was to be made on it, for a reason that only it knows.
-    #[error("the device refuses: {0}")]
-    Device(String),
-    /// What the GPU computed could not be fetched.
+    /// The transfer failed.
     #[error("cannot read from the GPU: {0}")]
-    ReadBack(String),
+    Failed(String),
+    /// The device refuses, for a reason that only it knows.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
 }

@@ -1,114 +1,96 @@
-//! Lamps as shaders know them: `Lamps` of shaders/lamps.wgsl.
+//! The lamps of a frame, as shaders/shared/lamps.wgsl reads them.
 
-use bytemuck::{Pod, Zeroable};
+use crate::gpu_struct::gpu_struct;
 use lamplight::Falloff;
-#[cfg(test)]
-use std::mem::offset_of;
 use wgpu::{Buffer, Queue};
 
-/// Bytes of a ray in the largest buffer that keeps something of each.
-pub const RAY_BYTES: u64 = 16;
-/// Rays of a workgroup, which are of one lamp.
-pub const TOGETHER: u32 = 64;
-/// Stands for a lamp that lights all round.
+/// Bytes per ray in the largest buffer that stores something for each.
+pub const RAY_BYTES: u64 = size_of::<[u32; 4]>() as u64;
+/// Rays of a workgroup, all of one lamp.
+pub const GROUP_RAYS: u32 = 64;
+/// The cone of a lamp that shines in all directions.
 const NO_CONE: [f32; 3] = [0.0, -1.0, 0.0];
 
-/// `Lamp` of shaders/lamps.wgsl, which says what the fields are.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Lamp {
-    position: [f32; 2],
-    reach: f32,
-    range: f32,
-    strength: [f32; 3],
-    size: f32,
-    falloff: u32,
-    first: u32,
-    count: u32,
-    per_radian: f32,
-    cone: [f32; 3],
-    spread: f32,
+gpu_struct! {
+    /// `Lamp` of shaders/shared/lamps.wgsl, where the fields are explained.
+    pub struct Lamp {
+        position: [f32; 2],
+        reach: f32,
+        range: f32,
+        strength: [f32; 3],
+        size: f32,
+        falloff: u32,
+        first: u32,
+        count: u32,
+        per_radian: f32,
+        cone: [f32; 3],
+        spread: f32,
+    }
 }
 
-impl Lamp {
-    /// Fields in order, with where they begin.
-    #[cfg(test)]
-    pub const OFFSETS: [(&'static str, usize); 11] = [
-        ("position", offset_of!(Lamp, position)),
-        ("reach", offset_of!(Lamp, reach)),
-        ("range", offset_of!(Lamp, range)),
-        ("strength", offset_of!(Lamp, strength)),
-        ("size", offset_of!(Lamp, size)),
-        ("falloff", offset_of!(Lamp, falloff)),
-        ("first", offset_of!(Lamp, first)),
-        ("count", offset_of!(Lamp, count)),
-        ("per_radian", offset_of!(Lamp, per_radian)),
-        ("cone", offset_of!(Lamp, cone)),
-        ("spread", offset_of!(Lamp, spread)),
-    ];
-}
-
-/// How a method lights a lamp.
+/// The rays by which a method lights a lamp.
 #[derive(Clone, Copy, Debug)]
-pub struct Fan {
-    /// px that its rays go.
+pub struct LampRays {
+    /// Length of the rays, px.
     pub reach: f32,
-    /// Rays.
+    /// Number of rays.
     pub count: u32,
-    /// px of its size that soften edges.
+    /// Radius of the lamp that softens edges, px.
     pub soft: f32,
-    /// How it fades; the rule of the source of `flood` where it does not by its own.
+    /// Falloff; `None`: the rule of the source of `flood`.
     pub falloff: Option<Falloff>,
 }
 
-/// How many lamps and rays there is room for.
+/// Numbers of lamps and rays that buffers can hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Room {
+pub struct Capacity {
     pub lamps: u64,
-    /// Of all lamps, each filled up to whole workgroups.
+    /// Rays of all lamps, each lamp padded to whole workgroups.
     pub rays: u64,
 }
 
-impl Room {
-    /// Whether there is as much room as another needs.
+impl Capacity {
+    /// Returns whether it suffices for another.
     pub fn holds(&self, other: Self) -> bool {
         self.lamps >= other.lamps && self.rays >= other.rays
     }
 
-    /// Room for others, half as much again as there was where that was too little and the device
-    /// allows it: lamps that come one by one do not make buffers anew one by one.
-    pub fn grown(&self, need: Self, most: Self) -> Self {
-        let grown = |had: u64, need: u64, most: u64| match need <= had {
-            true => had,
-            false => (had + had / 2).min(most).max(need),
+    /// Grows to what is needed, by at least half if the device allows it: lamps that are added one by one do
+    /// not reallocate buffers one by one.
+    pub fn grown(&self, needed: Self, most: Self) -> Self {
+        let grown = |present: u64, needed: u64, most: u64| {
+            if needed <= present {
+                return present;
+            }
+            (present + present / 2).min(most).max(needed)
         };
         Self {
-            lamps: grown(self.lamps, need.lamps, most.lamps),
-            rays: grown(self.rays, need.rays, most.rays),
+            lamps: grown(self.lamps, needed.lamps, most.lamps),
+            rays: grown(self.rays, needed.rays, most.rays),
         }
     }
 }
 
-/// The lamps of a frame on their way to the GPU.
+/// The lamps of a frame before they are written to the GPU.
 #[derive(Debug, Default)]
-pub struct Lamps {
-    list: Vec<Lamp>,
-    need: Room,
+pub struct LampList {
+    lamps: Vec<Lamp>,
+    needed: Capacity,
 }
 
-/// Bytes before the list: how many lamps, and how many rays.
-const HEAD: u64 = 16;
+/// Bytes before the lamps: their number, and the number of rays.
+const HEAD: u64 = size_of::<[u32; 4]>() as u64;
 
-impl Lamps {
-    /// Takes the lamps of a frame, each lit as `fan` says.
-    pub fn take(&mut self, lamps: &[lamplight::Lamp], fan: impl Fn(&lamplight::Lamp) -> Fan) {
-        self.list.clear();
-        self.need = Room::default();
+impl LampList {
+    /// Replaces the lamps, each lit by the rays that `rays` returns.
+    pub fn set(&mut self, lamps: &[lamplight::Lamp], rays: impl Fn(&lamplight::Lamp) -> LampRays) {
+        self.lamps.clear();
+        self.needed = Capacity::default();
         for lamp in lamps {
-            let Fan { reach, count, soft, falloff } = fan(lamp);
+            let LampRays { reach, count, soft, falloff } = rays(lamp);
             let per_radian = count as f32 / std::f32::consts::TAU;
             let half = |angle: f32| 0.5 * angle;
-            self.list.push(Lamp {
+            self.lamps.push(Lamp {
                 position: lamp.position,
                 reach,
                 range: lamp.range,
@@ -120,8 +102,8 @@ impl Lamps {
                     Some(Falloff::Inverse) => 2,
                     None => 3,
                 },
-                // Cut off only where there are too many rays for any buffer.
-                first: self.need.rays as u32,
+                // Truncated only if there are too many rays for any buffer.
+                first: self.needed.rays as u32,
                 count,
                 per_radian,
                 cone: lamp.cone.map_or(NO_CONE, |cone| {
@@ -129,30 +111,30 @@ impl Lamps {
                 }),
                 spread: soft * per_radian,
             });
-            self.need.lamps += 1;
-            self.need.rays += u64::from(count.next_multiple_of(TOGETHER));
+            self.needed.lamps += 1;
+            self.needed.rays += u64::from(count.next_multiple_of(GROUP_RAYS));
         }
     }
 
-    /// What they need.
-    pub fn need(&self) -> Room {
-        self.need
+    /// The capacity that the lamps need.
+    pub fn needed(&self) -> Capacity {
+        self.needed
     }
 
-    /// Bytes of a buffer that holds so many.
+    /// Bytes of a buffer for a number of lamps.
     pub fn bytes(lamps: u64) -> u64 {
         HEAD + lamps.max(1) * size_of::<Lamp>() as u64
     }
 
-    /// How many a buffer of so many bytes holds.
-    pub fn most(bytes: u64) -> u64 {
+    /// The number of lamps that a buffer of `bytes` holds.
+    pub fn max_lamps(bytes: u64) -> u64 {
         bytes.saturating_sub(HEAD) / size_of::<Lamp>() as u64
     }
 
-    /// Hands them over.
+    /// Writes the lamps to a buffer.
     pub fn write(&self, queue: &Queue, buffer: &Buffer) {
-        let head = [self.need.lamps as u32, self.need.rays as u32, 0, 0];
+        let head = [self.needed.lamps as u32, self.needed.rays as u32, 0, 0];
         queue.write_buffer(buffer, 0, bytemuck::bytes_of(&head));
-        queue.write_buffer(buffer, HEAD, bytemuck::cast_slice(&self.list));
+        queue.write_buffer(buffer, HEAD, bytemuck::cast_slice(&self.lamps));
     }
 }

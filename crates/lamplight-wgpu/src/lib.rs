@@ -1,66 +1,73 @@
 //! Lamplight on the GPU: the stages and methods of [`lamplight`] as compute shaders, for any program
 //! that has a wgpu device.
 //!
-//! It is middleware: [`Lighting`] is given the host's [`wgpu::Device`] and [`wgpu::Queue`], records
-//! into the host's [`wgpu::CommandEncoder`], and never creates a device, submits or waits. The same
-//! settings give the same light as on the CPU, but for rounding.
+//! It is middleware: [`Lighting`] uses the host's [`wgpu::Device`] and [`wgpu::Queue`], records into the host's
+//! [`wgpu::CommandEncoder`], and never creates a device, submits or waits. The same settings give the same light
+//! as on the CPU, up to rounding. All stages, methods and settings of the library are here. Matter comes from
+//! cells, which are uploaded, or from the host's textures and lamps ([`SceneInput`]).
 //!
-//! [`Compose`] draws the light on the host's target, [`View`] moves a camera over a larger world, [`Timer`]
-//! says what each stage takes.
-//!
-//! All stages and methods of the library are here, with all their settings. Matter comes from uploaded
-//! cells, or the host's textures and lamps ([`Lighting::set_lamps`]).
+//! [`Compose`] draws the light on the host's target, [`Camera2dView`] moves a camera over a larger world, and
+//! [`Timer`] measures the time of each stage.
 //!
 //! ```no_run
 //! # fn frame(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), Box<dyn std::error::Error>> {
 //! use lamplight::{Cells, Method, Settings};
-//! use lamplight_wgpu::Lighting;
+//! use lamplight_wgpu::{FrameInput, Lighting, LightingOptions};
 //!
+//! let mut lighting = Lighting::new(device, queue, &LightingOptions::default())?;
 //! let settings = Settings { method: Method::Raymarch, ..Settings::default() };
-//! let mut lighting = Lighting::new(device, queue, settings)?;
 //! // Every frame:
 //! let cells = Cells::new(320, 180)?;
-//! lighting.prepare(device, queue, &cells)?;
+//! lighting.prepare(&FrameInput::of_cells(&settings, &cells))?;
 //! let mut encoder = device.create_command_encoder(&Default::default());
-//! lighting.record(&mut encoder);
-//! // and `Compose` to draw it, or `Lighting::write_to` to have it in a texture
+//! lighting.record(&mut encoder)?;
+//! // Then `Compose` draws it, or `FrameInput::output` receives it.
 //! queue.submit([encoder.finish()]);
 //! # Ok(())
 //! # }
 //! ```
 
-mod compiled;
+mod camera;
 mod compose;
 mod cost;
 pub mod error;
-mod frame;
-mod guarded;
-mod kernel;
-mod known;
+mod error_scope;
+mod frame_input;
+mod gpu_struct;
+mod grid_size;
+mod hints;
 mod lamps;
 mod lighting;
 mod matter;
 mod methods;
 mod options;
+mod pipeline;
+mod pipeline_cache;
+mod planner;
+mod programs;
 pub mod read_back;
 mod shaders;
 mod shared;
-mod site;
+mod stage;
 mod stages;
 mod tier;
 mod timing;
-mod view;
+mod traffic;
+mod uniforms;
 
-pub use compose::{Color, Compose, Filter, Shown};
-pub use cost::{Cost, KernelCost, Traffic};
-pub use error::{Error, Result};
-pub use lighting::{Lighting, Stage};
+pub use camera::{Camera2dView, GridPlacement, VisibleRect};
+pub use compose::{Color, Compose, ComposeParams, Filter};
+pub use cost::{Cost, PipelineCost};
+pub use error::Error;
+pub use frame_input::{FrameInput, SceneInput};
+pub use lighting::Lighting;
 pub use matter::Textures;
-pub use options::Options;
+pub use options::LightingOptions;
 pub use shaders::shaders;
+pub use stage::Stage;
 pub use stages::display::Target;
 pub use tier::{Tier, required_features, required_limits};
 pub use timing::Timer;
-pub use view::{Placed, View, Window};
-/// The crate of the device that [`Lighting`] is given.
+pub use traffic::Traffic;
+/// The crate of the device that [`Lighting`] uses.
 pub use wgpu;

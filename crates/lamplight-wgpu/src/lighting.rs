@@ -1,457 +1,430 @@
-//! The middleware: what a host makes once, prepares and records every frame.
+//! The middleware: a host creates it once, and prepares and records it every frame.
 
-use crate::compiled::{Compiled, alike};
 use crate::cost::Cost;
-use crate::frame::{Frame, Memory, Place};
-use crate::guarded::guarded;
-use crate::kernel::Dispatch;
-use crate::known::Known;
-use crate::lamps::{Lamps, Room};
+use crate::error::{CreateError, PrepareError, RecordError, Result};
+use crate::error_scope::with_error_scope;
+use crate::frame_input::{FrameInput, SceneInput};
+use crate::grid_size::GridSize;
+use crate::hints::SceneHints;
+use crate::lamps::{Capacity, LampList};
 use crate::matter::{self, Textures, Upload};
-use crate::methods;
-use crate::options::Options;
+use crate::methods::Method;
+use crate::options::LightingOptions;
+use crate::pipeline::Dispatch;
+use crate::pipeline_cache::{PipelineCache, share_pipelines};
+use crate::planner::{FramePlanner, Grid, HistoryBuffer, PassList};
 use crate::shared::Shared;
-use crate::site::{FOUR, Kept, Run, Site, fits};
-use crate::stages::carry::Carry;
-use crate::stages::fields::Fields;
+use crate::stage::Stage;
+use crate::stages::distance::DistancePipelines;
 use crate::stages::output::Output;
+use crate::stages::reproject::Reproject;
 use crate::stages::walls::Walls;
 use crate::timing::Timer;
-use crate::{Error, Result};
-use lamplight::{Cells, Lamp, Settings, Sky};
-use std::sync::Arc;
-use wgpu::{
-    Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureFormat, TextureUsages,
-    TextureView,
-};
+use crate::uniforms::{FrameUniforms, GridPosition, History};
+use lamplight::{Lamp, Settings, Sky};
+use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
 /// Finds light on the host's device.
 ///
-/// Pipelines are built by [`Self::new`], buffers by [`Self::prepare`] when the size of the grid
-/// changes; in the steady state nothing is created. Any number of them can share a device; each stays
-/// with the device and the queue it was made with.
+/// Each frame, [`Self::prepare`] it from a [`FrameInput`], then [`Self::record`] it. Pipelines are compiled when
+/// settings are first used (or by [`Self::precompile`]), and buffers are created when the size of the grid
+/// changes; in the steady state nothing is created. Any number of instances can share a device; each stays with
+/// the device and the queue it was created with.
 ///
-/// What a device refuses while things are made, such as a texture of another device, comes back as
-/// [`Error::Device`]; in a browser, where it says so only later, it goes to the host's handler of
-/// uncaptured errors. So do a queue of another device and a texture that was destroyed, which show
-/// themselves only when they are used, in every frame. A texture of another [`wgpu::Instance`] cannot
-/// be told from one of this. A device that was lost does nothing: prepare and record go on as if it
-/// were there, and [`crate::read_back`] gives an error.
+/// If the device rejects something that is created, such as a binding to a texture of another device, the error
+/// is returned as [`crate::error::DeviceError`]. In a browser, which reports it only later, it goes to the host's
+/// handler of uncaptured errors. So do errors that appear only when something is used, in every frame: a queue
+/// of another device, a texture that was destroyed. A texture of another [`wgpu::Instance`] is not detected.
+/// A lost device does nothing: frames are prepared and recorded as if it were there, and [`crate::read_back`]
+/// returns an error.
 #[derive(Debug)]
 pub struct Lighting {
-    settings: Settings,
-    options: Options,
+    options: LightingOptions,
     shared: Shared,
-    compiled: Compiled,
-    method: Arc<methods::Method>,
+    pipelines: PipelineCache,
     walls: Walls,
-    carry: Carry,
+    reproject: Reproject,
     output: Output,
-    grid: Option<Grid>,
-    /// What other settings made of it, until the next frame is prepared.
-    next: Option<Grid>,
+    /// Compiled when they are first needed.
+    distance: Option<DistancePipelines>,
     upload: Option<Upload>,
-    lamps: Vec<Lamp>,
-    list: Lamps,
-    origin: [i32; 2],
+    lamps: LampList,
+    frame: Option<PreparedFrame>,
+    /// Frames prepared since the last reset.
     number: u32,
-    /// Size, origin and sky of the frame before.
-    before: Option<([u32; 2], [i32; 2], Sky)>,
+    before: Option<FrameBefore>,
 }
 
-/// What there is to show.
-pub struct Lit<'a> {
+/// The light of a prepared frame, and the matter that it falls on: the inputs of the compose pass.
+pub struct ComposeInputs<'a> {
     pub size: [u32; 2],
     pub textures: &'a Textures,
     pub light: &'a Buffer,
     pub frame: &'a Buffer,
 }
 
-/// Everything that depends on the host's textures.
+/// The frame that history comes from.
 #[derive(Debug)]
-struct Grid {
-    size: [u32; 2],
+struct FrameBefore {
+    size: GridSize,
+    origin: [i32; 2],
+    sky: Sky,
+}
+
+/// A plan, and the resources that it was made for.
+#[derive(Debug)]
+struct PreparedFrame {
+    settings: Settings,
+    size: GridSize,
     textures: Textures,
-    known: Known,
-    room: Room,
+    hints: SceneHints,
+    capacity: Capacity,
     light: Buffer,
-    frame: Run,
+    passes: PassList,
+    /// Bytes of all buffers.
     memory: u64,
-    kept: Vec<Kept>,
-    /// Moves what is kept along with the grid; made when that first moves.
-    carry: Option<Vec<Dispatch>>,
-    /// Whether it has moved since the frame before.
+    history: Vec<HistoryBuffer>,
+    /// Moves history along with the grid; planned when the grid first moves.
+    reproject: Option<Vec<Dispatch>>,
+    /// True if the grid has moved since the frame before.
     moved: bool,
-    /// Made when they are first asked for.
-    fields: Option<Run>,
-    output: Option<Dispatch>,
+    /// The distance field that the input asks for.
+    fields: Option<PassList>,
+    /// True if it is recorded in this frame.
+    records_fields: bool,
+    output: Option<OutputPass>,
 }
 
-/// What can be read back ([`crate::read_back`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Seed map, `u32` a cell; made by [`Lighting::record_fields`].
-    Seeds,
-    /// Voronoi map, `u32` a cell; made by [`Lighting::record_fields`].
-    Nearest,
-    /// Distance field, `f32` a cell, `f32::MAX` in a grid without matter; made by
-    /// [`Lighting::record_fields`].
-    Distance,
-    /// `raymarch`, `cascades`: clear squares, four bytes a cell, one a quadrant.
-    Clearance,
-    /// The answer: four `f32` a cell, linear RGB and 1.
-    Light,
+/// Writing the light to a texture of the host's.
+#[derive(Clone, Debug)]
+struct OutputPass {
+    picture: TextureView,
+    dispatch: Dispatch,
 }
 
-impl Grid {
-    /// What a frame runs, in order.
+/// The additions of a frame to its plan.
+struct Extras {
+    output: Option<OutputPass>,
+    /// Planned now for the first time.
+    fields: Option<PassList>,
+    reproject: Option<Vec<Dispatch>>,
+    /// Bytes of their buffers.
+    memory: u64,
+}
+
+/// The scene of an input, checked.
+struct CheckedScene<'a> {
+    grid: Grid<'a>,
+    lamps: &'a [Lamp],
+    sky: Sky,
+}
+
+impl PreparedFrame {
+    /// The dispatches of a frame, in order.
     fn dispatches(&self) -> impl Iterator<Item = &Dispatch> {
-        let carry = self.carry.iter().flatten().filter(|_| self.moved);
-        carry.chain(&self.frame.dispatches).chain(&self.output)
+        let reproject = self.reproject.iter().flatten().filter(|_| self.moved);
+        let fields = self.fields.iter().filter(|_| self.records_fields);
+        let fields = fields.flat_map(|fields| &fields.dispatches);
+        let output = self.output.iter().map(|output| &output.dispatch);
+        reproject.chain(fields).chain(&self.passes.dispatches).chain(output)
+    }
+
+    /// Returns whether the plan serves a grid under these settings.
+    fn serves(&self, grid: &Grid, settings: &Settings, needed: Capacity) -> bool {
+        self.textures == *grid.textures
+            && self.hints.serves(grid.hints)
+            && self.capacity.holds(needed)
+            && share_pipelines(&self.settings, settings)
+            && self.settings.wall_depth == settings.wall_depth
+    }
+
+    fn grid(&self) -> Grid<'_> {
+        Grid { size: self.size, textures: &self.textures, hints: self.hints }
     }
 }
 
 impl Lighting {
-    /// Checks the settings and builds the pipelines.
-    pub fn new(device: &Device, queue: &Queue, settings: Settings) -> Result<Self> {
-        Self::with_options(device, queue, settings, Options::default())
-    }
-
-    /// The same, told how to go about it.
-    pub fn with_options(
+    /// Compiles the pipelines that all methods share.
+    pub fn new(
         device: &Device,
         queue: &Queue,
-        settings: Settings,
-        options: Options,
-    ) -> Result<Self> {
-        settings.check()?;
+        options: &LightingOptions,
+    ) -> Result<Self, CreateError> {
         options.check()?;
-        let mut compiled = Compiled::default();
-        let method = compiled.method(device, queue, &settings)?;
-        guarded(device, || {
+        with_error_scope(device, || {
             Ok(Self {
+                options: *options,
                 shared: Shared::new(device, queue),
-                compiled,
-                method,
+                pipelines: PipelineCache::default(),
                 walls: Walls::new(device),
-                carry: Carry::new(device),
+                reproject: Reproject::new(device),
                 output: Output::new(device),
-                settings,
-                options,
-                grid: None,
-                next: None,
+                distance: None,
                 upload: None,
-                lamps: Vec::new(),
-                list: Lamps::default(),
-                origin: [0; 2],
+                lamps: LampList::default(),
+                frame: None,
                 number: 0,
                 before: None,
             })
         })
     }
 
-    /// Takes over the cells of the next frame. Each call is the next frame, to be recorded and
-    /// submitted: noise moves on, history and feedback grow.
-    pub fn prepare(&mut self, device: &Device, queue: &Queue, cells: &Cells) -> Result<()> {
-        cells.check()?;
-        self.settings.method.suits(cells)?;
-        let size = [cells.width(), cells.height()];
-        let upload = match self.upload.take() {
-            Some(upload) if upload.textures.size()? == size => upload,
-            _ => {
-                // Before anything is made for it.
-                fits(device, size)?;
-                guarded(device, || Upload::new(device, size))?
-            }
-        };
-        let upload = self.upload.insert(upload);
-        upload.write(queue, cells, !self.settings.method.lights_lamps());
-        let textures = upload.textures.clone();
-        self.lamps.clear();
-        self.lamps.extend_from_slice(cells.lamps());
-        let known = Known::of(cells, self.settings.bounces);
-        self.take_over(device, queue, (&textures, known), cells.sky())
-    }
-
-    /// Takes over the lamps that light the host's textures ([`Self::prepare_textures`]) from the next
-    /// frame on, for the methods that light lamps by rule (`flood` and `polar`); for the others a lamp
-    /// is what glows in the textures. Without any, they find no light of lamps. [`Self::prepare`] takes
-    /// those of its cells instead.
-    pub fn set_lamps(&mut self, lamps: &[Lamp]) -> Result<()> {
-        for (i, lamp) in lamps.iter().enumerate() {
-            lamp.check(&format_args!("lamp[{i}]"))?;
-        }
-        self.lamps.clear();
-        self.lamps.extend_from_slice(lamps);
+    /// Compiles the pipelines of settings, so that the first [`Self::prepare`] with them is as quick as any
+    /// other. Those of the last sixteen settings are cached.
+    pub fn precompile(&mut self, settings: &Settings) -> Result<(), CreateError> {
+        settings.check()?;
+        self.pipelines.method(&self.shared.device, &self.shared.queue, settings)?;
         Ok(())
     }
 
-    /// Takes over the host's textures for the next frame, as [`Self::prepare`] does with cells. Views
-    /// that are equal to those of the frame before cost nothing; others are bound anew, and where
-    /// their size is the same history goes on.
-    pub fn prepare_textures(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        textures: &Textures,
-        sky: Sky,
-    ) -> Result<()> {
-        self.take_over(device, queue, (textures, Known::NOTHING), sky)
+    /// Prepares the next frame, to be recorded and submitted: noise advances, history and feedback accumulate.
+    ///
+    /// Changing the seed, the sky, lamps, or the contents of cells or textures is free. Other texture views of
+    /// the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers; any
+    /// other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
+    ///
+    /// # Errors
+    /// If the input is invalid or the device cannot light it. The frame before then stays prepared.
+    pub fn prepare(&mut self, input: &FrameInput) -> Result<()> {
+        input.settings.check()?;
+        // The upload is taken out of `self`, so that its textures can be borrowed beside it.
+        let mut upload = self.upload.take();
+        let prepared =
+            self.check(input, &mut upload).and_then(|scene| self.prepare_scene(input, &scene));
+        self.upload = upload;
+        prepared
     }
 
-    fn take_over(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        (textures, known): (&Textures, Known),
-        sky: Sky,
-    ) -> Result<()> {
-        sky.check()?;
-        self.method.take(&self.lamps, textures.size()?, &self.settings, &mut self.list);
-        let need = self.list.need();
-        let serves = |grid: &Grid| {
-            grid.textures == *textures && grid.known.serves(known) && grid.room.holds(need)
-        };
-        let planned = self.next.as_ref().or(self.grid.as_ref());
-        let fresh = match planned.is_some_and(serves) {
-            true => None,
-            false => Some(self.plan(device, (textures, known), planned)?),
-        };
-        let taken = fresh.as_ref().or(self.next.as_ref());
-        if let Some(lamps) = taken.or(self.grid.as_ref()).and_then(|grid| grid.frame.lamps.as_ref())
-        {
-            match taken {
-                // A device that was lost says now that there is no such buffer.
-                Some(_) => guarded(device, || {
-                    self.list.write(queue, lamps);
-                    Ok(())
-                })?,
-                None => self.list.write(queue, lamps),
+    /// Checks the scene of an input, and uploads its cells.
+    fn check<'a>(
+        &self,
+        input: &FrameInput<'a>,
+        upload: &'a mut Option<Upload>,
+    ) -> Result<CheckedScene<'a>> {
+        let Shared { device, queue, .. } = &self.shared;
+        match input.scene {
+            SceneInput::Cells(cells) => {
+                cells.check()?;
+                input.settings.method.suits(cells)?;
+                let size = GridSize::new(device, [cells.width(), cells.height()])?;
+                let uploaded = match upload.take().filter(|upload| upload.size == size) {
+                    Some(uploaded) => uploaded,
+                    None => with_error_scope(device, || Upload::new(device, size))?,
+                };
+                let upload = upload.insert(uploaded);
+                upload.write(queue, cells, !input.settings.method.lights_lamps());
+                let hints = SceneHints::of(cells, input.settings.bounces);
+                let grid = Grid { size, textures: &upload.textures, hints };
+                Ok(CheckedScene { grid, lamps: cells.lamps(), sky: cells.sky() })
+            }
+            SceneInput::Textures { textures, lamps, sky } => {
+                sky.check()?;
+                for (i, lamp) in lamps.iter().enumerate() {
+                    lamp.check(&format_args!("lamp[{i}]"))?;
+                }
+                let size = GridSize::new(device, textures.size()?)?;
+                let grid = Grid { size, textures, hints: SceneHints::UNKNOWN };
+                Ok(CheckedScene { grid, lamps, sky })
             }
         }
-        let next = self.next.take();
-        self.grid = fresh.or(next).or(self.grid.take());
-        let Some(grid) = &mut self.grid else { return Ok(()) };
-        let (memory, from) = match self.before {
-            Some((size, origin, ref old)) if size == grid.size => {
-                let other = self.settings.temporal.reject && *old != sky;
-                (if other { Memory::Sent } else { Memory::All }, origin)
-            }
-            _ => (Memory::Nothing, self.origin),
-        };
-        let moved = [0, 1].map(|a| self.origin[a].saturating_sub(from[a]));
-        grid.moved = moved != [0; 2];
-        if grid.moved && grid.carry.is_none() {
-            let matter = (&grid.textures, grid.known);
-            let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
-            grid.carry = Some(guarded(device, || self.carry.plan(&site, &grid.kept))?);
-            grid.memory += site.memory();
+    }
+
+    fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
+        let CheckedScene { grid, lamps, sky } = scene;
+        let Shared { device, queue, .. } = &self.shared;
+        let method = self.pipelines.method(device, queue, input.settings)?;
+        if input.distance_field && self.distance.is_none() {
+            let compile = || Ok(DistancePipelines::new(device));
+            self.distance = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
-        self.before = Some((grid.size, self.origin, sky));
-        let place = Place { size: grid.size, origin: self.origin, moved };
-        let frame = Frame::new(place, sky, &self.settings, self.number, memory);
-        queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&frame));
+        method.set_lamps(lamps, grid.size.into(), input.settings, &mut self.lamps);
+        let needed = self.lamps.needed();
+        let serves = |frame: &PreparedFrame| frame.serves(grid, input.settings, needed);
+        let fresh = if self.frame.as_ref().is_some_and(serves) {
+            None
+        } else {
+            Some(self.plan(&method, input.settings, grid)?)
+        };
+        let Some(frame) = fresh.as_ref().or(self.frame.as_ref()) else { return Ok(()) };
+        let (history, moved) = self.history(input, grid.size, *sky);
+        let extras = self.plan_extras(frame, input, moved)?;
+
+        // Nothing fails from here on.
+        self.frame = fresh.or(self.frame.take());
+        let Some(frame) = &mut self.frame else { return Ok(()) };
+        frame.settings.clone_from(input.settings);
+        frame.moved = moved != [0; 2];
+        frame.records_fields = input.distance_field;
+        frame.output = extras.output;
+        frame.fields = extras.fields.or(frame.fields.take());
+        frame.reproject = extras.reproject.or(frame.reproject.take());
+        frame.memory += extras.memory;
+        if let Some(lamps) = &frame.passes.lamps {
+            self.lamps.write(queue, lamps);
+        }
+        let position = GridPosition { size: grid.size.into(), origin: input.origin, moved };
+        let uniforms = FrameUniforms::new(position, *sky, input.settings, self.number, history);
+        queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
+        self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky: *sky });
         self.number = self.number.wrapping_add(1);
         Ok(())
     }
 
-    /// Says which cell of the host's world is the grid's left and top one ([`crate::Placed::origin`]),
-    /// from the next frame prepared on: noise then stays with the world when the grid moves over it, and
-    /// with it the light. What is left is rounding: a cell in ten thousand has a ray that passes a corner
-    /// within a millionth of a px, on the other side. What frames hand on moves along; what comes into the
-    /// grid starts afresh. (0, 0) at first.
-    pub fn set_origin(&mut self, origin: [i32; 2]) {
-        self.origin = origin;
+    /// Returns the history of the next frame, and by how many cells the grid has moved.
+    fn history(&self, input: &FrameInput, size: GridSize, sky: Sky) -> (History, [i32; 2]) {
+        let Some(before) = self.before.as_ref().filter(|before| before.size == size) else {
+            return (History::None, [0; 2]);
+        };
+        let other_sky = input.settings.temporal.reject && before.sky != sky;
+        let history = if other_sky { History::IndirectOnly } else { History::Full };
+        (history, [0, 1].map(|a| input.origin[a].saturating_sub(before.origin[a])))
     }
 
-    /// Makes buffers, and plans what runs on them. While the size is the same, what frames hand on stays,
-    /// and the light too: until the next frame it is still there to show.
-    fn plan(
-        &self,
-        device: &Device,
-        (textures, known): (&Textures, Known),
-        before: Option<&Grid>,
-    ) -> Result<Grid> {
-        let had = before.map_or(Room::default(), |grid| grid.room);
-        let size = textures.size()?;
-        let before = before.filter(|grid| grid.size == size);
-        let Self { shared, settings, options, list, .. } = self;
-        guarded(device, || {
-            let site = Site::new(device, shared, settings, *options, (textures, known))?
-                .with_room(had, list.need())?
-                .after(before.map_or(&[], |grid| &grid.kept));
-            let (light, output) = match before {
-                Some(grid) => (site.counted(grid.light.clone()), grid.output.clone()),
-                None => (site.buffer("light", site.cells() * FOUR)?, None),
+    /// Plans a frame. While the size is the same, history continues, and the light stays where it is: until the
+    /// next frame it can still be shown.
+    fn plan(&self, method: &Method, settings: &Settings, grid: &Grid) -> Result<PreparedFrame> {
+        let before = self.frame.as_ref();
+        let capacity = before.map_or(Capacity::default(), |frame| frame.capacity);
+        let before = before.filter(|frame| frame.size == grid.size);
+        with_error_scope(&self.shared.device, || {
+            let planner = FramePlanner::new(&self.shared, settings, self.options, *grid)
+                .with_capacity(capacity, self.lamps.needed())?
+                .after(before.map_or(&[], |frame| &frame.history));
+            let light = match before {
+                Some(frame) => planner.counted(frame.light.clone()),
+                None => planner.buffer::<[f32; 4]>("light", planner.cells())?,
             };
-            let mut frame = self.method.plan(&site, &light)?;
-            frame.dispatches.extend(self.walls.plan(&site, &light)?);
-            let (room, memory) = (site.room, site.memory());
-            let (textures, kept) = (textures.clone(), site.into_kept());
-            Ok(Grid {
-                size,
-                textures,
-                known,
-                room,
+            let mut passes = method.plan(&planner, &light)?;
+            passes.dispatches.extend(self.walls.plan(&planner, &light)?);
+            if let Some(lamps) = &passes.lamps {
+                // Written here too, so that a lost device is reported.
+                self.lamps.write(&self.shared.queue, lamps);
+            }
+            Ok(PreparedFrame {
+                settings: settings.clone(),
+                size: grid.size,
+                textures: grid.textures.clone(),
+                hints: grid.hints,
+                capacity: planner.capacity,
+                memory: planner.memory(),
+                history: planner.into_history(),
                 light,
-                frame,
-                memory,
-                kept,
-                carry: None,
+                passes,
+                reproject: None,
                 moved: false,
                 fields: None,
-                output,
+                records_fields: false,
+                output: before.and_then(|frame| frame.output.clone()),
             })
         })
     }
 
-    /// Forgets the frames before: the next one starts afresh, as after a cut or a jump of the view.
+    /// Plans what the input asks for beside the light.
+    fn plan_extras(
+        &self,
+        frame: &PreparedFrame,
+        input: &FrameInput,
+        moved: [i32; 2],
+    ) -> Result<Extras> {
+        let device = &self.shared.device;
+        let planner = FramePlanner::new(&self.shared, input.settings, self.options, frame.grid());
+        let known = |picture: &TextureView| {
+            frame.output.clone().filter(|output| output.picture == *picture)
+        };
+        let output = match input.output {
+            None => None,
+            Some(picture) => match known(picture) {
+                Some(output) => Some(output),
+                None => Some(self.plan_output(&planner, &frame.light, picture)?),
+            },
+        };
+        let wanted = self.distance.as_ref();
+        let wanted = wanted.filter(|_| input.distance_field && frame.fields.is_none());
+        let fields = wanted.map(|distance| with_error_scope(device, || distance.plan(&planner)));
+        let moves = moved != [0; 2] && frame.reproject.is_none();
+        let reproject = moves
+            .then(|| with_error_scope(device, || self.reproject.plan(&planner, &frame.history)));
+        Ok(Extras {
+            output,
+            fields: fields.transpose()?.map(|field| field.passes),
+            reproject: reproject.transpose()?,
+            memory: planner.memory(),
+        })
+    }
+
+    fn plan_output(
+        &self,
+        planner: &FramePlanner,
+        light: &Buffer,
+        picture: &TextureView,
+    ) -> Result<OutputPass> {
+        let size = matter::writable("output", picture)?;
+        matter::check_size("output", size, "the grid", planner.size.into())?;
+        with_error_scope(&self.shared.device, || {
+            let dispatch = self.output.plan(planner, light, picture);
+            Ok(OutputPass { picture: picture.clone(), dispatch })
+        })
+    }
+
+    /// Drops history: the next frame starts as after a cut, or after a jump of the camera.
     pub fn reset(&mut self) {
         self.number = 0;
         self.before = None;
     }
 
-    /// The settings at hand.
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    /// Builds the pipelines of settings that are to come, so that [`Self::set_settings`] need not when they
-    /// do, in the middle of a game. Those of the sixteen settings announced or used last are kept.
-    pub fn precompile(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        settings: &Settings,
-    ) -> Result<()> {
-        settings.check()?;
-        self.compiled.method(device, queue, settings)?;
-        Ok(())
-    }
-
-    /// Takes over other settings, from the next frame prepared on; one that is prepared already is recorded
-    /// as it is. The cells or textures last prepared stay, and so does what was recorded before. Free where nothing changes but the seed; another depth of walls
-    /// makes buffers, anything else pipelines too, which takes as long as [`Self::new`], where these
-    /// settings were not used before or announced ([`Self::precompile`]).
+    /// Records the frame that was prepared last into `encoder`. Does not submit or wait.
     ///
-    /// After an error everything is as before.
-    pub fn set_settings(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        settings: Settings,
-    ) -> Result<()> {
-        settings.check()?;
-        let planned =
-            alike(&settings, &self.settings) && settings.wall_depth == self.settings.wall_depth;
-        let method = self.compiled.method(device, queue, &settings)?;
-        let before = std::mem::replace(&mut self.settings, settings);
-        let method = std::mem::replace(&mut self.method, method);
-        let grid = self.next.as_ref().or(self.grid.as_ref());
-        let Some(grid) = grid.filter(|_| !planned) else { return Ok(()) };
-        self.method.take(&self.lamps, grid.size, &self.settings, &mut self.list);
-        let known = grid.known.under(self.settings.bounces);
-        match self.plan(device, (&grid.textures, known), Some(grid)) {
-            Ok(planned) => self.next = Some(planned),
-            Err(error) => {
-                self.settings = before;
-                self.method = method;
-                return Err(error);
-            }
-        }
+    /// # Errors
+    /// Returns [`RecordError::NotPrepared`] if no frame has been prepared.
+    pub fn record(&self, encoder: &mut CommandEncoder) -> Result<(), RecordError> {
+        let frame = self.prepared()?;
+        let descriptor = ComputePassDescriptor { label: Some("lamplight"), timestamp_writes: None };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        frame.dispatches().for_each(|dispatch| dispatch.record(&mut pass));
         Ok(())
     }
 
-    /// Has [`Self::record`] write the light into a texture of the host's too, linear RGB and 1: of the
-    /// format `Rgba16Float`, with the usage `STORAGE_BINDING`, as large as the grid last prepared. It
-    /// stays so until that size changes.
-    pub fn write_to(&mut self, device: &Device, picture: &TextureView) -> Result<()> {
-        let Some(grid) = &mut self.grid else {
-            return Err(wrong_output("comes before the first cells or textures".into()));
-        };
-        let texture = picture.texture();
-        if texture.format() != TextureFormat::Rgba16Float {
-            let format = texture.format();
-            return Err(wrong_output(format!("has the format {format:?}, not Rgba16Float")));
-        }
-        if !texture.usage().contains(TextureUsages::STORAGE_BINDING) {
-            return Err(wrong_output("lacks the usage STORAGE_BINDING".into()));
-        }
-        let ([w, h], [width, height]) = (matter::single("output", picture)?, grid.size);
-        if [w, h] != grid.size {
-            return Err(wrong_output(format!("is {w}×{h}, but the grid is {width}×{height}")));
-        }
-        let matter = (&grid.textures, grid.known);
-        let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
-        let output = guarded(device, || Ok(self.output.plan(&site, &grid.light, picture)))?;
-        if let Some(next) = &mut self.next {
-            next.output = Some(output.clone());
-        }
-        grid.output = Some(output);
+    /// Like [`Self::record`], and times each stage, which is a pass of its own then.
+    pub fn record_timed(
+        &self,
+        encoder: &mut CommandEncoder,
+        timer: &mut Timer,
+    ) -> Result<(), RecordError> {
+        timer.record(encoder, self.prepared()?.dispatches());
         Ok(())
     }
 
-    /// Records what turns the cells last prepared into light; nothing before the first.
-    pub fn record(&self, encoder: &mut CommandEncoder) {
-        let Some(grid) = &self.grid else { return };
-        run(encoder, "lamplight", grid.dispatches());
+    fn prepared(&self) -> Result<&PreparedFrame, RecordError> {
+        self.frame.as_ref().ok_or(RecordError::NotPrepared)
     }
 
-    /// As [`Self::record`], and times each stage, which is then a pass by itself.
-    pub fn record_timed(&self, encoder: &mut CommandEncoder, timer: &mut Timer) {
-        let Some(grid) = &self.grid else { return };
-        timer.record(encoder, grid.dispatches());
+    /// The settings of the frame prepared last; `None` before the first.
+    pub fn settings(&self) -> Option<&Settings> {
+        self.frame.as_ref().map(|frame| &frame.settings)
     }
 
-    /// Records the seed map, jump flood and distance field of the cells last prepared, for hosts that
-    /// want them; a frame that needs them makes them itself. The first time it makes their pipelines
-    /// and buffers.
-    pub fn record_fields(&mut self, device: &Device, encoder: &mut CommandEncoder) -> Result<()> {
-        let Some(grid) = &mut self.grid else { return Ok(()) };
-        let fields = match grid.fields.take() {
-            Some(fields) => fields,
-            None => {
-                let matter = (&grid.textures, grid.known);
-                let site = Site::new(device, &self.shared, &self.settings, self.options, matter)?;
-                guarded(device, || Ok(Fields::new(device).plan(&site)?.run))?
-            }
-        };
-        run(encoder, "lamplight fields", grid.fields.insert(fields).dispatches.iter());
-        Ok(())
-    }
-
-    /// Where a stage's result lies, row by row; none where the method does not make it, and before the
-    /// first [`Self::prepare`].
+    /// The buffer of a stage's result, row by row. `None` if the frame prepared last does not make it.
     pub fn stage(&self, stage: Stage) -> Option<&Buffer> {
-        let Grid { frame, fields, .. } = self.grid.as_ref()?;
-        // First what was asked for: a frame that makes its own fields may never have been recorded.
-        let mut stages = fields.iter().flat_map(|run| &run.stages).chain(&frame.stages);
+        let PreparedFrame { passes, fields, records_fields, .. } = self.frame.as_ref()?;
+        let fields = fields.iter().filter(|_| *records_fields);
+        let mut stages = fields.flat_map(|fields| &fields.stages).chain(&passes.stages);
         stages.find(|(name, _)| *name == stage).map(|(_, buffer)| buffer)
     }
 
-    /// What there is to show; none before the first [`Self::prepare`].
-    pub(crate) fn lit(&self) -> Option<Lit<'_>> {
-        let Grid { size, textures, light, .. } = self.grid.as_ref()?;
-        Some(Lit { size: *size, textures, light, frame: &self.shared.frame })
+    /// The inputs of the compose pass; `None` before the first frame.
+    pub(crate) fn compose_inputs(&self) -> Option<ComposeInputs<'_>> {
+        let PreparedFrame { size, textures, light, .. } = self.frame.as_ref()?;
+        Some(ComposeInputs { size: (*size).into(), textures, light, frame: &self.shared.frame })
     }
 
-    /// What a frame of the grid last prepared takes; nothing before the first.
+    /// The cost of the frame prepared last; `None` before the first.
     pub fn cost(&self) -> Option<Cost> {
-        let grid = self.grid.as_ref()?;
-        Some(Cost::new(grid.dispatches(), grid.memory))
+        let frame = self.frame.as_ref()?;
+        Some(Cost::new(frame.dispatches(), frame.memory))
     }
-}
 
-fn run<'a>(
-    encoder: &mut CommandEncoder,
-    label: &str,
-    dispatches: impl Iterator<Item = &'a Dispatch>,
-) {
-    let descriptor = ComputePassDescriptor { label: Some(label), timestamp_writes: None };
-    let mut pass = encoder.begin_compute_pass(&descriptor);
-    dispatches.for_each(|dispatch| dispatch.record(&mut pass));
-}
-
-fn wrong_output(problem: String) -> Error {
-    Error::Texture { name: "output", problem }
+    /// The host's device and queue.
+    pub(crate) fn device(&self) -> (&Device, &Queue) {
+        (&self.shared.device, &self.shared.queue)
+    }
 }

@@ -1,6 +1,7 @@
-//! The grid of matter as pictures on the GPU: the host's, or uploaded from cells.
+//! The matter of a grid as textures: the host's, or uploaded from cells.
 
-use crate::{Error, Result};
+use crate::error::{PrepareError, Result};
+use crate::grid_size::GridSize;
 use lamplight::Cells;
 use wgpu::{
     Device, Extent3d, Origin3d, Queue, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture,
@@ -11,23 +12,23 @@ use wgpu::{
 /// Bytes of a texel: four floats.
 const TEXEL: u32 = 16;
 
-/// What the host's matter is made of: views of whole two-dimensional textures of one size, with one
-/// layer and one mip level, in any float or normalised format, with the usage `TEXTURE_BINDING`. All
-/// values are linear (an sRGB format decodes by itself), 0 or more and finite; tint, opacity and albedo
-/// 1 at most. Nobody looks at each texel: values beyond give light as wrong as they are. Views are kept as
-/// long as they are lit; the host may drop its own.
+/// The host's matter: views of whole two-dimensional textures of one size, with one layer and one mip level, in
+/// any float or normalised format, with the usage `TEXTURE_BINDING`. All values are linear (an sRGB format
+/// decodes by itself), finite and 0 or more; tint, opacity and albedo at most 1. Texel values are not validated;
+/// out-of-range values produce incorrect light. Views are kept as long as they are lit; the host may drop its
+/// own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Textures {
-    /// Red, green, blue: radiance that cells give off.
+    /// Red, green, blue: emitted radiance.
     pub emission: TextureView,
-    /// Red, green, blue: tint; alpha: opacity, 1 in a solid wall.
+    /// Red, green, blue: tint; alpha: opacity, 1 in solid cells.
     pub tint_opacity: TextureView,
-    /// Red, green, blue: share of light that is sent on.
+    /// Red, green, blue: albedo, the fraction of light that is scattered.
     pub albedo: TextureView,
 }
 
 impl Textures {
-    /// Columns and rows; refuses what shaders could not read.
+    /// Returns columns and rows. Rejects textures that shaders cannot read.
     pub(crate) fn size(&self) -> Result<[u32; 2]> {
         let named = [
             ("emission", &self.emission),
@@ -37,24 +38,47 @@ impl Textures {
         let format = self.tint_opacity.texture().format();
         if format.components() < 4 {
             let problem = format!("has the format {format:?}, without alpha, which is the opacity");
-            return Err(Error::Texture { name: "tint_opacity", problem });
+            return Err(PrepareError::Texture { name: "tint_opacity", problem });
         }
-        let [width, height] = readable("emission", &self.emission)?;
+        let size = readable("emission", &self.emission)?;
         for (name, view) in named {
-            let [w, h] = readable(name, view)?;
-            if [w, h] != [width, height] {
-                let problem = format!("is {w}×{h}, but emission is {width}×{height}");
-                return Err(Error::Texture { name, problem });
-            }
+            check_size(name, readable(name, view)?, "emission", size)?;
         }
-        Ok([width, height])
+        Ok(size)
     }
 }
 
-/// Columns and rows of a picture of the host's; refuses one that shaders could not read.
+/// Rejects a texture whose size is not that of another thing.
+pub fn check_size(
+    name: &'static str,
+    [w, h]: [u32; 2],
+    other: &str,
+    [width, height]: [u32; 2],
+) -> Result<()> {
+    if [w, h] != [width, height] {
+        let problem = format!("is {w}×{h}, but {other} is {width}×{height}");
+        return Err(PrepareError::Texture { name, problem });
+    }
+    Ok(())
+}
+
+/// Returns columns and rows of a texture of the host's. Rejects one that the light cannot be written to.
+pub fn writable(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
+    let texture = view.texture();
+    let wrong = |problem: String| Err(PrepareError::Texture { name, problem });
+    if texture.format() != TextureFormat::Rgba16Float {
+        return wrong(format!("has the format {:?}, not Rgba16Float", texture.format()));
+    }
+    if !texture.usage().contains(TextureUsages::STORAGE_BINDING) {
+        return wrong("lacks the usage STORAGE_BINDING".into());
+    }
+    single(name, view)
+}
+
+/// Returns columns and rows of a texture of the host's. Rejects one that shaders cannot read.
 pub fn readable(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
     let texture = view.texture();
-    let wrong = |problem: String| Err(Error::Texture { name, problem });
+    let wrong = |problem: String| Err(PrepareError::Texture { name, problem });
     let sampled = texture.format().sample_type(None, None);
     if !matches!(sampled, Some(TextureSampleType::Float { .. })) {
         return wrong(format!("has the format {:?}, not floats", texture.format()));
@@ -65,11 +89,11 @@ pub fn readable(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
     single(name, view)
 }
 
-/// Columns and rows of a picture that is one and no more: views of some of its layers or mip levels
-/// cannot be told from views of all.
-pub fn single(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
+/// Returns columns and rows of a texture with a single layer and mip level. Views of some of the layers or
+/// levels cannot be distinguished from views of all.
+fn single(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
     let texture = view.texture();
-    let wrong = |problem: String| Err(Error::Texture { name, problem });
+    let wrong = |problem: String| Err(PrepareError::Texture { name, problem });
     if texture.dimension() != TextureDimension::D2
         || texture.depth_or_array_layers() != 1
         || texture.sample_count() != 1
@@ -82,18 +106,20 @@ pub fn single(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
     Ok([texture.width(), texture.height()])
 }
 
-/// Pictures of its own, that cells are uploaded to.
+/// Textures that cells are uploaded to.
 #[derive(Debug)]
 pub struct Upload {
+    pub size: GridSize,
     pub textures: Textures,
-    /// The cells with their lamps drawn in, where they have some.
+    /// The cells with their lamps drawn in, if they have any.
     drawn: Cells,
-    /// Texels on their way.
+    /// Texels of the current upload.
     texels: Vec<[f32; 4]>,
 }
 
 impl Upload {
-    pub fn new(device: &Device, [width, height]: [u32; 2]) -> Result<Self> {
+    pub fn new(device: &Device, size: GridSize) -> Result<Self> {
+        let GridSize { width, height } = size;
         let view = |label| {
             let texture = device.create_texture(&TextureDescriptor {
                 label: Some(label),
@@ -112,13 +138,12 @@ impl Upload {
             tint_opacity: view("tint and opacity"),
             albedo: view("albedo"),
         };
-        Ok(Self { textures, drawn: Cells::new(1, 1)?, texels: Vec::new() })
+        Ok(Self { size, textures, drawn: Cells::new(1, 1)?, texels: Vec::new() })
     }
 
-    /// Takes the cells over; `draw`: with their lamps as glowing discs. The second time it allocates
-    /// nothing.
+    /// Uploads cells; `draw`: with their lamps as emitting discs. Allocates nothing the second time.
     pub fn write(&mut self, queue: &Queue, cells: &Cells, draw: bool) {
-        let Self { textures, drawn, texels } = self;
+        let Self { textures, drawn, texels, .. } = self;
         let cells = if cells.lamps().is_empty() || !draw {
             cells
         } else {

@@ -1,29 +1,30 @@
-//! How the GPU goes about it: what changes the cost of light, never the light.
+//! Options of the GPU. They affect performance, never the result.
 
-use crate::{Error, Result};
+use crate::error::CreateError;
 
-/// For programs that measure; the default is the fastest.
+/// Creation options of [`crate::Lighting`], for programs that measure; the default is the fastest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Options {
-    /// `holographic`: levels that one dispatch makes, 1 to 4. Those in between never leave the GPU's
-    /// workgroup memory, so that with 4 about half as many bytes are moved as with 1.
+pub struct LightingOptions {
+    /// `holographic`: levels per dispatch, 1 to 4. Intermediate levels stay in workgroup memory, so 4 moves
+    /// about half as many bytes as 1.
     pub fused_levels: u32,
 }
 
-impl Options {
+impl LightingOptions {
     /// The most levels that fit into 16 KiB of workgroup memory.
-    pub const MOST_FUSED: u32 = 4;
+    pub const MAX_FUSED_LEVELS: u32 = 4;
 
-    pub(crate) fn check(self) -> Result<()> {
-        if (1..=Self::MOST_FUSED).contains(&self.fused_levels) {
+    pub(crate) fn check(self) -> Result<(), CreateError> {
+        if (1..=Self::MAX_FUSED_LEVELS).contains(&self.fused_levels) {
             return Ok(());
         }
-        Err(Error::Option { name: "fused_levels", value: self.fused_levels, range: "from 1 to 4" })
+        let (name, range) = ("fused_levels", "from 1 to 4");
+        Err(CreateError::Option { name, value: self.fused_levels, range })
     }
 }
 
-impl Default for Options {
+impl Default for LightingOptions {
     fn default() -> Self {
-        Self { fused_levels: Self::MOST_FUSED }
+        Self { fused_levels: Self::MAX_FUSED_LEVELS }
     }
 }

@@ -1,8 +1,9 @@
-//! Fetching what the GPU computed: [`read_back`] and [`light`] wait, for tests and files; a [`Fetch`] does
-//! not, for a game's frame and for the web, where nothing can wait.
+//! Results of the GPU on the CPU: [`read_back`] and [`light`] wait, for tests and files. [`Fetch`] and
+//! [`FetchLight`] do not, for a game's frame and for the web, where waiting is impossible.
 
-use crate::guarded::guarded;
-use crate::{Error, Lighting, Result, Stage};
+use crate::error::ReadBackError;
+use crate::error_scope::with_error_scope;
+use crate::{Lighting, Stage};
 use bytemuck::Pod;
 use lamplight::{Cells, Light};
 use std::marker::PhantomData;
@@ -13,34 +14,42 @@ use wgpu::{
 
 /// Copies a whole buffer from the GPU, after everything that was submitted before.
 ///
-/// An error where the device was lost, and where the buffer is one of another device.
-pub fn read_back<T: Pod>(device: &Device, queue: &Queue, buffer: &Buffer) -> Result<Vec<T>> {
-    Fetch::new(device, queue, buffer)?.wait(device)
+/// # Errors
+/// If the device was lost, or the buffer belongs to another device.
+pub fn read_back<T: Pod>(
+    device: &Device,
+    queue: &Queue,
+    buffer: &Buffer,
+) -> Result<Vec<T>, ReadBackError> {
+    Fetch::new(device, queue, buffer)?.wait()
 }
 
-/// The light of the last frame of these cells, to be asked as on the CPU: discs of lamps that were
-/// drawn in count as walls.
+/// Copies the light of the last frame of these cells, for queries as on the CPU: lamps that were drawn in count
+/// as solid discs.
 ///
-/// An error where nothing was lit, or cells of another size, and as [`read_back`].
-pub fn light(device: &Device, queue: &Queue, lighting: &Lighting, cells: &Cells) -> Result<Light> {
-    let fetch = FetchLight::new(device, queue, lighting, cells)?;
-    fetch.matter.light(fetch.numbers.wait(device)?)
+/// # Errors
+/// If nothing was lit, if the cells have another number than those lit, and as [`read_back`].
+pub fn light(lighting: &Lighting, cells: &Cells) -> Result<Light, ReadBackError> {
+    let fetch = FetchLight::new(lighting, cells)?;
+    fetch.cells.light(fetch.numbers.wait()?)
 }
 
-/// A buffer on its way from the GPU.
+/// A transfer of a buffer from the GPU.
 #[derive(Debug)]
 pub struct Fetch<T> {
+    device: Device,
     copy: Buffer,
-    told: Receiver<Result<(), BufferAsyncError>>,
+    mapped: Receiver<Result<(), BufferAsyncError>>,
     values: PhantomData<T>,
 }
 
 impl<T: Pod> Fetch<T> {
-    /// Asks for a whole buffer, as everything that was submitted before leaves it.
+    /// Starts the transfer of a whole buffer, as everything that was submitted before leaves it.
     ///
-    /// An error where the device was lost, and where the buffer is one of another device.
-    pub fn new(device: &Device, queue: &Queue, buffer: &Buffer) -> Result<Self> {
-        guarded(device, || Ok(Self::begin(device, queue, buffer)))
+    /// # Errors
+    /// If the device was lost, or the buffer belongs to another device.
+    pub fn new(device: &Device, queue: &Queue, buffer: &Buffer) -> Result<Self, ReadBackError> {
+        with_error_scope(device, || Ok(Self::begin(device, queue, buffer)))
     }
 
     fn begin(device: &Device, queue: &Queue, buffer: &Buffer) -> Self {
@@ -53,71 +62,76 @@ impl<T: Pod> Fetch<T> {
         let mut encoder = device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
         queue.submit([encoder.finish()]);
-        let (tell, told) = channel();
-        copy.map_async(MapMode::Read, .., move |mapped| {
-            // Nobody hears it where the fetch was dropped.
-            let _ = tell.send(mapped);
+        let (sender, mapped) = channel();
+        copy.map_async(MapMode::Read, .., move |result| {
+            // The receiver is gone if the fetch was dropped.
+            let _ = sender.send(result);
         });
-        Self { copy, told, values: PhantomData }
+        Self { device: device.clone(), copy, mapped, values: PhantomData }
     }
 
-    /// What has come; none as long as it is on its way. Does not wait.
-    pub fn take(&self, device: &Device) -> Result<Option<Vec<T>>> {
-        device.poll(PollType::Poll).map_err(failed)?;
-        match self.told.try_recv() {
-            Ok(mapped) => mapped.map(|()| Some(self.values())).map_err(failed),
+    /// Returns the values if they have arrived; `None` while the transfer is in progress. Does not wait.
+    pub fn take(&self) -> Result<Option<Vec<T>>, ReadBackError> {
+        self.device.poll(PollType::Poll).map_err(failed)?;
+        match self.mapped.try_recv() {
+            Ok(mapped) => {
+                mapped.map_err(failed)?;
+                self.values().map(Some)
+            }
             Err(TryRecvError::Empty) => Ok(None),
             Err(gone) => Err(failed(gone)),
         }
     }
 
-    /// Waits for it.
-    pub fn wait(self, device: &Device) -> Result<Vec<T>> {
-        device.poll(PollType::wait_indefinitely()).map_err(failed)?;
-        self.told.recv().map_err(failed)?.map_err(failed)?;
-        Ok(self.values())
+    /// Waits for the values.
+    pub fn wait(self) -> Result<Vec<T>, ReadBackError> {
+        self.device.poll(PollType::wait_indefinitely()).map_err(failed)?;
+        self.mapped.recv().map_err(failed)?.map_err(failed)?;
+        self.values()
     }
 
-    fn values(&self) -> Vec<T> {
-        bytemuck::pod_collect_to_vec(&self.copy.get_mapped_range(..))
+    fn values(&self) -> Result<Vec<T>, ReadBackError> {
+        let mapped = self.copy.get_mapped_range(..).map_err(failed)?;
+        Ok(bytemuck::pod_collect_to_vec(&mapped))
     }
 }
 
-/// The light of a frame on its way from the GPU.
+/// A transfer of the light of a frame from the GPU.
 #[derive(Debug)]
 pub struct FetchLight {
     numbers: Fetch<[f32; 4]>,
-    matter: Matter,
+    cells: LitCells,
 }
 
 impl FetchLight {
-    /// Asks for the light of the last frame of these cells, as [`light`] does.
-    pub fn new(device: &Device, queue: &Queue, lighting: &Lighting, cells: &Cells) -> Result<Self> {
-        let none = || Error::ReadBack("nothing has been lit".to_owned());
-        let buffer = lighting.stage(Stage::Light).ok_or_else(none)?;
-        let by_rule = lighting.settings().method.lights_lamps();
-        let matter = Matter(if by_rule { cells.clone() } else { cells.drawn().into_owned() });
-        Ok(Self { numbers: Fetch::new(device, queue, buffer)?, matter })
+    /// Starts the transfer of the light of the last frame of these cells, as [`light`] does.
+    pub fn new(lighting: &Lighting, cells: &Cells) -> Result<Self, ReadBackError> {
+        let buffer = lighting.stage(Stage::Light).ok_or(ReadBackError::NothingLit)?;
+        let by_rule = lighting.settings().is_some_and(|s| s.method.lights_lamps());
+        let cells = if by_rule { cells.clone() } else { cells.drawn().into_owned() };
+        let (device, queue) = lighting.device();
+        Ok(Self { numbers: Fetch::new(device, queue, buffer)?, cells: LitCells(cells) })
     }
 
-    /// What has come; none as long as it is on its way. Does not wait.
-    pub fn take(&self, device: &Device) -> Result<Option<Light>> {
-        self.numbers.take(device)?.map(|numbers| self.matter.light(numbers)).transpose()
+    /// Returns the light if it has arrived; `None` while the transfer is in progress. Does not wait.
+    pub fn take(&self) -> Result<Option<Light>, ReadBackError> {
+        self.numbers.take()?.map(|numbers| self.cells.light(numbers)).transpose()
     }
 }
 
-/// What was lit.
+/// The cells that were lit.
 #[derive(Debug)]
-struct Matter(Cells);
+struct LitCells(Cells);
 
-impl Matter {
-    fn light(&self, numbers: Vec<[f32; 4]>) -> Result<Light> {
+impl LitCells {
+    fn light(&self, numbers: Vec<[f32; 4]>) -> Result<Light, ReadBackError> {
+        let lit = numbers.len();
         let rgb = numbers.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-        let other = || Error::ReadBack("the cells that were lit are as many others".to_owned());
-        Light::from_pixels(&self.0, rgb).ok_or_else(other)
+        let other = || ReadBackError::OtherCells { lit, asked: self.0.len() };
+        Light::from_pixels(&self.0, rgb).map_err(|_| other())
     }
 }
 
-fn failed(why: impl std::fmt::Display) -> Error {
-    Error::ReadBack(why.to_string())
+fn failed(why: impl std::fmt::Display) -> ReadBackError {
+    ReadBackError::Failed(why.to_string())
 }

@@ -1,185 +1,165 @@
-//! The shaders: plain WGSL files, put one after the other where they share code.
+//! The shaders: WGSL files that import one another, and their expansion to plain WGSL.
 //!
-//! A host that wants its own pipeline can load the same files in the same order.
+//! A line `#import shared/uniforms` in a file stands for the file `shaders/shared/uniforms.wgsl`. Each file is
+//! included once, after the files that it imports.
 
+use crate::programs;
 use lamplight::srgb;
 
-/// What all of them begin with.
-const FRAME: &str = include_str!("../shaders/frame.wgsl");
-
-/// A shader and the files that it consists of.
-pub struct Shader {
-    pub name: &'static str,
-    files: &'static [&'static str],
-}
-
-impl Shader {
-    /// Its whole text.
-    pub fn text(&self) -> String {
-        std::iter::once(&FRAME).chain(self.files).copied().collect::<Vec<_>>().join("\n")
-    }
-}
-
-macro_rules! shader {
-    ($name:literal $(, $file:literal)*) => {
-        Shader {
-            name: $name,
-            files: &[
-                $(include_str!(concat!("../shaders/", $file, ".wgsl")),)*
-                include_str!(concat!("../shaders/", $name, ".wgsl")),
-            ],
-        }
+macro_rules! files {
+    ($($path:literal)*) => {
+        &[$(($path, include_str!(concat!("../shaders/", $path, ".wgsl")))),*]
     };
 }
 
-pub const SEED: Shader = shader!("seed");
-pub const JUMP_FLOOD: Shader = shader!("jump_flood");
-pub const DISTANCE: Shader = shader!("distance");
-pub const OPTICS: Shader = shader!("optics", "transmittance");
-pub const CLEARANCE: Shader = shader!("clearance");
-pub const CHANGES: Shader = shader!("changes", "pcg");
-pub const RAYMARCH: Shader = shader!(
-    "raymarch",
-    "pcg",
-    "noise",
-    "luminance",
-    "gather",
-    "faces",
-    "sky",
-    "surfaces",
-    "packet",
-    "march_edge"
-);
-pub const RAYMARCH_DISTANCE: Shader = shader!(
-    "raymarch",
-    "pcg",
-    "noise",
-    "luminance",
-    "gather",
-    "faces",
-    "sky",
-    "surfaces",
-    "march_distance"
-);
-pub const FEEDBACK: Shader = shader!("feedback");
-pub const COMPARE: Shader = shader!("compare", "found");
-pub const CONVERGENCE: Shader = shader!("convergence", "found");
-pub const TEMPORAL: Shader = shader!("temporal");
-pub const DENOISE: Shader = shader!("denoise", "luminance");
-pub const GROUND: Shader = shader!("ground");
-pub const FLOOD_RAYS: Shader =
-    shader!("flood_rays", "lamps", "angle", "kinds", "walk", "sky", "transmittance");
-pub const FLOOD: Shader = shader!("flood", "kinds", "faces");
-pub const POLAR_RAYS: Shader = shader!(
-    "polar_rays",
-    "lamps",
-    "angle",
-    "kinds",
-    "walk",
-    "circle",
-    "transmittance",
-    "knots",
-    "fan"
-);
-pub const POLAR_BOUNDS: Shader = shader!("polar_bounds", "lamps", "angle");
-pub const POLAR: Shader = shader!(
-    "polar",
-    "lamps",
-    "angle",
-    "kinds",
-    "walk",
-    "circle",
-    "transmittance",
-    "knots",
-    "fan",
-    "faces",
-    "lookup"
-);
-pub const SLABS: Shader = shader!("slabs", "sweep", "packed_rgb");
-pub const TRACE: Shader =
-    shader!("trace", "sweep", "packed_rgb", "interval", "packed_interval", "transmittance", "ways");
-pub const EXTEND: Shader = shader!("extend", "sweep", "interval", "packed_interval");
-pub const CONES: Shader = shader!("cones", "sweep", "packed_rgb", "interval", "packed_interval");
-pub const HOP: Shader = shader!("hop", "sweep", "packed_rgb", "interval", "transmittance", "ways");
-pub const REFLECT: Shader = shader!("reflect", "found", "faces", "packed_rgb", "solid");
-pub const CASCADES_FILL: Shader = shader!(
-    "cascades/fill",
-    "faces",
-    "sky",
-    "surfaces",
-    "interval",
-    "packet",
-    "cascades/interval",
-    "cascades/merge"
-);
-pub const CASCADES_GATHER: Shader = shader!(
-    "cascades/gather",
-    "faces",
-    "sky",
-    "surfaces",
-    "interval",
-    "packet",
-    "cascades/interval",
-    "cascades/merge"
-);
-pub const PAPER_SOURCE: Shader = shader!("paper_source", "faces", "found");
-pub const PAPER_TRACE: Shader =
-    shader!("paper_trace", "sweep", "interval", "paper_interval", "transmittance");
-pub const PAPER_EXTEND: Shader =
-    shader!("paper_extend", "sweep", "interval", "paper_interval", "paper_load");
-pub const PAPER_MERGE: Shader =
-    shader!("paper_merge", "sweep", "interval", "paper_interval", "paper_load");
-pub const PAPER_GATHER: Shader = shader!("paper_gather");
-pub const WALLS: Shader = shader!("walls", "solid");
-pub const CARRY: Shader = shader!("carry");
-pub const OUTPUT: Shader = shader!("output");
-pub const DISPLAY: Shader = shader!("display");
+/// All files by path, without `.wgsl`.
+const FILES: &[(&str, &str)] = files! {
+    "methods/cascades/gather"
+    "methods/cascades/interval"
+    "methods/cascades/merge"
+    "methods/cascades/probe"
+    "methods/flood/blur"
+    "methods/flood/rays"
+    "methods/holographic/extend"
+    "methods/holographic/faces"
+    "methods/holographic/footprint"
+    "methods/holographic/gather"
+    "methods/holographic/interval"
+    "methods/holographic/merge"
+    "methods/holographic/packed_rgb"
+    "methods/holographic/paper/extend"
+    "methods/holographic/paper/gather"
+    "methods/holographic/paper/interval"
+    "methods/holographic/paper/load"
+    "methods/holographic/paper/merge"
+    "methods/holographic/paper/source"
+    "methods/holographic/paper/trace"
+    "methods/holographic/slabs"
+    "methods/holographic/sweep"
+    "methods/holographic/trace"
+    "methods/polar/gather"
+    "methods/polar/lookup"
+    "methods/polar/shadow_bounds"
+    "methods/polar/shadow_map"
+    "methods/polar/shadow_ray"
+    "methods/polar/transmittance_curve"
+    "methods/raymarch/accumulate"
+    "methods/raymarch/gather"
+    "methods/raymarch/march"
+    "methods/raymarch/march_distance"
+    "shared/angle"
+    "shared/change"
+    "shared/circle"
+    "shared/class"
+    "shared/class_at"
+    "shared/hit"
+    "shared/interval"
+    "shared/lamps"
+    "shared/luminance"
+    "shared/noise"
+    "shared/normal"
+    "shared/packet"
+    "shared/pcg"
+    "shared/receive"
+    "shared/scatter"
+    "shared/sky"
+    "shared/solid"
+    "shared/surfaces"
+    "shared/transmittance"
+    "shared/traverse"
+    "shared/uniforms"
+    "stages/class"
+    "stages/compare"
+    "stages/convergence"
+    "stages/denoise"
+    "stages/display"
+    "stages/distance"
+    "stages/empty_space"
+    "stages/feedback"
+    "stages/invalidate"
+    "stages/jump_flood"
+    "stages/medium_grid"
+    "stages/output"
+    "stages/reproject"
+    "stages/seed"
+    "stages/temporal"
+    "stages/walls"
+};
 
-const ALL: &[Shader] = &[
-    SEED,
-    JUMP_FLOOD,
-    DISTANCE,
-    OPTICS,
-    CHANGES,
-    CLEARANCE,
-    RAYMARCH,
-    RAYMARCH_DISTANCE,
-    FEEDBACK,
-    COMPARE,
-    CONVERGENCE,
-    TEMPORAL,
-    DENOISE,
-    GROUND,
-    FLOOD_RAYS,
-    FLOOD,
-    POLAR_RAYS,
-    POLAR_BOUNDS,
-    POLAR,
-    CASCADES_FILL,
-    CASCADES_GATHER,
-    SLABS,
-    TRACE,
-    EXTEND,
-    CONES,
-    HOP,
-    REFLECT,
-    PAPER_SOURCE,
-    PAPER_TRACE,
-    PAPER_EXTEND,
-    PAPER_MERGE,
-    PAPER_GATHER,
-    WALLS,
-    CARRY,
-    OUTPUT,
-    DISPLAY,
-];
-
-/// The texts of all shaders, by name, for hosts that want pipelines of their own, and for who checks them.
-pub fn shaders() -> impl Iterator<Item = (&'static str, String)> {
-    ALL.iter().map(|shader| (shader.name, shader.text()))
+/// The reason why a shader cannot be expanded.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+enum ImportError {
+    #[error("the shader `{0}` does not exist; it is imported by: {1}")]
+    Unknown(String, String),
+    #[error("these shaders import each other: {0}")]
+    Cycle(String),
 }
 
-/// What shaders/luminance.wgsl is told.
+/// The expansion of one shader.
+struct Expansion<'a> {
+    files: &'a [(&'a str, &'a str)],
+    included: Vec<&'a str>,
+    /// The files that are being expanded, each imported by the one before.
+    open: Vec<&'a str>,
+    text: String,
+}
+
+impl<'a> Expansion<'a> {
+    fn include(&mut self, path: &'a str) -> Result<(), ImportError> {
+        if self.open.contains(&path) {
+            return Err(ImportError::Cycle([&self.open[..], &[path]].concat().join(" → ")));
+        }
+        if self.included.contains(&path) {
+            return Ok(());
+        }
+        let file = self.files.iter().find(|(known, _)| *known == path);
+        let unknown = || ImportError::Unknown(path.into(), self.open.join(" → "));
+        let &(_, source) = file.ok_or_else(unknown)?;
+        self.open.push(path);
+        for line in source.lines() {
+            if let Some(import) = line.strip_prefix("#import ") {
+                self.include(import)?;
+            }
+        }
+        self.open.pop();
+        self.included.push(path);
+        for line in source.lines().filter(|line| !line.starts_with("#import ")) {
+            self.text.push_str(line);
+            self.text.push('\n');
+        }
+        Ok(())
+    }
+}
+
+fn expand<'a>(files: &'a [(&'a str, &'a str)], path: &'a str) -> Result<String, ImportError> {
+    let mut expansion =
+        Expansion { files, included: Vec::new(), open: Vec::new(), text: String::new() };
+    expansion.include(path)?;
+    Ok(expansion.text)
+}
+
+/// The plain WGSL of a shader.
+///
+/// A test expands all of them. A shader that cannot be expanded would fail to compile, with the reason as its
+/// text.
+pub fn text(path: &str) -> String {
+    expand(FILES, path).unwrap_or_else(|error| error.to_string())
+}
+
+/// The name of a shader in timings and debug groups: its path below `stages` or `methods`.
+pub fn label(path: &'static str) -> &'static str {
+    path.split_once('/').map_or(path, |(_, below)| below)
+}
+
+/// The plain WGSL of all shaders by name, for hosts that want pipelines of their own, and for checks.
+pub fn shaders() -> impl Iterator<Item = (&'static str, String)> {
+    let mut paths: Vec<_> = programs::ALL.iter().map(|program| program.shader).collect();
+    paths.sort_unstable();
+    paths.dedup();
+    paths.into_iter().map(|path| (label(path), text(path)))
+}
+
+/// The constants of shaders/shared/luminance.wgsl.
 pub const LUMINANCE: [(&str, f64); 3] = [
     ("LUMINANCE_RED", srgb::LUMINANCE[0] as f64),
     ("LUMINANCE_GREEN", srgb::LUMINANCE[1] as f64),
@@ -189,51 +169,128 @@ pub const LUMINANCE: [(&str, f64); 3] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Frame;
+    use crate::gpu_struct::Layout;
     use crate::lamps::Lamp;
     use crate::methods::cascades::ladder::{Layer, Path};
     use crate::methods::holographic::sweep::Sweep;
-    use crate::stages::display::Look;
+    use crate::stages::display::ComposeUniforms;
+    use crate::uniforms::FrameUniforms;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-    fn parsed(shader: &Shader) -> naga::Module {
-        naga::front::wgsl::parse_str(&shader.text())
-            .unwrap_or_else(|e| panic!("{}: {}", shader.name, e.emit_to_string(&shader.text())))
+    #[test]
+    fn every_file_of_the_tree_is_listed() {
+        fn walk(folder: &std::path::Path, paths: &mut Vec<String>) {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    walk(&path, paths);
+                } else {
+                    paths.push(path.with_extension("").display().to_string());
+                }
+            }
+        }
+        let root = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/");
+        let mut paths = Vec::new();
+        walk(root.as_ref(), &mut paths);
+        let mut paths: Vec<_> =
+            paths.iter().map(|path| path.strip_prefix(root).unwrap().replace('\\', "/")).collect();
+        paths.sort_unstable();
+        assert_eq!(FILES.iter().map(|(path, _)| *path).collect::<Vec<_>>(), paths);
     }
 
     #[test]
-    fn every_shader_is_valid_without_any_extension() {
-        for shader in ALL {
-            let module = parsed(shader);
+    fn every_shader_is_expanded_to_valid_wgsl_without_any_extension() {
+        for (path, _) in FILES {
+            assert_eq!(expand(FILES, path).err(), None);
+        }
+        for (name, text) in shaders() {
+            let module = naga::front::wgsl::parse_str(&text)
+                .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(&text)));
             let valid = Validator::new(ValidationFlags::all(), Capabilities::empty())
                 .subgroup_stages(naga::valid::ShaderStages::empty())
                 .validate(&module);
-            assert!(valid.is_ok(), "{}: {:?}", shader.name, valid.err());
+            assert!(valid.is_ok(), "{name}: {:?}", valid.err());
         }
     }
 
-    /// Whether a structure is laid out in a shader as it is here: names and places of all fields, and
-    /// the size.
-    #[track_caller]
-    fn laid_out(shader: &Shader, name: &str, fields: &[(&str, usize)], size: usize) {
-        let module = parsed(shader);
-        let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
-        let Some(naga::TypeInner::Struct { members, span }) = found.map(|(_, ty)| &ty.inner) else {
-            panic!("{} declares no {name}", shader.name)
-        };
-        let read: Vec<_> =
-            members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
-        assert_eq!(read, fields);
-        assert_eq!(*span as usize, size);
+    #[test]
+    fn every_file_is_part_of_a_shader() {
+        let mut used = Vec::new();
+        for program in programs::ALL {
+            let (open, text) = (Vec::new(), String::new());
+            let mut expansion = Expansion { files: FILES, included: used, open, text };
+            expansion.include(program.shader).unwrap();
+            used = expansion.included;
+        }
+        let paths = FILES.iter().map(|(path, _)| *path);
+        let unused: Vec<_> = paths.filter(|path| !used.contains(path)).collect();
+        assert_eq!(unused, [""; 0]);
     }
 
     #[test]
-    fn structures_are_laid_out_as_the_shaders_read_them() {
-        laid_out(&SEED, "Frame", &Frame::OFFSETS, size_of::<Frame>());
-        laid_out(&CASCADES_FILL, "Path", &Path::OFFSETS, size_of::<Path>());
-        laid_out(&CASCADES_FILL, "Layer", &Layer::OFFSETS, size_of::<Layer>());
-        laid_out(&TRACE, "Sweep", &Sweep::OFFSETS, size_of::<Sweep>());
-        laid_out(&POLAR, "Lamp", &Lamp::OFFSETS, size_of::<Lamp>());
-        laid_out(&DISPLAY, "Look", &Look::OFFSETS, size_of::<Look>());
+    fn imports_come_first_and_once() {
+        let files = [
+            ("a", "#import b\n#import c\na\n"),
+            ("b", "#import c\nb\n"),
+            ("c", "c\n"),
+            ("d", "d\n"),
+        ];
+        assert_eq!(expand(&files, "a").unwrap(), "c\nb\na\n");
+    }
+
+    #[test]
+    fn unknown_imports_and_cycles_are_errors() {
+        let files = [
+            ("a", "#import b\n"),
+            ("b", "#import c\n"),
+            ("d", "#import e\n"),
+            ("e", "#import d\n"),
+        ];
+        let error = |path| expand(&files, path).unwrap_err().to_string();
+        assert_eq!(error("a"), "the shader `c` does not exist; it is imported by: a → b");
+        assert_eq!(error("d"), "these shaders import each other: d → e → d");
+    }
+
+    /// The differences between a struct in Rust and the struct of its name in a shader.
+    fn differences(layout: &Layout, shader: &str) -> Vec<String> {
+        let module = naga::front::wgsl::parse_str(&text(shader)).unwrap();
+        let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(layout.name));
+        let Some(naga::TypeInner::Struct { members, span }) = found.map(|(_, ty)| &ty.inner) else {
+            return vec![format!("{shader} declares no {}", layout.name)];
+        };
+        let read = members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize));
+        let read: Vec<_> = read.chain([("(end)", *span as usize)]).collect();
+        let fields = layout.fields.iter().copied().chain([("(end)", layout.size)]);
+        let written: Vec<_> = fields.filter(|(name, _)| !name.starts_with("padding")).collect();
+        let missing = written.iter().filter(|field| !read.contains(field));
+        let missing = missing.map(|(name, at)| format!("`{name}` at {at} only in Rust"));
+        let more = read.iter().filter(|field| !written.contains(field));
+        let more = more.map(|(name, at)| format!("`{name}` at {at} only in {shader}"));
+        missing.chain(more).collect()
+    }
+
+    #[test]
+    fn structs_have_the_layout_that_shaders_read() {
+        for (layout, shader) in [
+            (FrameUniforms::LAYOUT, programs::SEED.shader),
+            (Path::LAYOUT, programs::CASCADES_MERGE.shader),
+            (Layer::LAYOUT, programs::CASCADES_MERGE.shader),
+            (Sweep::LAYOUT, programs::HOLOGRAPHIC_TRACE.shader),
+            (Lamp::LAYOUT, programs::POLAR_GATHER.shader),
+            (ComposeUniforms::LAYOUT, programs::DISPLAY.shader),
+        ] {
+            assert_eq!(differences(&layout, shader), [""; 0], "{}", layout.name);
+        }
+    }
+
+    #[test]
+    fn a_field_in_another_place_is_found() {
+        let mut fields = Lamp::LAYOUT.fields.to_vec();
+        fields[2].1 -= 4;
+        let layout = Layout { fields: &fields, ..Lamp::LAYOUT };
+        assert_eq!(
+            differences(&layout, programs::POLAR_GATHER.shader),
+            ["`range` at 8 only in Rust", "`range` at 12 only in methods/polar/gather"]
+        );
     }
 }

@@ -1,17 +1,18 @@
-//! Buffers that are the same for every grid.
+//! The host's device, and buffers that are the same for every grid.
 
-use crate::frame::Frame;
-use crate::kernel::STEP_BYTES;
+use crate::pipeline::STEP_BYTES;
+use crate::uniforms::FrameUniforms;
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferDescriptor, BufferUsages, Device, Queue};
 
-/// Steps that a kernel may be told.
+/// The number of steps that a dispatch can select.
 const STEPS: u32 = 66;
 
-/// What all methods share.
+/// The device and buffers that all methods share.
 #[derive(Debug)]
 pub struct Shared {
+    pub device: Device,
     pub queue: Queue,
-    /// [`Frame`], written before each frame.
+    /// [`FrameUniforms`], written before each frame.
     pub frame: Buffer,
     steps: Buffer,
 }
@@ -22,40 +23,41 @@ impl Shared {
         for (number, bytes) in (0u32..).zip(steps.chunks_exact_mut(STEP_BYTES as usize)) {
             bytes[..4].copy_from_slice(&number.to_ne_bytes());
         }
-        let frame = [0; size_of::<Frame>()];
+        let frame = [0; size_of::<FrameUniforms>()];
         Self {
+            device: device.clone(),
             queue: queue.clone(),
             frame: filled(device, queue, "frame", BufferUsages::UNIFORM, &frame),
             steps: filled(device, queue, "steps", BufferUsages::UNIFORM, &steps),
         }
     }
 
-    /// The number of a step; which one is said when it runs.
+    /// The number of a step, selected by each dispatch.
     pub fn step(&self) -> BindingResource<'_> {
         self.number(0)
     }
 
-    /// This number, one of the steps'.
+    /// The number of a step, fixed.
     pub fn number(&self, number: u32) -> BindingResource<'_> {
         let (offset, size) = (u64::from(number * STEP_BYTES), std::num::NonZeroU64::new(4));
         BindingResource::Buffer(BufferBinding { buffer: &self.steps, offset, size })
     }
 }
 
-/// A buffer with something in it.
+/// Creates a buffer with contents.
 pub fn filled(
     device: &Device,
     queue: &Queue,
     label: &str,
     usage: BufferUsages,
-    bytes: &[u8],
+    contents: &[u8],
 ) -> Buffer {
     let buffer = device.create_buffer(&BufferDescriptor {
         label: Some(label),
-        size: bytes.len() as u64,
+        size: contents.len() as u64,
         usage: usage | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    queue.write_buffer(&buffer, 0, bytes);
+    queue.write_buffer(&buffer, 0, contents);
     buffer
 }

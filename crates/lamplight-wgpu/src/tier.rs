@@ -1,25 +1,25 @@
-//! What a device has to be made with.
+//! The features and limits that a device has to be created with.
 
 use wgpu::{Adapter, Features, Limits};
 
-/// How much is asked of a device, least first.
+/// Levels of requirements on a device, the lowest first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Tier {
-    /// What WebGPU grants everywhere: no features, its default limits. Grids of up to 8192 px a side
-    /// and 2²³ cells (for methods with four floats a cell).
+    /// The features and limits that WebGPU grants everywhere: no features, its default limits. Grids of up to 8192 px a side
+    /// and 2²³ cells (for methods with four floats per cell).
     #[default]
     Web,
-    /// Grids as large as the adapter can hold; workgroups with as much memory as it has, which save
+    /// Grids as large as the adapter supports; workgroups with as much memory as it has, which save
     /// `holographic` some work (9 to 24 % on a software GPU) and change no bit of the light; times of
-    /// stages ([`crate::Timer`]) where it can tell them.
+    /// stages ([`crate::Timer`]) if it can measure them.
     ///
-    /// Not half floats: what is stored is packed tighter already, and light at 65504 and more, or a
-    /// thousandth of what is beside it, is no rare thing. Not subgroups: no kernel hands more from thread to
-    /// thread than a bit.
+    /// It does not request half floats: stored values are packed tighter already, and light of 65504 and more,
+    /// or of a thousandth of its neighbour, is common. It does not request subgroups: no shader passes more
+    /// than a bit from thread to thread.
     Native,
 }
 
-/// Features to request of an adapter; every method and stage runs without any.
+/// Returns the features to request of an adapter. Every method and stage runs without any.
 pub fn required_features(tier: Tier, adapter: &Adapter) -> Features {
     match tier {
         Tier::Web => Features::empty(),
@@ -27,7 +27,7 @@ pub fn required_features(tier: Tier, adapter: &Adapter) -> Features {
     }
 }
 
-/// Limits to request of an adapter.
+/// Returns the limits to request of an adapter.
 pub fn required_limits(tier: Tier, adapter: &Adapter) -> Limits {
     let granted = Limits::default();
     let most = adapter.limits();

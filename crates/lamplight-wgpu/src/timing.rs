@@ -1,7 +1,7 @@
-//! What each stage of a frame takes on the GPU.
+//! The time of each stage of a frame on the GPU.
 
-use crate::kernel::Dispatch;
-use crate::{Error, Result};
+use crate::error::ReadBackError;
+use crate::pipeline::Dispatch;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
@@ -11,54 +11,56 @@ use wgpu::{
     QUERY_RESOLVE_BUFFER_ALIGNMENT, QUERY_SIZE, QuerySet, QuerySetDescriptor, QueryType, Queue,
 };
 
-/// Stretches of a frame that are timed; what comes after is timed as one.
+/// Stretches of a frame that are timed separately; the rest is timed as one.
 const STRETCHES: u32 = 256;
 const QUERIES: u32 = 2 * STRETCHES;
-/// What the last stretch is called where there are more.
+/// The label of the last stretch if there are more.
 const REST: &str = "rest";
 
-/// Frames whose times may be on their way at once. GPUs are two or three frames behind.
+/// Frames whose times may be in flight at once. GPUs are two or three frames behind.
 const FRAMES: usize = 4;
 
 /// Times stages on the GPU, for [`crate::Lighting::record_timed`].
 ///
-/// Reading never waits: it gives the times of the latest frame that the GPU has finished. Each stage
-/// gets a compute pass of its own, so that there is something to time; that keeps stages apart which
-/// would otherwise overlap, and makes the frame a little slower. Browsers round times to 0.1 ms.
+/// Reading never waits: it returns the times of the latest frame that the GPU has finished. Each stage gets a
+/// compute pass of its own, since only passes can be timed. That separates stages which would otherwise
+/// overlap, and makes the frame a little slower. Browsers round times to 0.1 ms.
 #[derive(Debug)]
 pub struct Timer {
+    device: Device,
     queries: QuerySet,
     resolved: Buffer,
-    /// Nanoseconds a tick.
+    /// Nanoseconds per tick.
     period: f64,
-    frames: [Frame; FRAMES],
+    frames: [TimedFrame; FRAMES],
     /// Frames timed so far.
     count: u64,
     times: Vec<(&'static str, Duration)>,
-    /// The frame that they are of.
-    of: u64,
+    /// The frame of `times`.
+    latest: u64,
 }
 
-/// The ticks of one frame, on their way to the CPU.
+/// The ticks of one frame, in flight to the CPU.
 #[derive(Debug)]
-struct Frame {
+struct TimedFrame {
     ticks: Buffer,
     /// Labels of the stretches, in order.
     stretches: Vec<&'static str>,
     number: u64,
-    /// Shared with who is to be told; alone with a frame on its way, nobody will be.
+    /// Shared with the map callback. If the callback is gone and the frame is still in flight, its encoder was
+    /// dropped.
     state: Arc<AtomicU8>,
 }
 
 const FREE: u8 = 0;
-const UNDER_WAY: u8 = 1;
-const HERE: u8 = 2;
-/// For good: the device was lost.
+const IN_FLIGHT: u8 = 1;
+const ARRIVED: u8 = 2;
+/// Final: the device was lost.
 const FAILED: u8 = 3;
 
 impl Timer {
-    /// None where the device was not made with [`Features::TIMESTAMP_QUERY`]
-    /// ([`crate::required_features`] asks for it where there is one).
+    /// Creates a timer. Returns `None` if the device was created without [`Features::TIMESTAMP_QUERY`]
+    /// ([`crate::required_features`] requests it if the adapter has it).
     pub fn new(device: &Device, queue: &Queue) -> Option<Self> {
         if !device.features().contains(Features::TIMESTAMP_QUERY) {
             return None;
@@ -74,6 +76,7 @@ impl Timer {
             })
         };
         Some(Self {
+            device: device.clone(),
             queries: device.create_query_set(&QuerySetDescriptor {
                 label: Some("timestamps"),
                 ty: QueryType::Timestamp,
@@ -81,7 +84,7 @@ impl Timer {
             }),
             resolved: buffer(BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC),
             period: queue.get_timestamp_period().into(),
-            frames: std::array::from_fn(|_| Frame {
+            frames: std::array::from_fn(|_| TimedFrame {
                 ticks: buffer(BufferUsages::COPY_DST | BufferUsages::MAP_READ),
                 stretches: Vec::new(),
                 number: 0,
@@ -89,19 +92,19 @@ impl Timer {
             }),
             count: 0,
             times: Vec::new(),
-            of: 0,
+            latest: 0,
         })
     }
 
-    /// What each stage of the latest frame that is known took, in the order in which they ran; empty
-    /// before. To be asked after the queue was submitted to or the device polled.
+    /// Returns the time of each stage of the latest finished frame, in the order in which they ran; empty before
+    /// the first. Call after submitting to the queue or polling the device.
     pub fn read(&mut self) -> &[(&'static str, Duration)] {
         for frame in &mut self.frames {
-            if frame.state.load(Ordering::Acquire) != HERE {
+            if frame.state.load(Ordering::Acquire) != ARRIVED {
                 continue;
             }
-            if frame.number > self.of {
-                self.of = frame.number;
+            if frame.number > self.latest {
+                self.latest = frame.number;
                 frame.add_up(self.period, &mut self.times);
             }
             frame.ticks.unmap();
@@ -110,15 +113,14 @@ impl Timer {
         &self.times
     }
 
-    /// Waits until all that was submitted is done, and reads: for tests and files, not for a game's
-    /// frame.
-    pub fn wait(&mut self, device: &Device) -> Result<&[(&'static str, Duration)]> {
-        let waited = device.poll(PollType::wait_indefinitely());
-        waited.map_err(|e| Error::ReadBack(e.to_string()))?;
+    /// Waits until all submitted work is done, and reads: for tests and files, not for a game's frame.
+    pub fn wait(&mut self) -> Result<&[(&'static str, Duration)], ReadBackError> {
+        let waited = self.device.poll(PollType::wait_indefinitely());
+        waited.map_err(|e| ReadBackError::Failed(e.to_string()))?;
         Ok(self.read())
     }
 
-    /// Records dispatches, a pass for each stretch under one label.
+    /// Records dispatches, one pass per stretch of the same label.
     pub(crate) fn record<'a>(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -130,7 +132,7 @@ impl Timer {
         while let Some(first) = dispatches.peek() {
             let number = stretches.len() as u32;
             let rest = number + 1 == STRETCHES;
-            let label = if rest { REST } else { first.kernel.label };
+            let label = if rest { REST } else { first.pipeline.label };
             stretches.push(label);
             let writes = ComputePassTimestampWrites {
                 query_set: &self.queries,
@@ -141,12 +143,13 @@ impl Timer {
                 label: Some(label),
                 timestamp_writes: Some(writes),
             });
-            while let Some(dispatch) = dispatches.next_if(|next| rest || next.kernel.label == label)
+            while let Some(dispatch) =
+                dispatches.next_if(|next| rest || next.pipeline.label == label)
             {
                 dispatch.record(&mut pass);
             }
         }
-        // The CPU has not read for long: this frame goes untold.
+        // All frames are in flight, since the CPU has not read for long: this one is not timed.
         let (Some(frame), false) = (frame, stretches.is_empty()) else { return };
         let queries = 2 * stretches.len() as u32;
         encoder.resolve_query_set(&self.queries, 0..queries, &self.resolved, 0);
@@ -155,22 +158,22 @@ impl Timer {
         self.count += 1;
         frame.number = self.count;
         frame.stretches = stretches;
-        frame.state = Arc::new(UNDER_WAY.into());
+        frame.state = Arc::new(IN_FLIGHT.into());
         let state = frame.state.clone();
         encoder.map_buffer_on_submit(&frame.ticks, MapMode::Read, 0..bytes, move |mapped| {
-            state.store(if mapped.is_ok() { HERE } else { FAILED }, Ordering::Release);
+            state.store(if mapped.is_ok() { ARRIVED } else { FAILED }, Ordering::Release);
         });
     }
 }
 
-impl Frame {
-    /// Not under way; or it was, in an encoder that was dropped.
+impl TimedFrame {
+    /// Returns whether it is not in flight, or its encoder was dropped.
     fn is_free(&mut self) -> bool {
-        // First, since who is to be told tells before it lets go.
+        // Read this first: the callback stores its result before it drops its reference.
         let alone = Arc::get_mut(&mut self.state).is_some();
         match self.state.load(Ordering::Acquire) {
             FREE => true,
-            UNDER_WAY => alone,
+            IN_FLIGHT => alone,
             _ => false,
         }
     }
@@ -178,10 +181,11 @@ impl Frame {
     fn add_up(&self, period: f64, times: &mut Vec<(&'static str, Duration)>) {
         times.clear();
         let bytes = self.stretches.len() as u64 * 2 * u64::from(QUERY_SIZE);
-        let ticks: Vec<[u64; 2]> =
-            bytemuck::pod_collect_to_vec(&self.ticks.get_mapped_range(..bytes));
+        // A device that was lost in the meantime maps nothing: the frame then has no times.
+        let Ok(mapped) = self.ticks.get_mapped_range(..bytes) else { return };
+        let ticks: Vec<[u64; 2]> = bytemuck::pod_collect_to_vec(&mapped);
         for (&label, [begin, end]) in self.stretches.iter().zip(ticks) {
-            // Some GPUs' clocks start anew.
+            // The clocks of some GPUs restart.
             let nanoseconds = end.saturating_sub(begin) as f64 * period;
             let time = Duration::from_nanos(nanoseconds as u64);
             match times.iter_mut().find(|(known, _)| *known == label) {

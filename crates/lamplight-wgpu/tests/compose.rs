@@ -1,12 +1,13 @@
-//! What is shown, held to the CPU's pictures.
+//! The composed picture, compared with the CPU's.
 
 mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{cells, device, frame};
+use common::{cells, device, frame, lighting};
 use lamplight::{Cells, Display, Light, Method, Rgb, Settings, ToneMap};
-use lamplight_wgpu::{Color, Compose, Error, Filter, Lighting, Shown, Target, Window};
+use lamplight_wgpu::error::{PrepareError, RecordError};
+use lamplight_wgpu::{Color, Compose, ComposeParams, Filter, Lighting, Target, VisibleRect};
 use textures::{fetch, filled, float, texture, view};
 use wgpu::{Device, Queue, TextureFormat, TextureUsages, TextureView};
 
@@ -38,8 +39,8 @@ fn scene() -> Scene {
     let format = TextureFormat::Rgba32Float;
     let color = filled(&device, &queue, SIZE, format, bytemuck::cast_slice(&color));
     let settings = Settings { method: Method::Raymarch, wall_depth: 3.0, ..Settings::default() };
-    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
-    let light = frame(&device, &queue, &mut lighting, &cells);
+    let mut lighting = lighting(&device, &queue);
+    let light = frame(&device, &queue, &mut lighting, &settings, &cells);
     let rgb = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
     let light = Light::from_pixels(&cells, rgb).unwrap();
     Scene { device, queue, lighting, cells, light, color }
@@ -47,20 +48,20 @@ fn scene() -> Scene {
 
 impl Scene {
     /// Bytes of a target on which the light was drawn.
-    fn drawn(&self, size: [u32; 2], format: TextureFormat, shown: &Shown) -> Vec<u8> {
+    fn drawn(&self, size: [u32; 2], format: TextureFormat, shown: &ComposeParams) -> Vec<u8> {
         let Self { device, queue, lighting, .. } = self;
         let target = texture(device, size, format, TextureUsages::RENDER_ATTACHMENT);
-        let mut compose = Compose::new(device).unwrap();
-        compose.prepare(device, queue, lighting, format, shown).unwrap();
+        let mut compose = Compose::new(device, queue).unwrap();
+        compose.prepare(lighting, format, shown).unwrap();
         let mut encoder = device.create_command_encoder(&Default::default());
-        compose.record(&mut encoder, &view(&target));
+        compose.record(&mut encoder, &view(&target)).unwrap();
         queue.submit([encoder.finish()]);
         fetch(device, queue, &target)
     }
 
-    fn shown(&self, tonemap: ToneMap, exposure: f32) -> Shown<'_> {
+    fn shown(&self, tonemap: ToneMap, exposure: f32) -> ComposeParams<'_> {
         let display = Display { tonemap, exposure };
-        Shown { display, color: Color::Cells(&self.color), ..Shown::default() }
+        ComposeParams { display, color: Color::Cells(&self.color), ..ComposeParams::default() }
     }
 }
 
@@ -115,7 +116,7 @@ fn one_wrong_byte_is_rejected() {
 }
 
 #[test]
-fn floats_are_given_linear_light() {
+fn float_targets_receive_linear_light() {
     let scene = scene();
     for &tonemap in ToneMap::ALL {
         let shown = scene.shown(tonemap, 0.5);
@@ -142,13 +143,13 @@ fn floats_are_given_linear_light() {
 }
 
 /// Radiance that each pixel of a target as large as the grid shows, in linear floats.
-fn linear(scene: &Scene, shown: &Shown) -> Vec<[f32; 4]> {
+fn linear(scene: &Scene, shown: &ComposeParams) -> Vec<[f32; 4]> {
     let bytes = scene.drawn(SIZE, TextureFormat::Rgba32Float, shown);
     bytemuck::cast_slice(&bytes).to_vec()
 }
 
 #[test]
-fn a_hosts_frame_is_lit_glows_and_keeps_its_alpha() {
+fn a_hosts_frame_is_lit_emits_and_keeps_its_alpha() {
     let scene = scene();
     let Scene { device, queue, .. } = &scene;
     let n = scene.cells.len();
@@ -162,13 +163,13 @@ fn a_hosts_frame_is_lit_glows_and_keeps_its_alpha() {
     let more: Vec<[f32; 4]> = (0..n).map(|i| [0.0, texel(i, 17), 0.5, 0.0]).collect();
     let (own_view, glow_view, more_view) = (picture(&own), picture(&glow), picture(&more));
     let ambient = [0.25, 0.0, 1.5];
-    let shown = Shown {
+    let shown = ComposeParams {
         color: Color::Target(&own_view),
-        glow: Some(&glow_view),
+        emission: Some(&glow_view),
         more: Some(&more_view),
         ambient,
         display: Display { tonemap: ToneMap::None, exposure: 1.0 },
-        ..Shown::default()
+        ..ComposeParams::default()
     };
     let check = |seen: &[[f32; 4]], lit: bool| {
         let mut wrong = 0;
@@ -188,28 +189,28 @@ fn a_hosts_frame_is_lit_glows_and_keeps_its_alpha() {
     assert_eq!(check(&seen, true), 0);
     assert!(check(&seen, false) > n / 4, "a picture without the grid's light is rejected");
     let small = filled(device, queue, [3, 3], format, &[0; 9 * 16]);
-    let mut compose = Compose::new(device).unwrap();
-    let mut refused = |shown: &Shown| {
-        let error = compose.prepare(device, queue, &scene.lighting, format, shown);
+    let mut compose = Compose::new(device, queue).unwrap();
+    let mut refused = |shown: &ComposeParams| {
+        let error = compose.prepare(&scene.lighting, format, shown);
         error.unwrap_err().to_string()
     };
-    assert!(refused(&Shown { more: Some(&small), ..shown }).contains("more"));
+    assert!(refused(&ComposeParams { more: Some(&small), ..shown }).contains("more"));
     let ambient = [0.0, f32::NAN, 0.0];
-    assert!(refused(&Shown { ambient, ..shown }).contains("ambient"));
+    assert!(refused(&ComposeParams { ambient, ..shown }).contains("ambient"));
 }
 
 #[test]
-fn a_turned_window_shows_the_grid_turned() {
+fn a_rotated_visible_part_shows_the_grid_rotated() {
     let scene = scene();
     let shown = scene.shown(ToneMap::None, 0.0);
     let upright = linear(&scene, &shown);
     // A quarter turn: the picture's right is the grid's down, and its down the grid's left.
     let [width, height] = SIZE.map(|v| v as f32);
-    let turned = Window { corner: [width, 0.0], right: [0.0, height], down: [-width, 0.0] };
+    let turned = VisibleRect { corner: [width, 0.0], right: [0.0, height], down: [-width, 0.0] };
     let bytes = scene.drawn(
         [SIZE[1], SIZE[0]],
         TextureFormat::Rgba32Float,
-        &Shown { window: Some(turned), ..shown },
+        &ComposeParams { visible: Some(turned), ..shown },
     );
     let seen: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
     for (x, y) in (0..SIZE[0]).flat_map(|y| (0..SIZE[1]).map(move |x| (x, y))) {
@@ -220,7 +221,7 @@ fn a_turned_window_shows_the_grid_turned() {
 }
 
 #[test]
-fn nearest_enlarges_and_a_window_cuts_out() {
+fn nearest_enlarges_and_the_visible_part_cuts_out() {
     let scene = scene();
     let format = TextureFormat::Rgba8Unorm;
     let shown = scene.shown(ToneMap::Aces, 0.0);
@@ -235,8 +236,8 @@ fn nearest_enlarges_and_a_window_cuts_out() {
             assert_eq!(at(&seen, width, x, y), at(&once, SIZE[0], x / scale, y / scale));
         }
     }
-    let window = Some(Window::upright([11.0, 7.0], [20.0, 15.0]));
-    let part = scene.drawn([40, 30], format, &Shown { window, ..shown });
+    let visible = Some(VisibleRect::upright([11.0, 7.0], [20.0, 15.0]));
+    let part = scene.drawn([40, 30], format, &ComposeParams { visible, ..shown });
     for (x, y) in (0..30).flat_map(|y| (0..40).map(move |x| (x, y))) {
         assert_eq!(at(&part, 40, x, y), at(&once, SIZE[0], 11 + x / 2, 7 + y / 2));
     }
@@ -270,7 +271,8 @@ fn linear_shows_what_lies_between_cells() {
         ([10.375, 5.25], [24.0, 18.0], [48, 36]),
     ] {
         let shown = scene.shown(ToneMap::Reinhard, 0.0);
-        let shown = Shown { filter, window: Some(Window::upright(corner, extent)), ..shown };
+        let visible = Some(VisibleRect::upright(corner, extent));
+        let shown = ComposeParams { filter, visible, ..shown };
         let seen = scene.drawn(size, TextureFormat::Rgba8Unorm, &shown);
         let place = |i: u32, a: usize| corner[a] + (i as f32 + 0.5) * extent[a] / size[a] as f32;
         let right: Vec<u8> = (0..size[0] * size[1])
@@ -288,7 +290,7 @@ fn a_picture_of_the_hosts_takes_its_own_texels() {
     let scene = scene();
     let format = TextureFormat::Rgba8Unorm;
     let by_cells = scene.shown(ToneMap::Agx, 0.0);
-    let over_view = Shown { color: Color::View(&scene.color), ..by_cells };
+    let over_view = ComposeParams { color: Color::View(&scene.color), ..by_cells };
     assert_eq!(scene.drawn(SIZE, format, &by_cells), scene.drawn(SIZE, format, &over_view));
 
     // Twice as fine as the cells: black but for every other column.
@@ -296,7 +298,7 @@ fn a_picture_of_the_hosts_takes_its_own_texels() {
     let stripes: Vec<[u8; 4]> =
         (0..fine[0] * fine[1]).map(|i| [(i % fine[0] % 2) as u8 * 255; 4]).collect();
     let stripes = filled(&scene.device, &scene.queue, fine, format, stripes.as_flattened());
-    let shown = |color| Shown { color, ..scene.shown(ToneMap::Reinhard, 0.0) };
+    let shown = |color| ComposeParams { color, ..scene.shown(ToneMap::Reinhard, 0.0) };
     let seen = scene.drawn(fine, format, &shown(Color::View(&stripes)));
     let white = scene.drawn(fine, format, &shown(Color::White));
     let open = |i: usize| scene.cells.opacity()[i] == 0.0 && scene.cells.tint()[i] == [1.0; 3];
@@ -331,10 +333,10 @@ fn passes_may_have_depth_and_samples() {
     };
     let (samples, depth) = (many(color), many(TextureFormat::Depth32Float));
     let resolved = texture(device, SIZE, color, TextureUsages::RENDER_ATTACHMENT);
-    let mut compose = Compose::new(device).unwrap();
+    let mut compose = Compose::new(device, queue).unwrap();
     let target = Target { format: color, samples: 4, depth: Some(TextureFormat::Depth32Float) };
     let shown = scene.shown(ToneMap::Aces, 0.0);
-    compose.prepare(device, queue, lighting, target, &shown).unwrap();
+    compose.prepare(lighting, target, &shown).unwrap();
     let mut encoder = device.create_command_encoder(&Default::default());
     {
         let (single, ops) = (view(&resolved), wgpu::Operations::default());
@@ -352,7 +354,7 @@ fn passes_may_have_depth_and_samples() {
             }),
             ..wgpu::RenderPassDescriptor::default()
         });
-        compose.draw(&mut pass);
+        compose.draw(&mut pass).unwrap();
     }
     queue.submit([encoder.finish()]);
     let right = scene.light.compose(&scene.cells, &shown.display).unwrap().into_raw();
@@ -360,36 +362,42 @@ fn passes_may_have_depth_and_samples() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_refused() {
+fn invalid_targets_and_parameters_are_rejected() {
     let scene = scene();
     let Scene { device, queue, lighting, .. } = &scene;
-    let mut compose = Compose::new(device).unwrap();
-    let mut refused = |format: TextureFormat, shown: Shown| {
-        compose.prepare(device, queue, lighting, format, &shown).unwrap_err().to_string()
+    let mut compose = Compose::new(device, queue).unwrap();
+    let mut refused = |format: TextureFormat, shown: ComposeParams| {
+        compose.prepare(lighting, format, &shown).unwrap_err().to_string()
     };
     let format = TextureFormat::Rgba8Unorm;
     for bad in [TextureFormat::Rgba8Uint, TextureFormat::Depth32Float, TextureFormat::R8Unorm] {
-        let error = refused(bad, Shown::default());
+        let error = refused(bad, ComposeParams::default());
         assert!(error.starts_with("the texture `target` has the format"), "{error}");
     }
     let exposure = Display { exposure: f32::NAN, ..Display::default() };
-    let error = refused(format, Shown { display: exposure, ..Shown::default() });
+    let error = refused(format, ComposeParams { display: exposure, ..ComposeParams::default() });
     assert!(error.contains("from -32 to 32"), "{error}");
     let small = texture(device, [3, 5], format, TextureUsages::TEXTURE_BINDING);
-    let error = refused(format, Shown { color: Color::Cells(&view(&small)), ..Shown::default() });
+    let error = refused(
+        format,
+        ComposeParams { color: Color::Cells(&view(&small)), ..ComposeParams::default() },
+    );
     assert_eq!(error, "the texture `color` is 3×5, but the grid is 67×41");
 
-    // Before the first frame there is nothing to draw, and nothing is drawn.
-    let settings = Settings { method: Method::Raymarch, ..Settings::default() };
-    let dark = Lighting::new(device, queue, settings).unwrap();
-    compose.prepare(device, queue, &dark, format, &Shown::default()).unwrap();
-    let target = texture(device, SIZE, format, TextureUsages::RENDER_ATTACHMENT);
+    let rejected = compose.prepare(lighting, TextureFormat::Rgba8Snorm, &ComposeParams::default());
+    assert!(matches!(rejected, Err(PrepareError::Texture { name: "target", .. })), "{rejected:?}");
+}
+
+#[test]
+fn nothing_is_drawn_before_the_first_frame() {
+    let (device, queue) = device();
+    let dark = lighting(&device, &queue);
+    let mut compose = Compose::new(&device, &queue).unwrap();
+    let format = TextureFormat::Rgba8Unorm;
+    let rejected = compose.prepare(&dark, format, &ComposeParams::default());
+    assert!(matches!(rejected, Err(PrepareError::NothingLit)), "{rejected:?}");
+    let target = texture(&device, SIZE, format, TextureUsages::RENDER_ATTACHMENT);
     let mut encoder = device.create_command_encoder(&Default::default());
-    compose.record(&mut encoder, &view(&target));
-    queue.submit([encoder.finish()]);
-    let drawn = fetch(device, queue, &target);
-    assert!(drawn.chunks(4).all(|pixel| pixel == [0, 0, 0, 255]));
-    let _: Error = compose
-        .prepare(device, queue, lighting, TextureFormat::Rgba8Snorm, &Shown::default())
-        .unwrap_err();
+    let rejected = compose.record(&mut encoder, &view(&target));
+    assert_eq!(rejected, Err(RecordError::NotPrepared));
 }

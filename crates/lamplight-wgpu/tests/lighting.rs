@@ -1,14 +1,14 @@
-//! The middleware as hosts use it, and misuse it.
+//! The middleware as hosts use it.
 
 mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{cells, device, frame};
+use common::{cells, device, frame, lighting, recorded};
 use lamplight::settings::BounceBy;
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky};
-use lamplight_wgpu::read_back::read_back;
-use lamplight_wgpu::{Error, Lighting, Stage, Textures};
+use lamplight_wgpu::error::{PrepareError, RecordError};
+use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Stage, Textures};
 use textures::{fetch, filled, float, texture, view};
 use wgpu::{Device, Queue, TextureFormat, TextureUsages};
 
@@ -17,64 +17,74 @@ fn raymarch() -> Settings {
 }
 
 #[test]
-fn bad_settings_and_cells_are_refused_as_on_the_cpu() {
+fn invalid_settings_options_and_cells_are_rejected_as_on_the_cpu() {
     let (device, queue) = device();
+    let mut lighting = lighting(&device, &queue);
     let mut settings = raymarch();
     settings.raymarch.rays = 0;
-    let error = Lighting::new(&device, &queue, settings).unwrap_err().to_string();
+    let good = Cells::new(4, 4).unwrap();
+    let error = lighting.prepare(&FrameInput::of_cells(&settings, &good)).unwrap_err().to_string();
+    assert!(error.starts_with("`raymarch.rays` is 0"), "{error}");
+    let error = lighting.precompile(&settings).unwrap_err().to_string();
     assert!(error.starts_with("`raymarch.rays` is 0"), "{error}");
 
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
-    let mut dark = Cells::new(4, 4).unwrap();
+    let mut dark = good;
     dark.emission_mut()[5] = [f32::NAN; 3];
-    let error = lighting.prepare(&device, &queue, &dark).unwrap_err().to_string();
+    let error =
+        lighting.prepare(&FrameInput::of_cells(&raymarch(), &dark)).unwrap_err().to_string();
     assert!(error.contains("cell (1, 1)"), "{error}");
+
+    for fused_levels in [0, 5] {
+        let error = Lighting::new(&device, &queue, &LightingOptions { fused_levels }).unwrap_err();
+        let wanted = format!("the option `fused_levels` is {fused_levels}, not from 1 to 4");
+        assert_eq!(error.to_string(), wanted);
+    }
 }
 
 #[test]
-fn a_grid_beyond_the_devices_limits_is_refused_and_the_next_one_lit() {
+fn a_grid_beyond_the_devices_limits_is_rejected_and_the_next_one_lit() {
     let (device, queue) = device();
     let limits = device.limits();
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
-    let wide = Cells::new(limits.max_texture_dimension_2d + 1, 1).unwrap();
-    let error = lighting.prepare(&device, &queue, &wide).unwrap_err().to_string();
-    assert!(error.contains("px a side, but this device allows"), "{error}");
-    let large = Cells::new(4096, 2049).unwrap();
-    let error = lighting.prepare(&device, &queue, &large).unwrap_err().to_string();
-    assert!(error.contains("bytes a buffer, but this device allows"), "{error}");
-    assert!(lighting.stage(Stage::Light).is_none());
+    let settings = raymarch();
+    let mut one = lighting(&device, &queue);
+    let mut error = |settings: &Settings, [width, height]: [u32; 2]| {
+        let cells = Cells::new(width, height).unwrap();
+        one.prepare(&FrameInput::of_cells(settings, &cells)).unwrap_err().to_string()
+    };
+    let wide = error(&settings, [limits.max_texture_dimension_2d + 1, 1]);
+    assert!(wide.contains("px a side, but this device allows"), "{wide}");
+    let large = error(&settings, [4096, 2049]);
+    assert!(large.contains("bytes a buffer, but this device allows"), "{large}");
     // Millions of rays.
-    let mut settings = Settings { method: Method::Cascades, ..Settings::default() };
-    (settings.cascades.rays, settings.cascades.interval) = (64, 0.25);
-    let mut cascades = Lighting::new(&device, &queue, settings).unwrap();
-    let long = Cells::new(8192, 1).unwrap();
-    let error = cascades.prepare(&device, &queue, &long).unwrap_err().to_string();
-    assert!(error.contains("bytes a buffer, but this device allows"), "{error}");
-    assert_eq!(frame(&device, &queue, &mut lighting, &cells(9, 5, 1)).len(), 45);
+    let mut cascades = Settings { method: Method::Cascades, ..Settings::default() };
+    (cascades.cascades.rays, cascades.cascades.interval) = (64, 0.25);
+    let long = error(&cascades, [8192, 1]);
+    assert!(long.contains("bytes a buffer, but this device allows"), "{long}");
+    assert!(one.stage(Stage::Light).is_none());
+    assert_eq!(frame(&device, &queue, &mut one, &settings, &cells(9, 5, 1)).len(), 45);
 }
 
 #[test]
 fn sizes_may_change_and_many_share_a_device() {
     let (device, queue) = device();
-    let mut one = Lighting::new(&device, &queue, raymarch()).unwrap();
-    let mut other = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let settings = raymarch();
+    let [mut one, mut other] = [(), ()].map(|()| lighting(&device, &queue));
     for [w, h] in [[31, 17], [8, 8], [31, 17], [97, 3]] {
         let cells = cells(w, h, 2);
-        let lit = frame(&device, &queue, &mut one, &cells);
+        let lit = frame(&device, &queue, &mut one, &settings, &cells);
         assert_eq!(lit.len(), (w * h) as usize);
-        assert_eq!(lit, frame(&device, &queue, &mut other, &cells));
+        assert_eq!(lit, frame(&device, &queue, &mut other, &settings, &cells));
     }
 }
 
 #[test]
-fn nothing_is_recorded_before_the_first_cells() {
+fn recording_before_the_first_frame_is_an_error() {
     let (device, queue) = device();
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let lighting = lighting(&device, &queue);
     let mut encoder = device.create_command_encoder(&Default::default());
-    lighting.record(&mut encoder);
-    lighting.record_fields(&device, &mut encoder).unwrap();
-    queue.submit([encoder.finish()]);
+    assert_eq!(lighting.record(&mut encoder), Err(RecordError::NotPrepared));
     assert!(lighting.stage(Stage::Light).is_none());
+    assert!(lighting.settings().is_none() && lighting.cost().is_none());
 }
 
 /// A lit room in a game's usual formats: a lamp, a wall, glass.
@@ -87,9 +97,11 @@ fn host_textures(device: &Device, queue: &Queue) -> (Textures, Cells) {
         cells.set(12, y, Matter { tint: [0.0, 1.0, 0.0], ..Matter::EMPTY });
     }
     cells.set(20, 16, Matter { emission: [8.0, 4.0, 2.0], opacity: 1.0, ..Matter::EMPTY });
-    let half = |v: f32| match v {
-        0.0 => 0u16,
-        v => (((v.to_bits() >> 23) as u16 - 112) << 10) | (v.to_bits() >> 13 & 0x3ff) as u16,
+    let half = |v: f32| {
+        if v == 0.0 {
+            return 0u16;
+        }
+        (((v.to_bits() >> 23) as u16 - 112) << 10) | (v.to_bits() >> 13 & 0x3ff) as u16
     };
     let emission: Vec<[u16; 4]> =
         cells.emission().iter().map(|&[r, g, b]| [half(r), half(g), half(b), 0]).collect();
@@ -115,21 +127,14 @@ fn a_hosts_textures_are_lit_into_its_own() {
     let sky = Sky::Uniform([0.0, 0.0, 0.5]);
     cells.set_sky(sky);
     let settings = Settings { bounces: Bounces::Count(1), ..raymarch() };
-    let mut by_cells = Lighting::new(&device, &queue, settings.clone()).unwrap();
-    let right = frame(&device, &queue, &mut by_cells, &cells);
+    let right = frame(&device, &queue, &mut lighting(&device, &queue), &settings, &cells);
 
-    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
-    lighting.prepare_textures(&device, &queue, &textures, sky).unwrap();
+    let mut lighting = lighting(&device, &queue);
     let format = TextureFormat::Rgba16Float;
     let output = texture(&device, [48, 32], format, TextureUsages::STORAGE_BINDING);
-    lighting.write_to(&device, &view(&output)).unwrap();
-    let mut encoder = device.create_command_encoder(&Default::default());
-    lighting.record(&mut encoder);
-    queue.submit([encoder.finish()]);
-
-    let light: Vec<[f32; 4]> =
-        read_back(&device, &queue, lighting.stage(Stage::Light).unwrap()).unwrap();
-    assert_eq!(light, right);
+    let input = FrameInput::of_textures(&settings, &textures, &[], sky);
+    lighting.prepare(&FrameInput { output: Some(&view(&output)), ..input }).unwrap();
+    assert_eq!(recorded(&device, &queue, &lighting), right);
     let picture = fetch(&device, &queue, &output);
     let picture: &[[u16; 4]] = bytemuck::cast_slice(&picture);
     for (i, right) in right.iter().enumerate() {
@@ -148,17 +153,17 @@ fn history_goes_on_when_textures_are_exchanged() {
     let two = [host_textures(&device, &queue).0, host_textures(&device, &queue).0];
     let mut settings = raymarch();
     (settings.bounces, settings.raymarch.bounce) = (Bounces::Count(1), BounceBy::Feedback);
-    settings.temporal.frames = 8;
+    settings.temporal.history_length = 8;
     let light = |exchange: usize| -> Vec<[f32; 4]> {
-        let mut lighting = Lighting::new(&device, &queue, settings.clone()).unwrap();
+        let mut lighting = lighting(&device, &queue);
+        let mut light = Vec::new();
         for number in 0..5 {
             let textures = &two[number * exchange % 2];
-            lighting.prepare_textures(&device, &queue, textures, Sky::BLACK).unwrap();
-            let mut encoder = device.create_command_encoder(&Default::default());
-            lighting.record(&mut encoder);
-            queue.submit([encoder.finish()]);
+            let input = FrameInput::of_textures(&settings, textures, &[], Sky::BLACK);
+            lighting.prepare(&input).unwrap();
+            light = recorded(&device, &queue, &lighting);
         }
-        read_back(&device, &queue, lighting.stage(Stage::Light).unwrap()).unwrap()
+        light
     };
     assert_eq!(light(0), light(1));
 }
@@ -167,45 +172,45 @@ fn history_goes_on_when_textures_are_exchanged() {
 fn textures_that_cannot_be_used_are_named_with_the_reason() {
     let (device, queue) = device();
     let (good, _) = host_textures(&device, &queue);
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let mut lighting = lighting(&device, &queue);
+    let settings = raymarch();
     let bound = TextureUsages::TEXTURE_BINDING;
-    let mut refused = |textures: Textures| {
-        let told = lighting.prepare_textures(&device, &queue, &textures, Sky::BLACK);
-        told.unwrap_err().to_string()
+    let mut rejected = |textures: Textures| {
+        let input = FrameInput::of_textures(&settings, &textures, &[], Sky::BLACK);
+        lighting.prepare(&input).unwrap_err().to_string()
     };
     let other = |format, usage, size| view(&texture(&device, size, format, usage));
     let integers = other(TextureFormat::Rgba8Uint, bound, [48, 32]);
     let unbound = other(TextureFormat::Rgba8Unorm, TextureUsages::COPY_SRC, [48, 32]);
     let small = other(TextureFormat::Rgba8Unorm, bound, [47, 32]);
     assert_eq!(
-        refused(Textures { emission: integers, ..good.clone() }),
+        rejected(Textures { emission: integers, ..good.clone() }),
         "the texture `emission` has the format Rgba8Uint, not floats"
     );
     assert_eq!(
-        refused(Textures { albedo: unbound, ..good.clone() }),
+        rejected(Textures { albedo: unbound, ..good.clone() }),
         "the texture `albedo` lacks the usage TEXTURE_BINDING"
     );
     assert_eq!(
-        refused(Textures { tint_opacity: small.clone(), ..good.clone() }),
+        rejected(Textures { tint_opacity: small.clone(), ..good.clone() }),
         "the texture `tint_opacity` is 47×32, but emission is 48×32"
     );
 
     let half = TextureFormat::Rgba16Float;
     let output = |format, usage, size| view(&texture(&device, size, format, usage));
     let stored = TextureUsages::STORAGE_BINDING;
-    let right = output(half, stored, [48, 32]);
-    let early = lighting.write_to(&device, &right).unwrap_err().to_string();
-    assert!(early.contains("`output` comes before the first"), "{early}");
-    lighting.prepare_textures(&device, &queue, &good, Sky::BLACK).unwrap();
+    let input = FrameInput::of_textures(&settings, &good, &[], Sky::BLACK);
     for (picture, problem) in [
         (output(TextureFormat::Rgba8Unorm, stored, [48, 32]), "has the format Rgba8Unorm, not"),
         (output(half, bound, [48, 32]), "lacks the usage STORAGE_BINDING"),
         (output(half, stored, [48, 31]), "is 48×31, but the grid is 48×32"),
     ] {
-        let error = lighting.write_to(&device, &picture).unwrap_err().to_string();
+        let input = FrameInput { output: Some(&picture), ..input };
+        let error = lighting.prepare(&input).unwrap_err().to_string();
         assert!(error.contains(problem), "{error}");
     }
-    lighting.write_to(&device, &right).unwrap();
+    let right = output(half, stored, [48, 32]);
+    lighting.prepare(&FrameInput { output: Some(&right), ..input }).unwrap();
 }
 
 fn polar() -> Settings {
@@ -220,35 +225,31 @@ fn lamps_light_a_hosts_textures() {
         Lamp { position: [5.0, 9.0], ..Lamp::default() },
         Lamp { position: [40.5, 20.5], size: 3.0, ..Lamp::default() },
     ];
-    let mut by_cells = Lighting::new(&device, &queue, polar()).unwrap();
-    let right = frame(&device, &queue, &mut by_cells, &cells);
+    let settings = polar();
+    let right = frame(&device, &queue, &mut lighting(&device, &queue), &settings, &cells);
 
-    let mut lighting = Lighting::new(&device, &queue, polar()).unwrap();
-    let bad = Lamp { range: f32::NAN, ..Lamp::default() };
-    let told = lighting.set_lamps(&[bad]).unwrap_err().to_string();
-    assert!(told.starts_with("`lamp[0].range`"), "{told}");
-    lighting.set_lamps(cells.lamps()).unwrap();
-    lighting.prepare_textures(&device, &queue, &textures, Sky::BLACK).unwrap();
-    let mut encoder = device.create_command_encoder(&Default::default());
-    lighting.record(&mut encoder);
-    queue.submit([encoder.finish()]);
-    let light: Vec<[f32; 4]> =
-        read_back(&device, &queue, lighting.stage(Stage::Light).unwrap()).unwrap();
-    assert_eq!(light, right);
+    let mut lighting = lighting(&device, &queue);
+    let bad = [Lamp { range: f32::NAN, ..Lamp::default() }];
+    let input = FrameInput::of_textures(&settings, &textures, &bad, Sky::BLACK);
+    let error = lighting.prepare(&input).unwrap_err().to_string();
+    assert!(error.starts_with("`lamp[0].range`"), "{error}");
+    let input = FrameInput::of_textures(&settings, &textures, cells.lamps(), Sky::BLACK);
+    lighting.prepare(&input).unwrap();
+    assert_eq!(recorded(&device, &queue, &lighting), right);
 }
 
 #[test]
-fn more_lamps_than_the_device_can_hold_are_refused_and_fewer_lit() {
+fn more_lamps_than_the_device_can_hold_are_rejected_and_fewer_lit() {
     let (device, queue) = device();
     let mut settings = polar();
     settings.polar.density = 8.0;
-    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+    let mut lighting = lighting(&device, &queue);
     let mut cells = cells(256, 256, 3);
     *cells.lamps_mut() = vec![Lamp { position: [100.0; 2], ..Lamp::default() }; 2000];
-    let error = lighting.prepare(&device, &queue, &cells).unwrap_err();
-    assert!(matches!(error, Error::TooLarge { .. }), "{error:?}");
+    let error = lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap_err();
+    assert!(matches!(error, PrepareError::TooLarge { .. }), "{error:?}");
     assert!(error.to_string().contains("bytes for the rays of its lamps"), "{error}");
     assert!(lighting.stage(Stage::Light).is_none());
     cells.lamps_mut().truncate(2);
-    frame(&device, &queue, &mut lighting, &cells);
+    frame(&device, &queue, &mut lighting, &settings, &cells);
 }

@@ -1,14 +1,14 @@
-//! What hosts get wrong, or change their mind about.
+//! Mistakes of hosts, and changes of their mind.
 
 mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{adapter, cells, device, frame, open};
+use common::{adapter, cells, device, frame, lighting, open, recorded};
 use lamplight::settings::Temporal;
 use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
-use lamplight_wgpu::read_back::read_back;
-use lamplight_wgpu::{Color, Compose, Error, Lighting, Shown, Stage, Textures, Tier};
+use lamplight_wgpu::error::PrepareError;
+use lamplight_wgpu::{Color, Compose, ComposeParams, FrameInput, Lighting, Stage, Textures, Tier};
 use textures::{fetch, filled, texture, view};
 use wgpu::{
     Device, Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
@@ -35,13 +35,25 @@ fn several(device: &Device, layers: u32, levels: u32, format: TextureFormat) -> 
     })
 }
 
-/// One size and format for all.
+/// Textures that are all the same view.
 fn textures_like(view: &TextureView) -> Textures {
     Textures { emission: view.clone(), tint_opacity: view.clone(), albedo: view.clone() }
 }
 
+/// Prepares a frame of textures without lamps, under a black sky.
+fn prepare(
+    lighting: &mut Lighting,
+    settings: &Settings,
+    view: &TextureView,
+    output: Option<&TextureView>,
+) -> Result<(), PrepareError> {
+    let textures = textures_like(view);
+    let input = FrameInput::of_textures(settings, &textures, &[], Sky::BLACK);
+    lighting.prepare(&FrameInput { output, ..input })
+}
+
 #[test]
-fn views_of_a_part_of_a_texture_are_refused() {
+fn views_of_a_part_of_a_texture_are_rejected() {
     let (device, queue) = device();
     let half = TextureFormat::Rgba16Float;
     let one_level = TextureViewDescriptor {
@@ -57,56 +69,52 @@ fn views_of_a_part_of_a_texture_are_refused() {
     };
     let level = several(&device, 1, 3, half).create_view(&one_level);
     let layer = several(&device, 4, 1, half).create_view(&one_layer);
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
-    let mut compose = Compose::new(&device).unwrap();
+    let mut lighting = lighting(&device, &queue);
+    let mut compose = Compose::new(&device, &queue).unwrap();
+    let settings = raymarch();
     let good = view(&texture(&device, [16, 16], half, BOUND));
     for (part, problem) in
         [(level, "has 3 mip levels, not one"), (layer, "is not one two-dimensional picture")]
     {
-        let told = lighting.prepare_textures(&device, &queue, &textures_like(&part), Sky::BLACK);
-        let error = told.unwrap_err().to_string();
+        let error = prepare(&mut lighting, &settings, &part, None).unwrap_err().to_string();
         assert_eq!(error, format!("the texture `emission` {problem}"));
 
-        lighting.prepare_textures(&device, &queue, &textures_like(&good), Sky::BLACK).unwrap();
-        let error = lighting.write_to(&device, &part).unwrap_err().to_string();
+        let error = prepare(&mut lighting, &settings, &good, Some(&part)).unwrap_err().to_string();
         assert_eq!(error, format!("the texture `output` {problem}"));
-        let shown = Shown { color: Color::View(&part), ..Shown::default() };
-        let format = TextureFormat::Rgba8Unorm;
-        let told = compose.prepare(&device, &queue, &lighting, format, &shown);
-        assert_eq!(told.unwrap_err().to_string(), format!("the texture `color` {problem}"));
+        prepare(&mut lighting, &settings, &good, None).unwrap();
+        let params = ComposeParams { color: Color::View(&part), ..ComposeParams::default() };
+        let rejected = compose.prepare(&lighting, TextureFormat::Rgba8Unorm, &params);
+        assert_eq!(rejected.unwrap_err().to_string(), format!("the texture `color` {problem}"));
     }
 }
 
 #[test]
-fn what_only_the_device_knows_is_an_error_too() {
+fn errors_of_the_device_are_returned_too() {
     let adapter = adapter();
     let [(device, queue), (other, _)] = [Tier::Web; 2].map(|tier| open(&adapter, tier));
     let half = TextureFormat::Rgba16Float;
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
-    let good = view(&texture(&device, [16, 16], half, BOUND | TextureUsages::STORAGE_BINDING));
-    let foreign = view(&texture(&other, [16, 16], half, BOUND | TextureUsages::STORAGE_BINDING));
+    let mut lighting = lighting(&device, &queue);
+    let settings = raymarch();
+    let stored = TextureUsages::STORAGE_BINDING;
+    let good = view(&texture(&device, [16, 16], half, BOUND | stored));
+    let foreign = view(&texture(&other, [16, 16], half, BOUND | stored));
     // One layer, seen as an array of one.
     let array = several(&device, 1, 1, half).create_view(&TextureViewDescriptor {
         dimension: Some(TextureViewDimension::D2Array),
         ..TextureViewDescriptor::default()
     });
     for bad in [foreign, array] {
-        let told = lighting.prepare_textures(&device, &queue, &textures_like(&bad), Sky::BLACK);
-        assert!(matches!(told, Err(Error::Device(_))), "{told:?}");
-        // The frame after is none the worse for it.
-        lighting.prepare_textures(&device, &queue, &textures_like(&good), Sky::BLACK).unwrap();
-        let told = lighting.write_to(&device, &bad);
-        assert!(matches!(told, Err(Error::Device(_))), "{told:?}");
-        let mut compose = Compose::new(&device).unwrap();
-        let shown = Shown { color: Color::View(&bad), ..Shown::default() };
-        let format = TextureFormat::Rgba8Unorm;
-        let told = compose.prepare(&device, &queue, &lighting, format, &shown);
-        assert!(matches!(told, Err(Error::Device(_))), "{told:?}");
-        let mut encoder = device.create_command_encoder(&Default::default());
-        lighting.record(&mut encoder);
-        queue.submit([encoder.finish()]);
-        let light = lighting.stage(Stage::Light).unwrap();
-        assert_eq!(read_back::<[f32; 4]>(&device, &queue, light).unwrap().len(), 256);
+        let rejected = prepare(&mut lighting, &settings, &bad, None);
+        assert!(matches!(rejected, Err(PrepareError::Device(_))), "{rejected:?}");
+        // The frame after is not affected.
+        prepare(&mut lighting, &settings, &good, None).unwrap();
+        let rejected = prepare(&mut lighting, &settings, &good, Some(&bad));
+        assert!(matches!(rejected, Err(PrepareError::Device(_))), "{rejected:?}");
+        let mut compose = Compose::new(&device, &queue).unwrap();
+        let params = ComposeParams { color: Color::View(&bad), ..ComposeParams::default() };
+        let rejected = compose.prepare(&lighting, TextureFormat::Rgba8Unorm, &params);
+        assert!(matches!(rejected, Err(PrepareError::Device(_))), "{rejected:?}");
+        assert_eq!(recorded(&device, &queue, &lighting).len(), 256);
     }
 }
 
@@ -114,16 +122,15 @@ fn what_only_the_device_knows_is_an_error_too() {
 fn settings_may_change_between_frames() {
     let (device, queue) = device();
     let cells = cells(61, 37, 4);
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
-    // Before the first frame too.
-    lighting.set_settings(&device, &queue, Settings { seed: 1, ..raymarch() }).unwrap();
-    frame(&device, &queue, &mut lighting, &cells);
+    let mut one = lighting(&device, &queue);
+    let first = Settings { seed: 1, ..raymarch() };
+    frame(&device, &queue, &mut one, &first, &cells);
     let half = TextureFormat::Rgba16Float;
     let output = texture(&device, [61, 37], half, TextureUsages::STORAGE_BINDING);
-    lighting.write_to(&device, &view(&output)).unwrap();
+    let output_view = view(&output);
 
     let with = |change: fn(&mut Settings)| {
-        let mut settings = Settings { seed: 1, ..raymarch() };
+        let mut settings = first.clone();
         change(&mut settings);
         settings
     };
@@ -139,16 +146,16 @@ fn settings_may_change_between_frames() {
     let mut before = Vec::new();
     for (number, settings) in (1..).zip(changes) {
         let what = format!("{settings:?}");
-        lighting.set_settings(&device, &queue, settings.clone()).unwrap();
-        assert_eq!(lighting.settings(), &settings);
-        let light = frame(&device, &queue, &mut lighting, &cells);
-        // As if it had been so from the start, with as many frames before.
-        let mut fresh = Lighting::new(&device, &queue, settings).unwrap();
+        let input = FrameInput::of_cells(&settings, &cells);
+        one.prepare(&FrameInput { output: Some(&output_view), ..input }).unwrap();
+        assert_eq!(one.settings(), Some(&settings));
+        let light = recorded(&device, &queue, &one);
+        // As with these settings from the start, and as many frames before.
+        let mut fresh = lighting(&device, &queue);
         for _ in 0..number {
-            fresh.prepare(&device, &queue, &cells).unwrap();
+            fresh.prepare(&input).unwrap();
         }
-        assert_eq!(light, frame(&device, &queue, &mut fresh, &cells), "{what}");
-        // The texture to write to goes on.
+        assert_eq!(light, frame(&device, &queue, &mut fresh, &settings, &cells), "{what}");
         let written = fetch(&device, &queue, &output);
         assert_ne!(written, before, "{what}");
         before = written;
@@ -156,165 +163,107 @@ fn settings_may_change_between_frames() {
 }
 
 #[test]
-fn settings_that_are_refused_change_nothing() {
+fn a_frame_that_is_rejected_changes_nothing() {
     let (device, queue) = device();
-    let cells = cells(31, 17, 4);
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
-    let mut same = Lighting::new(&device, &queue, raymarch()).unwrap();
-    for refused in [
-        Settings { wall_depth: f32::NAN, ..raymarch() },
-        Settings { bounces: Bounces::Count(100_000), ..raymarch() },
-    ] {
-        let right = frame(&device, &queue, &mut same, &cells);
-        let memory = same.cost().unwrap().memory;
-        assert!(lighting.set_settings(&device, &queue, refused).is_err());
-        assert_eq!(lighting.settings(), &raymarch());
-        assert_eq!(frame(&device, &queue, &mut lighting, &cells), right);
-        assert_eq!(lighting.cost().unwrap().memory, memory);
+    let small = cells(31, 17, 4);
+    let mut settings = raymarch();
+    settings.temporal = Temporal { history_length: 8, reject: true };
+    let [mut one, mut same] = [(), ()].map(|()| lighting(&device, &queue));
+    for lighting in [&mut one, &mut same] {
+        frame(&device, &queue, lighting, &settings, &small);
     }
+    let right = recorded(&device, &queue, &same);
+    let memory = same.cost().unwrap().memory;
+    let unchanged = |one: &mut Lighting, rejected: Result<(), PrepareError>| {
+        assert!(rejected.is_err());
+        assert_eq!(one.settings(), Some(&settings));
+        assert_eq!(one.cost().unwrap().memory, memory);
+    };
+    for bad in [
+        Settings { wall_depth: f32::NAN, ..settings.clone() },
+        Settings { bounces: Bounces::Count(100_000), ..settings.clone() },
+    ] {
+        let rejected = one.prepare(&FrameInput::of_cells(&bad, &small));
+        unchanged(&mut one, rejected);
+    }
+    let large = view(&texture(&device, [4096, 4096], TextureFormat::Rgba8Unorm, BOUND));
+    let thin = view(&texture(&device, [31, 17], TextureFormat::R8Unorm, BOUND));
+    for bad in [large, thin] {
+        let rejected = prepare(&mut one, &settings, &bad, None);
+        unchanged(&mut one, rejected);
+    }
+    // An output of another size.
+    let input = FrameInput::of_cells(&settings, &small);
+    let half = TextureFormat::Rgba16Float;
+    let output = view(&texture(&device, [8, 8], half, TextureUsages::STORAGE_BINDING));
+    let rejected = one.prepare(&FrameInput { output: Some(&output), ..input });
+    unchanged(&mut one, rejected);
+    assert_eq!(recorded(&device, &queue, &one), right);
+    let next = [&mut one, &mut same].map(|one| frame(&device, &queue, one, &settings, &small));
+    assert_eq!(next[0], next[1]);
 
     // A grid that is just small enough, but not for what bounces need.
-    let (width, height) = (2048, 2048);
-    lighting.prepare(&device, &queue, &Cells::new(width, height).unwrap()).unwrap();
-    let told = lighting.set_settings(
-        &device,
-        &queue,
-        Settings { bounces: Bounces::Count(1), ..raymarch() },
-    );
-    assert!(matches!(told, Err(Error::TooLarge { .. })), "{told:?}");
-    assert_eq!(lighting.settings(), &raymarch());
-    lighting.prepare(&device, &queue, &cells).unwrap();
-    let mut encoder = device.create_command_encoder(&Default::default());
-    lighting.record(&mut encoder);
-    queue.submit([encoder.finish()]);
+    let plain = raymarch();
+    let grid = Cells::new(2048, 2048).unwrap();
+    one.prepare(&FrameInput::of_cells(&plain, &grid)).unwrap();
+    let bounces = Settings { bounces: Bounces::Count(1), ..raymarch() };
+    let rejected = one.prepare(&FrameInput::of_cells(&bounces, &grid));
+    assert!(matches!(rejected, Err(PrepareError::TooLarge { .. })), "{rejected:?}");
+    assert_eq!(one.settings(), Some(&plain));
+    frame(&device, &queue, &mut one, &plain, &small);
 }
 
 #[test]
-fn textures_may_alternate_and_the_output_goes_on() {
+fn textures_may_alternate_under_one_output() {
     let (device, queue) = device();
     let half = TextureFormat::Rgba16Float;
-    let glow = |byte: u8| {
-        let texels = [byte; 8 * 16 * 16];
-        textures_like(&filled(&device, &queue, [16, 16], half, &texels))
-    };
+    let glow = |byte: u8| filled(&device, &queue, [16, 16], half, &[byte; 8 * 16 * 16]);
     // As half floats 0x3838 is a little over a half, 0x3c3c a little over 1.
     let pair = [glow(0x38), glow(0x3c)];
-    let lit = |lighting: &mut Lighting, textures: &Textures| {
-        lighting.prepare_textures(&device, &queue, textures, Sky::Uniform([1.0; 3])).unwrap();
-    };
-    let written = |lighting: &Lighting, output: &Texture| {
-        let mut encoder = device.create_command_encoder(&Default::default());
-        lighting.record(&mut encoder);
-        queue.submit([encoder.finish()]);
+    let settings = raymarch();
+    let sky = Sky::Uniform([1.0; 3]);
+    let lit = |lighting: &mut Lighting, matter: &TextureView, output: &Texture| {
+        let textures = textures_like(matter);
+        let input = FrameInput::of_textures(&settings, &textures, &[], sky);
+        lighting.prepare(&FrameInput { output: Some(&view(output)), ..input }).unwrap();
+        recorded(&device, &queue, lighting);
         fetch(&device, &queue, output)
     };
     let output = || texture(&device, [16, 16], half, TextureUsages::STORAGE_BINDING);
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
-    let mut fresh = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let [mut one, mut fresh] = [(), ()].map(|()| lighting(&device, &queue));
     let shared = output();
     let mut seen = Vec::new();
     for number in 0..4 {
-        let textures = &pair[number % 2];
-        lit(&mut lighting, textures);
-        lit(&mut fresh, textures);
-        if number == 0 {
-            lighting.write_to(&device, &view(&shared)).unwrap();
-        }
-        let own = output();
-        fresh.write_to(&device, &view(&own)).unwrap();
-        seen.push(written(&lighting, &shared));
-        assert_eq!(seen[number], written(&fresh, &own), "frame {number}");
+        let matter = &pair[number % 2];
+        seen.push(lit(&mut one, matter, &shared));
+        assert_eq!(seen[number], lit(&mut fresh, matter, &output()), "frame {number}");
     }
     assert_ne!(seen[0], seen[1]);
-    // Another size ends it, and is no error.
-    lighting.prepare(&device, &queue, &Cells::new(8, 8).unwrap()).unwrap();
-    assert_eq!(written(&lighting, &shared), seen[3]);
+    // A frame without an output leaves it as it is.
+    frame(&device, &queue, &mut one, &settings, &Cells::new(8, 8).unwrap());
+    assert_eq!(fetch(&device, &queue, &shared), seen[3]);
 }
 
-/// Lamps are missed by the frame, not by the settings.
+/// Cells without lamps are an error under `polar`, as on the CPU.
 #[test]
-fn settings_may_come_before_the_lamps_that_they_light() {
+fn methods_may_change_to_those_that_light_lamps_and_back() {
     let (device, queue) = device();
     let mut cells = cells(31, 17, 4);
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
-    let seen = frame(&device, &queue, &mut lighting, &cells);
+    let mut lighting = lighting(&device, &queue);
+    let seen = frame(&device, &queue, &mut lighting, &raymarch(), &cells);
     for method in [Method::Polar, Method::Flood] {
         let settings = Settings { method, ..Settings::default() };
-        lighting.set_settings(&device, &queue, settings.clone()).unwrap();
-        let told = lighting.prepare(&device, &queue, &cells);
-        assert_eq!(told.is_err(), method == Method::Polar, "{told:?}");
+        let prepared = lighting.prepare(&FrameInput::of_cells(&settings, &cells));
+        assert_eq!(prepared.is_err(), method == Method::Polar, "{prepared:?}");
         cells.lamps_mut().push(Lamp { position: [15.0, 8.0], ..Lamp::default() });
-        let light = frame(&device, &queue, &mut lighting, &cells);
+        let light = frame(&device, &queue, &mut lighting, &settings, &cells);
         assert_ne!(light, seen);
         cells.lamps_mut().clear();
-        lighting.set_settings(&device, &queue, raymarch()).unwrap();
         lighting.reset();
-        assert_eq!(frame(&device, &queue, &mut lighting, &cells), seen);
+        assert_eq!(frame(&device, &queue, &mut lighting, &raymarch(), &cells), seen);
     }
 }
 
-/// A frame that was prepared is recorded as it was, whatever comes after.
-#[test]
-fn settings_come_with_the_next_frame_that_is_prepared() {
-    let (device, queue) = device();
-    let cells = cells(31, 17, 4);
-    let record = |lighting: &Lighting| {
-        let mut encoder = device.create_command_encoder(&Default::default());
-        lighting.record(&mut encoder);
-        queue.submit([encoder.finish()]);
-        let light = lighting.stage(Stage::Light).unwrap();
-        read_back::<[f32; 4]>(&device, &queue, light).unwrap()
-    };
-    let start = || {
-        let mut settings = raymarch();
-        settings.temporal = Temporal { frames: 8, reject: false };
-        let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
-        frame(&device, &queue, &mut lighting, &cells);
-        // History has to move along.
-        lighting.set_origin([3, 0]);
-        lighting.prepare(&device, &queue, &cells).unwrap();
-        lighting
-    };
-    let right = record(&start());
-    for change in [
-        |s: &mut Settings| s.wall_depth = 9.0,
-        |s: &mut Settings| s.raymarch.rays = 3,
-        |s: &mut Settings| s.method = Method::Holographic,
-    ] {
-        let mut lighting = start();
-        let mut other = lighting.settings().clone();
-        change(&mut other);
-        lighting.set_settings(&device, &queue, other).unwrap();
-        assert_eq!(record(&lighting), right);
-        assert_ne!(frame(&device, &queue, &mut lighting, &cells), right);
-    }
-}
-
-#[test]
-fn frames_that_are_refused_leave_what_was_there() {
-    let (device, queue) = device();
-    let cells = cells(31, 17, 4);
-    let mut settings = raymarch();
-    settings.temporal = Temporal { frames: 8, reject: true };
-    let [mut lighting, mut same] =
-        [0, 1].map(|_| Lighting::new(&device, &queue, settings.clone()).unwrap());
-    for lighting in [&mut lighting, &mut same] {
-        frame(&device, &queue, lighting, &cells);
-    }
-    let usage = TextureUsages::TEXTURE_BINDING;
-    let large =
-        textures_like(&view(&texture(&device, [4096, 4096], TextureFormat::Rgba8Unorm, usage)));
-    let thin = textures_like(&view(&texture(&device, [31, 17], TextureFormat::R8Unorm, usage)));
-    for refused in [large, thin] {
-        let told = lighting.prepare_textures(&device, &queue, &refused, Sky::default());
-        assert!(told.is_err());
-        assert!(lighting.stage(Stage::Light).is_some());
-    }
-    let next = [&mut lighting, &mut same].map(|one| frame(&device, &queue, one, &cells));
-    assert_eq!(next[0], next[1]);
-}
-
-/// Who puts the last lamp out sits in the dark.
 #[test]
 fn textures_without_lamps_are_dark_under_polar() {
     let (device, queue) = device();
@@ -322,15 +271,11 @@ fn textures_without_lamps_are_dark_under_polar() {
     let matter = filled(&device, &queue, [16, 16], TextureFormat::Rgba8Unorm, &open);
     let matter = textures_like(&matter);
     let settings = Settings { method: Method::Polar, ..Settings::default() };
-    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+    let mut lighting = lighting(&device, &queue);
     let mut light = |lamps: &[Lamp]| {
-        lighting.set_lamps(lamps).unwrap();
-        lighting.prepare_textures(&device, &queue, &matter, Sky::default()).unwrap();
-        let mut encoder = device.create_command_encoder(&Default::default());
-        lighting.record(&mut encoder);
-        queue.submit([encoder.finish()]);
-        let light = lighting.stage(Stage::Light).unwrap();
-        let light: Vec<[f32; 4]> = read_back(&device, &queue, light).unwrap();
+        let input = FrameInput::of_textures(&settings, &matter, lamps, Sky::default());
+        lighting.prepare(&input).unwrap();
+        let light = recorded(&device, &queue, &lighting);
         light.iter().map(|[r, g, b, _]| r + g + b).sum::<f32>()
     };
     let lamp = Lamp { position: [8.0, 8.0], ..Lamp::default() };
@@ -338,33 +283,42 @@ fn textures_without_lamps_are_dark_under_polar() {
 }
 
 #[test]
-fn settings_that_were_announced_build_no_pipelines_when_they_come() {
+fn precompiled_settings_compile_no_pipelines_when_they_are_used() {
     let (device, queue) = device();
     let cells = cells(31, 17, 4);
     let pipelines = || device.get_internal_counters().hal.compute_pipelines.read();
     let other = Settings { bounces: Bounces::Count(1), ..raymarch() };
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
-    let first = frame(&device, &queue, &mut lighting, &cells);
+    let mut lighting = lighting(&device, &queue);
+    let first = frame(&device, &queue, &mut lighting, &raymarch(), &cells);
     let alone = pipelines();
-    lighting.precompile(&device, &queue, &other).unwrap();
+    lighting.precompile(&other).unwrap();
     let both = pipelines();
-    assert!(both > alone, "{both} pipelines, {alone} before: nobody counts");
-    assert_eq!(lighting.settings(), &raymarch());
+    assert!(both > alone, "{both} pipelines, {alone} before: the counter does not count");
+    assert_eq!(lighting.settings(), Some(&raymarch()));
     for settings in [other, raymarch()] {
-        lighting.set_settings(&device, &queue, settings.clone()).unwrap();
         lighting.reset();
-        let light = frame(&device, &queue, &mut lighting, &cells);
+        let light = frame(&device, &queue, &mut lighting, &settings, &cells);
         assert_eq!(light == first, settings == raymarch());
         assert_eq!(pipelines(), both, "{settings:?}");
     }
-    // However long a slider is drawn, not all of what it passed is kept.
+    // However long a slider is dragged, not all of the settings that it passes stay compiled.
     for rays in 1..40 {
-        let mut drawn = raymarch();
-        drawn.raymarch.rays = rays;
-        lighting.set_settings(&device, &queue, drawn).unwrap();
+        let mut dragged = raymarch();
+        dragged.raymarch.rays = rays;
+        lighting.precompile(&dragged).unwrap();
     }
     let most = 20 * both;
     assert!(pipelines() < most, "{} pipelines are kept", pipelines());
-    let refused = Settings { wall_depth: f32::NAN, ..raymarch() };
-    assert!(lighting.precompile(&device, &queue, &refused).is_err());
+    let invalid = Settings { wall_depth: f32::NAN, ..raymarch() };
+    assert!(lighting.precompile(&invalid).is_err());
+}
+
+#[test]
+fn the_light_is_none_before_the_first_frame() {
+    let (device, queue) = device();
+    let lighting = lighting(&device, &queue);
+    let cells = Cells::new(4, 4).unwrap();
+    let error = lamplight_wgpu::read_back::light(&lighting, &cells).unwrap_err().to_string();
+    assert_eq!(error, "cannot read from the GPU: nothing has been lit");
+    assert!(lighting.stage(Stage::Light).is_none());
 }

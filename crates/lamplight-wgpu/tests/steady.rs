@@ -1,13 +1,13 @@
-//! Frames after the first do not allocate what the grid is large.
+//! Frames after the first do not allocate memory that grows with the grid.
 
 // A global allocator that counts can only be written with `unsafe`.
 #![allow(unsafe_code)]
 
 mod common;
 
-use common::{cells, device};
+use common::{cells, device, lighting};
 use lamplight::{Cells, Lamp, Method, Settings};
-use lamplight_wgpu::Lighting;
+use lamplight_wgpu::FrameInput;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
@@ -45,16 +45,16 @@ fn preparing_again_allocates_nothing_that_grows_with_the_grid() {
     let (device, queue) = device();
     let mut settings = Settings { method: Method::Raymarch, ..Settings::default() };
     settings.raymarch.rays = 1;
-    let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
+    let mut lighting = lighting(&device, &queue);
     let mut cells: Cells = cells(512, 288, 3);
     cells.lamps_mut().push(Lamp { position: [200.0, 100.0], ..Lamp::default() });
     let mut bytes = Vec::new();
     for frame in 0..8 {
         cells.lamps_mut()[0].position[0] += 0.7 * frame as f32;
         let before = BYTES.load(Relaxed);
-        lighting.prepare(&device, &queue, &cells).unwrap();
+        lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
         let mut encoder = device.create_command_encoder(&Default::default());
-        lighting.record(&mut encoder);
+        lighting.record(&mut encoder).unwrap();
         let commands = encoder.finish();
         bytes.push(BYTES.load(Relaxed) - before);
         queue.submit([commands]);

@@ -1,8 +1,8 @@
 //! The grid of matter that every method reads.
 //!
-//! A struct of arrays in row order (index `y * width + x`), one array a field, so that a stage
-//! touches only what it needs. Lamps are listed beside the matter: [`Cells::drawn`] draws them in
-//! as glowing discs for the methods that see only matter.
+//! A struct of arrays in row order (index `y * width + x`), one array per field, so that a stage
+//! touches only what it needs. Lamps are listed beside the matter: [`Cells::drawn`] draws them as
+//! glowing discs for the methods that read only matter.
 
 use crate::{Error, Lamp, Result, Sky};
 use std::borrow::Cow;
@@ -10,20 +10,21 @@ use std::borrow::Cow;
 /// Linear red, green, blue.
 pub type Rgb = [f32; 3];
 
-/// What one cell holds.
+/// The contents of one cell.
 ///
-/// Crossing `s` px of a cell multiplies what lies behind it by `T = ((1 − opacity)·tint)^s` and
-/// adds `(1 − T)·(emission + albedo·φ)`. A cell of opacity 1 is a solid wall whose four faces send
-/// out `emission + albedo·B`.
+/// Crossing `s` px of a cell multiplies the radiance behind it by its transmittance
+/// `T = ((1 − opacity)·tint)^s` and adds `(1 − T)·(emission + albedo·J)`, where J is the mean radiance
+/// at the cell. A cell of opacity 1 is solid: the outgoing radiance of its four faces is
+/// `emission + albedo·E/2`, where E is a face's irradiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matter {
-    /// Radiance that the cell gives off, linear RGB, 0 or more, unbounded.
+    /// Emitted radiance `L_e`, linear RGB, from 0, unbounded.
     pub emission: Rgb,
-    /// Share of light absorbed in crossing one px, 0 to 1; 1 is a solid wall.
+    /// Fraction of light absorbed per px, 0 to 1; 1 is solid.
     pub opacity: f32,
-    /// Colour filter for each px crossed, 0 to 1 a channel; 1 lets all through.
+    /// Colour filter per px, 0 to 1 per channel; 1 transmits everything.
     pub tint: Rgb,
-    /// Share of arriving light that is sent on, 0 to 1 a channel.
+    /// Reflectance of a solid cell, scattering albedo of a medium, 0 to 1 per channel.
     pub albedo: Rgb,
 }
 
@@ -32,32 +33,35 @@ impl Matter {
     pub const EMPTY: Self =
         Self { emission: [0.0; 3], opacity: 0.0, tint: [1.0; 3], albedo: [0.0; 3] };
 
-    /// This matter laid over `below` so that it covers `share` (0 to 1) of the cell.
+    /// Composites this matter over `below`, covering a fraction (0 to 1) of the cell.
     ///
-    /// Opacity is `share·opacity` over what is left of the layer below; emission and albedo mix
-    /// by how much of the cell's opacity each layer brings, so that the light given off, which is
-    /// emission × opacity, follows the share.
+    /// Opacity is `coverage·opacity` plus the rest of the layer below. Emission and albedo are weighted
+    /// by each layer's part of the cell's opacity, so that the emitted light, which is emission ×
+    /// opacity, follows the coverage.
     #[must_use]
-    pub fn over(self, below: Self, share: f32) -> Self {
-        if share <= 0.0 {
+    pub fn over(self, below: Self, coverage: f32) -> Self {
+        if coverage <= 0.0 {
             return below;
         }
-        if share >= 1.0 {
+        if coverage >= 1.0 {
             return self;
         }
-        let above = share * self.opacity;
-        let under = (1.0 - share) * below.opacity;
+        let above = coverage * self.opacity;
+        let under = (1.0 - coverage) * below.opacity;
         let opacity = above + under;
-        // Glass without opacity still mixes by area.
-        let (above, under) =
-            if opacity > 0.0 { (above / opacity, under / opacity) } else { (share, 1.0 - share) };
+        // Glass without opacity is mixed by area.
+        let (above, under) = if opacity > 0.0 {
+            (above / opacity, under / opacity)
+        } else {
+            (coverage, 1.0 - coverage)
+        };
         let mix = |a: Rgb, b: Rgb, wa: f32, wb: f32| -> Rgb {
             std::array::from_fn(|c| a[c] * wa + b[c] * wb)
         };
         Self {
             emission: mix(self.emission, below.emission, above, under),
             opacity,
-            tint: mix(self.tint, below.tint, share, 1.0 - share),
+            tint: mix(self.tint, below.tint, coverage, 1.0 - coverage),
             albedo: mix(self.albedo, below.albedo, above, under),
         }
     }
@@ -69,7 +73,7 @@ impl Default for Matter {
     }
 }
 
-/// The grid: matter, lamps and the sky round it.
+/// The grid: matter, lamps, and the sky around it.
 #[derive(Debug, PartialEq)]
 pub struct Cells {
     width: u32,
@@ -83,16 +87,19 @@ pub struct Cells {
     sky: Sky,
 }
 
-/// Cells that are looked at together in search of matter.
+/// The number of cells that are tested for matter at once.
 const CHUNK: usize = 16;
 
 impl Cells {
-    /// Longest side of a grid, so that squared distances fit 31 bits.
+    /// The longest side of a grid, so that squared distances fit 31 bits.
     pub const MAX_SIDE: u32 = 16_384;
-    /// Most cells of a grid, so that an index is exact in 32-bit float: about 1 GiB of matter.
+    /// The largest number of cells in a grid, so that an index is exact in 32-bit float: about 1 GiB of matter.
     pub const MAX_CELLS: u64 = 1 << 24;
 
-    /// A grid of empty space under a black sky.
+    /// Creates a grid of empty space under a black sky.
+    ///
+    /// # Errors
+    /// Fails if the size is zero or beyond [`Self::MAX_SIDE`] and [`Self::MAX_CELLS`].
     pub fn new(width: u32, height: u32) -> Result<Self> {
         Self::check_size(u64::from(width), u64::from(height))?;
         let n = width as usize * height as usize;
@@ -109,7 +116,7 @@ impl Cells {
         })
     }
 
-    /// Refuses sizes of zero and sizes beyond [`Self::MAX_SIDE`] and [`Self::MAX_CELLS`].
+    /// Rejects sizes of zero and sizes beyond [`Self::MAX_SIDE`] and [`Self::MAX_CELLS`].
     pub fn check_size(width: u64, height: u64) -> Result<()> {
         let side = 1..=u64::from(Self::MAX_SIDE);
         if side.contains(&width) && side.contains(&height) && width * height <= Self::MAX_CELLS {
@@ -129,32 +136,32 @@ impl Cells {
         self.height
     }
 
-    /// Number of cells.
+    /// The number of cells.
     pub fn len(&self) -> usize {
         self.opacity.len()
     }
 
-    /// Never true: a grid has at least one cell.
+    /// Always false: a grid has at least one cell.
     pub fn is_empty(&self) -> bool {
         self.opacity.is_empty()
     }
 
-    /// Index of cell (x, y) in the arrays.
+    /// The index of cell (x, y) in the arrays.
     ///
     /// # Panics
-    /// When (x, y) lies outside the grid.
+    /// Panics if (x, y) lies outside the grid.
     #[inline]
     pub fn index(&self, x: u32, y: u32) -> usize {
         assert!(x < self.width && y < self.height, "cell ({x}, {y}) is outside the grid");
         y as usize * self.width as usize + x as usize
     }
 
-    /// What cell (x, y) holds; `None` outside the grid.
+    /// The contents of cell (x, y); `None` outside the grid.
     pub fn get(&self, x: u32, y: u32) -> Option<Matter> {
         (x < self.width && y < self.height).then(|| self.matter(self.index(x, y)))
     }
 
-    /// What the cell at an index holds.
+    /// The contents of the cell at an index.
     #[inline]
     pub fn matter(&self, index: usize) -> Matter {
         Matter {
@@ -165,14 +172,14 @@ impl Cells {
         }
     }
 
-    /// Puts matter into cell (x, y); outside the grid nothing happens.
+    /// Sets the contents of cell (x, y). Does nothing outside the grid.
     pub fn set(&mut self, x: u32, y: u32, matter: Matter) {
         if x < self.width && y < self.height {
             self.set_matter(self.index(x, y), matter);
         }
     }
 
-    /// Puts matter into the cell at an index.
+    /// Sets the contents of the cell at an index.
     #[inline]
     pub fn set_matter(&mut self, index: usize, matter: Matter) {
         self.emission[index] = matter.emission;
@@ -181,73 +188,73 @@ impl Cells {
         self.albedo[index] = matter.albedo;
     }
 
-    /// Emission of every cell.
+    /// The emission of every cell.
     pub fn emission(&self) -> &[Rgb] {
         &self.emission
     }
 
-    /// Emission of every cell, to change.
+    /// The emission of every cell, mutably.
     pub fn emission_mut(&mut self) -> &mut [Rgb] {
         &mut self.emission
     }
 
-    /// Opacity of every cell.
+    /// The opacity of every cell.
     pub fn opacity(&self) -> &[f32] {
         &self.opacity
     }
 
-    /// Opacity of every cell, to change.
+    /// The opacity of every cell, mutably.
     pub fn opacity_mut(&mut self) -> &mut [f32] {
         &mut self.opacity
     }
 
-    /// Tint of every cell.
+    /// The tint of every cell.
     pub fn tint(&self) -> &[Rgb] {
         &self.tint
     }
 
-    /// Tint of every cell, to change.
+    /// The tint of every cell, mutably.
     pub fn tint_mut(&mut self) -> &mut [Rgb] {
         &mut self.tint
     }
 
-    /// Albedo of every cell.
+    /// The albedo of every cell.
     pub fn albedo(&self) -> &[Rgb] {
         &self.albedo
     }
 
-    /// Albedo of every cell, to change.
+    /// The albedo of every cell, mutably.
     pub fn albedo_mut(&mut self) -> &mut [Rgb] {
         &mut self.albedo
     }
 
-    /// What the final picture shows under the light, linear RGB; `None` is white everywhere.
+    /// The colours that the final picture multiplies with the light, linear RGB; `None` is white.
     pub fn color(&self) -> Option<&[Rgb]> {
         self.color.as_deref()
     }
 
-    /// The picture under the light, to change; made white at the first call.
+    /// The colours of the final picture, mutably. The first call creates them in white.
     pub fn color_mut(&mut self) -> &mut [Rgb] {
         let n = self.opacity.len();
         self.color.get_or_insert_with(|| vec![[1.0; 3]; n])
     }
 
-    /// Lamps, which are no matter until [`Cells::drawn`].
+    /// The lamps. They become matter by [`Cells::drawn`].
     pub fn lamps(&self) -> &[Lamp] {
         &self.lamps
     }
 
-    /// Lamps, to add, move or remove.
+    /// The lamps, mutably: add, move or remove them.
     pub fn lamps_mut(&mut self) -> &mut Vec<Lamp> {
         &mut self.lamps
     }
 
-    /// What a ray sees that leaves the grid.
+    /// The radiance of rays that leave the grid.
     pub fn sky(&self) -> Sky {
         self.sky
     }
 
-    /// Empties the grid: no matter and no lamps, under the same sky, without a colour image.
+    /// Removes all matter, lamps and colours. The sky stays.
     pub fn clear(&mut self) {
         self.emission.fill(Matter::EMPTY.emission);
         self.opacity.fill(Matter::EMPTY.opacity);
@@ -262,13 +269,13 @@ impl Cells {
         self.sky = sky;
     }
 
-    /// Whether a cell is a solid wall.
+    /// Returns whether the cell at an index is solid.
     #[inline]
     pub fn is_solid(&self, index: usize) -> bool {
         self.opacity[index] >= 1.0
     }
 
-    /// Visits all cells that hold matter, in order; quick over empty space.
+    /// Visits all cells that affect light, in order. Fast over empty space.
     pub(crate) fn for_each_matter(&self, mut visit: impl FnMut(usize)) {
         for (chunk, (opacity, tint)) in
             self.opacity.chunks(CHUNK).zip(self.tint.chunks(CHUNK)).enumerate()
@@ -285,7 +292,7 @@ impl Cells {
         }
     }
 
-    /// Visits all solid cells, in order; quick over empty space.
+    /// Visits all solid cells, in order. Fast over empty space.
     pub(crate) fn for_each_solid(&self, mut visit: impl FnMut(usize)) {
         for (chunk, opacity) in self.opacity.chunks(CHUNK).enumerate() {
             if opacity.iter().fold(true, |all, &v| all & (v < 1.0)) {
@@ -297,7 +304,7 @@ impl Cells {
         }
     }
 
-    /// The same grid with its lamps drawn in as glowing discs; itself where it has no lamp.
+    /// Returns the grid with its lamps drawn as glowing discs; borrowed if it has no lamps.
     pub fn drawn(&self) -> Cow<'_, Self> {
         if self.lamps.is_empty() {
             return Cow::Borrowed(self);
@@ -314,11 +321,14 @@ impl Cells {
             lamp.draw(self);
         }
         lamps.clear();
-        // Keep the allocation: a solver draws every frame into the same grid.
+        // Keeps the allocation: a solver draws every frame into the same grid.
         self.lamps = lamps;
     }
 
-    /// Refuses NaN, infinite and out-of-range values anywhere in the grid.
+    /// Rejects NaN, infinite and out-of-range values anywhere in the grid.
+    ///
+    /// # Errors
+    /// Names the first wrong cell, field, lamp or sky, the value, and what would be right.
     pub fn check(&self) -> Result<()> {
         let unit = |v: f32| (0.0..=1.0).contains(&v);
         let radiance = |v: f32| v >= 0.0 && v.is_finite();
@@ -348,7 +358,7 @@ impl Cells {
         channels: usize,
         good: impl Fn(f32) -> bool,
     ) -> Result<()> {
-        // Chunks let the common case run as vector code, without an early exit a value.
+        // Chunks let the common case run as vector code, without an early exit per value.
         for (chunk, part) in values.chunks(1024).enumerate() {
             if part.iter().fold(true, |all, &v| all & good(v)) {
                 continue;
@@ -377,7 +387,7 @@ impl Clone for Cells {
         }
     }
 
-    /// Copies into the buffers at hand: a solver does this every frame without allocating.
+    /// Copies into the existing buffers: a solver does this every frame without allocating.
     fn clone_from(&mut self, source: &Self) {
         let Self { width, height, emission, opacity, tint, albedo, color, lamps, sky } = source;
         (self.width, self.height, self.sky) = (*width, *height, *sky);

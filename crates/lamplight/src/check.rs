@@ -4,12 +4,12 @@ use crate::{Error, Result, Rgb};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-/// Farthest coordinate, px: beyond it a cell's edges would blur in single precision.
+/// The farthest coordinate, px. Beyond it, single precision would blur the edges of cells.
 const FAR: f32 = 1e6;
-/// Brightest radiance in a file: products of two such values still fit single precision.
+/// The brightest radiance in a file. Products of two such values still fit single precision.
 pub(crate) const BRIGHT: f32 = 1e12;
 
-/// A number in a range; NaN is in none.
+/// Checks that a number is in a range; NaN is in none.
 pub(crate) fn number(key: impl Display, value: f32, range: RangeInclusive<f32>) -> Result<()> {
     if range.contains(&value) {
         return Ok(());
@@ -18,7 +18,7 @@ pub(crate) fn number(key: impl Display, value: f32, range: RangeInclusive<f32>) 
     Err(Error::value(key.to_string(), value, expected))
 }
 
-/// A length: more than 0.
+/// Checks a length: more than 0.
 pub(crate) fn length(key: impl Display, value: f32) -> Result<()> {
     if value > 0.0 && value <= FAR {
         return Ok(());
@@ -26,7 +26,7 @@ pub(crate) fn length(key: impl Display, value: f32) -> Result<()> {
     Err(Error::value(key.to_string(), value, format!("more than 0 and at most {FAR} px")))
 }
 
-/// A point.
+/// Checks the coordinates of a point.
 pub(crate) fn point(key: impl Display, [x, y]: [f32; 2]) -> Result<()> {
     let range = -FAR..=FAR;
     if range.contains(&x) && range.contains(&y) {
@@ -36,12 +36,12 @@ pub(crate) fn point(key: impl Display, [x, y]: [f32; 2]) -> Result<()> {
     Err(Error::value(key.to_string(), format!("[{x}, {y}]"), expected))
 }
 
-/// A radiance.
+/// Checks a radiance.
 pub(crate) fn radiance(key: impl Display, rgb: Rgb) -> Result<()> {
     channels(key, rgb, 0.0..=BRIGHT, "three numbers from 0 to 1e12")
 }
 
-/// A share or a filter, channel by channel.
+/// Checks fractions: 0 to 1 in each channel.
 pub(crate) fn unit(key: impl Display, rgb: Rgb) -> Result<()> {
     channels(key, rgb, 0.0..=1.0, "three numbers from 0 to 1")
 }

@@ -1,10 +1,10 @@
-//! What each stage of a frame takes.
+//! Timing of the stages of a frame.
 
 use std::time::Duration;
-// The standard one, and in a browser, where that has no clock, the page's.
+// The standard clock panics in a browser; this one uses the page's there.
 use web_time::Instant;
 
-/// A stop watch with a lap for each stage.
+/// A stopwatch with one lap per stage.
 #[derive(Debug, Default)]
 pub struct Clock {
     last: Option<Instant>,
@@ -18,7 +18,7 @@ impl Clock {
         self.last = Some(Instant::now());
     }
 
-    /// Ends a stage; one that comes again in a frame adds up.
+    /// Ends a stage. Laps of a stage that runs several times per frame are added.
     pub fn lap(&mut self, stage: &'static str) {
         let now = Instant::now();
         if let Some(last) = self.last.replace(now) {

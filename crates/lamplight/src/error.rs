@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Shorthand for results of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Why a scene, a grid or a setting was refused.
+/// The reason why a scene, a grid or a setting was rejected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -17,33 +17,33 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A file is not what it should be (not TOML, not JSON, not a PNG, cut short).
+    /// A file has the wrong format (not TOML, JSON or PNG) or is truncated.
     #[error("cannot read {}: {problem}", path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it, with line and column where known.
+        /// A description of the problem, with line and column if known.
         problem: String,
     },
-    /// A value is out of its range, of the wrong kind, or not known.
+    /// A value is out of range, of the wrong type, or unknown.
     #[error("`{key}` is {value}, but must be {expected}")]
     Value {
         /// The key as it is written in a file, such as `shape[2].circle.radius`.
         key: String,
         /// The value found.
         value: String,
-        /// What would be right.
+        /// A description of valid values.
         expected: String,
     },
-    /// A key is not known, is missing, or is there twice.
+    /// A key is unknown, missing or duplicated.
     #[error("`{key}` {problem}")]
     Key {
         /// The key as it is written in a file.
         key: String,
-        /// What is wrong with it, and which keys there are.
+        /// A description of the problem, with the valid keys.
         problem: String,
     },
     /// A text is not TOML or not JSON.
@@ -53,7 +53,7 @@ pub enum Error {
         line: usize,
         /// The column in characters, from 1.
         column: usize,
-        /// What is wrong there.
+        /// A description of the problem.
         problem: String,
     },
     /// Another error, with the line of the text that it was found in.
@@ -61,7 +61,7 @@ pub enum Error {
     AtLine {
         /// The line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The underlying error.
         source: Box<Error>,
     },
     /// Another error, with the key that led to it, such as the layer whose image is missing.
@@ -69,7 +69,7 @@ pub enum Error {
     Under {
         /// The key.
         key: String,
-        /// What is wrong.
+        /// The underlying error.
         source: Box<Error>,
     },
     /// Another error, with the file that it was found in.
@@ -77,10 +77,10 @@ pub enum Error {
     InFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The underlying error.
         source: Box<Error>,
     },
-    /// A cell of the grid holds a value that is not light or matter.
+    /// A cell of the grid holds an invalid value.
     #[error("cell ({x}, {y}): {field} is {value}, but must be {expected}")]
     Cell {
         /// Column.
@@ -91,7 +91,7 @@ pub enum Error {
         field: &'static str,
         /// The value found.
         value: f32,
-        /// What would be right.
+        /// A description of valid values.
         expected: &'static str,
     },
     /// A grid is empty or larger than this program accepts.
@@ -101,23 +101,23 @@ pub enum Error {
         crate::Cells::MAX_CELLS
     )]
     Size {
-        /// Columns asked for.
+        /// The requested number of columns.
         width: u64,
-        /// Rows asked for.
+        /// The requested number of rows.
         height: u64,
     },
-    /// A method cannot use what the scene has: its picture would be black.
+    /// A method cannot light the scene: its picture would be black.
     #[error("{method} {problem}")]
     Unsuited {
         /// The method's name.
         method: &'static str,
-        /// What it needs, what is missing, and what would be right.
+        /// A description of the missing part, and a remedy.
         problem: &'static str,
     },
 }
 
 impl Error {
-    /// A bad value under a key.
+    /// An invalid value under a key.
     pub fn value(
         key: impl Into<String>,
         value: impl ToString,
@@ -126,8 +126,7 @@ impl Error {
         Self::Value { key: key.into(), value: value.to_string(), expected: expected.into() }
     }
 
-    /// The same error with the key that led to it. A bad value under a relative key has its key
-    /// completed.
+    /// Adds the key that led to the error. An invalid value under a relative key gets the full key.
     pub fn under(self, key: &str) -> Self {
         match self {
             Self::Value { key: inner, value, expected } => {
@@ -140,7 +139,7 @@ impl Error {
         }
     }
 
-    /// The same error with the file it was found in.
+    /// Adds the file in which the error was found.
     pub fn in_file(self, path: &Path) -> Self {
         match self {
             Self::InFile { .. } | Self::Read { .. } | Self::Format { .. } => self,

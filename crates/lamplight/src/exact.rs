@@ -1,13 +1,13 @@
 //! Lists of a fixed length, read strictly.
 //!
-//! serde's own arrays stop reading when they are full, and not every format minds what is left: in
-//! TOML `center = [1, 2, 3]` would pass for a point.
+//! serde's own arrays stop reading when they are full, and not every format rejects the rest: in
+//! TOML `center = [1, 2, 3]` would be read as a point.
 
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// `N` values, no fewer and no more.
+/// Exactly `N` values.
 pub(crate) struct Exact<T, const N: usize>(pub [T; N]);
 
 impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Exact<T, N> {
@@ -41,7 +41,7 @@ impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Exact<T, N> 
     }
 }
 
-/// For `#[serde(deserialize_with)]`: a point or a colour.
+/// Deserializes a point or a colour, for `#[serde(deserialize_with)]`.
 pub(crate) fn one<'de, D, T, const N: usize>(from: D) -> Result<[T; N], D::Error>
 where
     D: Deserializer<'de>,
@@ -50,7 +50,7 @@ where
     Exact::deserialize(from).map(|exact| exact.0)
 }
 
-/// The same, where it may be missing.
+/// Deserializes an optional point or colour.
 pub(crate) fn option<'de, D, T, const N: usize>(from: D) -> Result<Option<[T; N]>, D::Error>
 where
     D: Deserializer<'de>,
@@ -59,7 +59,7 @@ where
     Ok(Option::<Exact<T, N>>::deserialize(from)?.map(|exact| exact.0))
 }
 
-/// Any number of them.
+/// Deserializes a list of points.
 pub(crate) fn list<'de, D, T, const N: usize>(from: D) -> Result<Vec<[T; N]>, D::Error>
 where
     D: Deserializer<'de>,

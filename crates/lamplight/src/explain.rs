@@ -1,10 +1,10 @@
-//! serde's messages, made into errors that name the key, the value and what would be right.
+//! Errors from messages of serde: they name the key, the value and the correct form.
 
 use crate::Error;
 
-/// Longest piece of a user's text that a message repeats, in characters.
+/// The longest piece of a user's text that a message repeats, in characters.
 const LONGEST: usize = 80;
-/// Likeness (Jaro–Winkler, 0 to 1) from which an unknown key is taken for a misspelt one.
+/// The similarity (Jaro–Winkler, 0 to 1) above which an unknown key is taken for a misspelt one.
 const ALIKE: f64 = 0.8;
 
 /// The error for a message of serde about the value under `path` (serde_path_to_error's).
@@ -37,7 +37,7 @@ pub(crate) fn explain(path: &str, message: &str) -> Error {
             let found = match kind {
                 "invalid length " => format!("a list of {found}"),
                 "unknown variant " => format!("\"{}\"", unquoted(found)),
-                // As null arrive those, too.
+                // NaN and infinity arrive as null, too.
                 _ if found == "null" && plain(expected).contains("number") => {
                     "null, NaN or infinite".into()
                 }
@@ -56,11 +56,18 @@ fn unknown(name: &str, known: &str) -> String {
         .map(|known| (strsim::jaro_winkler(name, known), known))
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(likeness, _)| *likeness >= ALIKE);
-    let hint = likely.map_or(String::new(), |(_, known)| format!("; did you mean `{known}`?"));
+    let hint = match likely {
+        Some((_, known)) => format!("; did you mean `{known}`?"),
+        // Presets belong to methods.
+        None if name == "preset" && names.contains(&"holographic") => {
+            "; did you mean `holographic.preset`?".into()
+        }
+        None => String::new(),
+    };
     format!("is not a known key{hint} (known here: {})", names.join(", "))
 }
 
-/// What Rust's types are called by people who write files.
+/// The name of a Rust type for people who write files.
 fn plain(expected: &str) -> String {
     let words = match expected {
         "f32" | "f64" => "a number",

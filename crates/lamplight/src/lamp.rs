@@ -1,9 +1,9 @@
-//! Lamps: point-like lights with a range, and how they are drawn as glowing discs.
+//! Lamps: small lights with a range, and their drawing as glowing discs.
 //!
-//! Two kinds of method see them. `polar` and `flood` light them by rule, with range, falloff and
-//! cone. The others see only matter, so for them a lamp is drawn as a glowing disc: it reaches as
-//! far as light does, falls off as light does, and **glows all round**, because no matter gives off
-//! light in a cone.
+//! Two kinds of method read them. `polar` and `flood` evaluate lamps analytically, with range, falloff
+//! and cone. The others read only matter, so a lamp is drawn as a glowing disc: its light falls off as
+//! light in the plane does, without a range, and it **glows in all directions**, because matter cannot
+//! emit in a cone.
 
 use crate::scene::coverage::{self, Window};
 use crate::{Cells, Matter, Result, Rgb, check, exact};
@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
 use std::fmt::Display;
 
-pub use crate::lamp_gain::gain;
+pub use crate::source_normalization::gain;
 
-/// How the light of a lamp fades with distance in the methods that light lamps by rule.
+/// The falloff of a lamp with distance, in the methods that evaluate lamps analytically.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Falloff {
@@ -30,7 +30,8 @@ pub enum Falloff {
 }
 
 impl Falloff {
-    /// Share of `color · intensity` that arrives in the open, `distance` px from the lamp's centre.
+    /// The fraction of `color · intensity` that reaches a point in the open, `distance` px from the
+    /// lamp's centre.
     pub fn at(self, distance: f32, lamp: &Lamp) -> f32 {
         let u = distance / lamp.range;
         if u >= 1.0 {
@@ -47,27 +48,27 @@ impl Falloff {
     }
 }
 
-/// 2π, rounded up as people write it.
-#[expect(clippy::approx_constant, reason = "who writes 6.2832 means all round")]
+/// 2π, rounded up to four digits.
+#[expect(clippy::approx_constant, reason = "6.2832 in a file means the whole circle")]
 const TURN: f32 = 6.2832;
 
-/// The part of the circle that a lamp lights, in the methods that light lamps by rule.
+/// The cone of a spotlight, in the methods that evaluate lamps analytically.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cone {
-    /// Direction of the middle, radians from +x towards +y (down), −2π to 2π.
+    /// The direction of the axis, radians from +x towards +y (down), −2π to 2π.
     pub direction: f32,
-    /// Angle from edge to edge, radians, 0.001 to 2π.
+    /// The angle from edge to edge, radians, 0.001 to 2π (twice the outer cone angle of glTF).
     pub angle: f32,
-    /// Share of the way from the middle to either edge over which light fades, 0 to 1: 0 is a hard
-    /// edge, 1 fades from the middle on.
+    /// The fraction of the half angle, measured from the edge inwards, over which light fades, 0 to 1:
+    /// 0 is a hard edge, 1 fades from the axis on.
     #[serde(default)]
     pub softness: f32,
 }
 
 impl Cone {
-    /// Share of the lamp's light that leaves at an angle (radians): 1 inside, 0 outside, smoothstep
-    /// over the soft edge.
+    /// The fraction of the lamp's light at an angle (radians): 1 inside, 0 outside, smoothstep over
+    /// the soft edge.
     pub fn share(&self, angle: f32) -> f32 {
         let turned = (angle - self.direction).rem_euclid(TAU);
         let off = turned.min(TAU - turned);
@@ -91,32 +92,32 @@ impl Cone {
     }
 }
 
-/// A lamp.
+/// A point, spot or disc light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Lamp {
-    /// Centre, px.
+    /// The centre, px.
     #[serde(deserialize_with = "exact::one")]
     pub position: [f32; 2],
-    /// Colour, linear RGB.
+    /// The colour, linear RGB.
     #[serde(default = "default_color", deserialize_with = "exact::one")]
     pub color: Rgb,
-    /// Multiplies the colour, 0 to 1e6; 0 is off.
+    /// Factor on the colour, 0 to 1e6; 0 is off. `color · intensity` is the radiance of the disc. A
+    /// disc of radius R gives about `radiance·R/(π·d)` of light at distance d.
     #[serde(default = "default_intensity")]
     pub intensity: f32,
-    /// px reached, in the methods that light lamps by rule; 1 to 100 000.
+    /// The range in px, in the methods that evaluate lamps analytically; 1 to 100 000.
     #[serde(default = "default_range")]
     pub range: f32,
-    /// Radius of the glowing disc, px, 0.05 to 512. Its light at a distance grows with it; its
-    /// shadows get softer.
+    /// The radius of the disc in px, 0.05 to 512. Higher: more light and softer shadows.
     #[serde(default = "default_size")]
     pub size: f32,
-    /// How the light fades, in the methods that light lamps by rule.
+    /// The falloff, in the methods that evaluate lamps analytically.
     #[serde(default)]
     pub falloff: Falloff,
-    /// The part of the circle that it lights, such as `{ direction = 1.57, angle = 0.8, softness =
-    /// 0.3 }`; all of it where this is left out. Only for the methods that light lamps by rule: the
-    /// others draw a disc that glows all round.
+    /// The cone of a spotlight, such as `{ direction = 1.57, angle = 0.8, softness = 0.3 }`; without
+    /// it the lamp shines in all directions. Only for the methods that evaluate lamps analytically:
+    /// the others draw a disc that glows in all directions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cone: Option<Cone>,
 }
@@ -152,7 +153,7 @@ impl Default for Lamp {
 }
 
 impl Lamp {
-    /// Refuses values that no lamp has; `key` names the lamp in the message.
+    /// Validates the lamp; `key` names it in the error.
     pub fn check(&self, key: &dyn Display) -> Result<()> {
         check::point(format_args!("{key}.position"), self.position)?;
         check::radiance(format_args!("{key}.color"), self.color)?;
@@ -162,15 +163,14 @@ impl Lamp {
         self.cone.map_or(Ok(()), |cone| cone.check(&format_args!("{key}.cone")))
     }
 
-    /// Whether it gives off no light at all.
+    /// Returns whether the lamp emits no light.
     pub fn is_off(&self) -> bool {
         self.intensity == 0.0 || self.color == [0.0; 3]
     }
 
-    /// Draws the lamp into the matter: a solid disc of radius `size`, by the share of each cell
-    /// that it covers, with emission `color·intensity`, times a gain near 1 that makes
-    /// up for the grid ([`gain`]). A
-    /// lamp that is off is not there.
+    /// Draws the lamp into the matter: a solid disc of radius `size`, antialiased by coverage, with
+    /// emission `color·intensity` times a normalisation near 1 that compensates for the grid
+    /// ([`gain`]). A lamp that is off draws nothing.
     pub(crate) fn draw(&self, cells: &mut Cells) {
         let center = self.position.map(f64::from);
         let radius = f64::from(self.size);
@@ -183,9 +183,9 @@ impl Lamp {
         let strength = self.intensity * gain(center, radius);
         let matter =
             Matter { emission: self.color.map(|c| c * strength), opacity: 1.0, ..Matter::EMPTY };
-        coverage::disc_shares(center, radius, &grid, |x, y, share| {
+        coverage::disc_shares(center, radius, &grid, |x, y, coverage| {
             let i = cells.index(x as u32, y as u32);
-            cells.set_matter(i, matter.over(cells.matter(i), share));
+            cells.set_matter(i, matter.over(cells.matter(i), coverage));
         });
     }
 }

@@ -1,47 +1,55 @@
 //! Lamplight: 2D global illumination on a grid of cells.
 //!
-//! What goes in: [`Cells`] that emit, absorb, tint and reflect, written by hand or made from a
-//! [`Scene`]. What comes out: [`Light`], the mean radiance arriving at every cell, in linear RGB.
-//! Between them stands a [`Solver`], which runs one of the [`Method`]s and keeps its buffers
-//! between frames.
+//! The input is a grid of [`Cells`] that emit, absorb, tint and reflect, filled by hand or drawn from
+//! a [`Scene`]. The output is [`Light`]: the mean radiance at every cell, in linear RGB. A [`Solver`]
+//! computes it with one of the [`Method`]s and keeps its buffers between frames.
 //!
 //! All lengths are in cells ("px"): x to the right, y down, the centre of cell (i, j) at
 //! (i + ½, j + ½). All light is linear RGB; sRGB is decoded on the way in and encoded on the way
 //! out, once.
 
-pub mod cells;
+mod cells;
 mod check;
 mod clock;
-pub mod coarse;
-pub mod error;
+pub mod debug_views;
+mod error;
 mod exact;
 mod explain;
-pub mod frame;
-pub mod inside;
+#[doc(hidden)]
+pub mod filters;
+#[doc(hidden)]
+pub mod grid;
+#[doc(hidden)]
 pub mod lamp;
-mod lamp_gain;
-pub mod light;
+mod light;
+mod math;
+#[doc(hidden)]
 pub mod methods;
+pub mod resample;
 pub mod scene;
 pub mod settings;
-pub mod sky;
+mod simd;
+mod sky;
+mod solver;
+mod source_normalization;
 pub mod srgb;
+#[doc(hidden)]
 pub mod stages;
-pub mod views;
 
 pub use cells::{Cells, Matter, Rgb};
 pub use error::{Error, Result};
-pub use frame::Solver;
-/// The crate of the pictures that [`Light::compose`] returns.
-pub use image;
 pub use lamp::{Cone, Falloff, Lamp};
 pub use light::Light;
 pub use scene::{Scene, Shape};
-pub use settings::{Bounces, Method, Settings, SettingsTable};
+pub use settings::{Bounces, Method, Quality, Settings, SettingsTable};
 pub use sky::{Gradient, Sky};
+pub use solver::{Solver, Stages};
 pub use stages::display::{Display, ToneMap};
 
-/// The README's example is compiled and run with the tests.
+/// The crate of the pictures that [`Light::compose`] returns.
+pub use image;
+
+/// Compiles and runs the README's example with the tests.
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;

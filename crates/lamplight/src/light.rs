@@ -1,11 +1,11 @@
-//! The answer: the light at every cell, and questions about it.
+//! The result of a solver: the light at every cell, and queries of it.
 
-use crate::Rgb;
+use crate::{Cells, Error, Result, Rgb};
 
-/// Mean radiance arriving at each cell (fluence), linear RGB, in row order.
+/// Mean radiance `J = (1/2π) ∫ L dω` at the centre of each cell, linear RGB, in row order.
 ///
-/// In a solid cell: what its faces receive, fading inwards over `wall_depth`, and its own emission
-/// on top.
+/// A solid cell holds the irradiance of its faces (as E/2, so that a uniform surrounding L gives L),
+/// fading inwards over `wall_depth`, plus the cell's own emission.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Light {
     pub(crate) width: u32,
@@ -15,10 +15,17 @@ pub struct Light {
 }
 
 impl Light {
-    /// Light computed elsewhere (a reference, a file): one value a cell of `cells`, in row order.
-    /// `None` when the number of values is not the number of cells.
-    pub fn from_pixels(cells: &crate::Cells, rgb: Vec<Rgb>) -> Option<Self> {
-        (rgb.len() == cells.len()).then(|| Self {
+    /// Wraps light computed elsewhere (by a reference, from a file): one value per cell of `cells`,
+    /// in row order.
+    ///
+    /// # Errors
+    /// Fails if the number of values is not the number of cells.
+    pub fn from_pixels(cells: &Cells, rgb: Vec<Rgb>) -> Result<Self> {
+        if rgb.len() != cells.len() {
+            let expected = format!("one value per cell, {} in all", cells.len());
+            return Err(Error::value("light", format!("{} values", rgb.len()), expected));
+        }
+        Ok(Self {
             width: cells.width(),
             height: cells.height(),
             rgb,
@@ -36,17 +43,17 @@ impl Light {
         self.height
     }
 
-    /// Every cell's light, in row order.
+    /// The light of every cell, in row order.
     pub fn pixels(&self) -> &[Rgb] {
         &self.rgb
     }
 
-    /// Whether each cell is a solid wall, in row order.
+    /// Flags of solid cells, in row order.
     pub fn solid(&self) -> &[bool] {
         &self.solid
     }
 
-    /// Light of cell (x, y); black outside the grid.
+    /// The light of cell (x, y); black outside the grid.
     pub fn at(&self, x: u32, y: u32) -> Rgb {
         if x < self.width && y < self.height {
             self.rgb[y as usize * self.width as usize + x as usize]
@@ -55,11 +62,12 @@ impl Light {
         }
     }
 
-    /// Light at a point in px, between the four nearest cell centres.
+    /// The light at a point in px, interpolated between the four nearest cell centres.
     ///
-    /// In the open only open cells count, so that a point beside a wall is not darkened by it, and
-    /// none from beyond where two walls touch; inside a wall only solid cells count. Outside the
-    /// grid: the nearest cell at the border.
+    /// In open space only open cells count, so that a wall does not darken a point beside it and no
+    /// light comes through the gap between two walls that touch at a corner. Inside a wall only solid
+    /// cells count; see [`Self::sample_open`] for queries that must not see walls. Outside the grid
+    /// the nearest border cell counts.
     pub fn sample(&self, position: [f32; 2]) -> Rgb {
         if self.rgb.is_empty() || !position.iter().all(|p| p.is_finite()) {
             return [0.0; 3];
@@ -92,8 +100,50 @@ impl Light {
         self.mean((0..4).filter(|&corner| counts(corner)).map(|corner| corners[corner]))
     }
 
-    /// Mean light over the open cells of a box from `min` to `max` in px, each by the share of it
-    /// that lies inside; black where the box holds no open cell.
+    /// The light at a point in px, or, if the point lies inside a wall, that of the nearest open
+    /// cell. `None` if the point is not finite or the grid has no open cell.
+    ///
+    /// A character whose feet touch a pillar keeps the light that falls on it. Finding the nearest
+    /// open cell takes time in proportion to the square of its distance.
+    pub fn sample_open(&self, position: [f32; 2]) -> Option<Rgb> {
+        if self.rgb.is_empty() || !position.iter().all(|p| p.is_finite()) {
+            return None;
+        }
+        let (width, height) = (self.width as i64, self.height as i64);
+        let x = position[0].clamp(0.0, self.width as f32);
+        let y = position[1].clamp(0.0, self.height as f32);
+        let home = [(x as i64).min(width - 1), (y as i64).min(height - 1)];
+        let index = |[x, y]: [i64; 2]| (y * width + x) as usize;
+        if !self.solid[index(home)] {
+            return Some(self.sample(position));
+        }
+        // Squares of growing radius; a cell on the next one is at least radius − ½ px away.
+        let mut nearest: Option<(f32, usize)> = None;
+        for radius in 1..width.max(height) {
+            if nearest.is_some_and(|(distance, _)| distance <= (radius as f32 - 1.0).powi(2)) {
+                break;
+            }
+            let rows = (home[1] - radius).max(0)..=(home[1] + radius).min(height - 1);
+            for cell_y in rows {
+                let whole_row = (cell_y - home[1]).abs() == radius;
+                let step = if whole_row { 1 } else { 2 * radius as usize };
+                for cell_x in (home[0] - radius..=home[0] + radius).step_by(step) {
+                    if !(0..width).contains(&cell_x) || self.solid[index([cell_x, cell_y])] {
+                        continue;
+                    }
+                    let (dx, dy) = (cell_x as f32 + 0.5 - x, cell_y as f32 + 0.5 - y);
+                    let distance = dx * dx + dy * dy;
+                    if nearest.is_none_or(|(least, _)| distance < least) {
+                        nearest = Some((distance, index([cell_x, cell_y])));
+                    }
+                }
+            }
+        }
+        nearest.map(|(_, i)| self.rgb[i])
+    }
+
+    /// The mean light over the open cells of a box from `min` to `max` in px, each weighted by its
+    /// fraction inside the box; black if the box holds no open cell.
     pub fn over(&self, min: [f32; 2], max: [f32; 2]) -> Rgb {
         let overlap =
             |i: usize, axis: usize| ((i + 1) as f32).min(max[axis]) - (i as f32).max(min[axis]);
@@ -104,8 +154,8 @@ impl Light {
         self.mean(cells(1, self.height).flat_map(|y| {
             cells(0, self.width).filter_map(move |x| {
                 let i = y * self.width as usize + x;
-                let share = overlap(x, 0).max(0.0) * overlap(y, 1).max(0.0);
-                (!self.solid[i]).then_some((i, share))
+                let fraction = overlap(x, 0).max(0.0) * overlap(y, 1).max(0.0);
+                (!self.solid[i]).then_some((i, fraction))
             })
         }))
     }

@@ -1,4 +1,4 @@
-//! The sky: what a ray sees that leaves the grid.
+//! The sky: the boundary radiance of the grid.
 
 use crate::exact::{self, Exact};
 use crate::{Error, Result, Rgb};
@@ -15,7 +15,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Sky {
-    /// The same linear RGB radiance from everywhere.
+    /// One linear RGB radiance from all directions.
     Uniform(Rgb),
     /// A gradient over the elevation of the direction.
     Gradient(Gradient),
@@ -41,24 +41,24 @@ impl Sky {
     /// No light from outside.
     pub const BLACK: Self = Self::Uniform([0.0; 3]);
 
-    /// Radiance seen along a ray whose unit direction has the y component `dy` (y points down).
+    /// The radiance along a ray whose unit direction has the y component `dy` (y points down).
     #[inline]
     pub fn radiance(&self, dy: f32) -> Rgb {
         match self {
             Self::Uniform(rgb) => *rgb,
             Self::Gradient(g) => {
-                let (end, share) = if dy < 0.0 { (g.zenith, -dy) } else { (g.ground, dy) };
-                std::array::from_fn(|c| g.horizon[c] + (end[c] - g.horizon[c]) * share)
+                let (end, weight) = if dy < 0.0 { (g.zenith, -dy) } else { (g.ground, dy) };
+                std::array::from_fn(|c| g.horizon[c] + (end[c] - g.horizon[c]) * weight)
             }
         }
     }
 
-    /// Whether no light comes from anywhere.
+    /// Returns whether the sky is black in all directions.
     pub fn is_black(&self) -> bool {
         self.ends().into_iter().flatten().all(|v| v == 0.0)
     }
 
-    /// Refuses NaN, infinite and negative radiance.
+    /// Rejects NaN, infinite and negative radiance.
     pub fn check(&self) -> Result<()> {
         match self.ends().into_iter().flatten().find(|v| !v.is_finite() || *v < 0.0) {
             Some(v) => Err(Error::value("sky", v, "a finite radiance of 0 or more")),
@@ -74,7 +74,7 @@ impl Sky {
     }
 }
 
-/// By hand, so that errors inside say which of the two forms and which colour is wrong.
+/// Written by hand, so that errors name the form and the colour that are wrong.
 impl<'de> Deserialize<'de> for Sky {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         struct Either;
@@ -97,6 +97,18 @@ impl<'de> Deserialize<'de> for Sky {
         }
 
         from.deserialize_any(Either)
+    }
+}
+
+impl From<Rgb> for Sky {
+    fn from(radiance: Rgb) -> Self {
+        Self::Uniform(radiance)
+    }
+}
+
+impl From<Gradient> for Sky {
+    fn from(gradient: Gradient) -> Self {
+        Self::Gradient(gradient)
     }
 }
 

@@ -1,21 +1,21 @@
-//! The sRGB curve (IEC 61966-2-1:1999) between what files and screens hold and linear light.
+//! The sRGB curve (IEC 61966-2-1:1999), which maps linear light to values in files and on screens.
 //!
-//! Decoded once on the way in, encoded once on the way out; all maths between is linear.
+//! Values are decoded once on the way in and encoded once on the way out; all maths is linear.
 
 use crate::Rgb;
 use std::sync::LazyLock;
 
-/// Linear values up to this are encoded by a straight line …
+/// The linear value up to which the curve is a straight line.
 pub const STRAIGHT: f32 = 0.003_130_8;
-/// … of this slope,
+/// The slope of the straight line.
 pub const SLOPE: f32 = 12.92;
-/// and those above as `(1 + OFFSET)·v^(1/GAMMA) − OFFSET`.
+/// The offset of the curve above it, `(1 + OFFSET)·v^(1/GAMMA) − OFFSET`.
 pub const OFFSET: f32 = 0.055;
-/// The power of the curve.
+/// The exponent of the curve.
 pub const GAMMA: f32 = 2.4;
 
-/// Linear value of an sRGB-encoded one, both 0 to 1; values beyond 1 continue on the curve,
-/// negative ones on its straight part.
+/// Decodes an sRGB value to a linear one, both 0 to 1. Values above 1 continue the curve, negative
+/// ones the straight line.
 pub fn decode(encoded: f32) -> f32 {
     if encoded <= 0.04045 {
         encoded / SLOPE
@@ -24,7 +24,7 @@ pub fn decode(encoded: f32) -> f32 {
     }
 }
 
-/// sRGB-encoded value of a linear one: the inverse of [`decode`].
+/// Encodes a linear value as sRGB: the inverse of [`decode`].
 pub fn encode(linear: f32) -> f32 {
     if linear <= STRAIGHT {
         linear * SLOPE
@@ -33,22 +33,22 @@ pub fn encode(linear: f32) -> f32 {
     }
 }
 
-/// Linear value of an 8-bit sRGB one, from a table.
+/// Decodes an 8-bit sRGB value, by a table.
 pub fn decode_u8(encoded: u8) -> f32 {
     static TABLE: LazyLock<[f32; 256]> =
         LazyLock::new(|| std::array::from_fn(|i| decode(i as f32 / 255.0)));
     TABLE[usize::from(encoded)]
 }
 
-/// 8-bit sRGB value of a linear one; what lies outside 0 to 1 is cut off.
+/// Encodes a linear value as 8-bit sRGB, clamped to 0 to 1.
 pub fn encode_u8(linear: f32) -> u8 {
     (encode(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
 }
 
-/// What red, green and blue count in relative luminance (Rec. 709).
+/// The weights of red, green and blue in relative luminance (Rec. 709).
 pub const LUMINANCE: Rgb = [0.2126, 0.7152, 0.0722];
 
-/// Relative luminance of linear RGB.
+/// Returns the relative luminance of linear RGB.
 #[inline(always)]
 pub fn luminance([r, g, b]: Rgb) -> f32 {
     LUMINANCE[0] * r + LUMINANCE[1] * g + LUMINANCE[2] * b

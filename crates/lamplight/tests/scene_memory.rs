@@ -48,7 +48,7 @@ fn largest(act: impl FnOnce()) -> usize {
 
 // One test, since what other tests allocate would be counted too.
 #[test]
-fn what_is_refused_for_its_size_is_never_allocated() {
+fn input_rejected_for_its_size_is_never_allocated() {
     let too_large = [[40_000, 40_000], [u32::MAX, u32::MAX], [16_385, 1], [0, 7], [16_384, 2049]];
     for [width, height] in too_large {
         assert!(largest(|| assert!(Cells::new(width, height).is_err())) < LITTLE);
@@ -57,7 +57,7 @@ fn what_is_refused_for_its_size_is_never_allocated() {
         assert!(largest(|| assert!(Scene::from_toml(&text).is_err())) < LITTLE);
     }
 
-    // An image of another size than the scene is refused by its header.
+    // An image of another size than the scene is rejected by its header.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     let image = folder.path().join("image.png");

@@ -1,4 +1,4 @@
-//! Frames after the first allocate nothing, and are the same on any number of threads.
+//! Frames after the first do not allocate, and are equal on any number of threads.
 
 // A global allocator that counts can only be written with `unsafe`.
 #![allow(unsafe_code)]
@@ -13,7 +13,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The system's allocator; counts what marked threads ask for.
+/// The system's allocator; counts the allocations of marked threads.
 struct Counting;
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
@@ -78,7 +78,7 @@ fn scene(fog: bool, frame: u32) -> Cells {
 }
 
 /// Everything that has buffers of its own, alone and together.
-fn ways() -> Vec<(&'static str, bool, Settings)> {
+fn variants() -> Vec<(&'static str, bool, Settings)> {
     let few = |s: &mut Settings| s.raymarch.rays = 8;
     let way = |change: fn(&mut Settings)| {
         settings(|s| {
@@ -146,7 +146,7 @@ fn ways() -> Vec<(&'static str, bool, Settings)> {
             true,
             way(|s| {
                 s.bounces = Bounces::Count(1);
-                s.temporal = Temporal { frames: 32, reject: true };
+                s.temporal = Temporal { history_length: 32, reject: true };
                 s.denoise.passes = 3;
             }),
         ),
@@ -178,9 +178,9 @@ fn allocations(pool: &ThreadPool, settings: &Settings, fog: bool) -> usize {
 }
 
 #[test]
-fn solving_again_allocates_nothing() {
+fn solving_again_does_not_allocate() {
     let pool = pool(2, true);
-    for (name, fog, settings) in ways() {
+    for (name, fog, settings) in variants() {
         assert_eq!(allocations(&pool, &settings, fog), 0, "{name}");
     }
     // The counter counts.
@@ -198,7 +198,7 @@ fn three_frames(settings: &Settings, fog: bool, threads: usize) -> Vec<Vec<u32>>
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
-    for (name, fog, settings) in ways() {
+    for (name, fog, settings) in variants() {
         let one = three_frames(&settings, fog, 1);
         for threads in [2, 3] {
             assert!(one == three_frames(&settings, fog, threads), "{name}, {threads} threads");

@@ -1,21 +1,21 @@
-//! Lamps, and light from everywhere.
+//! Lamps, ambient light and the sky.
 
 use bevy::prelude::*;
 use lamplight::{Cone, Falloff, Gradient, Lamp, Sky};
 use std::f32::consts::{FRAC_PI_3, PI};
 
-/// A lamp at an entity's place.
+/// A lamp at an entity's position.
 ///
-/// For the methods that see what glows (`holographic`, `cascades`, `raymarch`) it is a small disc,
-/// and its light falls off as light in a plane does: at a distance `d` in the open there arrives
+/// For the methods `holographic`, `cascades` and `raymarch` it is a small disc that emits light. Its
+/// light falls off as light in a plane does. At a distance `d` in the open, the mean radiance is
 ///
 /// ```text
 /// color · intensity · range / (4 d)
 /// ```
 ///
-/// which is `intensity` at a quarter of the range, and a quarter of it at the range. `polar` and
-/// `flood` light it by their rule: `intensity` at the lamp, nothing beyond the range. What is around
-/// the lamp blocks its light as it does any other; a lamp in a wall shines out of it.
+/// This is `intensity` at a quarter of the range and a quarter of it at the range. `polar` and `flood`
+/// evaluate lamps analytically: `intensity` at the lamp, nothing beyond the range. Matter around the
+/// lamp blocks its light. A lamp inside a wall shines out of it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
@@ -25,14 +25,14 @@ use std::f32::consts::{FRAC_PI_3, PI};
 pub struct PointLight2d {
     /// Colour of the light.
     pub color: Color,
-    /// How bright it is; 0 is off.
+    /// Brightness; 0 is off.
     pub intensity: f32,
-    /// How far it reaches, world units.
+    /// Range, world units.
     pub range: f32,
-    /// Radius of what glows, world units: larger lamps have softer shadows and no more light. Less than
-    /// two cells is as two cells, so that the smallest lamps are as bright.
+    /// Radius of the disc, world units. Larger lamps have softer shadows and the same amount of light.
+    /// A radius below two cells acts as two cells.
     pub radius: f32,
-    /// How light fades, for `polar` and `flood`.
+    /// Falloff with distance, for `polar` and `flood`.
     pub falloff: Falloff2d,
 }
 
@@ -48,12 +48,11 @@ impl Default for PointLight2d {
     }
 }
 
-/// A lamp that shines one way: along the entity's own x axis, so that a rotation of 0 lights what is
-/// to the right.
+/// A lamp that shines in one direction: along the entity's own x axis, which points to the right
+/// without rotation.
 ///
-/// It is lit by the rule of `polar`, whatever the camera's method: `intensity` at the lamp, fading to
-/// nothing at the range; shadows, glass and fog as for any light. Its light is not sent on by walls,
-/// but for `flood`.
+/// Every method lights it as `polar` does: `intensity` at the lamp, fading to nothing at the range, with
+/// shadows, glass and fog as for any light. Walls do not reflect its light, except with `flood`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
@@ -63,17 +62,17 @@ impl Default for PointLight2d {
 pub struct SpotLight2d {
     /// Colour of the light.
     pub color: Color,
-    /// How bright it is; 0 is off.
+    /// Brightness; 0 is off.
     pub intensity: f32,
-    /// How far it reaches, world units.
+    /// Range, world units.
     pub range: f32,
-    /// Radius of the lamp, world units: larger ones have softer shadows.
+    /// Radius of the lamp, world units. Larger lamps have softer shadows.
     pub radius: f32,
-    /// Angle from edge to edge, radians.
+    /// Angle of the cone from edge to edge, radians.
     pub angle: f32,
-    /// Share of the way from the middle to either edge over which light fades, 0 to 1.
+    /// Fraction of the cone, from the edge inwards, over which light fades, 0 to 1.
     pub softness: f32,
-    /// How light fades with distance.
+    /// Falloff with distance.
     pub falloff: Falloff2d,
 }
 
@@ -85,18 +84,18 @@ impl Default for SpotLight2d {
     }
 }
 
-/// How light fades to nothing at a lamp's range ([`lamplight::Falloff`]).
+/// The falloff of a lamp up to its range ([`lamplight::Falloff`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum Falloff2d {
-    /// Evenly.
+    /// Linear.
     #[default]
     Linear,
-    /// Slowly at first and at last.
+    /// Smooth at both ends.
     Smooth,
-    /// By one over the distance, cut off at the range.
+    /// Inversely proportional to the distance, cut off at the range.
     Inverse,
 }
 
@@ -110,8 +109,8 @@ impl From<Falloff2d> for Falloff {
     }
 }
 
-/// On a camera with [`Lighting2d`](crate::Lighting2d): light that arrives everywhere, in walls too,
-/// so that nothing is black.
+/// Constant light everywhere, also inside walls, so that nothing is black. Belongs on a camera with
+/// [`Lighting2d`](crate::Lighting2d).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
@@ -120,7 +119,7 @@ impl From<Falloff2d> for Falloff {
 pub struct AmbientLight2d {
     /// Colour of the light.
     pub color: Color,
-    /// Multiplies it.
+    /// Multiplies the colour.
     pub brightness: f32,
 }
 
@@ -131,28 +130,30 @@ impl Default for AmbientLight2d {
 }
 
 impl AmbientLight2d {
-    /// What arrives.
+    /// Its radiance.
     pub(crate) fn radiance(&self) -> [f32; 3] {
         radiance(self.color, self.brightness)
     }
 }
 
-/// On a camera with [`Lighting2d`](crate::Lighting2d): the light that comes from beyond the lit grid,
-/// from above, the sides and below. It falls in from outside and is blocked as other light is: outdoors
-/// in a side view. For views from above, which have no outside, see [`AmbientLight2d`].
+/// The light that enters the lit grid from outside: from above, the sides and below. Matter blocks it as
+/// any other light. Belongs on a camera with [`Lighting2d`](crate::Lighting2d).
+///
+/// It suits outdoor scenes in side view. For views from above, which have no outside, see
+/// [`AmbientLight2d`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct Sky2d {
-    /// From straight up.
+    /// Colour straight up.
     pub zenith: Color,
-    /// From the sides.
+    /// Colour at the sides.
     pub horizon: Color,
-    /// From straight down.
+    /// Colour straight down.
     pub ground: Color,
-    /// Multiplies all three.
+    /// Multiplies all three colours.
     pub brightness: f32,
 }
 
@@ -169,7 +170,7 @@ impl Default for Sky2d {
 }
 
 impl Sky2d {
-    /// The library's sky.
+    /// Converts to the sky of `lamplight`.
     pub(crate) fn sky(&self) -> Sky {
         let [zenith, horizon, ground] =
             [self.zenith, self.horizon, self.ground].map(|color| radiance(color, self.brightness));
@@ -177,10 +178,10 @@ impl Sky2d {
     }
 }
 
-/// Brightest that what glows is drawn: half floats hold as much, with room for sums.
+/// The largest radiance that is drawn. It is below the largest half float, which leaves room for sums.
 pub(crate) const BRIGHTEST: f32 = 60_000.0;
 
-/// What a colour of some brightness gives; nothing of what no light is.
+/// The radiance of a colour. Channels that are negative or not finite become 0.
 fn radiance(color: Color, brightness: f32) -> [f32; 3] {
     let LinearRgba { red, green, blue, .. } = color.to_linear();
     [red, green, blue].map(|v| v * brightness).map(|v| if v.is_finite() { v.max(0.0) } else { 0.0 })
@@ -199,7 +200,7 @@ pub(crate) struct WorldLamp {
 }
 
 impl WorldLamp {
-    /// None where it lights nothing, or is nowhere.
+    /// `None` if the lamp is off or any of its values is not finite.
     pub fn point(lamp: &PointLight2d, transform: &GlobalTransform) -> Option<Self> {
         let PointLight2d { color, intensity, range, radius, falloff } = *lamp;
         let position = transform.translation().truncate();
@@ -215,7 +216,7 @@ impl WorldLamp {
         })
     }
 
-    /// The same for a spot.
+    /// Like [`Self::point`], for a spot.
     pub fn spot(lamp: &SpotLight2d, transform: &GlobalTransform) -> Option<Self> {
         let SpotLight2d { color, intensity, range, radius, angle, softness, falloff } = *lamp;
         let point = PointLight2d { color, intensity, range, radius, falloff };
@@ -226,7 +227,7 @@ impl WorldLamp {
             .then_some(Self { cone: Some(cone), ..lamp })
     }
 
-    /// As the library knows it, on a grid whose left and top lies at `corner` of the world.
+    /// Converts to a lamp of `lamplight`, on a grid whose top left corner lies at `corner` of the world.
     pub fn on_grid(&self, corner: Vec2, cell: f32) -> Lamp {
         let place = (self.position - corner) / cell;
         Lamp {
@@ -244,13 +245,14 @@ impl WorldLamp {
         }
     }
 
-    /// The disc that stands for it where methods see what glows, its radiance for a colour: of a disc
-    /// of radius r and radiance E there arrives `E · 2r / (2π d)`, the share of the circle it fills.
+    /// The disc that represents it for methods that do not evaluate lamps. The disc's radiance replaces
+    /// the colour. A disc of radius r and radiance L_e fills the fraction `2r / (2π d)` of all directions,
+    /// so the mean radiance is `L_e · 2r / (2π d)`.
     pub fn disc(&self, corner: Vec2, cell: f32) -> Lamp {
-        /// Cells; the light of smaller discs falls between rays.
-        const LEAST: f32 = 2.0;
+        /// Cells. Rays miss smaller discs.
+        const MIN_RADIUS: f32 = 2.0;
         let lamp = self.on_grid(corner, cell);
-        let size = lamp.size.max(LEAST);
+        let size = lamp.size.max(MIN_RADIUS);
         let gain = PI * self.range / (4.0 * size * cell);
         Lamp { size, color: self.color.map(|c| (c * gain).min(BRIGHTEST)), ..lamp }
     }

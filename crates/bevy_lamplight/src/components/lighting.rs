@@ -1,10 +1,10 @@
-//! How a camera's picture is lit.
+//! Settings of a camera's lighting.
 
 use bevy::camera::Hdr;
 use bevy::prelude::*;
-use lamplight::{Method, Settings, SettingsTable, ToneMap};
+use lamplight::{Method, Quality, Settings, SettingsTable, ToneMap};
 
-/// Lights what a 2D camera sees.
+/// Lights everything that a 2D camera sees.
 ///
 /// ```
 /// # use bevy::prelude::*; use bevy_lamplight::prelude::*;
@@ -13,7 +13,7 @@ use lamplight::{Method, Settings, SettingsTable, ToneMap};
 /// # }
 /// ```
 ///
-/// Every length is in world units, so that light does not change when the camera zooms.
+/// All lengths are in world units, so that light does not change when the camera zooms.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
@@ -21,29 +21,28 @@ use lamplight::{Method, Settings, SettingsTable, ToneMap};
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(Hdr)]
 pub struct Lighting2d {
-    /// How light is found.
+    /// The method.
     pub method: LightMethod,
-    /// A preset of the method by its name, such as `"fast"` or `"quality"` of `holographic`
-    /// ([`lamplight::Method::presets`]); empty: the method's default.
-    pub preset: String,
-    /// Other settings of the method as `lamplight`'s command line writes them, laid over the preset:
-    /// `"raymarch.rays=64"`. Not those that have a field here.
+    /// Speed against accuracy: the method's preset at this level.
+    pub quality: LightQuality,
+    /// Further settings of the method, which override the quality, in the syntax of `lamplight`'s command
+    /// line: `"raymarch.rays=64"` or `"polar.preset=disc"`. Settings that have a field here are errors.
     pub set: Vec<String>,
-    /// How often walls and fog send light on. Each time costs one more pass over them.
+    /// Bounces of light off walls and fog. Each one costs another pass over them.
     pub bounces: LightBounces,
-    /// How large the cells are on which light is found.
+    /// The size of the cells that light is computed on.
     pub cells: CellSize,
-    /// World units beyond the screen from which matter still lights it and throws shadows on it.
-    /// Higher: nothing pops up at the edge; costs as much as so much more screen.
+    /// World units beyond the screen in which matter still affects light. Higher values prevent changes
+    /// of light at the edge of the screen, and cost as much as a larger screen.
     pub border: f32,
-    /// World units that light sinks into solid walls, so that they are seen and not black. Costs
-    /// next to nothing.
+    /// World units that light penetrates into solid walls, so that walls are visible. Its cost is
+    /// negligible.
     pub wall_depth: f32,
-    /// Stops by which the picture is brightened; 1 doubles its light.
+    /// Exposure in stops; each doubles the light.
     pub exposure: f32,
-    /// How light above 1 is brought back to what a screen shows.
+    /// The tone map, which brings light above 1 into the range of a screen.
     pub tone_map: LightToneMap,
-    /// How light is shown between the cells it was found on.
+    /// Interpolation of light between cells.
     pub filter: LightFilter,
 }
 
@@ -51,7 +50,7 @@ impl Default for Lighting2d {
     fn default() -> Self {
         Self {
             method: LightMethod::default(),
-            preset: String::new(),
+            quality: LightQuality::default(),
             set: Vec::new(),
             bounces: LightBounces::Count(1),
             cells: CellSize::default(),
@@ -65,64 +64,91 @@ impl Default for Lighting2d {
 }
 
 impl Lighting2d {
-    /// The same settings with another preset.
+    /// Replaces the quality.
     #[must_use]
-    pub fn with_preset(mut self, name: impl Into<String>) -> Self {
-        self.preset = name.into();
+    pub fn with_quality(mut self, quality: LightQuality) -> Self {
+        self.quality = quality;
         self
     }
 
-    /// What the library is told, for cells of so many world units.
+    /// Resolves the settings for cells that are `cell` world units wide.
     pub(crate) fn settings(&self, cell: f32) -> lamplight::Result<Settings> {
         let mut table = SettingsTable::default();
         let method: Method = self.method.into();
         table.set("method", method.name());
-        if !self.preset.is_empty() {
-            table.set(&format!("{}.preset", method.name()), self.preset.as_str());
-        }
+        table.set("quality", Quality::from(self.quality).name());
         match self.bounces {
             LightBounces::Count(count) => table.set("bounces", count),
             LightBounces::Converged => table.set("bounces", "converged"),
         }
         for text in &self.set {
             let key = text.split('=').next().unwrap_or_default().trim();
-            if ["method", "bounces", "wall_depth"].contains(&key) {
+            if ["method", "quality", "bounces", "wall_depth"].contains(&key) {
                 let expected = "another setting: `Lighting2d` has a field for this one";
                 return Err(lamplight::Error::value("set", format!("{text:?}"), expected));
             }
             table.set_from_text(text)?;
         }
         let mut settings = table.resolve()?;
-        /// As deep as the library lets light sink, px.
-        const DEEPEST: f32 = 64.0;
-        settings.wall_depth = (self.wall_depth / cell).clamp(0.0, DEEPEST);
+        /// The largest wall depth of `lamplight`, cells.
+        const MAX_WALL_DEPTH: f32 = 64.0;
+        settings.wall_depth = (self.wall_depth / cell).clamp(0.0, MAX_WALL_DEPTH);
         settings.check()?;
         Ok(settings)
     }
 }
 
-/// How light is found ([`lamplight::Method`]).
+/// The method that computes light ([`lamplight::Method`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq, Hash)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightMethod {
-    /// Rays made from shorter rays: no noise, the same cost however much light and matter there is.
+    /// Holographic radiance cascades: no noise, and a cost that does not depend on the scene.
     #[default]
     Holographic,
-    /// Probes near with few rays, far with many. Cheaper, softer.
+    /// Radiance cascades. Cheaper and softer.
     Cascades,
-    /// Rays from every cell; grain where there are few.
+    /// Rays from every cell. Few rays are noisy.
     Raymarch,
-    /// Shadows of lamps alone, with range and falloff; nothing that glows lights anything.
+    /// Shadow maps of lamps, with range and falloff. Emissive matter does not light anything.
     Polar,
-    /// Energy that spreads from frame to frame. A look, not physics.
+    /// Light that spreads from cell to cell over several frames. A visual style, not physically based.
     Flood,
 }
 
+/// Speed against accuracy ([`lamplight::Quality`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Debug, Clone, PartialEq, Hash)]
+#[type_path = "bevy_lamplight"]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum LightQuality {
+    /// The fewest rays with which light still looks right.
+    Fast,
+    /// For games.
+    #[default]
+    Default,
+    /// Less error, several times the time.
+    High,
+    /// The method as its source published it, for comparison.
+    Paper,
+}
+
+impl From<LightQuality> for Quality {
+    fn from(quality: LightQuality) -> Self {
+        match quality {
+            LightQuality::Fast => Self::Fast,
+            LightQuality::Default => Self::Default,
+            LightQuality::High => Self::High,
+            LightQuality::Paper => Self::Paper,
+        }
+    }
+}
+
 impl LightMethod {
-    /// Whether it lights lamps by rule; for the others they are discs that glow.
-    pub(crate) fn lights_lamps(self) -> bool {
+    /// Returns true if the method evaluates lamps analytically. For other methods, lamps are emissive discs.
+    pub(crate) fn is_analytic(self) -> bool {
         Method::from(self).lights_lamps()
     }
 }
@@ -139,31 +165,29 @@ impl From<LightMethod> for Method {
     }
 }
 
-/// How often light is sent on.
+/// The number of bounces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightBounces {
-    /// At most this many times, 0 to 256; 0 is direct light only.
+    /// At most this many, 0 to 256. 0 is direct light only.
     Count(u32),
     /// Until the largest change is under 0.1 % of the mean.
     Converged,
 }
 
-/// How large the square cells are on which light is found. Half the size costs four times as much.
-/// Matter thinner than a cell may fall between two.
+/// The size of the square cells that light is computed on. Half the size costs four times as much.
+/// Light may leak through matter that is thinner than a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum CellSize {
-    /// So many cells to a logical pixel of the screen, 0.05 to 2. The size in the world is rounded
-    /// to a power of two, so that light stays as it is while the camera zooms, but for one step
-    /// each time it has zoomed to twice or half.
+    /// Cells per logical pixel of the screen, 0.05 to 2. The size in the world is rounded to a power of
+    /// two, so that light does not change while the camera zooms, except once per doubling.
     Screen(f32),
-    /// So many world units a cell, whatever the zoom. 1 with [`LightFilter::Nearest`] puts light on
-    /// the grid of pixel art.
+    /// World units per cell, at any zoom. 1 with [`LightFilter::Nearest`] aligns light with pixel art.
     World(f32),
 }
 
@@ -173,29 +197,28 @@ impl Default for CellSize {
     }
 }
 
-/// How light above 1 is brought back to what a screen shows: lamps add up to more than that.
+/// The tone map. The light of several lamps may add up to more than a screen can show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightToneMap {
-    /// By the camera's own `Tonemapping` where it has one, which comes after bloom, and `Aces` where
-    /// it has none.
+    /// The camera's own `Tonemapping`, which Bevy applies after bloom, or `Aces` if the camera has none.
     #[default]
     Camera,
-    /// Not at all: what is above 1 is cut off unless a later pass needs it.
+    /// None. Light above 1 is clipped unless a later pass uses it.
     Off,
-    /// `v / (1 + v)`, channel by channel.
+    /// `v / (1 + v)` per channel.
     Reinhard,
-    /// Narkowicz's fit of the ACES curve (2015). What is [`Unlit2d`](crate::Unlit2d) keeps its
-    /// colours, as under all but the camera's own.
+    /// Narkowicz's fit of the ACES curve (2015). [`Unlit2d`](crate::Unlit2d) entities keep their colours,
+    /// as with every tone map except the camera's own.
     Aces,
-    /// AgX, which turns bright colours paler than `Aces` does.
+    /// AgX, which desaturates bright colours more than `Aces`.
     Agx,
 }
 
 impl LightToneMap {
-    /// What the library is told, for a camera that has a tone map of its own or not.
+    /// Converts to the tone map of `lamplight`. `has_own`: whether the camera has a `Tonemapping`.
     pub(crate) fn for_camera(self, has_own: bool) -> ToneMap {
         match self {
             Self::Camera if has_own => ToneMap::None,
@@ -207,22 +230,21 @@ impl LightToneMap {
     }
 }
 
-/// How light is shown between cells.
+/// Interpolation of light between cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightFilter {
-    /// Smooth.
+    /// Bilinear.
     #[default]
     Linear,
-    /// Each pixel has the light of the cell it lies in.
+    /// None: each pixel has the light of its cell.
     Nearest,
 }
 
-/// On a camera with [`Lighting2d`]: its light is written to a texture for passes of your own, which
-/// find it in the render world as [`ViewLightTexture`](crate::render::ViewLightTexture) on the
-/// camera's entity.
+/// Writes the light of a camera with [`Lighting2d`] to a texture for your own passes. In the render world
+/// it is the component [`ViewLightTexture`](crate::render::ViewLightTexture) of the camera's entity.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]

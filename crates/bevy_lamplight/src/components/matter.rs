@@ -1,13 +1,12 @@
-//! What glows, blocks, filters and reflects.
+//! Matter and occluders: entities that emit, block, filter and reflect light.
 
 use bevy::prelude::*;
 
-/// Makes what an entity shows take part in light: its sprite, text, mesh with a
-/// [`ColorMaterial`](bevy::sprite_render::ColorMaterial), or tilemap chunk, as it is drawn, by its
-/// own alpha and colour.
+/// Makes an entity part of the light: its sprite, text, tilemap chunk, or mesh with a
+/// [`ColorMaterial`](bevy::sprite_render::ColorMaterial). Alpha and colour are those that are drawn.
 ///
-/// It counts wherever it lies on the lit grid, on the screen or in the border round it; not where
-/// it is hidden ([`Visibility`]) or on other layers than the camera
+/// It affects light anywhere on the lit grid, on the screen or in the border around it, unless it is
+/// hidden ([`Visibility`]) or on other layers than the camera
 /// ([`RenderLayers`](bevy::camera::visibility::RenderLayers)).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
@@ -15,61 +14,59 @@ use bevy::prelude::*;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct Matter2d {
-    /// Multiplies the picture's colour: the radiance it gives off, 0 or more, unbounded. Black does
-    /// not glow.
+    /// Emitted radiance, 0 or more, unbounded; multiplied by the drawn colour. Black does not glow.
     pub emission: LinearRgba,
-    /// Share of light that is lost in crossing one world unit, 0 to 1; 1 is a solid wall. The
-    /// picture's alpha scales it. What is to glow has to be above 0, for it gives off
-    /// `emission × opacity`.
+    /// Fraction of light that is lost per world unit, 0 to 1; multiplied by the drawn alpha. 1 is a
+    /// solid wall. Emissive matter needs a value above 0, because it emits `emission × opacity`.
     pub opacity: f32,
-    /// Colour filter for each world unit crossed, 0 to 1 a channel: stained glass. A hundred units
-    /// of 0.99 let through 0.37.
+    /// Colour filter per world unit, 0 to 1 per channel, as in stained glass. The transmittance of 100
+    /// units of 0.99 is 0.37.
     pub tint: LinearRgba,
-    /// Multiplies the picture's colour: the share of light that is sent on, 0 to 1 a channel.
+    /// Fraction of light that is reflected or scattered, 0 to 1 per channel; multiplied by the drawn
+    /// colour.
     pub albedo: LinearRgba,
 }
 
 impl Default for Matter2d {
-    /// A solid wall that sends on most of the light its colour would.
+    /// A solid wall.
     fn default() -> Self {
         Self::wall()
     }
 }
 
 impl Matter2d {
-    /// Share of light that walls send on.
-    const WALL: f32 = 0.8;
+    /// Albedo of walls.
+    const WALL_ALBEDO: f32 = 0.8;
 
-    /// Blocks light and sends on what its colours do.
+    /// A wall that blocks light and reflects most of what its colours would.
     pub const fn wall() -> Self {
         Self {
             emission: LinearRgba::BLACK,
             opacity: 1.0,
             tint: LinearRgba::WHITE,
-            albedo: LinearRgba::rgb(Self::WALL, Self::WALL, Self::WALL),
+            albedo: LinearRgba::rgb(Self::WALL_ALBEDO, Self::WALL_ALBEDO, Self::WALL_ALBEDO),
         }
     }
 
-    /// Gives off its own colours, so much brighter, and blocks light.
+    /// A light source that emits `strength` times its own colours, and blocks light.
     pub const fn glow(strength: f32) -> Self {
         let emission = LinearRgba::rgb(strength, strength, strength);
         Self { emission, albedo: LinearRgba::BLACK, ..Self::wall() }
     }
 
-    /// Lets light through and colours it; the tint is of each world unit.
+    /// Glass that colours the light passing through it. The tint is per world unit.
     pub const fn glass(tint: LinearRgba) -> Self {
         Self { opacity: 0.0, tint, albedo: LinearRgba::BLACK, ..Self::wall() }
     }
 
-    /// Stops a share of light in each world unit, and scatters it.
+    /// Fog that scatters a fraction of light per world unit.
     pub const fn fog(opacity: f32) -> Self {
         Self { opacity, albedo: LinearRgba::WHITE, ..Self::wall() }
     }
 }
 
-/// A solid shape without a picture that blocks light, around the entity's origin, in its own units;
-/// it turns and grows with its transform. With a [`Matter2d`] beside it, the shape is made of that
-/// instead, in white.
+/// An invisible solid shape around the entity's origin that blocks light. It is in the entity's own units
+/// and follows its transform. If the entity has a [`Matter2d`], the shape is made of it, in white.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
@@ -98,12 +95,12 @@ impl LightOccluder2d {
         Self { shape: OccluderShape::Circle { radius } }
     }
 
-    /// A capsule that stands upright: a segment of this length, this far around it.
+    /// An upright capsule: all points within `radius` of a segment of `length`.
     pub fn capsule(radius: f32, length: f32) -> Self {
         Self { shape: OccluderShape::Capsule { radius, length } }
     }
 
-    /// A polygon, closed by itself, that does not cross itself.
+    /// A simple polygon. It is closed automatically.
     pub fn polygon(points: impl Into<Vec<Vec2>>) -> Self {
         Self { shape: OccluderShape::Polygon { points: points.into() } }
     }
@@ -120,29 +117,29 @@ pub enum OccluderShape {
         /// Full size.
         size: Vec2,
     },
-    /// All within a distance.
+    /// A disc.
     Circle {
-        /// Distance from the middle.
+        /// Its radius.
         radius: f32,
     },
-    /// All within a distance of an upright segment.
+    /// All points within a distance of an upright segment.
     Capsule {
         /// Distance from the segment.
         radius: f32,
         /// Length of the segment.
         length: f32,
     },
-    /// Corners in order; either way round.
+    /// A simple polygon.
     Polygon {
-        /// Three or more; fewer block nothing.
+        /// Three or more points, in either order. Fewer block nothing.
         points: Vec<Vec2>,
     },
 }
 
-/// Draws a sprite, text or transparent mesh over the lit picture, in its own colours: for what
-/// belongs to the screen and not to the world. It lies above everything that is lit, in the order of
-/// z among its kind. Opaque meshes need
-/// [`AlphaMode2d::Blend`](bevy::sprite_render::AlphaMode2d::Blend).
+/// Draws a sprite, text or mesh over the lit picture, in its own colours, as user interfaces need. Unlit
+/// entities lie above everything lit, sorted by z among each other. Meshes need
+/// [`AlphaMode2d::Blend`](bevy::sprite_render::AlphaMode2d::Blend), and sprites
+/// [`SpriteAlphaMode::Blend`](bevy::sprite::SpriteAlphaMode::Blend), which is their default.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]

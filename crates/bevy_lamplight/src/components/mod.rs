@@ -1,4 +1,4 @@
-//! What users put on entities.
+//! Components that users add to entities.
 
 mod lamps;
 mod lighting;
@@ -7,6 +7,7 @@ mod matter;
 pub use lamps::{AmbientLight2d, Falloff2d, PointLight2d, Sky2d, SpotLight2d};
 pub(crate) use lamps::{BRIGHTEST, WorldLamp};
 pub use lighting::{
-    CellSize, LightBounces, LightFilter, LightMethod, LightTexture2d, LightToneMap, Lighting2d,
+    CellSize, LightBounces, LightFilter, LightMethod, LightQuality, LightTexture2d, LightToneMap,
+    Lighting2d,
 };
 pub use matter::{LightOccluder2d, Matter2d, OccluderShape, Unlit2d};

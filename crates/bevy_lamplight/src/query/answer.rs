@@ -1,10 +1,10 @@
-//! The grid that answers, and the system parameter that asks.
+//! The grid of light that queries read, and the system parameter that reads it.
 
 use super::raster::rasterize;
-use crate::components::{LightMethod, Lighting2d};
+use crate::components::{LightMethod, LightQuality, Lighting2d};
 use crate::lit_camera::LitCamera;
-use crate::pieces::{Gather, Pictures, Surroundings, VisibilityPropagates};
 use crate::placement::{LATTICE, Placement, doubled};
+use crate::quads::{ExtractedScene, Gather, SceneAssets, VisibilityPropagates};
 use bevy::app::{App, Plugin, PostUpdate};
 use bevy::camera::visibility::{RenderLayers, VisibilityPlugin, VisibilitySystems};
 use bevy::color::LinearRgba;
@@ -15,25 +15,25 @@ use bevy::prelude::{
     IntoScheduleConfigs, Local, Query, Reflect, ReflectResource, Res, ResMut, Resource,
 };
 use bevy::transform::{TransformPlugin, TransformSystems};
-use lamplight::coarse::coarsen;
+use lamplight::resample::downsample;
 use lamplight::{Cells, Lamp, Light, Method, Settings, Sky, Solver};
-use lamplight_wgpu::View;
+use lamplight_wgpu::Camera2dView;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Answers [`LightQuery`]; part of [`LamplightPlugin`](crate::LamplightPlugin), and enough by itself
-/// with Bevy's `TransformPlugin` where nothing is drawn, as on a server.
+/// Answers [`LightQuery`]. It is part of [`LamplightPlugin`](crate::LamplightPlugin). On a server, where
+/// nothing is drawn, it suffices together with Bevy's `TransformPlugin`.
 pub struct LightQueryPlugin;
 
 impl Plugin for LightQueryPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<LightQuerySettings>().init_resource::<Answer>().add_systems(
+        app.init_resource::<LightQuerySettings>().init_resource::<QueriedLight>().add_systems(
             PostUpdate,
             solve.after(TransformSystems::Propagate).after(VisibilitySystems::VisibilityPropagate),
         );
     }
 
     fn finish(&self, app: &mut App) {
-        // A server has none.
+        // A server has no `VisibilityPlugin`.
         if app.is_plugin_added::<VisibilityPlugin>() {
             app.init_resource::<VisibilityPropagates>();
         }
@@ -49,21 +49,21 @@ impl Plugin for LightQueryPlugin {
     }
 }
 
-/// How the light that [`LightQuery`] asks about is found.
+/// Settings of [`LightQuery`].
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 pub struct LightQuerySettings {
-    /// World units a cell. Half of it costs four times as much. Walls are seen down to half of it.
+    /// World units per cell. Half the size costs four times as much. Walls down to half a cell wide are
+    /// resolved.
     pub cell: f32,
-    /// What can be asked about. None: what the first lit camera sees, with its border; where there
-    /// is no lit camera, all that takes part in light and as much again as lamps reach. Areas of
-    /// more than 131,072 cells get larger cells.
+    /// The area that can be queried. `None`: the grid of the first lit camera, or without one the bounds of
+    /// all matter and of the ranges of all lamps. Areas of more than 131,072 cells get larger cells.
     pub area: Option<Rect>,
-    /// How light is found. None: by `holographic`'s preset `fast`, with as many bounces as the first
-    /// lit camera has; by `polar` or `flood` where that does, which are light of other kinds.
+    /// Settings of the light. `None`: the preset `fast` of `holographic` with the bounces of the first lit
+    /// camera, or that camera's own settings if its method is `polar` or `flood`, whose light differs.
     pub lighting: Option<Lighting2d>,
-    /// Sees what is on these layers; those of the first lit camera where there is one.
+    /// Layers that take part in light, if there is no lit camera. Otherwise, they are the camera's.
     #[reflect(ignore)]
     pub layers: RenderLayers,
 }
@@ -74,8 +74,10 @@ impl Default for LightQuerySettings {
     }
 }
 
-/// Asks how much light arrives at a place. The first time in a while nothing is known yet: light is
-/// found at the end of every frame in which somebody asked, and is one frame old.
+/// Queries the light at places of the world.
+///
+/// Light is computed at the end of each frame in which it was queried, so answers are one frame old. The
+/// first query after a pause returns `None`.
 ///
 /// ```
 /// # use bevy::prelude::*; use bevy_lamplight::prelude::*;
@@ -91,64 +93,65 @@ pub struct LightQuery<'w> {
     #[system_param(
         validation_message = "`LightQuery` needs `LamplightPlugin`, or `LightQueryPlugin` alone"
     )]
-    answer: Res<'w, Answer>,
+    light: Res<'w, QueriedLight>,
 }
 
 impl LightQuery<'_> {
-    /// Light that arrives at a place of the world, linear; none where it is not known.
+    /// The light at a place of the world, linear. `None` outside of the known area.
     pub fn at(&self, place: Vec2) -> Option<LinearRgba> {
-        let at = self.answer.place(place)?;
-        Some(self.answer.sum(|light| light.sample(at)))
+        let at = self.light.cell_at(place)?;
+        Some(self.light.sum(|light| light.sample(at)))
     }
 
-    /// Mean light that arrives in the open part of a box, at its middle where it has no size; none where
-    /// it is not known all over.
+    /// The mean light over the open part of a box, or at its centre if its size is 0. `None` unless all of
+    /// the box is in the known area.
     pub fn over(&self, area: Rect) -> Option<LinearRgba> {
         let area = Rect::from_corners(area.min, area.max);
         if area.is_empty() {
             return self.at(area.center());
         }
-        let left_bottom = self.answer.place(area.min)?;
-        let right_top = self.answer.place(area.max)?;
+        let left_bottom = self.light.cell_at(area.min)?;
+        let right_top = self.light.cell_at(area.max)?;
         let (min, max) = ([left_bottom[0], right_top[1]], [right_top[0], left_bottom[1]]);
-        Some(self.answer.sum(|light| light.over(min, max)))
+        Some(self.light.sum(|light| light.over(min, max)))
     }
 
-    /// Luminance at a place: 1 is where white is shown white.
+    /// The luminance of the light at a place. At 1, white is drawn white.
     pub fn level(&self, place: Vec2) -> Option<f32> {
         use bevy::color::Luminance;
         self.at(place).map(|light| light.luminance())
     }
 
-    /// What can be asked about; none before the first answer.
+    /// The known area; `None` before the first answer.
     pub fn area(&self) -> Option<Rect> {
-        self.answer.ask();
-        Some(self.answer.grid?.area())
+        self.light.request();
+        Some(self.light.grid?.area())
     }
 }
 
-/// The light last found.
+/// The light computed last.
 #[derive(Resource, Default)]
-pub struct Answer {
-    asked: AtomicBool,
-    /// The fine one, on which matter is drawn.
+pub struct QueriedLight {
+    /// True if it was queried since then.
+    is_requested: AtomicBool,
+    /// The fine grid, on which matter is drawn.
     grid: Option<Placement>,
     light: Light,
-    /// Of spots, where the method does not light them itself.
+    /// Light of spots, if the method does not evaluate them.
     spots: Option<Light>,
     ambient: [f32; 3],
 }
 
-impl Answer {
-    fn ask(&self) {
-        self.asked.store(true, Ordering::Relaxed);
+impl QueriedLight {
+    fn request(&self) {
+        self.is_requested.store(true, Ordering::Relaxed);
     }
 
-    /// A place of the world, in cells.
-    fn place(&self, place: Vec2) -> Option<[f32; 2]> {
-        self.ask();
+    /// Converts a place of the world to cells.
+    fn cell_at(&self, place: Vec2) -> Option<[f32; 2]> {
+        self.request();
         let grid = self.grid.filter(|grid| grid.area().contains(place))?;
-        let at = (place - grid.corner()) / (grid.cell * FINER as f32);
+        let at = (place - grid.corner()) / (grid.cell * FINE_PER_CELL as f32);
         Some([at.x, -at.y])
     }
 
@@ -160,107 +163,112 @@ impl Answer {
     }
 }
 
-/// What is kept from answer to answer.
+/// Buffers and solvers that are reused.
 #[derive(Default)]
-struct Bench {
-    surroundings: Surroundings,
+struct QueryState {
+    scene: ExtractedScene,
     fine: Option<Cells>,
     cells: Option<Cells>,
     lamps: Vec<Lamp>,
     solver: Option<Solver>,
     spots: Option<Solver>,
-    /// The problem last told.
-    told: String,
+    /// The error logged last.
+    logged: String,
 }
 
-/// Finds the light where somebody asked since it was last found.
+/// Computes the light if it was queried since the last time.
 fn solve(
     settings: Res<LightQuerySettings>,
-    mut answer: ResMut<Answer>,
-    mut bench: Local<Bench>,
+    mut known: ResMut<QueriedLight>,
+    mut state: Local<QueryState>,
     cameras: Query<LitCamera>,
     gather: Gather,
-    pictures: Pictures,
+    assets: SceneAssets,
 ) {
-    if !answer.asked.swap(false, Ordering::Relaxed) {
+    if !known.is_requested.swap(false, Ordering::Relaxed) {
         return;
     }
-    let (seen, camera) =
+    let (placement, camera) =
         cameras.iter().find_map(|camera| Some((camera.placement().ok()??, camera))).unzip();
     let own = camera.as_ref().map(|camera| camera.lighting);
-    let lighting = settings.lighting.clone().unwrap_or_else(|| quick(own));
+    let lighting = settings.lighting.clone().unwrap_or_else(|| default_lighting(own));
     let layers = camera.as_ref().map_or(&settings.layers, |camera| camera.layers());
     let sky = camera.as_ref().map_or(Sky::BLACK, |camera| camera.sky());
-    let seen = seen.map(|placement| placement.area());
-    let area = settings.area.or(seen);
+    let area = settings.area.or(placement.map(|placement| placement.area()));
 
-    let bench = &mut *bench;
-    // All there is, where nothing says what matters.
+    let state = &mut *state;
+    // Without an area, all matter counts.
     let everywhere = Rect::from_center_half_size(Vec2::ZERO, Vec2::splat(1e9));
-    gather.gather(&[area.unwrap_or(everywhere)], &mut bench.surroundings);
-    let Some(area) = area.or_else(|| bench.surroundings.bounds()) else {
-        answer.grid = None;
+    gather.gather(&[area.unwrap_or(everywhere)], &mut state.scene);
+    let Some(area) = area.or_else(|| state.scene.bounds()) else {
+        known.grid = None;
         return;
     };
-    let Some(grid) = place(area, settings.cell) else {
-        answer.grid = None;
+    let Some(grid) = fine_grid(area, settings.cell) else {
+        known.grid = None;
         let LightQuerySettings { cell, .. } = *settings;
-        bench.tell(format!("cells of {cell} world units cannot cover {area:?}"));
+        state.log(format!("cells of {cell} world units cannot cover {area:?}"));
         return;
     };
-    answer.ambient = camera.as_ref().map_or([0.0; 3], |camera| camera.ambient());
-    match bench.solve(&grid, &lighting, layers, sky, &pictures) {
+    known.ambient = camera.as_ref().map_or([0.0; 3], |camera| camera.ambient());
+    match state.solve(&grid, &lighting, layers, sky, &assets) {
         Ok((light, spots)) => {
-            answer.light.clone_from(light);
-            answer.spots = spots.cloned();
-            answer.grid = Some(grid);
+            known.light.clone_from(light);
+            known.spots = spots.cloned();
+            known.grid = Some(grid);
         }
-        Err(problem) => {
-            answer.grid = None;
-            bench.tell(problem.to_string());
+        Err(error) => {
+            known.grid = None;
+            state.log(error.to_string());
         }
     }
 }
 
-/// How light is found where nobody says: as the camera's is, and soon.
-fn quick(camera: Option<&Lighting2d>) -> Lighting2d {
+/// The settings without any of the user: quick ones that resemble those of the camera.
+fn default_lighting(camera: Option<&Lighting2d>) -> Lighting2d {
     match camera {
-        Some(own) if own.method.lights_lamps() => own.clone(),
+        Some(own) if own.method.is_analytic() => own.clone(),
         own => {
             let bounces = own.map_or(Lighting2d::default().bounces, |own| own.bounces);
-            Lighting2d { bounces, ..Lighting2d::default() }.with_preset("fast")
+            Lighting2d { bounces, ..Lighting2d::default() }.with_quality(LightQuality::Fast)
         }
     }
 }
 
-/// So much finer is matter drawn, so that walls thinner than a cell stay shut.
-const FINER: u32 = 2;
-/// Most cells of an answer.
-const MOST_CELLS: u64 = 1 << 17;
-/// The fine grid over an area.
-fn place(area: Rect, cell: f32) -> Option<Placement> {
+/// Fine cells per cell and axis. Matter is drawn on fine cells, so that thin walls stay closed.
+const FINE_PER_CELL: u32 = 2;
+/// The largest number of cells of an answer.
+const MAX_QUERY_CELLS: u64 = 1 << 17;
+/// The fine grid over an area; `None` if the numbers make no sense.
+fn fine_grid(area: Rect, cell: f32) -> Option<Placement> {
     if !(cell > 0.0 && cell.is_finite() && area.min.is_finite() && area.max.is_finite()) {
         return None;
     }
-    let asked = cell / FINER as f32;
+    let requested = cell / FINE_PER_CELL as f32;
     let fits = |fine: f32| {
         let [x, y] = (area.center() / fine).to_array().map(f64::from);
-        let lattice = LATTICE * FINER;
-        let view = View { position: [x, -y], border: 0, lattice, step: lattice, ..View::default() };
+        let lattice = LATTICE * FINE_PER_CELL;
+        let position = [x, -y];
+        let own = Camera2dView { position, border: 0, lattice, ..Camera2dView::default() };
+        let view = Camera2dView { step: lattice, ..own };
         let extent = (area.size() / fine).max(Vec2::ONE).to_array().map(f64::from);
         let placed = view.cover(extent).ok()?;
-        let cells = placed.size.map(|side| u64::from(side / FINER));
-        (cells[0] * cells[1] <= MOST_CELLS).then_some(Placement { cell: fine, asked, placed })
+        let cells = placed.size.map(|side| u64::from(side / FINE_PER_CELL));
+        (cells[0] * cells[1] <= MAX_QUERY_CELLS).then_some(Placement {
+            cell: fine,
+            requested,
+            placed,
+        })
     };
-    doubled(asked).find_map(fits)
+    doubled(requested).find_map(fits)
 }
 
-impl Bench {
-    /// Says why nothing is known; once is enough.
-    fn tell(&mut self, problem: String) {
-        if self.told != problem {
-            error!("no light is known: {problem}");
-            self.told = problem;
+impl QueryState {
+    /// Logs why there is no light, unless it was logged just before.
+    fn log(&mut self, error: String) {
+        if self.logged != error {
+            error!("no light is known: {error}");
+            self.logged = error;
         }
     }
 
@@ -270,36 +278,38 @@ impl Bench {
         lighting: &Lighting2d,
         layers: &RenderLayers,
         sky: Sky,
-        pictures: &Pictures,
+        assets: &SceneAssets,
     ) -> lamplight::Result<(&Light, Option<&Light>)> {
-        let by_rule = lighting.method.lights_lamps();
+        let analytic = lighting.method.is_analytic();
         let [width, height] = grid.placed.size;
         let fine = match self.fine.take() {
             Some(fine) if [fine.width(), fine.height()] == grid.placed.size => fine,
             _ => Cells::new(width, height)?,
         };
         let fine = self.fine.insert(fine);
-        rasterize(&self.surroundings, grid, layers, pictures, fine);
+        rasterize(&self.scene, grid, layers, assets, fine);
         fine.set_sky(sky);
-        // Spots are lit by rule whatever the method.
+        // Spots are evaluated analytically with every method.
         self.lamps.clear();
-        let lamps = self.surroundings.lamps.iter().filter(|(_, own)| own.intersects(layers));
+        let lamps = self.scene.lamps.iter().filter(|(_, own)| own.intersects(layers));
         for (lamp, _) in lamps {
             let is_spot = lamp.cone.is_some();
-            let on_grid = match by_rule || is_spot {
-                true => lamp.on_grid(grid.corner(), grid.cell),
-                false => lamp.disc(grid.corner(), grid.cell),
+            let on_grid = if analytic || is_spot {
+                lamp.on_grid(grid.corner(), grid.cell)
+            } else {
+                lamp.disc(grid.corner(), grid.cell)
             };
             if on_grid.check(&"lamp").is_err() {
                 continue;
             }
-            match is_spot && !by_rule {
-                true => self.lamps.push(on_grid),
-                false => fine.lamps_mut().push(on_grid),
+            if is_spot && !analytic {
+                self.lamps.push(on_grid);
+            } else {
+                fine.lamps_mut().push(on_grid);
             }
         }
         if lighting.method == LightMethod::Polar && fine.lamps().is_empty() {
-            // It refuses a scene without lamps; this one is off.
+            // The method requires a lamp; this one is off.
             fine.lamps_mut().push(Lamp { intensity: 0.0, ..Lamp::default() });
         }
         let cells = match self.cells.take() {
@@ -307,24 +317,24 @@ impl Bench {
             None => Cells::new(1, 1)?,
         };
         let cells = self.cells.insert(cells);
-        coarsen(fine, FINER, cells)?;
-        let settings = lighting.settings(grid.cell * FINER as f32)?;
-        let light = solved(&mut self.solver, settings, cells)?;
+        downsample(fine, FINE_PER_CELL, cells)?;
+        let settings = lighting.settings(grid.cell * FINE_PER_CELL as f32)?;
+        let light = solve_with(&mut self.solver, settings, cells)?;
         if self.lamps.is_empty() {
             return Ok((light, None));
         }
-        // The same matter, with no lamps but spots.
+        // The same matter with spots only.
         fine.lamps_mut().clear();
         fine.lamps_mut().append(&mut self.lamps);
         fine.set_sky(Sky::BLACK);
-        coarsen(fine, FINER, cells)?;
+        downsample(fine, FINE_PER_CELL, cells)?;
         let settings = Settings { method: Method::Polar, ..Settings::default() };
-        Ok((light, Some(solved(&mut self.spots, settings, cells)?)))
+        Ok((light, Some(solve_with(&mut self.spots, settings, cells)?)))
     }
 }
 
-/// Solves with a solver that is kept while its settings stay.
-fn solved<'a>(
+/// Solves with the solver of the last time if its settings are the same.
+fn solve_with<'a>(
     solver: &'a mut Option<Solver>,
     settings: Settings,
     cells: &Cells,

@@ -1,8 +1,7 @@
-//! Asking the light: how lit a place is, for games' rules, without a picture and without a GPU.
+//! Light queries for game rules, which need neither a picture nor a GPU.
 //!
-//! The CPU lights the same pieces of matter that cameras draw ([`crate::pieces`]), on a small grid,
-//! in the frames after somebody asked. It sees what the picture shows but for its coarser cells:
-//! the figures are in the README.
+//! The CPU lights the same quads that cameras draw ([`crate::quads`]) on a coarse grid, at the end of
+//! each frame in which light was queried. The README states how far the answers are from the picture.
 
 mod answer;
 mod raster;

@@ -1,41 +1,43 @@
-//! After the main pass: the camera's picture × its light, then what is not lit, before bloom and tone
-//! map.
+//! Composition after the main pass and before bloom and tone mapping: the camera's picture times its
+//! light, then everything unlit.
 
-use super::extract::Extracted;
+use super::extract::ExtractedLighting;
+use super::image_bindings::ImageBindings;
 use super::light::attachment;
 use super::lit_view::LitViews;
-use super::pictures::PictureBindings;
-use super::stage::{On, Pipelines};
-use super::unlit::Unlit;
+use super::pipelines::Pipelines;
+use super::quad_buffers::QuadTarget;
+use super::unlit::UnlitPhases;
 use crate::components::LightFilter;
 use bevy::core_pipeline::core_2d::CORE_2D_DEPTH_FORMAT;
+use bevy::log::error_once;
 use bevy::prelude::{Entity, Res, ResMut, World};
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_resource::RenderPassDescriptor;
-use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
-use bevy::render::view::{ExtractedView, Msaa, ViewDepthTexture, ViewTarget};
+use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
+use bevy::render::view::{ExtractedView, Msaa, ViewDepthStencilTexture, ViewTarget};
 use lamplight::Display;
 use lamplight_wgpu::wgpu::util::TextureBlitter;
 use lamplight_wgpu::wgpu::{
-    self, Color as Clear, LoadOp, Operations, RenderPassDepthStencilAttachment, StoreOp,
+    Color as Clear, LoadOp, Operations, RenderPassDepthStencilAttachment, StoreOp,
 };
-use lamplight_wgpu::{Color, Filter, Shown, Target};
+use lamplight_wgpu::{Color, ComposeParams, Filter, Target};
 
-/// Draws what glows, and binds what is about to be lit.
+/// Draws emitted light and prepares the composition.
 pub fn prepare(
     view: ViewQuery<(Entity, &ExtractedCamera, &ViewTarget, &Msaa)>,
-    extracted: Res<Extracted>,
+    extracted: Res<ExtractedLighting>,
     mut lit_views: ResMut<LitViews>,
-    pictures: Res<PictureBindings>,
+    images: Res<ImageBindings>,
     pipelines: Option<Res<Pipelines>>,
-    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    device: Res<RenderDevice>,
     mut context: RenderContext,
 ) {
     let (entity, camera, target, msaa) = view.into_inner();
-    let own = extracted.views.iter().find(|view| view.entity == entity);
-    let (Some(lit), Some(own), Some(pipelines)) =
-        (lit_views.views.get_mut(&entity), own, pipelines)
+    let view = extracted.views.iter().find(|view| view.entity == entity);
+    let (Some(lit), Some(view), Some(pipelines)) =
+        (lit_views.views.get_mut(&entity), view, pipelines)
     else {
         return;
     };
@@ -50,44 +52,50 @@ pub fn prepare(
             let [width, height] = viewport.physical_size.to_array().map(|v| v as f32);
             pass.set_viewport(x, y, width, height, 0.0, 1.0);
         }
-        lit.staged.draw(&mut pass, &pipelines.glow, &lit.draw, &pictures, On::Screen);
+        lit.quads.draw(&mut pass, &pipelines.glow, &lit.draw, &images, QuadTarget::Screen);
     }
-    let shown = Shown {
-        display: Display { tonemap: own.tone_map, exposure: own.lighting.exposure },
-        filter: match own.lighting.filter {
+    let params = ComposeParams {
+        display: Display { tonemap: view.tone_map, exposure: view.lighting.exposure },
+        filter: match view.lighting.filter {
             LightFilter::Linear => Filter::Linear,
             LightFilter::Nearest => Filter::Nearest,
         },
         color: Color::Target(target.main_texture_view()),
-        glow: lit.glow.as_ref(),
+        emission: lit.glow.as_ref(),
         more: lit.spots.as_ref().map(|spots| &spots.light),
-        ambient: own.ambient,
-        window: Some(own.placement.placed.window),
+        ambient: view.ambient,
+        visible: Some(view.placement.placed.visible),
     };
     let drawn_on = Target {
         format: target.main_texture_format(),
         samples: msaa.samples(),
         depth: Some(CORE_2D_DEPTH_FORMAT),
     };
-    let (device, queue): (_, &wgpu::Queue) = (device.wgpu_device(), &queue.0);
-    // Several samples keep it themselves.
-    let keeps = camera.viewport.is_some() && drawn_on.samples == 1;
-    lit.around = keeps.then(|| match lit.around.take() {
+    let device = device.wgpu_device();
+    // A multisampled target preserves the parts of other cameras by itself.
+    let has_neighbours = camera.viewport.is_some() && drawn_on.samples == 1;
+    lit.neighbours = has_neighbours.then(|| match lit.neighbours.take() {
         Some((format, blitter)) if format == drawn_on.format => (format, blitter),
         _ => (drawn_on.format, TextureBlitter::new(device, drawn_on.format)),
     });
-    if let Err(problem) = lit.compose.prepare(device, queue, &lit.lighting, drawn_on, &shown) {
-        lit_views.told.problem(own.camera, problem);
+    if let Err(error) = lit.compose.prepare(&lit.lighting, drawn_on, &params) {
+        lit_views.log.error(view.camera, error);
         lit_views.views.remove(&entity);
     }
 }
 
-/// Draws the lit picture, and what is not lit over it.
+/// Draws the lit picture, and everything unlit over it.
 pub fn record(
     world: &World,
-    view: ViewQuery<(Entity, &ExtractedCamera, &ExtractedView, &ViewTarget, &ViewDepthTexture)>,
+    view: ViewQuery<(
+        Entity,
+        &ExtractedCamera,
+        &ExtractedView,
+        &ViewTarget,
+        &ViewDepthStencilTexture,
+    )>,
     lit_views: Res<LitViews>,
-    unlit: Res<Unlit>,
+    unlit: Res<UnlitPhases>,
     device: Res<RenderDevice>,
     mut context: RenderContext,
 ) {
@@ -96,7 +104,7 @@ pub fn record(
     let diagnostics = context.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     let swapped = target.post_process_write();
-    if let Some((_, blitter)) = &lit.around {
+    if let Some((_, blitter)) = &lit.neighbours {
         let (from, to) = (swapped.source, swapped.destination);
         blitter.copy(device.wgpu_device(), context.command_encoder(), from, to);
     }
@@ -104,11 +112,10 @@ pub fn record(
     let mut pass = context.begin_tracked_render_pass(RenderPassDescriptor {
         label: Some("lamplight compose"),
         color_attachments: &attachments,
-        // What is not lit lies above all that is.
+        // Everything unlit lies above everything lit.
         depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
-            view: depth.view(),
             depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Store }),
-            stencil_ops: None,
+            ..depth.get_attachment(StoreOp::Store)
         }),
         timestamp_writes: None,
         occlusion_query_set: None,
@@ -118,7 +125,9 @@ pub fn record(
     if let Some(viewport) = &camera.viewport {
         pass.set_camera_viewport(viewport);
     }
-    lit.compose.draw(pass.wgpu_pass());
+    if let Err(error) = lit.compose.draw(pass.wgpu_pass()) {
+        error_once!("{error}");
+    }
     unlit.draw(view.retained_view_entity, &mut pass, world, entity);
     span.end(&mut pass);
 }

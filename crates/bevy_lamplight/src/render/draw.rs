@@ -1,7 +1,7 @@
-//! What of the surroundings a camera's grid shows, ready to be drawn.
+//! The draw list of a camera.
 
-use super::extract::ExtractedView;
-use crate::pieces::{Map, Piece, Shape, Substance, Surroundings};
+use super::extract::LitCameraView;
+use crate::quads::{ExtractedScene, Quad, QuadMap, QuadMaterial, QuadShape};
 use bevy::asset::AssetId;
 use bevy::image::Image;
 use bevy::math::Vec2;
@@ -9,75 +9,85 @@ use bevy::platform::collections::HashMap;
 use lamplight::{Lamp, lamp};
 use std::ops::Range;
 
-/// Pieces on the grid of a camera, in cells and y down, in the order in which they are drawn.
+/// Quads on the grid of a camera, in cells and y down, in drawing order.
 #[derive(Debug, Default)]
-pub struct Draw {
-    pub pieces: Vec<Piece>,
-    pub substances: Vec<Substance>,
-    pub batches: Vec<Batch>,
-    /// Whether anything of it shows on the screen by itself.
+pub struct DrawList {
+    pub quads: Vec<Quad>,
+    pub materials: Vec<QuadMaterial>,
+    pub batches: Vec<QuadBatch>,
+    /// True if anything on the screen emits light.
     pub glows: bool,
-    /// Lamps that are lit by rule.
+    /// Lamps that the method evaluates analytically instead of as discs.
     pub lamps: Vec<Lamp>,
-    gains: Gains,
+    normalization: SourceNormalization,
 }
 
-/// Pieces that are drawn at once.
+/// Quads of one draw call.
 #[derive(Debug)]
-pub struct Batch {
+pub struct QuadBatch {
     pub image: AssetId<Image>,
-    pub pieces: Range<u32>,
-    /// Whether it is seen on the screen.
-    pub is_seen: bool,
+    pub quads: Range<u32>,
+    /// True if Bevy draws them on the screen.
+    pub is_drawn: bool,
 }
 
-impl Draw {
-    /// Takes what a camera sees; lamps as discs, or by rule where its method does so. Spots are
-    /// always lit by rule.
-    pub fn take(&mut self, view: &ExtractedView, from: &Surroundings, by_rule: bool) {
-        let Self { pieces, substances, batches, glows, lamps, gains } = self;
-        pieces.clear();
-        batches.clear();
-        lamps.clear();
-        substances.clone_from(&from.substances);
-        *glows = false;
+impl DrawList {
+    /// Lists everything on the grid of a camera. Spots, and with `analytic` all lamps, are evaluated
+    /// analytically; other lamps are drawn as discs.
+    pub fn fill(&mut self, view: &LitCameraView, scene: &ExtractedScene, analytic: bool) {
+        self.quads.clear();
+        self.batches.clear();
+        self.lamps.clear();
+        self.materials.clone_from(&scene.materials);
+        self.glows = false;
+        self.add_groups(view, scene);
+        self.add_lamps(view, scene, analytic);
+    }
+
+    /// Lists the quads of matter, with neighbours of one image in one batch.
+    fn add_groups(&mut self, view: &LitCameraView, scene: &ExtractedScene) {
         let placement = &view.placement;
         let area = placement.area();
-        for body in &from.bodies {
-            if !body.layers.intersects(&view.layers) || !body.touches(area) {
+        for group in &scene.groups {
+            if !group.layers.intersects(&view.layers) || !group.touches(area) {
                 continue;
             }
-            let own = from.pieces_of(body);
-            let begin = pieces.len() as u32;
-            let on_grid =
-                |piece: &Piece| Piece { world: placement.on_grid(&piece.world), ..*piece };
-            pieces.extend(own.iter().map(on_grid));
-            *glows |= body.is_seen && from.substances[own[0].substance as usize].glows();
-            let end = pieces.len() as u32;
-            match batches.last_mut() {
-                Some(last) if (last.image, last.is_seen) == (body.image, body.is_seen) => {
-                    last.pieces.end = end;
+            let quads = scene.quads_of(group);
+            let begin = self.quads.len() as u32;
+            let on_grid = |quad: &Quad| Quad { world: placement.on_grid(&quad.world), ..*quad };
+            self.quads.extend(quads.iter().map(on_grid));
+            self.glows |= group.is_drawn && scene.materials[quads[0].material as usize].glows();
+            let end = self.quads.len() as u32;
+            match self.batches.last_mut() {
+                Some(last) if (last.image, last.is_drawn) == (group.image, group.is_drawn) => {
+                    last.quads.end = end;
                 }
-                _ => batches.push(Batch {
-                    image: body.image,
-                    pieces: begin..end,
-                    is_seen: body.is_seen,
+                _ => self.batches.push(QuadBatch {
+                    image: group.image,
+                    quads: begin..end,
+                    is_drawn: group.is_drawn,
                 }),
             }
         }
-        let begin = pieces.len() as u32;
+    }
+
+    /// Lists lamps: analytic ones as they are, the others as the quads of their discs.
+    fn add_lamps(&mut self, view: &LitCameraView, scene: &ExtractedScene, analytic: bool) {
+        let placement = &view.placement;
         let corner = placement.corner();
-        for (lamp, layers) in &from.lamps {
-            let as_rule = by_rule || lamp.cone.is_some();
-            let on_grid = match as_rule {
-                true => lamp.on_grid(corner, placement.cell),
-                false => lamp.disc(corner, placement.cell),
+        let begin = self.quads.len() as u32;
+        for (lamp, layers) in &scene.lamps {
+            let is_analytic = analytic || lamp.cone.is_some();
+            let on_grid = if is_analytic {
+                lamp.on_grid(corner, placement.cell)
+            } else {
+                lamp.disc(corner, placement.cell)
             };
             if !layers.intersects(&view.layers) || on_grid.check(&"lamp").is_err() {
                 continue;
             }
-            if as_rule {
-                lamps.push(on_grid);
+            if is_analytic {
+                self.lamps.push(on_grid);
                 continue;
             }
             let middle = Vec2::from(on_grid.position);
@@ -86,40 +96,41 @@ impl Draw {
             if past.max_element() > on_grid.size {
                 continue;
             }
-            let gain = gains.of(on_grid.position, on_grid.size);
-            substances.push(Substance::lamp(on_grid.color.map(|c| c * gain)));
+            let gain = self.normalization.of(on_grid.position, on_grid.size);
+            let material = self.materials.len() as u32;
+            self.materials.push(QuadMaterial::lamp(on_grid.color.map(|c| c * gain)));
             let size = Vec2::splat(2.0 * on_grid.size);
-            let world = Map {
+            let map = QuadMap {
                 x_axis: [size.x, 0.0],
                 y_axis: [0.0, size.y],
                 origin: (middle - 0.5 * size).to_array(),
             };
-            let substance = substances.len() as u32 - 1;
-            pieces.push(Piece { substance, ..Piece::shape(world, Shape::Lamp) });
-            *glows = true;
+            self.quads.push(Quad { material, ..Quad::shape(map, QuadShape::Lamp) });
+            self.glows = true;
         }
-        let end = pieces.len() as u32;
+        let end = self.quads.len() as u32;
         if end > begin {
-            batches.push(Batch { image: AssetId::default(), pieces: begin..end, is_seen: true });
+            let image = AssetId::default();
+            self.batches.push(QuadBatch { image, quads: begin..end, is_drawn: true });
         }
     }
 }
 
-/// How much brighter lamps are drawn to make up for the grid ([`lamp::gain`]), remembered by where
-/// in a cell they lie: casting its rays for a thousand lamps a frame would take longer than lighting
-/// them.
+/// A cache of [`lamp::gain`], the factor by which a lamp's disc is brightened to make up for the
+/// grid. It is keyed by the lamp's place within a cell and its radius, because evaluating it for a
+/// thousand lamps per frame would take longer than lighting them.
 #[derive(Debug, Default)]
-struct Gains(HashMap<(u8, u8, u32), f32>);
+struct SourceNormalization(HashMap<(u8, u8, u32), f32>);
 
-impl Gains {
-    /// Places in a cell, along each axis, that are told apart.
+impl SourceNormalization {
+    /// Distinct places per axis of a cell.
     const PLACES: f32 = 32.0;
-    /// More are forgotten: lamps whose size changes from frame to frame.
-    const MOST: usize = 1 << 16;
+    /// Entries above which the cache is cleared, for lamps whose radius changes every frame.
+    const MAX_ENTRIES: usize = 1 << 16;
 
     fn of(&mut self, position: [f32; 2], radius: f32) -> f32 {
         let place = position.map(|v| (v.rem_euclid(1.0) * Self::PLACES) as u8);
-        if self.0.len() > Self::MOST {
+        if self.0.len() > Self::MAX_ENTRIES {
             self.0.clear();
         }
         let gain = || {

@@ -1,9 +1,9 @@
-//! From the main world: lit cameras, and all that takes part in light around them.
+//! Extraction from the main world: lit cameras, and the scene around them.
 
 use crate::components::Lighting2d;
 use crate::lit_camera::LitCamera;
-use crate::pieces::{Gather, Surroundings};
-use crate::placement::{Misplaced, Placement};
+use crate::placement::{Placement, PlacementError};
+use crate::quads::{ExtractedScene, Gather};
 use bevy::camera::visibility::RenderLayers;
 use bevy::math::Rect;
 use bevy::prelude::{Entity, Query, ResMut, Resource};
@@ -11,21 +11,21 @@ use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
 use lamplight::{Sky, ToneMap};
 
-/// What a frame is lit by.
+/// Everything that a frame is lit from.
 #[derive(Resource, Default)]
-pub struct Extracted {
-    pub views: Vec<ExtractedView>,
-    /// Cameras of the main world that cannot be lit.
-    pub misplaced: Vec<(Entity, Misplaced)>,
-    pub surroundings: Surroundings,
+pub struct ExtractedLighting {
+    pub views: Vec<LitCameraView>,
+    /// Cameras of the main world that cannot be lit, and why.
+    pub failed: Vec<(Entity, PlacementError)>,
+    pub scene: ExtractedScene,
     areas: Vec<Rect>,
 }
 
 /// A lit camera.
-pub struct ExtractedView {
-    /// In the main world.
+pub struct LitCameraView {
+    /// Entity in the main world.
     pub camera: Entity,
-    /// In the render world.
+    /// Entity in the render world.
     pub entity: Entity,
     pub placement: Placement,
     pub lighting: Lighting2d,
@@ -33,27 +33,29 @@ pub struct ExtractedView {
     pub sky: Sky,
     pub ambient: [f32; 3],
     pub tone_map: ToneMap,
-    pub to_texture: bool,
+    /// True if the camera has a [`LightTexture2d`](crate::LightTexture2d).
+    pub has_light_texture: bool,
 }
 
+/// Extracts lit cameras and the scene.
 pub fn extract(
-    mut extracted: ResMut<Extracted>,
+    mut extracted: ResMut<ExtractedLighting>,
     cameras: Extract<Query<(Entity, RenderEntity, LitCamera)>>,
     gather: Extract<Gather>,
 ) {
-    let Extracted { views, misplaced, surroundings, areas } = &mut *extracted;
+    let ExtractedLighting { views, failed, scene, areas } = &mut *extracted;
     views.clear();
-    misplaced.clear();
+    failed.clear();
     for (camera, entity, lit) in &cameras {
         let placement = match lit.placement() {
             Ok(Some(placement)) => placement,
             Ok(None) => continue,
-            Err(why) => {
-                misplaced.push((camera, why));
+            Err(error) => {
+                failed.push((camera, error));
                 continue;
             }
         };
-        views.push(ExtractedView {
+        views.push(LitCameraView {
             camera,
             entity,
             placement,
@@ -62,10 +64,10 @@ pub fn extract(
             sky: lit.sky(),
             ambient: lit.ambient(),
             tone_map: lit.tone_map(),
-            to_texture: lit.to_texture,
+            has_light_texture: lit.has_light_texture,
         });
     }
     areas.clear();
     areas.extend(views.iter().map(|view| view.placement.area()));
-    gather.gather(areas, surroundings);
+    gather.gather(areas, scene);
 }

@@ -1,77 +1,81 @@
-//! Before the main pass: matter on each camera's grid, and its light.
+//! Lighting before the main pass: matter on each camera's grid, then its light.
 
-use super::extract::Extracted;
-use super::lit_view::{LitView, LitViews, Target};
-use super::pictures::PictureBindings;
-use super::stage::{On, Pipelines};
-use crate::placement::{MOST_CELLS, Placement};
+use super::extract::ExtractedLighting;
+use super::image_bindings::ImageBindings;
+use super::lit_view::{CameraTarget, LitView, LitViews};
+use super::pipelines::Pipelines;
+use super::quad_buffers::QuadTarget;
+use crate::placement::{MAX_CELLS, Placement};
 use bevy::ecs::system::SystemParam;
+use bevy::log::error_once;
 use bevy::prelude::{Commands, Component, Entity, Query, Res, ResMut, With};
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
-use lamplight_wgpu::Window;
+use lamplight_wgpu::VisibleRect;
 use lamplight_wgpu::wgpu::{
     self, Color, CommandEncoder, LoadOp, Operations, RenderPassColorAttachment,
     RenderPassDescriptor, StoreOp, TextureView,
 };
 
-/// The light of a camera, on its entity in the render world, from the preparation of bind groups on
-/// ([`LightTexture2d`](crate::LightTexture2d)): linear RGB and 1 a cell, `Rgba16Float`. It holds the
-/// frame's light once the passes before the main pass have run; of spots only where the method lights
-/// lamps by rule.
+/// The light of a camera with [`LightTexture2d`](crate::LightTexture2d), on its entity in the render
+/// world: linear RGB and 1 per cell, `Rgba16Float`.
+///
+/// The component exists from `RenderSystems::PrepareBindGroups` on, and the texture holds the frame's
+/// light once the passes before the main pass have run. It contains the light of spots only if the
+/// method is `polar` or `flood`.
 #[derive(Component, Clone, Debug)]
 pub struct ViewLightTexture {
     /// The texture.
     pub view: TextureView,
-    /// What of it is seen, in cells.
-    pub window: Window,
-    /// World units a cell.
+    /// The part that the camera sees, in cells.
+    pub window: VisibleRect,
+    /// World units per cell.
     pub cell: f32,
-    /// The place in the world of its left and top.
+    /// The place in the world of its top left corner.
     pub corner: bevy::math::Vec2,
 }
 
-/// What every device with compute shaders has.
+/// Storage buffers per stage that every device with compute shaders has.
 const STORAGE_BUFFERS: u32 = 8;
 
-/// What drawing needs of the engine.
+/// The resources of Bevy that drawing needs.
 #[derive(SystemParam)]
-pub struct Engine<'w> {
+pub struct RenderResources<'w> {
     device: Res<'w, RenderDevice>,
     queue: Res<'w, RenderQueue>,
     images: Res<'w, RenderAssets<GpuImage>>,
     pipelines: Option<Res<'w, Pipelines>>,
 }
 
-/// Makes ready what is recorded later.
+/// Prepares the light of every camera.
 pub fn prepare(
     mut commands: Commands,
-    engine: Engine,
-    extracted: Res<Extracted>,
+    resources: RenderResources,
+    extracted: Res<ExtractedLighting>,
     mut lit_views: ResMut<LitViews>,
-    mut pictures: ResMut<PictureBindings>,
+    mut bindings: ResMut<ImageBindings>,
     cameras: Query<&ExtractedCamera>,
     textures: Query<Entity, With<ViewLightTexture>>,
 ) {
-    let Engine { device, queue, images, pipelines } = engine;
-    let (device, queue): (_, &wgpu::Queue) = (device.wgpu_device(), &queue.0);
+    let RenderResources { device, queue, images, pipelines } = resources;
+    let (device, queue): (_, &wgpu::Queue) = (device.wgpu_device(), &queue);
     for entity in &textures {
         commands.entity(entity).remove::<ViewLightTexture>();
     }
-    let LitViews { views: lit_views, told } = &mut *lit_views;
+    let LitViews { views: lit_views, log } = &mut *lit_views;
     lit_views.retain(|&entity, _| extracted.views.iter().any(|view| view.entity == entity));
-    for &(camera, why) in &extracted.misplaced {
-        told.problem(camera, why);
+    for &(camera, error) in &extracted.failed {
+        log.error(camera, error);
     }
     if extracted.views.is_empty() {
         return;
     }
     if device.limits().max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
         for view in &extracted.views {
-            told.problem(view.camera, "this device has no compute shaders, as under WebGL 2");
+            log.error(view.camera, "this device has no compute shaders, as under WebGL 2");
         }
         return;
     }
@@ -79,7 +83,7 @@ pub fn prepare(
         commands.insert_resource(Pipelines::new(device));
         return;
     };
-    pictures.sweep(&images);
+    bindings.sweep(&images);
     for view in &extracted.views {
         let Ok(camera) = cameras.get(view.entity) else { continue };
         let (Some(size), Some(viewport)) =
@@ -87,36 +91,34 @@ pub fn prepare(
         else {
             continue;
         };
-        let Placement { cell, asked, .. } = view.placement;
-        if cell > asked {
-            told.advice(
+        let Placement { cell, requested, .. } = view.placement;
+        if cell > requested {
+            log.warn(
                 view.camera,
                 format_args!(
-                    "its cells have {cell} world units instead of {asked}: there would be more than \
-                     {MOST_CELLS} of them. Larger cells (`CellSize`) or a smaller `border` spare this"
+                    "its cells have {cell} world units instead of {requested}: there would be more than \
+                     {MAX_CELLS} of them. Larger cells (`CellSize`) or a smaller `border` spare this"
                 ),
             );
         }
-        let target = Target { size: size.to_array(), viewport: viewport.to_array() };
-        let known = lit_views.remove(&view.entity);
-        let prepared = match known {
-            Some(known) => Ok(known),
-            None => LitView::new(device, queue, &pipelines, view),
-        }
-        .and_then(|mut lit| {
-            lit.prepare(device, queue, &pipelines, view, &extracted.surroundings, target)?;
+        let target = CameraTarget { size: size.to_array(), viewport: viewport.to_array() };
+        let known = lit_views
+            .remove(&view.entity)
+            .map_or_else(|| LitView::new(device, queue, &pipelines, view), Ok);
+        let prepared = known.and_then(|mut lit| {
+            lit.prepare(device, queue, &pipelines, view, &extracted.scene, target)?;
             Ok(lit)
         });
         match prepared {
             Ok(lit) => {
                 for batch in &lit.draw.batches {
-                    pictures.bind(device, &pipelines, batch.image, &images);
+                    bindings.bind(device, &pipelines, batch.image, &images);
                 }
                 if let Some(texture) = &lit.texture {
                     let placement = &view.placement;
                     commands.entity(view.entity).insert(ViewLightTexture {
                         view: texture.clone(),
-                        window: placement.placed.window,
+                        window: placement.placed.visible,
                         cell: placement.cell,
                         corner: placement.corner(),
                     });
@@ -124,7 +126,7 @@ pub fn prepare(
                 lit_views.insert(view.entity, lit);
             }
             // The camera's picture stays as it is.
-            Err(problem) => told.problem(view.camera, problem),
+            Err(error) => log.error(view.camera, error),
         }
     }
 }
@@ -133,7 +135,7 @@ pub fn prepare(
 pub fn record(
     view: ViewQuery<Entity>,
     mut lit_views: ResMut<LitViews>,
-    pictures: Res<PictureBindings>,
+    images: Res<ImageBindings>,
     pipelines: Option<Res<Pipelines>>,
     mut context: RenderContext,
 ) {
@@ -145,12 +147,13 @@ pub fn record(
     let diagnostics = diagnostics.as_deref();
     let encoder = context.command_encoder();
     let span = diagnostics.time_span(encoder, "lamplight matter");
-    draw_matter(lit, &pipelines, &pictures, encoder);
+    draw_matter(lit, &pipelines, &images, encoder);
     span.end(encoder);
     let span = diagnostics.time_span(encoder, "lamplight light");
-    lit.budget.record(&lit.lighting, encoder);
-    if let Some(spots) = &lit.spots {
-        spots.lighting.record(encoder);
+    let recorded = lit.budget.record(&lit.lighting, encoder);
+    let spots = lit.spots.as_ref().map(|spots| spots.lighting.record(encoder));
+    if let Err(error) = recorded.and(spots.unwrap_or(Ok(()))) {
+        error_once!("{error}");
     }
     span.end(encoder);
 }
@@ -158,11 +161,11 @@ pub fn record(
 fn draw_matter(
     lit: &LitView,
     pipelines: &Pipelines,
-    pictures: &PictureBindings,
+    images: &ImageBindings,
     encoder: &mut CommandEncoder,
 ) {
     let grid = &lit.grid;
-    // Nothing, but that tint lets all through.
+    // Empty space: nothing emits, scatters or absorbs.
     let [emission, albedo, tint, opacity] = &grid.sums;
     let sums = [
         (emission, Color::TRANSPARENT),
@@ -176,23 +179,23 @@ fn draw_matter(
         color_attachments: &sums,
         ..RenderPassDescriptor::default()
     });
-    lit.staged.draw(&mut pass, &pipelines.matter, &lit.draw, pictures, On::Grid);
+    lit.quads.draw(&mut pass, &pipelines.matter, &lit.draw, images, QuadTarget::Grid);
     drop(pass);
     let matter = grid
         .matter
         .each_ref()
         .map(|view| Some(attachment(view, LoadOp::Clear(Color::TRANSPARENT))));
     let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-        label: Some("lamplight settle"),
+        label: Some("lamplight resolve"),
         color_attachments: &matter,
         ..RenderPassDescriptor::default()
     });
-    pass.set_pipeline(&pipelines.settle);
+    pass.set_pipeline(&pipelines.resolve);
     pass.set_bind_group(0, &grid.sums_group, &[]);
     pass.draw(0..3, 0..1);
 }
 
-/// All of a texture, drawn on.
+/// A colour attachment that is stored.
 pub fn attachment(view: &TextureView, load: LoadOp<Color>) -> RenderPassColorAttachment<'_> {
     RenderPassColorAttachment {
         view,

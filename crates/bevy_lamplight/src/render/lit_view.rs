@@ -1,11 +1,12 @@
-//! What is kept of each lit camera from frame to frame.
+//! State of each lit camera that persists across frames.
 
 use super::budget::Budget;
-use super::draw::Draw;
-use super::extract::ExtractedView;
-use super::stage::{GLOW, MATTER, Pipelines, SUMS, Stage, Staged};
+use super::draw::DrawList;
+use super::extract::LitCameraView;
+use super::pipelines::{GLOW, MATTER, Pipelines, SUMS, TargetTransform};
+use super::quad_buffers::QuadBuffers;
 use crate::components::Lighting2d;
-use crate::pieces::Surroundings;
+use crate::quads::ExtractedScene;
 use bevy::log::{error, warn};
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
@@ -15,78 +16,82 @@ use lamplight_wgpu::wgpu::{
     BindGroup, Device, Extent3d, Queue, TextureDescriptor, TextureDimension, TextureFormat,
     TextureUsages, TextureView,
 };
-use lamplight_wgpu::{Compose, Lighting, Result, Textures, Window};
+use lamplight_wgpu::{
+    Compose, Error, FrameInput, Lighting, LightingOptions, Textures, VisibleRect,
+};
 use std::fmt::Display;
 
-/// Lit cameras, by their entities in the render world.
+/// Lit cameras by their entity in the render world.
 #[derive(Resource, Default)]
 pub struct LitViews {
     pub views: HashMap<Entity, LitView>,
-    pub told: Told,
+    pub log: CameraLog,
 }
 
-/// What was said of cameras; once is enough.
+/// Logs each message once per camera.
 #[derive(Default)]
-pub struct Told(HashSet<(Entity, String)>);
+pub struct CameraLog(HashSet<(Entity, String)>);
 
-impl Told {
-    /// Says why a camera is not lit.
-    pub fn problem(&mut self, camera: Entity, words: impl Display) {
-        let words = words.to_string();
-        if self.is_new(camera, &words) {
-            error!("the camera {camera} is not lit: {words}");
+impl CameraLog {
+    /// Logs why a camera is not lit.
+    pub fn error(&mut self, camera: Entity, message: impl Display) {
+        let message = message.to_string();
+        if self.is_new(camera, &message) {
+            error!("the camera {camera} is not lit: {message}");
         }
     }
 
-    /// Says what may surprise.
-    pub fn advice(&mut self, camera: Entity, words: impl Display) {
-        let words = words.to_string();
-        if self.is_new(camera, &words) {
-            warn!("the camera {camera}: {words}");
+    /// Logs a warning about a camera.
+    pub fn warn(&mut self, camera: Entity, message: impl Display) {
+        let message = message.to_string();
+        if self.is_new(camera, &message) {
+            warn!("the camera {camera}: {message}");
         }
     }
 
-    /// The same with other figures is the same.
-    fn is_new(&mut self, camera: Entity, words: &str) -> bool {
-        let kind = words.replace(|c: char| c.is_ascii_digit() || c == '.', "");
-        self.0.insert((camera, kind))
+    /// Remembers a message. Returns `false` if it was logged before, with whatever figures.
+    fn is_new(&mut self, camera: Entity, message: &str) -> bool {
+        let text = message.replace(|c: char| c.is_ascii_digit() || c == '.', "");
+        self.0.insert((camera, text))
     }
 }
 
-/// A lit camera.
+/// The lighting of one camera.
 pub struct LitView {
     pub lighting: Lighting,
     pub budget: Budget,
-    /// Of spots, where the method does not light them itself.
-    pub spots: Option<Spots>,
+    /// Lighting of spots, if the method does not evaluate them.
+    pub spots: Option<SpotLighting>,
     pub compose: Compose,
-    /// Carries over what lies around the camera's part of its target, which is other cameras'.
-    pub around: Option<(TextureFormat, TextureBlitter)>,
-    pub draw: Draw,
-    pub staged: Staged,
-    pub grid: Grid,
-    /// What glows on the screen; made when something does.
+    /// Copies the parts of the target that belong to other cameras.
+    pub neighbours: Option<(TextureFormat, TextureBlitter)>,
+    pub draw: DrawList,
+    pub quads: QuadBuffers,
+    pub grid: MatterTextures,
+    /// Emitted light on the screen, if there is any.
     pub glow: Option<TextureView>,
-    /// Light for the user's own passes, where they asked for it.
+    /// Light for passes of the user, if the camera has a `LightTexture2d`.
     pub texture: Option<TextureView>,
-    asked: (Lighting2d, f32),
+    settings: Settings,
+    /// The component and the size of cells that `settings` were resolved for.
+    configured: (Lighting2d, f32),
 }
 
-/// Light of spots, found by `polar`.
-pub struct Spots {
+/// The light of spots, by the method `polar`.
+pub struct SpotLighting {
     pub lighting: Lighting,
     pub light: TextureView,
 }
 
 /// Matter, cell by cell.
-pub struct Grid {
+pub struct MatterTextures {
     pub size: [u32; 2],
     pub sums: [TextureView; 4],
     pub sums_group: BindGroup,
     pub matter: [TextureView; 3],
 }
 
-impl Grid {
+impl MatterTextures {
     fn new(device: &Device, pipelines: &Pipelines, size: [u32; 2]) -> Self {
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
         let sums = SUMS.map(|format| texture(device, "lamplight sums", size, format, usage));
@@ -109,50 +114,50 @@ impl LitView {
         device: &Device,
         queue: &Queue,
         pipelines: &Pipelines,
-        view: &ExtractedView,
-    ) -> Result<Self> {
+        view: &LitCameraView,
+    ) -> Result<Self, Error> {
         let cell = view.placement.cell;
         let settings = view.lighting.settings(cell)?;
         Ok(Self {
-            lighting: Lighting::new(device, queue, settings)?,
+            lighting: Lighting::new(device, queue, &LightingOptions::default())?,
             budget: Budget::new(device, queue),
             spots: None,
-            compose: Compose::new(device)?,
-            around: None,
-            draw: Draw::default(),
-            staged: Staged::default(),
-            grid: Grid::new(device, pipelines, view.placement.placed.size),
+            compose: Compose::new(device, queue)?,
+            neighbours: None,
+            draw: DrawList::default(),
+            quads: QuadBuffers::default(),
+            grid: MatterTextures::new(device, pipelines, view.placement.placed.size),
             glow: None,
             texture: None,
-            asked: (view.lighting.clone(), cell),
+            settings,
+            configured: (view.lighting.clone(), cell),
         })
     }
 
-    /// Makes everything ready to be recorded; `target`: pixels of what the camera draws on, and the
-    /// part of it that is its own.
+    /// Prepares a frame for recording.
     pub fn prepare(
         &mut self,
         device: &Device,
         queue: &Queue,
         pipelines: &Pipelines,
-        view: &ExtractedView,
-        surroundings: &Surroundings,
-        target: Target,
-    ) -> Result<()> {
-        let ExtractedView { placement, lighting, .. } = view;
-        let asked = (lighting.clone(), placement.cell);
-        if asked != self.asked {
-            self.lighting.set_settings(device, queue, lighting.settings(placement.cell)?)?;
-            self.asked = asked;
+        view: &LitCameraView,
+        scene: &ExtractedScene,
+        target: CameraTarget,
+    ) -> Result<(), Error> {
+        let LitCameraView { placement, lighting, .. } = view;
+        let wanted = (lighting.clone(), placement.cell);
+        if wanted != self.configured {
+            self.settings = lighting.settings(placement.cell)?;
+            self.configured = wanted;
         }
         let placed = &placement.placed;
         if placed.size != self.grid.size {
-            self.grid = Grid::new(device, pipelines, placed.size);
+            self.grid = MatterTextures::new(device, pipelines, placed.size);
         }
-        let by_rule = lighting.method.lights_lamps();
-        self.draw.take(view, surroundings, by_rule);
+        let analytic = lighting.method.is_analytic();
+        self.draw.fill(view, scene, analytic);
         let [width, height] = placed.size.map(|v| v as f32);
-        let grid = Stage {
+        let grid = TargetTransform {
             x_axis: [2.0 / width, 0.0],
             y_axis: [0.0, -2.0 / height],
             origin: [-1.0, 1.0],
@@ -160,8 +165,8 @@ impl LitView {
             cell: placement.cell,
             unused: 0.0,
         };
-        let stages = [grid, on_screen(&placed.window, placement.cell, target.viewport)];
-        self.staged.write(device, queue, pipelines, &self.draw, stages)?;
+        let screen = on_screen(&placed.visible, placement.cell, target.viewport);
+        self.quads.write(device, queue, pipelines, &self.draw, [grid, screen])?;
         self.glow = match (self.draw.glows, self.glow.take()) {
             (false, _) => None,
             (true, Some(glow)) if size_of_view(&glow) == target.size => Some(glow),
@@ -171,78 +176,70 @@ impl LitView {
             }
         };
 
-        let textures = self.grid.textures();
-        self.lighting.set_origin(placed.origin);
-        self.lighting.set_lamps(if by_rule { &self.draw.lamps } else { &[] })?;
-        self.lighting.prepare_textures(device, queue, &textures, view.sky)?;
-        self.prepare_spots(device, queue, view, &textures, by_rule)?;
-        self.texture = match (view.to_texture, self.texture.take()) {
+        self.texture = match (view.has_light_texture, self.texture.take()) {
             (false, _) => None,
             (true, Some(texture)) if size_of_view(&texture) == placed.size => Some(texture),
             (true, _) => Some(light_texture(device, placed.size)),
         };
-        if let Some(texture) = &self.texture {
-            self.lighting.write_to(device, texture)?;
-        }
-        Ok(())
+        let textures = self.grid.textures();
+        let lamps: &[_] = if analytic { &self.draw.lamps } else { &[] };
+        let input = FrameInput::of_textures(&self.settings, &textures, lamps, view.sky);
+        let (origin, output) = (placed.origin, self.texture.as_ref());
+        self.lighting.prepare(&FrameInput { origin, output, ..input })?;
+        self.prepare_spots(device, queue, view, &textures, analytic)
     }
 
     fn prepare_spots(
         &mut self,
         device: &Device,
         queue: &Queue,
-        view: &ExtractedView,
+        view: &LitCameraView,
         textures: &Textures,
-        by_rule: bool,
-    ) -> Result<()> {
-        if by_rule || self.draw.lamps.is_empty() {
+        analytic: bool,
+    ) -> Result<(), Error> {
+        if analytic || self.draw.lamps.is_empty() {
             self.spots = None;
             return Ok(());
         }
         let size = view.placement.placed.size;
-        let wall_depth = self.lighting.settings().wall_depth;
+        let wall_depth = self.settings.wall_depth;
         let settings = Settings { method: Method::Polar, wall_depth, ..Settings::default() };
         let mut spots = match self.spots.take() {
-            Some(mut spots) => {
-                if *spots.lighting.settings() != settings {
-                    spots.lighting.set_settings(device, queue, settings)?;
-                }
-                spots
-            }
-            None => Spots {
-                lighting: Lighting::new(device, queue, settings)?,
+            Some(spots) => spots,
+            None => SpotLighting {
+                lighting: Lighting::new(device, queue, &LightingOptions::default())?,
                 light: light_texture(device, size),
             },
         };
         if size_of_view(&spots.light) != size {
             spots.light = light_texture(device, size);
         }
-        spots.lighting.set_lamps(&self.draw.lamps)?;
-        spots.lighting.prepare_textures(device, queue, textures, lamplight::Sky::BLACK)?;
-        spots.lighting.write_to(device, &spots.light)?;
+        let black = lamplight::Sky::BLACK;
+        let input = FrameInput::of_textures(&settings, textures, &self.draw.lamps, black);
+        spots.lighting.prepare(&FrameInput { output: Some(&spots.light), ..input })?;
         self.spots = Some(spots);
         Ok(())
     }
 }
 
-/// What a camera draws on.
+/// The render target of a camera.
 #[derive(Clone, Copy)]
-pub struct Target {
-    /// Pixels.
+pub struct CameraTarget {
+    /// Its size, pixels.
     pub size: [u32; 2],
-    /// Pixels of the camera's own part.
+    /// The size of the camera's viewport in it, pixels.
     pub viewport: [u32; 2],
 }
 
-/// From cells to the camera's part of the screen: the way back from its window.
-fn on_screen(window: &Window, cell: f32, viewport: [u32; 2]) -> Stage {
+/// The map from cells to the camera's viewport: the inverse of its window.
+fn on_screen(visible: &VisibleRect, cell: f32, viewport: [u32; 2]) -> TargetTransform {
     use bevy::math::{Affine2, Vec2};
-    let Window { corner, right, down } = *window;
+    let VisibleRect { corner, right, down } = *visible;
     let cells = Affine2::from_cols(right.into(), down.into(), corner.into());
     let across = cells.inverse();
     let clip = |v: Vec2| [2.0 * v.x, -2.0 * v.y];
     let origin = clip(across.translation);
-    Stage {
+    TargetTransform {
         x_axis: clip(across.matrix2.x_axis),
         y_axis: clip(across.matrix2.y_axis),
         origin: [origin[0] - 1.0, origin[1] + 1.0],
@@ -286,12 +283,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_problem_is_told_once_a_camera_whatever_its_figures() {
-        let mut told = Told::default();
+    fn a_message_is_logged_once_per_camera_whatever_its_figures() {
+        let mut log = CameraLog::default();
         let [first, second] = [1, 2].map(|i| Entity::from_raw_u32(i).unwrap());
-        assert!(told.is_new(first, "exposure is 33, not below 32"));
-        assert!(!told.is_new(first, "exposure is 34.5, not below 32"));
-        assert!(told.is_new(first, "wall_depth is 33, not below 32"));
-        assert!(told.is_new(second, "exposure is 33, not below 32"));
+        assert!(log.is_new(first, "exposure is 33, not below 32"));
+        assert!(!log.is_new(first, "exposure is 34.5, not below 32"));
+        assert!(log.is_new(first, "wall_depth is 33, not below 32"));
+        assert!(log.is_new(second, "exposure is 33, not below 32"));
     }
 }

@@ -1,20 +1,21 @@
-//! The render world: matter drawn on each camera's grid, lit, and laid over its picture.
+//! The render world: matter drawn on each camera's grid, lit, and multiplied with its picture.
 //!
 //! | when | what | file |
 //! | --- | --- | --- |
-//! | extraction | lit cameras, and what is around them | `extract.rs` |
-//! | prepare | each camera's pieces, textures and settings | `draw.rs`, `lit_view.rs`, `pictures.rs` |
-//! | before the main pass | matter on the grid, then its light | `light.rs`, `stage.rs`, `budget.rs` |
-//! | after the main pass | the picture × its light, then what is not lit | `compose.rs`, `unlit.rs` |
+//! | extraction | lit cameras, and the scene around them | `extract.rs` |
+//! | prepare | each camera's quads, textures and settings | `draw.rs`, `lit_view.rs`, `image_bindings.rs` |
+//! | before the main pass | matter on the grid, then its light | `light.rs`, `quad_buffers.rs`, `budget.rs` |
+//! | after the main pass | the picture × its light, then everything unlit | `compose.rs`, `unlit.rs` |
 
 mod budget;
 mod compose;
 mod draw;
 mod extract;
+mod image_bindings;
 mod light;
 mod lit_view;
-mod pictures;
-mod stage;
+mod pipelines;
+mod quad_buffers;
 mod unlit;
 
 pub use light::ViewLightTexture;
@@ -24,30 +25,30 @@ use bevy::core_pipeline::{Core2d, Core2dSystems};
 use bevy::prelude::{ExtractSchedule, IntoScheduleConfigs};
 use bevy::render::{Render, RenderApp, RenderSystems};
 
-/// What [`LamplightPlugin`](crate::LamplightPlugin) does in the render world.
+/// The part of [`LamplightPlugin`](crate::LamplightPlugin) in the render world.
 pub(crate) struct LightRenderPlugin;
 
 impl Plugin for LightRenderPlugin {
     fn build(&self, _: &mut App) {}
 
-    // Whatever order plugins are added in.
+    // Plugins may be added in any order, so the render app is looked up late.
     fn finish(&self, app: &mut App) {
-        // A server has none.
+        // There is no render app on a headless server.
         let Some(app) = app.get_sub_app_mut(RenderApp) else { return };
-        app.init_resource::<extract::Extracted>()
+        app.init_resource::<extract::ExtractedLighting>()
             .init_resource::<lit_view::LitViews>()
-            .init_resource::<pictures::PictureBindings>()
-            .init_resource::<unlit::Unlit>()
+            .init_resource::<image_bindings::ImageBindings>()
+            .init_resource::<unlit::UnlitPhases>()
             .add_systems(ExtractSchedule, (extract::extract, unlit::extract))
             .add_systems(
                 Render,
                 (
                     light::prepare.in_set(RenderSystems::PrepareBindGroups),
-                    unlit::set_apart.after(RenderSystems::PhaseSort).before(RenderSystems::Prepare),
-                    unlit::take_out
+                    unlit::partition.after(RenderSystems::PhaseSort).before(RenderSystems::Prepare),
+                    unlit::hold_back
                         .after(RenderSystems::PrepareBindGroups)
                         .before(RenderSystems::Render),
-                    unlit::put_back.in_set(RenderSystems::Cleanup),
+                    unlit::restore.in_set(RenderSystems::Cleanup),
                 ),
             )
             .add_systems(

@@ -1,7 +1,7 @@
-//! What is drawn over the lit picture: the camera's own draw calls of what is
-//! [`Unlit2d`](crate::Unlit2d), and gizmos, kept back until then.
+//! Draw calls of [`Unlit2d`](crate::Unlit2d) entities and gizmos, held back from the main pass and
+//! drawn over the lit picture.
 
-use super::extract::Extracted;
+use super::extract::ExtractedLighting;
 use crate::components::Unlit2d;
 use bevy::core_pipeline::core_2d::Transparent2d;
 use bevy::log::error_once;
@@ -14,80 +14,81 @@ use bevy::render::render_phase::{
 use bevy::render::sync_world::MainEntity;
 use bevy::render::view::{ExtractedView, RetainedViewEntity};
 
-/// What is not lit.
+/// Unlit entities, and the draw calls held back for each view.
 #[derive(Resource, Default)]
-pub struct Unlit {
+pub struct UnlitPhases {
     entities: HashSet<Entity>,
     phases: HashMap<RetainedViewEntity, SortedRenderPhase<Transparent2d>>,
 }
 
-/// The mark between lit and unlit, which is of no entity.
-fn mark() -> (Entity, MainEntity) {
+/// The key of the marker item between lit and unlit draw calls, which belongs to no entity.
+fn marker() -> (Entity, MainEntity) {
     (Entity::PLACEHOLDER, Entity::PLACEHOLDER.into())
 }
 
-pub fn extract(mut unlit: ResMut<Unlit>, marked: Extract<Query<Entity, With<Unlit2d>>>) {
+/// Extracts unlit entities.
+pub fn extract(mut unlit: ResMut<UnlitPhases>, marked: Extract<Query<Entity, With<Unlit2d>>>) {
     unlit.entities.clear();
     unlit.entities.extend(&marked);
 }
 
-/// Sorts what is not lit behind the rest, with a mark between them that keeps sprites on either side
-/// from being drawn at once.
-pub fn set_apart(
-    unlit: Res<Unlit>,
-    extracted: Res<Extracted>,
+/// Sorts unlit draw calls behind the others, with a marker between them that keeps Bevy from batching
+/// across the boundary.
+pub fn partition(
+    unlit: Res<UnlitPhases>,
+    extracted: Res<ExtractedLighting>,
     views: Query<&ExtractedView>,
     mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>,
 ) {
     for view in extracted.views.iter().filter_map(|view| views.get(view.entity).ok()) {
         let Some(phase) = phases.get_mut(&view.retained_view_entity) else { continue };
         let is_unlit = |item: &Transparent2d| {
-            // Gizmos lie infinitely high.
+            // Gizmos have an infinite z.
             item.sort_key.0 == f32::INFINITY || unlit.entities.contains(&item.main_entity().id())
         };
         let Some(first) = phase.items.values().find(|item| is_unlit(item)) else { continue };
         let item = Transparent2d {
-            entity: mark(),
+            entity: marker(),
             batch_range: 0..0,
             extra_index: PhaseItemExtraIndex::None,
             extracted_index: usize::MAX,
             ..*first
         };
-        // Sorting keeps the order among its kind.
+        // The sort is stable.
         phase.items.sort_by_key(|_, item| is_unlit(item));
         let lit = phase.items.values().take_while(|item| !is_unlit(item)).count();
-        phase.items.shift_insert(lit, mark(), item);
+        phase.items.shift_insert(lit, marker(), item);
     }
 }
 
-/// Takes what is not lit out of the main pass.
-pub fn take_out(
-    mut unlit: ResMut<Unlit>,
+/// Removes unlit draw calls from the main pass.
+pub fn hold_back(
+    mut unlit: ResMut<UnlitPhases>,
     mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>,
 ) {
     for (&view, phase) in phases.iter_mut() {
-        let Some(at) = phase.items.get_index_of(&mark()) else { continue };
+        let Some(at) = phase.items.get_index_of(&marker()) else { continue };
         let items = phase.items.split_off(at);
         let kept = SortedRenderPhase { items, transient_items: Vec::new() };
         unlit.phases.insert(view, kept);
     }
 }
 
-/// Gives it back: what stays from frame to frame stays in the camera's phase.
-pub fn put_back(
-    mut unlit: ResMut<Unlit>,
+/// Returns the draw calls to the camera's phase, which Bevy keeps across frames.
+pub fn restore(
+    mut unlit: ResMut<UnlitPhases>,
     mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>,
 ) {
     for (view, mut kept) in unlit.phases.drain() {
-        kept.items.shift_remove(&mark());
+        kept.items.shift_remove(&marker());
         if let Some(phase) = phases.get_mut(&view) {
             phase.items.append(&mut kept.items);
         }
     }
 }
 
-impl Unlit {
-    /// Draws what a camera keeps back.
+impl UnlitPhases {
+    /// Draws the held-back draw calls of a view.
     pub fn draw<'w>(
         &self,
         view: RetainedViewEntity,
@@ -96,8 +97,8 @@ impl Unlit {
         entity: Entity,
     ) {
         let Some(phase) = self.phases.get(&view) else { return };
-        if let Err(problem) = phase.render(pass, world, entity) {
-            error_once!("what is not lit is not drawn: {problem:?}");
+        if let Err(error) = phase.render(pass, world, entity) {
+            error_once!("unlit entities are not drawn: {error:?}");
         }
     }
 }

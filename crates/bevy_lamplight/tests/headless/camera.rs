@@ -1,4 +1,4 @@
-//! Cameras: light stays with the world while they move, and each has its own.
+//! Cameras: light stays in place while they move, and each camera has its own.
 
 use crate::common::{Picture, app, begin, camera, picture, plain, target};
 use bevy::camera::visibility::RenderLayers;
@@ -8,11 +8,10 @@ use bevy::render::view::Msaa;
 use bevy_lamplight::prelude::*;
 
 const SIZE: [u32; 2] = [160, 120];
-/// A moving camera keeps every place's light to this share.
+/// The largest relative change of light at a place while a camera moves.
 const STEADY: f32 = 0.01;
 
-/// Something that blocks, and something that glows, which it gives, well inside of what every camera
-/// here sees.
+/// A wall and a glowing sprite, which every camera sees. Returns the sprite.
 fn scene(app: &mut App) -> Entity {
     let lamp = Sprite::from_color(Color::linear_rgb(1.0, 0.5, 0.25), Vec2::splat(10.0));
     let wall = Sprite::from_color(Color::WHITE, Vec2::new(4.0, 30.0));
@@ -21,7 +20,7 @@ fn scene(app: &mut App) -> Entity {
     app.world_mut().spawn((lamp, Matter2d::glow(10.0), place)).id()
 }
 
-/// Light at places of the world, between the pixels of a camera's picture.
+/// The light at places of the world, interpolated between pixels.
 fn light_at(picture: &Picture, camera: Transform, zoom: f32, places: &[Vec2]) -> Vec<f32> {
     let back = camera.to_matrix().inverse();
     let sample = |place: &Vec2| {
@@ -36,7 +35,7 @@ fn light_at(picture: &Picture, camera: Transform, zoom: f32, places: &[Vec2]) ->
     places.iter().map(sample).collect()
 }
 
-/// Places in the open, where light changes little from cell to cell.
+/// Places in the open, where light varies slowly.
 fn places() -> Vec<Vec2> {
     let all = (-2..=2).flat_map(|y| (-2..=2).map(move |x| Vec2::new(x as f32, y as f32) * 9.0));
     let far =
@@ -51,7 +50,7 @@ fn worst(before: &[f32], after: &[f32]) -> f32 {
 
 #[test]
 fn light_stays_where_it_is_while_the_camera_moves_and_turns() {
-    // The second takes long on a software GPU, and is given less.
+    // The second method takes long on a software GPU, so it makes fewer moves.
     let moves = [
         (0.3, 0.0, 0.0),
         (17.0, 9.5, 0.0),
@@ -81,7 +80,7 @@ fn light_stays_where_it_is_while_the_camera_moves_and_turns() {
             println!("{method:?} at ({x}, {y}), turned by {turn}: {:.2} %", 100.0 * moved);
             assert!(moved < STEADY, "{method:?} at ({x}, {y}), {turn}: {moved}");
         }
-        // A lamp that has moved is another light.
+        // A moved lamp changes the light.
         app.world_mut().entity_mut(lamp).insert(Transform::from_xyz(-16.0, 5.0, 0.0));
         let seen = picture(&mut app, &image, 1);
         assert!(worst(&first, &light_at(&seen, place, 1.0, &places)) > STEADY);
@@ -89,7 +88,7 @@ fn light_stays_where_it_is_while_the_camera_moves_and_turns() {
 }
 
 #[test]
-fn zoom_changes_no_light_but_by_the_size_of_cells() {
+fn zoom_changes_light_only_by_the_size_of_cells() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let lighting = Lighting2d {
@@ -113,14 +112,14 @@ fn zoom_changes_no_light_but_by_the_size_of_cells() {
         println!("zoomed by {scale}: {:.2} %", 100.0 * moved);
         assert!(moved < STEADY, "zoomed by {scale}: {moved}");
     }
-    // Twice as many world units a pixel: larger cells, about the same light.
+    // Cells are twice as large, and light is about the same.
     let moved = worst(&first, &zoomed(1.9));
     println!("other cells: {:.2} %", 100.0 * moved);
     assert!(moved > 0.0 && moved < 0.1, "{moved}");
 }
 
 #[test]
-fn mirrored_cameras_and_parts_of_a_view_see_the_same_light() {
+fn mirrored_cameras_and_sub_views_see_the_same_light() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let smooth = Lighting2d { filter: LightFilter::Linear, ..plain() };
@@ -136,7 +135,7 @@ fn mirrored_cameras_and_parts_of_a_view_see_the_same_light() {
         let moved = worst(&first, &light_at(&seen, place, 1.0, &places));
         assert!(moved < STEADY, "mirrored by ({x}, {y}): {moved}");
     }
-    // A quarter of it, twice as large, left of the middle and above.
+    // A quarter of the view, twice as large, left of the centre and above it.
     let part = SubCameraView {
         full_size: SIZE.into(),
         offset: Vec2::new(30.0, 20.0),
@@ -151,7 +150,7 @@ fn mirrored_cameras_and_parts_of_a_view_see_the_same_light() {
 }
 
 #[test]
-fn a_camera_above_another_lights_what_it_draws_alone_where_it_clears_to_nothing() {
+fn a_camera_above_another_that_clears_to_none_lights_only_what_it_draws() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let below = camera(&mut app, &image, plain());
@@ -172,20 +171,20 @@ fn a_camera_above_another_lights_what_it_draws_alone_where_it_clears_to_nothing(
 }
 
 #[test]
-fn what_lies_in_the_border_lights_the_screen() {
+fn matter_in_the_border_lights_the_screen() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let eye = camera(&mut app, &image, Lighting2d { border: 40.0, ..plain() });
-    // Just off the screen, on the right.
+    // Just off the right edge of the screen.
     let lamp = Sprite::from_color(Color::WHITE, Vec2::splat(10.0));
     app.world_mut().spawn((lamp, Matter2d::glow(10.0), Transform::from_xyz(100.0, 0.0, 0.0)));
     begin(&mut app);
     let lit = picture(&mut app, &image, 3);
     assert!(lit.grey(150, 60) > 0.2, "{}", lit.grey(150, 60));
-    // Every camera's border is its own.
+    // Without a border, it does not.
     app.world_mut().entity_mut(eye).insert(Lighting2d { border: 0.0, ..plain() });
     let dark = picture(&mut app, &image, 1);
-    // Grids grow in steps: the lamp may still be on it, unless it is further away.
+    // Grid sizes are rounded up, so the lamp has to be further away.
     app.world_mut().entity_mut(eye).insert(Transform::from_xyz(-120.0, 0.0, 0.0));
     let darker = picture(&mut app, &image, 1);
     assert!(darker.grey(150, 60) < 1e-3, "{} {}", dark.grey(150, 60), darker.grey(150, 60));
@@ -216,13 +215,13 @@ fn split_screen(msaa: Msaa) {
             Camera { viewport: Some(half(x)), order: order as isize, clear_color, ..default() };
         app.world_mut().entity_mut(eye).insert((eye_camera, msaa, layers[order].clone()));
     }
-    // Over both, and not lit.
+    // An unlit camera above both.
     let over = Camera { order: 2, clear_color: ClearColorConfig::None, ..default() };
     let over = (Camera2d, over, msaa, RenderLayers::layer(3));
     app.world_mut().spawn((over, RenderTarget::Image(image.clone().into())));
     let label = Sprite::from_color(Color::WHITE, Vec2::splat(8.0));
     app.world_mut().spawn((label, RenderLayers::layer(3)));
-    // Each sees a lamp of its own colour, at the same place.
+    // Each sees a lamp of another colour at the same place.
     for (layer, color) in
         layers.into_iter().zip([Color::linear_rgb(1.0, 0.0, 0.0), Color::linear_rgb(0.0, 0.0, 1.0)])
     {
@@ -234,7 +233,7 @@ fn split_screen(msaa: Msaa) {
     let (red, blue) = (seen.at(60, 40), seen.at(140, 40));
     assert!(red[0] > 0.1 && red[2] == 0.0, "{msaa:?}: {red:?}");
     assert!(blue[2] > 0.1 && blue[0] == 0.0, "{msaa:?}: {blue:?}");
-    // A stop brighter.
+    // The right one is exposed by one more stop.
     assert!((blue[2] / red[0] - 2.0).abs() < 0.01, "{msaa:?}: {red:?}, {blue:?}");
     assert_eq!(seen.at(80, 40), [1.0; 3], "{msaa:?}");
 }

@@ -1,4 +1,4 @@
-//! An app without a window, whose camera draws on an image that is read back.
+//! Apps without a window, whose cameras draw on images that are read back.
 #![allow(dead_code)]
 
 use bevy::app::PluginsState;
@@ -15,10 +15,10 @@ use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 use bevy_lamplight::prelude::*;
 
-/// Frames after which what was asked of the GPU has arrived; asking longer is a failure.
+/// Frames after which a readback from the GPU has failed.
 const PATIENCE: usize = 200;
 
-/// What a camera saw: linear red, green, blue and alpha, row by row.
+/// The picture of a camera: linear red, green, blue and alpha, row by row.
 #[derive(Clone)]
 pub struct Picture {
     pub size: [u32; 2],
@@ -40,7 +40,7 @@ impl Picture {
 #[derive(Resource, Default)]
 struct Arrived(Option<Vec<u8>>);
 
-/// An app with the plugin, white all over where light of 1 falls.
+/// An app with the plugin and a white background.
 pub fn app() -> App {
     let mut app = headless();
     app.add_plugins(LamplightPlugin).insert_resource(ClearColor(Color::WHITE));
@@ -54,7 +54,7 @@ pub fn headless() -> App {
     app
 }
 
-/// Adds what draws, without a window.
+/// Adds Bevy's plugins, without a window.
 pub fn add_bevy(app: &mut App) {
     let window =
         WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
@@ -71,7 +71,7 @@ pub fn add_bevy(app: &mut App) {
     .init_resource::<Arrived>();
 }
 
-/// Ends the building of an app, so that it can run.
+/// Finishes the setup of an app, so that it can run.
 pub fn begin(app: &mut App) {
     while app.plugins_state() == PluginsState::Adding {
         std::thread::yield_now();
@@ -80,20 +80,20 @@ pub fn begin(app: &mut App) {
     app.cleanup();
 }
 
-/// A target of so many pixels that keeps light as it is.
+/// A render target that stores unclamped linear values.
 pub fn target(app: &mut App, size: [u32; 2]) -> Handle<Image> {
     target_of(app, size, TextureFormat::Rgba16Float)
 }
 
-/// A target of some format.
+/// A render target of a format.
 pub fn target_of(app: &mut App, [width, height]: [u32; 2], format: TextureFormat) -> Handle<Image> {
     let mut image = Image::new_target_texture(width, height, format, None);
     image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     app.world_mut().resource_mut::<Assets<Image>>().add(image)
 }
 
-/// Settings that give the light of each cell as it is: a cell a pixel. By the method that gives the
-/// same light every frame and is quickest on a software GPU.
+/// Settings that show the light of each cell unchanged, a cell per pixel. The method is the quickest on a
+/// software GPU whose light does not change between frames.
 pub fn plain() -> Lighting2d {
     Lighting2d {
         method: LightMethod::Cascades,
@@ -113,7 +113,7 @@ pub fn camera(app: &mut App, image: &Handle<Image>, lighting: Lighting2d) -> Ent
     app.world_mut().spawn((Camera2d, target, Msaa::Off, lighting)).id()
 }
 
-/// What a target shows after so many frames more.
+/// The content of a target after further frames.
 pub fn picture(app: &mut App, image: &Handle<Image>, frames: usize) -> Picture {
     (0..frames).for_each(|_| app.update());
     app.world_mut().resource_mut::<Arrived>().0 = None;
@@ -134,7 +134,7 @@ pub fn picture(app: &mut App, image: &Handle<Image>, frames: usize) -> Picture {
     let images = app.world().resource::<Assets<Image>>();
     let target = images.get(image).expect("the target is there");
     let size = target.size().to_array();
-    // Rows are padded.
+    // The GPU pads rows.
     let row = bytes.len() / size[1] as usize;
     let rows = bytes.chunks(row);
     let texels = match target.texture_descriptor.format {
@@ -144,7 +144,7 @@ pub fn picture(app: &mut App, image: &Handle<Image>, frames: usize) -> Picture {
                 |texel: &[u8; 8]| std::array::from_fn(|c| half([texel[2 * c], texel[2 * c + 1]]));
             texels.map(texel).collect()
         }
-        // As screens are given it.
+        // 8 bits per channel, as on screens.
         _ => {
             let texels = rows.flat_map(|row| row.as_chunks::<4>().0[..size[0] as usize].iter());
             texels.map(|texel| texel.map(|v| f32::from(v) / 255.0)).collect()
@@ -164,7 +164,7 @@ fn half(bytes: [u8; 2]) -> f32 {
     if sign == 1 { -value } else { value }
 }
 
-/// An image of the tests' own, `texel(x, y)` in sRGB bytes.
+/// An image of `texel(x, y)` in sRGB bytes.
 pub fn image(app: &mut App, size: [u32; 2], texel: impl Fn(u32, u32) -> [u8; 4]) -> Handle<Image> {
     let [width, height] = size;
     let data = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

@@ -1,6 +1,6 @@
-//! The examples run, and show what their pictures show.
+//! The examples run, and draw their pictures.
 //!
-//! `LAMPLIGHT_DRAW=1` draws the pictures anew (`cargo xtask docs --bevy`).
+//! `LAMPLIGHT_DRAW=1` redraws the pictures (`cargo xtask docs --bevy`).
 
 use crate::common::{Picture, begin, headless, picture, target_of};
 use bevy::camera::RenderTarget;
@@ -24,10 +24,10 @@ mod split_screen;
 mod stealth;
 
 const SIZE: [u32; 2] = [640, 360];
-/// Mean difference to the picture, of 255: other GPUs round otherwise, and noise is nowhere.
-const NEAR: f32 = 1.5;
+/// The largest mean difference to the picture, of 255. GPUs differ in rounding; there is no noise.
+const TOLERANCE: f32 = 1.5;
 
-/// What an example shows after a few frames of a sixtieth of a second.
+/// The picture of an example after a few frames of 16 ms.
 fn shown(example: fn(&mut App)) -> Picture {
     let mut app = headless();
     app.add_plugins(example);
@@ -43,7 +43,7 @@ fn shown(example: fn(&mut App)) -> Picture {
         },
     );
     begin(&mut app);
-    // Light takes seconds a frame on a software GPU: none until all is loaded, and as few as there can be.
+    // A lit frame takes seconds on a software GPU, so cameras are off until everything is loaded.
     let light = |app: &mut App, is_active| {
         let mut cameras = app.world_mut().query::<&mut Camera>();
         cameras.iter_mut(app.world_mut()).for_each(|mut camera| camera.is_active = is_active);
@@ -82,10 +82,10 @@ fn check(name: &str, example: fn(&mut App)) {
     assert_eq!([right.width(), right.height()], SIZE);
     let off = difference(&bytes, right.as_raw());
     println!("{name}: {off:.3} of 255");
-    assert!(off < NEAR, "{name} differs from its picture by {off} of 255");
-    // Its mirror image is another.
+    assert!(off < TOLERANCE, "{name} differs from its picture by {off} of 255");
+    // The mirrored picture is rejected.
     let mirrored = image::imageops::flip_horizontal(&right);
-    assert!(difference(&bytes, mirrored.as_raw()) > 2.0 * NEAR, "{name}");
+    assert!(difference(&bytes, mirrored.as_raw()) > 2.0 * TOLERANCE, "{name}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use bevy_lamplight::prelude::*;
 const SIZE: [u32; 2] = [160, 120];
 
 #[test]
-fn a_lamp_gives_its_intensity_at_a_quarter_of_its_range_wherever_it_glides() {
+fn light_at_a_quarter_of_the_range_equals_the_intensity_at_any_subcell_position() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let rays = vec!["raymarch.rays=512".to_owned()];
@@ -19,7 +19,7 @@ fn a_lamp_gives_its_intensity_at_a_quarter_of_its_range_wherever_it_glides() {
     for (x, y) in [(0.0, 0.0), (0.3, 0.7), (0.5, 0.5), (0.9, 0.1)] {
         app.world_mut().entity_mut(lamp).insert(Transform::from_xyz(x, y, 0.0));
         let seen = picture(&mut app, &image, 2);
-        // Means over rings: at a quarter, and at half of the range of 128.
+        // Means over rings at a quarter and at 0.44 of the range of 128.
         for (distance, right) in [(32.0, 0.75), (56.0, 0.75 * 32.0 / 56.0)] {
             let mut sum = [0.0f32; 3];
             const AROUND: usize = 24;
@@ -38,7 +38,7 @@ fn a_lamp_gives_its_intensity_at_a_quarter_of_its_range_wherever_it_glides() {
 }
 
 #[test]
-fn the_smallest_lamps_give_as_much_light() {
+fn small_lamps_give_as_much_light_as_large_ones() {
     let mut app = app();
     let image = target(&mut app, [96, 64]);
     let eye = camera(&mut app, &image, plain());
@@ -61,13 +61,13 @@ fn the_smallest_lamps_give_as_much_light() {
 }
 
 #[test]
-fn a_spot_lights_what_is_ahead_and_walls_stop_it() {
+fn a_spot_lights_its_cone_and_walls_block_it() {
     for method in [LightMethod::Cascades, LightMethod::Polar] {
         let mut app = app();
         let image = target(&mut app, SIZE);
         camera(&mut app, &image, Lighting2d { method, ..plain() });
         let spot = SpotLight2d { range: 100.0, angle: 0.8, softness: 0.2, ..default() };
-        // To the left and up, where a wall stands in the way.
+        // Towards the upper left, where there is a wall.
         let turn = Quat::from_rotation_z(2.5);
         app.world_mut().spawn((spot, Transform::from_rotation(turn)));
         let wall = LightOccluder2d::rectangle(4.0, 40.0);
@@ -91,7 +91,7 @@ fn ambient_light_is_everywhere_and_the_sky_comes_from_outside() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let eye = camera(&mut app, &image, plain());
-    // A lid: above it the sky is seen, below it hardly.
+    // A lid that hides the sky from everything below it.
     let lid = LightOccluder2d::rectangle(400.0, 8.0);
     app.world_mut().spawn((lid, Transform::default()));
     begin(&mut app);

@@ -1,4 +1,4 @@
-//! What comes, goes and is wrong.
+//! Entities that come and go, and invalid values.
 
 use crate::common::{add_bevy, app, begin, camera, picture, plain, target};
 use bevy::camera::RenderTarget;
@@ -10,7 +10,7 @@ use bevy_lamplight::prelude::*;
 const SIZE: [u32; 2] = [64, 48];
 
 #[test]
-fn what_is_added_changed_hidden_and_despawned_is_so_in_the_light() {
+fn light_follows_entities_that_are_added_changed_hidden_and_despawned() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     camera(&mut app, &image, plain());
@@ -39,7 +39,7 @@ fn what_is_added_changed_hidden_and_despawned_is_so_in_the_light() {
 }
 
 #[test]
-fn a_window_may_have_no_size_for_a_while() {
+fn a_window_of_size_zero_does_not_panic() {
     let mut app = app();
     let window = app.world_mut().spawn(Window { resolution: (64, 48).into(), ..default() }).id();
     let target = RenderTarget::Window(WindowRef::Entity(window));
@@ -53,7 +53,7 @@ fn a_window_may_have_no_size_for_a_while() {
 }
 
 #[test]
-fn a_target_of_another_size_is_lit_all_over() {
+fn a_resized_target_is_lit_completely() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let eye = camera(&mut app, &image, plain());
@@ -84,7 +84,7 @@ fn plugins_may_be_added_in_any_order() {
     assert!((seen.grey(9, 9) - 0.5).abs() < 1e-3, "{}", seen.grey(9, 9));
 }
 
-/// What of the GPU is held: buffers, textures, views, bind groups, pipelines, bytes.
+/// GPU objects in use: buffers, textures, views, bind groups, pipelines, bytes.
 fn held(app: &App) -> [isize; 6] {
     let device = app.world().resource::<RenderDevice>().wgpu_device().clone();
     let counters = device.get_internal_counters().hal;
@@ -99,7 +99,7 @@ fn held(app: &App) -> [isize; 6] {
 }
 
 #[test]
-fn three_hundred_frames_hold_no_more_than_thirty() {
+fn gpu_objects_do_not_accumulate_over_300_frames() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     camera(&mut app, &image, plain());
@@ -108,7 +108,7 @@ fn three_hundred_frames_hold_no_more_than_thirty() {
     app.world_mut().spawn((SpotLight2d::default(), Transform::from_xyz(5.0, 5.0, 0.0)));
     app.world_mut().spawn((PointLight2d::default(), Transform::from_xyz(-5.0, 5.0, 0.0)));
     begin(&mut app);
-    // The most that is held at a time: what was used is freed some frames later.
+    // The maximum over several frames, because objects are freed some frames late.
     let mut run = |frames: std::ops::Range<u32>| {
         let mut most = [0; 6];
         for i in frames {
@@ -130,7 +130,7 @@ fn three_hundred_frames_hold_no_more_than_thirty() {
 }
 
 #[test]
-fn nothing_panics_without_a_camera_with_two_plugins_and_with_what_is_wrong() {
+fn nothing_panics_without_a_camera_with_two_plugins_or_with_invalid_values() {
     let mut app = app();
     app.add_plugins(LamplightPlugin);
     begin(&mut app);
@@ -167,11 +167,11 @@ fn nothing_panics_without_a_camera_with_two_plugins_and_with_what_is_wrong() {
     world.spawn((SpotLight2d { angle: f32::INFINITY, ..default() }, Transform::default()));
     world.spawn((SpotLight2d::default(), Transform::from_scale(Vec3::ZERO)));
     let seen = picture(&mut app, &image, 3);
-    assert!(seen.texels.iter().all(|t| (t[0] - 0.5).abs() < 1e-3), "the rest is lit as ever");
+    assert!(seen.texels.iter().all(|t| (t[0] - 0.5).abs() < 1e-3), "everything else is lit");
 
-    // A camera that is nowhere, or asks for what there is not, shows its picture as it is.
+    // A camera with invalid settings or an invalid transform shows its picture unlit.
     let wrong = [
-        Lighting2d { preset: "no such preset".into(), ..plain() },
+        Lighting2d { set: vec!["holographic.preset=none".into()], ..plain() },
         Lighting2d { set: vec!["no such key".into()], ..plain() },
         Lighting2d { set: vec!["method=polar".into()], ..plain() },
         Lighting2d { border: f32::INFINITY, ..plain() },
@@ -187,7 +187,7 @@ fn nothing_panics_without_a_camera_with_two_plugins_and_with_what_is_wrong() {
     }
     app.world_mut().entity_mut(eye).insert(Transform::from_xyz(1e30, -1e30, 0.0));
     picture(&mut app, &image, 1);
-    // All is well again, and then the camera goes.
+    // The camera recovers and is then removed.
     app.world_mut().entity_mut(eye).insert((plain(), Transform::default()));
     assert!((picture(&mut app, &image, 1).at(0, 0)[0] - 0.5).abs() < 1e-3);
     app.world_mut().entity_mut(eye).despawn();

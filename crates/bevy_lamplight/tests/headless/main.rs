@@ -1,5 +1,5 @@
-//! The plugin in apps without a window, on whatever GPU there is: one program, since every program
-//! with Bevy in it takes long to link.
+//! Tests of the plugin in apps without a window, on any GPU. They are one program, because every program
+//! that contains Bevy takes long to link.
 
 mod camera;
 mod common;

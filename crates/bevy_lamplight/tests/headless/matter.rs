@@ -1,13 +1,14 @@
-//! Whatever is drawn is matter as it is drawn.
+//! Matter covers exactly the pixels that Bevy draws.
 
 use crate::common::{Picture, app, begin, camera, image, picture, plain, target};
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{Image, TextureAtlas, TextureAtlasLayout};
-use bevy::mesh::{Mesh, Mesh2d};
+use bevy::mesh::{Mesh, Mesh2d, MeshCompressionArgs};
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy::sprite::{
-    Anchor, BorderRect, SliceScaleMode, SpriteImageMode, SpriteScalingMode, TextureSlicer,
+    Anchor, BorderRect, SliceScaleMode, SpriteAlphaMode, SpriteImageMode, SpriteScalingMode,
+    TextureSlicer,
 };
 use bevy::sprite_render::{
     ColorMaterial, MeshMaterial2d, TileData, TileOrientation, TilemapChunk, TilemapChunkTileData,
@@ -16,12 +17,12 @@ use bevy_lamplight::prelude::*;
 
 const SIZE: [u32; 2] = [96, 72];
 
-/// What a scene shows as it is, and as what alone glows of it: the same colours at the same pixels.
+/// Two pictures of an entity: as Bevy draws it in ambient light of 1, and as a source of light in the
+/// dark.
 ///
-/// `spawn` is given what to put on what it spawns; once a marker that does nothing, once matter that
-/// glows by 1, under which the screen shows `colour × (light + 1)`: so pixels of the second, less
-/// their own light, are those of the first. What is not covered shows light alone.
-fn seen_both_ways(spawn: impl Fn(&mut App) -> Entity) -> [Picture; 2] {
+/// With an emission of 1, the screen shows `colour × (light + 1)`. So both pictures have the same colours
+/// at the same pixels, except for the light that parts of the entity receive from each other.
+fn drawn_and_glowing(spawn: impl Fn(&mut App) -> Entity) -> [Picture; 2] {
     [false, true].map(|glows| {
         let mut app = app();
         app.insert_resource(ClearColor(Color::BLACK));
@@ -38,41 +39,41 @@ fn seen_both_ways(spawn: impl Fn(&mut App) -> Entity) -> [Picture; 2] {
     })
 }
 
-/// Light that falls on what glows from other parts of it, at most so much of what they give off: its
-/// corners see each other, and a turned edge is stairs.
-const OWN: f32 = 1.0;
-/// The same for an upright box, whose faces see nothing of each other but by the method's error.
-const ROUND: f32 = 0.03;
+/// The largest fraction by which an entity lights itself: parts of a shape that is not convex see each
+/// other, and a rotated edge is a staircase.
+const SELF_LIT: f32 = 1.0;
+/// Like [`SELF_LIT`], for an upright box. It is convex, so this is the error of the method.
+const CONVEX: f32 = 0.03;
 
-/// Pixels that are of matter where nothing is drawn, or the other way round: where the first picture
-/// is black nothing may glow, and where it is not all of it must, with no light besides but `own`.
-fn wrong([drawn, glowing]: &[Picture; 2], own: f32) -> usize {
-    let mut wrong = 0;
+/// Counts the pixels at which the pictures differ: both have to be black at the same pixels, and elsewhere
+/// the second may be brighter by a fraction of `self_lit`.
+fn mismatches([drawn, glowing]: &[Picture; 2], self_lit: f32) -> usize {
+    let mut mismatches = 0;
     for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
         let (drawn, glowing) = (drawn.at(x, y), glowing.at(x, y));
-        let right = |c: usize| {
+        let matches = |c: usize| {
             let near = 2e-3 * drawn[c].max(1.0);
-            (drawn[c] - near..=drawn[c] * (1.0 + own) + near).contains(&glowing[c])
+            (drawn[c] - near..=drawn[c] * (1.0 + self_lit) + near).contains(&glowing[c])
         };
-        let alike = (drawn == [0.0; 3]) == (glowing == [0.0; 3]);
-        wrong += usize::from(!alike || !(0..3).all(right));
+        let same_coverage = (drawn == [0.0; 3]) == (glowing == [0.0; 3]);
+        mismatches += usize::from(!same_coverage || !(0..3).all(matches));
     }
-    wrong
+    mismatches
 }
 
-/// How much of a picture is not black.
+/// Counts the pixels that are not black.
 fn covered(picture: &Picture) -> usize {
     picture.texels.iter().filter(|[r, g, b, _]| r + g + b > 0.0).count()
 }
 
-/// Four colours in the corners of a sheet of 16 × 8, unlike each other and black nowhere.
+/// An image of 16 × 8 pixels without symmetry and without black.
 fn sheet(app: &mut App) -> Handle<Image> {
     image(app, [16, 8], |x, y| {
         [60 + 10 * x as u8, 90 + 20 * y as u8, if x < 8 { 255 } else { 70 }, 255]
     })
 }
 
-/// A picture that has its own shape.
+/// An image with transparent corners.
 fn cross(app: &mut App) -> Handle<Image> {
     image(app, [12, 12], |x, y| {
         let inside = (4..8).contains(&x) || (5..7).contains(&y);
@@ -81,7 +82,7 @@ fn cross(app: &mut App) -> Handle<Image> {
 }
 
 #[test]
-fn sprites_count_as_they_are_drawn() {
+fn sprites_are_matter_where_they_are_drawn() {
     type Change = (&'static str, fn(&mut Sprite), Anchor, Transform);
     let plain_transform = Transform::from_xyz(0.0, 0.0, 0.0);
     let turned = Transform::from_xyz(5.0, -3.0, 1.0)
@@ -157,75 +158,98 @@ fn sprites_count_as_they_are_drawn() {
         ),
     ];
     for (name, change, anchor, transform) in changes {
-        let seen = seen_both_ways(|app| {
+        let pictures = drawn_and_glowing(|app| {
             let image = sheet(app);
             let mut sprite = Sprite { image, color: Color::linear_rgb(0.9, 1.0, 0.7), ..default() };
             change(&mut sprite);
             app.world_mut().spawn((sprite, anchor, transform)).id()
         });
-        assert!(covered(&seen[0]) > 30, "{name}: {} are drawn", covered(&seen[0]));
-        let own = if transform == turned { OWN } else { ROUND };
-        assert_eq!(wrong(&seen, own), 0, "{name}");
+        assert!(covered(&pictures[0]) > 30, "{name}: {} are drawn", covered(&pictures[0]));
+        let self_lit = if transform == turned { SELF_LIT } else { CONVEX };
+        assert_eq!(mismatches(&pictures, self_lit), 0, "{name}");
     }
 }
 
 #[test]
-fn a_sprite_of_another_place_is_rejected() {
-    let [drawn, _] = seen_both_ways(|app| {
+fn a_sprite_in_another_place_is_rejected() {
+    let [drawn, _] = drawn_and_glowing(|app| {
         let image = sheet(app);
         app.world_mut().spawn(Sprite::from_image(image)).id()
     });
-    let [_, glowing] = seen_both_ways(|app| {
+    let [_, glowing] = drawn_and_glowing(|app| {
         let image = sheet(app);
         app.world_mut().spawn((Sprite::from_image(image), Transform::from_xyz(1.0, 0.0, 0.0))).id()
     });
-    assert!(wrong(&[drawn, glowing], OWN) > 10);
+    assert!(mismatches(&[drawn, glowing], SELF_LIT) > 10);
 }
 
 #[test]
-fn alpha_cells_of_a_sheet_texts_and_meshes_count_as_they_are_drawn() {
-    let by_alpha = seen_both_ways(|app| {
+fn alpha_atlases_texts_and_meshes_are_matter_where_they_are_drawn() {
+    let by_alpha = drawn_and_glowing(|app| {
         let image = cross(app);
         app.world_mut().spawn(Sprite::from_image(image)).id()
     });
-    let of_a_sheet = seen_both_ways(|app| {
+    let of_an_atlas = drawn_and_glowing(|app| {
         let image = sheet(app);
         let layout = TextureAtlasLayout::from_grid(UVec2::splat(4), 4, 2, None, None);
         let layout = app.world_mut().resource_mut::<Assets<TextureAtlasLayout>>().add(layout);
         let sprite = Sprite::from_atlas_image(image, TextureAtlas { layout, index: 6 });
         app.world_mut().spawn((sprite, Transform::from_scale(Vec3::splat(6.0)))).id()
     });
-    let text = seen_both_ways(|app| {
+    let text = drawn_and_glowing(|app| {
         let color = TextColor(Color::linear_rgb(1.0, 0.5, 0.25));
         app.world_mut().spawn((Text2d::new("Lamp"), color)).id()
     });
-    let mesh = seen_both_ways(|app| {
-        let mesh = Mesh::from(RegularPolygon::new(24.0, 5));
-        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
-        let texture = Some(cross(app));
-        let color = Color::linear_rgb(0.5, 1.0, 1.0);
-        let material = ColorMaterial {
-            color,
-            texture,
-            alpha_mode: bevy::sprite_render::AlphaMode2d::Mask(0.5),
-            ..default()
-        };
-        let material = app.world_mut().resource_mut::<Assets<ColorMaterial>>().add(material);
-        app.world_mut().spawn((Mesh2d(mesh), MeshMaterial2d(material))).id()
-    });
-    for (name, seen) in [("alpha", by_alpha), ("sheet", of_a_sheet), ("text", text), ("mesh", mesh)]
-    {
-        assert!(covered(&seen[0]) > 30, "{name}: {} are drawn", covered(&seen[0]));
-        // Soft edges of glyphs show through by their share of a share.
-        let most = if name == "text" { covered(&seen[0]) / 2 } else { 0 };
-        assert!(wrong(&seen, OWN) <= most, "{name}: {}", wrong(&seen, OWN));
+    let by_cutoff = |alpha_mode: SpriteAlphaMode| {
+        drawn_and_glowing(|app| {
+            let image = image(app, [12, 12], |x, y| [200, 20 * y as u8, 90, 20 * x as u8 + 10]);
+            let sprite = Sprite { image, alpha_mode, ..default() };
+            app.world_mut().spawn(sprite).id()
+        })
+    };
+    let polygon = |is_compressed: bool| {
+        drawn_and_glowing(|app| {
+            let mut mesh = Mesh::from(RegularPolygon::new(24.0, 5));
+            if is_compressed {
+                mesh = mesh.compressed_mesh(&MeshCompressionArgs::regular()).unwrap();
+            }
+            let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+            let texture = Some(cross(app));
+            let color = Color::linear_rgb(0.5, 1.0, 1.0);
+            let material = ColorMaterial {
+                color,
+                texture,
+                alpha_mode: bevy::sprite_render::AlphaMode2d::Mask(0.5),
+                ..default()
+            };
+            let material = app.world_mut().resource_mut::<Assets<ColorMaterial>>().add(material);
+            app.world_mut().spawn((Mesh2d(mesh), MeshMaterial2d(material))).id()
+        })
+    };
+    for (name, pictures) in [
+        ("alpha", by_alpha),
+        ("mask", by_cutoff(SpriteAlphaMode::Mask(0.5))),
+        ("opaque", by_cutoff(SpriteAlphaMode::Opaque)),
+        ("atlas", of_an_atlas),
+        ("text", text),
+        ("mesh", polygon(false)),
+        ("compressed mesh", polygon(true)),
+    ] {
+        assert!(covered(&pictures[0]) > 30, "{name}: {} are drawn", covered(&pictures[0]));
+        // At soft edges of glyphs, coverage is applied twice.
+        let max = if name == "text" { covered(&pictures[0]) / 2 } else { 0 };
+        assert!(
+            mismatches(&pictures, SELF_LIT) <= max,
+            "{name}: {}",
+            mismatches(&pictures, SELF_LIT)
+        );
     }
 }
 
 #[test]
-fn tiles_count_as_they_are_drawn_every_way_round() {
-    let seen = seen_both_ways(|app| {
-        // Two tiles, one over the other, with a corner that is not there.
+fn tiles_are_matter_where_they_are_drawn_in_every_orientation() {
+    let pictures = drawn_and_glowing(|app| {
+        // Two tiles, one above the other, with a transparent corner.
         let texel = |x: u32, y: u32| match (x < 2 && y % 4 < 2, y < 4) {
             (true, _) => [0, 0, 0, 0],
             (_, true) => [250, 40 + 40 * x as u8, 100, 255],
@@ -241,7 +265,7 @@ fn tiles_count_as_they_are_drawn_every_way_round() {
         );
         tileset.reinterpret_stacked_2d_as_array(2).unwrap();
         let tileset = app.world_mut().resource_mut::<Assets<Image>>().add(tileset);
-        let ways = [
+        let orientations = [
             TileOrientation::Default,
             TileOrientation::Rotate90,
             TileOrientation::Rotate180,
@@ -255,7 +279,7 @@ fn tiles_count_as_they_are_drawn_every_way_round() {
             .map(|i| {
                 (i % 5 != 4).then(|| TileData {
                     tileset_index: i % 2,
-                    orientation: ways[usize::from(i) % 8],
+                    orientation: orientations[usize::from(i) % 8],
                     color: Color::linear_rgb(1.0, 1.0, 0.8),
                     visible: i != 7,
                 })
@@ -269,11 +293,11 @@ fn tiles_count_as_they_are_drawn_every_way_round() {
         };
         app.world_mut().spawn((chunk, TilemapChunkTileData(tiles))).id()
     });
-    assert!(covered(&seen[0]) > 500, "{}", covered(&seen[0]));
-    assert_eq!(wrong(&seen, OWN), 0);
+    assert!(covered(&pictures[0]) > 500, "{}", covered(&pictures[0]));
+    assert_eq!(mismatches(&pictures, SELF_LIT), 0);
 }
 
-/// Light beyond a shape that stands between a lamp and a place, and how much there is without it.
+/// The light behind an occluder, with it and without it.
 fn beyond(occluder: LightOccluder2d, transform: Transform) -> (f32, f32) {
     let lights = [true, false].map(|blocks| {
         let mut app = app();
@@ -308,7 +332,7 @@ fn every_shape_of_occluder_blocks_light() {
         let (with, without) = beyond(shape.clone(), transform);
         assert!(without > 0.1 && with < 0.05 * without, "{shape:?}: {with} of {without}");
     }
-    // The middle of the open horseshoe's mouth is lit.
+    // An occluder beside the path does not block.
     let (with, without) = beyond(LightOccluder2d::circle(5.0), Transform::from_xyz(0.0, 25.0, 0.0));
     assert!(with > 0.9 * without, "beside it: {with} of {without}");
 }

@@ -1,23 +1,24 @@
-//! The light of a Bevy scene is the light of the same cells.
+//! A Bevy scene is lit as the same cells are by the CPU.
 
 use crate::common::{Picture, app, begin, camera, picture, plain, target};
 use bevy::prelude::*;
 use bevy_lamplight::prelude::*;
 use lamplight::{Bounces, Cells, Light, Matter, Method, Settings, Solver};
-use lamplight_wgpu::{Placed, View};
+use lamplight_wgpu::{Camera2dView, GridPlacement};
 
 const SIZE: [u32; 2] = [160, 120];
-/// The tolerance of the GPU against the CPU, of light 1; half floats have eleven bits besides.
-const NEAR: f32 = 1e-3;
+/// The tolerance of the GPU against the CPU, relative to light of 1. Half floats have eleven bits.
+const TOLERANCE: f32 = 1e-3;
 
-/// The grid that the plugin lights for a camera of [`plain`] settings at a place of the world.
-fn placed(position: [f64; 2]) -> Placed {
-    let view = View { position, border: 16, lattice: 16, step: 32, ..View::default() };
+/// The grid of a camera with [`plain`] settings at a place of the world.
+fn placed(position: [f64; 2]) -> GridPlacement {
+    let view =
+        Camera2dView { position, border: 16, lattice: 16, step: 32, ..Camera2dView::default() };
     view.cover(SIZE.map(f64::from)).unwrap()
 }
 
-/// Cells of the same scene: a box of the world is made of matter.
-fn fill(cells: &mut Cells, placed: &Placed, min: [i32; 2], size: [i32; 2], matter: Matter) {
+/// Fills a box of the world with matter.
+fn fill(cells: &mut Cells, placed: &GridPlacement, min: [i32; 2], size: [i32; 2], matter: Matter) {
     // The world's y points up.
     let left = min[0] - placed.origin[0];
     let top = -(min[1] + size[1]) - placed.origin[1];
@@ -26,24 +27,24 @@ fn fill(cells: &mut Cells, placed: &Placed, min: [i32; 2], size: [i32; 2], matte
     }
 }
 
-/// Pixels in the open that differ from the light of cells.
-fn wrong(seen: &Picture, placed: &Placed, cells: &Cells, light: &Light) -> usize {
-    let corner = placed.window.corner.map(|v| v as u32);
-    let mut wrong = 0;
+/// Counts the open pixels that differ from the light of cells.
+fn mismatches(seen: &Picture, placed: &GridPlacement, cells: &Cells, light: &Light) -> usize {
+    let corner = placed.visible.corner.map(|v| v as u32);
+    let mut mismatches = 0;
     for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
         let (cx, cy) = (corner[0] + x, corner[1] + y);
         if cells.is_solid((cy * cells.width() + cx) as usize) {
             continue;
         }
         let (seen, right) = (seen.at(x, y), light.at(cx, cy));
-        let near = |c: usize| (seen[c] - right[c]).abs() <= NEAR * right[c].max(1.0);
-        wrong += usize::from(!(0..3).all(near));
+        let near = |c: usize| (seen[c] - right[c]).abs() <= TOLERANCE * right[c].max(1.0);
+        mismatches += usize::from(!(0..3).all(near));
     }
-    wrong
+    mismatches
 }
 
 #[test]
-fn a_sprite_that_glows_lights_what_the_same_cells_light() {
+fn a_glowing_sprite_gives_the_same_light_as_the_same_cells() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let lighting = Lighting2d { bounces: LightBounces::Count(2), ..plain() };
@@ -79,10 +80,10 @@ fn a_sprite_that_glows_lights_what_the_same_cells_light() {
     let (method, bounces) = (Method::Cascades, Bounces::Count(2));
     let settings = Settings { method, bounces, ..Settings::default() };
     let light = Solver::new(settings.clone()).unwrap().solve(&cells).unwrap().clone();
-    assert_eq!(wrong(&seen, &placed, &cells, &light), 0);
+    assert_eq!(mismatches(&seen, &placed, &cells, &light), 0);
 
-    // A scene that lacks a cell of the wall is rejected.
+    // A scene that lacks part of the wall is rejected.
     fill(&mut cells, &placed, boxes[1].1, [1, 3], Matter::EMPTY);
     let other = Solver::new(settings).unwrap().solve(&cells).unwrap().clone();
-    assert!(wrong(&seen, &placed, &cells, &other) > 20);
+    assert!(mismatches(&seen, &placed, &cells, &other) > 20);
 }

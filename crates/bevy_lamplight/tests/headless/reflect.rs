@@ -1,4 +1,4 @@
-//! Every component can be reflected, written and read.
+//! Reflection and serialization of components.
 
 use bevy::prelude::*;
 use bevy::reflect::TypeRegistry;
@@ -12,7 +12,7 @@ fn registry() -> App {
     app
 }
 
-/// A component, written by reflection and read again.
+/// Serializes a component by reflection and deserializes it.
 fn round_trip<T: Component + Reflect + FromReflect + PartialEq + std::fmt::Debug>(
     value: &T,
     registry: &TypeRegistry,
@@ -26,7 +26,7 @@ fn round_trip<T: Component + Reflect + FromReflect + PartialEq + std::fmt::Debug
 }
 
 #[test]
-fn components_are_written_and_read_by_reflection() {
+fn components_round_trip_through_reflection() {
     let app = registry();
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let lighting = Lighting2d {
@@ -49,9 +49,9 @@ fn components_are_written_and_read_by_reflection() {
 }
 
 #[test]
-fn keys_that_are_left_out_have_their_defaults() {
-    let lighting: Lighting2d = serde_json::from_str(r#"{ "preset": "fast" }"#).unwrap();
-    assert_eq!(lighting, Lighting2d::default().with_preset("fast"));
+fn missing_keys_have_their_defaults() {
+    let lighting: Lighting2d = serde_json::from_str(r#"{ "quality": "Fast" }"#).unwrap();
+    assert_eq!(lighting, Lighting2d::default().with_quality(LightQuality::Fast));
     let lamp: PointLight2d = serde_json::from_str(r#"{ "range": 5.0 }"#).unwrap();
     assert_eq!(lamp, PointLight2d { range: 5.0, ..default() });
 }

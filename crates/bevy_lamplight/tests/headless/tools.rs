@@ -10,7 +10,7 @@ use bevy_lamplight::prelude::*;
 const SIZE: [u32; 2] = [64, 48];
 
 #[test]
-fn light_above_one_is_brought_back_unless_the_camera_does_so() {
+fn light_above_one_is_tone_mapped_once() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let eye = camera(&mut app, &image, plain());
@@ -27,12 +27,12 @@ fn light_above_one_is_brought_back_unless_the_camera_does_so() {
     let aces = shown(LightToneMap::Aces, Tonemapping::None);
     assert!(aces > 0.8 && aces <= 1.0, "{aces}");
     near(shown(LightToneMap::Camera, Tonemapping::None), aces);
-    // Bevy's, once and not twice.
+    // Bevy's own tone map applies, and not both.
     near(shown(LightToneMap::Camera, Tonemapping::Reinhard), 0.75);
 }
 
 #[test]
-fn gizmos_outline_what_has_no_picture_and_are_not_lit() {
+fn gizmos_outline_occluders_and_are_not_lit() {
     let mut app = app();
     app.add_plugins((LamplightGizmosPlugin, LamplightGizmosPlugin));
     let image = target(&mut app, SIZE);

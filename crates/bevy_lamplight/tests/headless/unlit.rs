@@ -1,4 +1,4 @@
-//! What is not lit, and what users' own passes are given.
+//! Unlit entities, and the light texture for passes of users.
 
 use crate::common::{app, begin, camera, picture, plain, target};
 use bevy::prelude::*;
@@ -10,7 +10,7 @@ use bevy_lamplight::render::ViewLightTexture;
 const SIZE: [u32; 2] = [64, 48];
 
 #[test]
-fn unlit_sprites_keep_their_colours_in_the_dark_above_all_that_is_lit() {
+fn unlit_sprites_keep_their_colours_above_everything_lit() {
     for msaa in [Msaa::Off, Msaa::Sample4] {
         let mut app = app();
         let image = target(&mut app, SIZE);
@@ -22,14 +22,14 @@ fn unlit_sprites_keep_their_colours_in_the_dark_above_all_that_is_lit() {
         app.world_mut().spawn((square(color(1.0, 0.0, 0.0)), Unlit2d, at(-16.0, -5.0)));
         app.world_mut().spawn((square(color(0.0, 1.0, 0.0)), at(-16.0, 3.0)));
         app.world_mut().spawn((square(color(0.0, 0.0, 1.0)), at(16.0, 0.0)));
-        // Half of it shows what lies below, which is another that is not lit.
+        // A translucent sprite above another unlit one.
         app.world_mut().spawn((
             square(color(0.0, 0.5, 0.0).with_alpha(0.5)),
             Unlit2d,
             at(-12.0, 8.0),
         ));
         begin(&mut app);
-        // More frames than one: what is kept back is given back.
+        // Several frames, because held-back draw calls have to return to their phase.
         for _ in 0..2 {
             let seen = picture(&mut app, &image, 3);
             let near = |found: [f32; 3], right: [f32; 3]| {
@@ -44,7 +44,7 @@ fn unlit_sprites_keep_their_colours_in_the_dark_above_all_that_is_lit() {
 }
 
 #[test]
-fn the_light_is_there_for_passes_of_the_users_own() {
+fn the_light_texture_exists_while_the_camera_has_its_component() {
     let mut app = app();
     let image = target(&mut app, SIZE);
     let eye = camera(&mut app, &image, plain());

@@ -1,67 +1,69 @@
-//! `lamplight bench`: how long a frame takes, and which stage takes it.
+//! `lamplight bench`: the time of a frame, and of each of its stages.
 
-use crate::args::{Backend, Machine, SettingFlags, by_name};
-use crate::failure::{Failure, Outcome};
+use crate::args::{Backend, MachineArgs, Renderer, SettingArgs, by_name};
+use crate::bench_scene::{bench_scene, bench_scene_of_lamps};
+use crate::device_info::DeviceInfo;
+use crate::error::{CliError, Result};
 use crate::gpu::Gpu;
-use crate::lighting::{self, ms};
+use crate::job::read_cells;
+use crate::lit::ms;
+use crate::memory;
 use crate::output;
-use crate::place::Place;
 use crate::progress::Progress;
-use crate::room::{lamp_room, room};
-use crate::stage::{Stage, View};
+use crate::stage::{FrameView, Stage};
 use crate::table::table;
 use lamplight::methods::holographic::paper::Paper;
-use lamplight::{Cells, Display, Method, Settings, SettingsTable, Solver};
-use lamplight_wgpu::{Cost, KernelCost};
+use lamplight::{Cells, Display, Method, Scene, Settings, SettingsTable, Solver};
+use lamplight_wgpu::{Cost, PipelineCost};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-/// A case is timed for about this long,
+/// The time for which a case is repeated,
 const TIME: Duration = Duration::from_secs(2);
-/// but at least so often, so that there is a median,
+/// its fewest runs, enough for a median,
 const LEAST_RUNS: usize = 5;
-/// and at most so often.
+/// and its most runs.
 const MOST_RUNS: usize = 501;
 
-/// Time methods over sizes, per stage
+/// Time methods at several sizes, stage by stage
 #[derive(clap::Args, Debug)]
-pub struct Args {
-    /// Methods to time, with commas between them [default: all]
+pub struct BenchArgs {
+    /// Methods to time, separated by commas [default: all]
     #[arg(long, value_name = "METHOD", value_delimiter = ',',
           value_parser = by_name(Method::ALL, Method::name))]
     method: Vec<Method>,
-    /// Sizes of the built-in scene, such as 320x180,512x512 [default: 320x180,640x360,1280x720];
-    /// for polar it has lamps of range 64, 1000 of them at 1280x720
+    /// Sizes of the built-in scene, such as 320x180,512x512 [default: 320x180,640x360,1280x720]. For
+    /// polar it has lamps of range 64, 1000 of them at 1280x720
     #[arg(long, value_name = "WxH", value_delimiter = ',', conflicts_with = "scene")]
     size: Vec<Size>,
     /// Time this scene instead of the built-in one
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
-    /// Time making the picture too, each cell as K × K pixels: `present_ms`, beside the time to solve
+    /// Also time the making of the picture, with K × K pixels per cell: `present_ms`
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=64))]
     scale: Option<u32>,
-    /// Time a plain implementation of the published holographic cascades (direct light) in turns with
-    /// the method, and give its time ÷ the method's: a ratio that depends little on the machine. For
-    /// methods that see what it sees: not polar and flood
+    /// Also time a plain implementation of the published holographic cascades (direct light), in turns
+    /// with the method, and print its time ÷ the method's: a ratio that depends little on the machine.
+    /// Not for polar and flood, which light differently
     #[arg(long)]
     yardstick: bool,
-    /// With --backend gpu: run nothing, and only say what a frame would move and hold
+    /// With --backend gpu: run nothing, only print how much memory a frame moves and holds
     #[arg(long)]
     cost: bool,
-    /// Print one JSON object a line, one for each case
+    /// Print one JSON object per line, one for each case
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    settings: SettingFlags,
+    settings: SettingArgs,
     #[command(flatten)]
-    machine: Machine,
+    machine: MachineArgs,
 }
 
-/// What all runs of a kernel take, for `--json`.
-fn kernel_json(kernel: &KernelCost) -> Value {
-    let KernelCost { shader, entry, dispatches, traffic } = *kernel;
+/// The cost of all dispatches of a pipeline, for `--json`.
+fn pipeline_json(pipeline: &PipelineCost) -> Value {
+    let PipelineCost { shader, entry, dispatches, traffic } = *pipeline;
     json!({
         "shader": shader, "entry": entry, "dispatches": dispatches,
         "bytes_read": traffic.read, "bytes_written": traffic.written,
@@ -81,38 +83,35 @@ impl FromStr for Size {
     }
 }
 
-pub fn run(args: Args) -> Outcome {
-    let gpu = (args.machine.backend == Backend::Gpu).then(Gpu::best).transpose()?;
+pub fn run(args: BenchArgs) -> Result {
+    let gpu = (args.machine.backend == Backend::Gpu).then(Gpu::open).transpose()?;
     if gpu.is_none() && args.cost {
-        let error = Failure::bad_input("--cost says what a frame takes on the GPU");
-        return Err(error.hint("say --backend gpu too"));
+        let error = CliError::bad_input("--cost is for frames on the GPU");
+        return Err(error.hint("add --backend gpu"));
     }
     if gpu.is_some() && (args.yardstick || args.scale.is_some()) {
-        let error = Failure::bad_input("--yardstick and --scale time the CPU");
+        let error = CliError::bad_input("--yardstick and --scale time the CPU");
         return Err(error.hint("leave --backend out"));
     }
-    let backend = if gpu.is_some() { "gpu" } else { "cpu" };
-    let methods = if args.method.is_empty() { Method::ALL } else { &args.method };
+    let methods = methods(&args);
     args.machine.run(|threads| {
         let (grids, scene) = grids(&args)?;
-        let table_of_scene = args.settings.over(&scene)?;
         let cases = methods.iter().flat_map(|m| grids.iter().map(move |g| (*m, g)));
         let progress =
             Progress::new("timing", (methods.len() * grids.len()) as u64, args.machine.quiet);
         let mut rows = Vec::new();
         for (method, cells) in cases {
             let (w, h) = (cells.width(), cells.height());
-            progress.say(&format!("timing {} at {w}×{h}", method.name()));
-            let mut settings = table_of_scene.clone();
-            settings.set("method", method.name());
+            progress.label(&format!("timing {} at {w}×{h}", method.name()));
             let lamps;
             let cells = if args.scene.is_none() && method.suits(cells).is_err() {
-                lamps = lamp_room(w, h)?;
+                lamps = bench_scene_of_lamps(w, h)?;
                 &lamps
             } else {
                 cells
             };
-            let settings = settings.resolve()?;
+            let renderer = Some(Renderer::Method(method));
+            let settings = args.settings.over(&scene, renderer)?.resolve()?;
             let times = match &gpu {
                 Some(gpu) => time_on_gpu(gpu, cells, settings, args.cost)?,
                 None => {
@@ -120,103 +119,161 @@ pub fn run(args: Args) -> Outcome {
                 }
             };
             progress.step();
+            let case = Case { method, size: Size(w, h), threads, gpu: gpu.as_ref(), times };
             if args.json {
-                let mut line = json!({
-                    "method": method.name(), "backend": backend, "width": w, "height": h,
-                    "threads": threads, "median_ms": ms(times.median), "min_ms": ms(times.least),
-                    "runs": times.runs, "stages_ms": times.stages_json(),
-                });
-                if let (Some(gpu), Some(cost)) = (&gpu, &times.cost) {
-                    line["adapter"] = gpu.name().into();
-                    line["dispatches"] = cost.dispatches().into();
-                    line["bytes_read"] = cost.traffic().read.into();
-                    line["bytes_written"] = cost.traffic().written.into();
-                    line["bytes_held"] = cost.memory.into();
-                    line["kernels"] = cost.kernels.iter().map(kernel_json).collect();
-                }
-                if let Some(scene) = &args.scene {
-                    line["scene"] = scene.display().to_string().into();
-                }
-                if let Some(present) = times.present {
-                    line["present_ms"] = ms(present).into();
-                }
-                if let Some(yardstick) = times.yardstick {
-                    line["yardstick_ms"] = ms(yardstick).into();
-                    line["yardstick_ratio"] = times.ratio(yardstick).into();
-                }
-                output::print(line)?;
-                continue;
+                output::print(case.json(&args))?;
+            } else {
+                rows.push(case.row(&args));
             }
-            let stages = times.stages.iter().filter(|(_, time)| *time >= times.median / 100);
-            let stages = stages.map(|&(name, time)| (name, time));
-            let stages = stages.chain(times.present.map(|time| ("present", time)));
-            let stages: Vec<_> = stages.map(|(n, t)| format!("{n} {:.1}", ms(t))).collect();
-            let mut row = vec![
-                method.name().to_owned(),
-                format!("{w}×{h}"),
-                format!("{:.2}", ms(times.median)),
-                format!("{:.2}", ms(times.least)),
-                times.runs.to_string(),
-                stages.join(", "),
-            ];
-            if let Some(cost) = &times.cost {
-                let moved = cost.traffic().read + cost.traffic().written;
-                row.push(cost.dispatches().to_string());
-                row.extend([moved, cost.memory].map(|bytes| format!("{:.0}", bytes as f64 / 1e6)));
-            }
-            if let Some(yardstick) = times.yardstick {
-                row.push(format!("{:.2}", ms(yardstick)));
-                row.push(format!("{:.2}", times.ratio(yardstick)));
-            } else if args.yardstick {
-                row.extend(["–"; 2].map(str::to_owned));
-            }
-            rows.push(row);
         }
         drop(progress);
         if args.json {
             return Ok(());
         }
-        let mut header = vec!["method", "size", "median ms", "least ms", "runs", "ms by stage"];
+        let mut header = vec!["method", "size"];
+        if !args.cost {
+            header.extend(["median ms", "least ms", "runs", "ms by stage"]);
+        }
         if gpu.is_some() {
             header.extend(["dispatches", "MB moved", "MB held"]);
         }
         if args.yardstick {
             header.extend(["yardstick ms", "times faster"]);
         }
-        output::print(table(&header, &[0, 5], rows))?;
-        output::print(gpu.as_ref().map_or_else(Place::cpu, Gpu::place))
+        let words = if args.cost { &[0][..] } else { &[0, 5][..] };
+        output::print(table(&header, words, rows))?;
+        output::print(gpu.as_ref().map_or_else(DeviceInfo::cpu, Gpu::device_info))
     })
 }
 
-/// What to time, and the settings that come with it.
-fn grids(args: &Args) -> Outcome<(Vec<Cells>, SettingsTable)> {
+/// A method at a size, and its times.
+struct Case<'a> {
+    method: Method,
+    size: Size,
+    threads: usize,
+    gpu: Option<&'a Gpu>,
+    times: Times,
+}
+
+impl Case<'_> {
+    fn json(&self, args: &BenchArgs) -> Value {
+        let Self { method, size: Size(w, h), threads, gpu, times } = self;
+        let backend = if gpu.is_some() { "gpu" } else { "cpu" };
+        let mut line = json!({
+            "method": method.name(), "backend": backend, "width": w, "height": h,
+            "threads": threads, "median_ms": ms(times.median), "min_ms": ms(times.least),
+            "runs": times.runs, "stages_ms": times.stages_json(),
+        });
+        if let (Some(gpu), Some(cost)) = (gpu, &times.cost) {
+            line["adapter"] = gpu.name().into();
+            line["dispatches"] = cost.dispatches().into();
+            line["bytes_read"] = cost.traffic().read.into();
+            line["bytes_written"] = cost.traffic().written.into();
+            line["bytes_held"] = cost.memory.into();
+            line["kernels"] = cost.pipelines.iter().map(pipeline_json).collect();
+        }
+        if let Some(scene) = &args.scene {
+            line["scene"] = scene.display().to_string().into();
+        }
+        if let Some(present) = times.present {
+            line["present_ms"] = ms(present).into();
+        }
+        if let Some(yardstick) = times.yardstick {
+            line["yardstick_ms"] = ms(yardstick).into();
+            line["yardstick_ratio"] = times.ratio(yardstick).into();
+        }
+        line
+    }
+
+    fn row(&self, args: &BenchArgs) -> Vec<String> {
+        let Self { method, size: Size(w, h), times, .. } = self;
+        let mut row = vec![method.name().to_owned(), format!("{w}×{h}")];
+        if !args.cost {
+            // Stages under a hundredth of the whole are left out.
+            let stages = times.stages.iter().filter(|(_, time)| *time >= times.median / 100);
+            let stages = stages.map(|&(name, time)| (name, time));
+            let stages = stages.chain(times.present.map(|time| ("present", time)));
+            let stages: Vec<_> = stages.map(|(n, t)| format!("{n} {:.1}", ms(t))).collect();
+            row.extend([times.median, times.least].map(|time| format!("{:.2}", ms(time))));
+            row.extend([times.runs.to_string(), stages.join(", ")]);
+        }
+        if let Some(cost) = &times.cost {
+            let moved = cost.traffic().read + cost.traffic().written;
+            row.push(cost.dispatches().to_string());
+            row.extend([moved, cost.memory].map(|bytes| format!("{:.0}", bytes as f64 / 1e6)));
+        }
+        if let Some(yardstick) = times.yardstick {
+            row.push(format!("{:.2}", ms(yardstick)));
+            row.push(format!("{:.2}", times.ratio(yardstick)));
+        } else if args.yardstick {
+            row.extend(["–"; 2].map(str::to_owned));
+        }
+        row
+    }
+}
+
+/// The cells to time, and the settings of their scene.
+fn grids(args: &BenchArgs) -> Result<(Vec<Cells>, SettingsTable)> {
     if let Some(path) = &args.scene {
-        let (scene, cells) = lighting::open(path, args.machine.quiet)?;
-        return Ok((vec![cells], scene.light));
+        let scene = Scene::load(path)?;
+        let settings = settings(args, &scene.settings)?;
+        let needed = |cells| needed(args, &settings, cells);
+        let (cells, _) = read_cells(&scene, path, args.machine.quiet, needed)?;
+        return Ok((vec![cells], scene.settings));
     }
     let default = [Size(320, 180), Size(640, 360), Size(1280, 720)];
     let sizes = if args.size.is_empty() { &default[..] } else { &args.size };
-    let grids = sizes.iter().map(|&Size(w, h)| room(w, h)).collect::<Outcome<_>>()?;
+    let settings = settings(args, &SettingsTable::default())?;
+    let mut grids = Vec::new();
+    for &Size(width, height) in sizes {
+        let (w, h) = (u64::from(width), u64::from(height));
+        Cells::check_size(w, h)?;
+        let needed = needed(args, &settings, w * h);
+        memory::check(needed, format_args!("timing {width}×{height} cells"))?;
+        grids.push(bench_scene(width, height)?);
+    }
     Ok((grids, SettingsTable::default()))
 }
 
-/// What the runs of a case took.
+/// The settings of each method.
+fn settings(args: &BenchArgs, scene: &SettingsTable) -> Result<Vec<Settings>> {
+    let of_method =
+        |&method| Ok(args.settings.over(scene, Some(Renderer::Method(method)))?.resolve()?);
+    methods(args).iter().map(of_method).collect()
+}
+
+/// The number of bytes that the hungriest method takes.
+fn needed(args: &BenchArgs, settings: &[Settings], cells: u64) -> u64 {
+    let of_method = |settings: &Settings| {
+        let renderer = Renderer::Method(settings.method);
+        memory::estimate(cells, renderer, settings, args.machine.backend)
+    };
+    let picture = args.scale.map_or(0, |scale| memory::estimate_picture(cells, scale));
+    settings.iter().map(of_method).max().unwrap_or(0) + picture
+}
+
+/// The methods to time.
+fn methods(args: &BenchArgs) -> &[Method] {
+    if args.method.is_empty() { Method::ALL } else { &args.method }
+}
+
+/// The times of a case.
 struct Times {
     median: Duration,
     least: Duration,
     runs: usize,
-    /// Median of each stage.
+    /// The median of each stage.
     stages: Vec<(&'static str, Duration)>,
-    /// Median of making the picture, where asked for.
+    /// The median of making the picture, with `--scale`.
     present: Option<Duration>,
-    /// Median of the yardstick, where asked for.
+    /// The median of the yardstick, with `--yardstick`.
     yardstick: Option<Duration>,
-    /// What a frame takes on the GPU.
+    /// The cost of a frame on the GPU.
     cost: Option<Cost>,
 }
 
 impl Times {
-    /// How many times as long the yardstick takes.
+    /// The yardstick's time ÷ the method's.
     fn ratio(&self, yardstick: Duration) -> f64 {
         yardstick.as_secs_f64() / self.median.as_secs_f64()
     }
@@ -226,9 +283,9 @@ impl Times {
     }
 }
 
-/// Times `solve` from cells in memory; the first frame, which makes the buffers, does not count. The
-/// yardstick's frames lie between the method's, so that both see the same machine.
-fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) -> Outcome<Times> {
+/// Times `solve` from cells in memory, except the first frame, which makes the buffers. The yardstick's
+/// frames lie between the method's, so both see the same machine.
+fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) -> Result<Times> {
     let mut solver = Solver::new(settings)?;
     solver.solve(cells)?;
     let drawn = cells.drawn();
@@ -238,7 +295,7 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) 
     }
     let mut frames: Vec<Duration> = Vec::new();
     let mut plain_frames: Vec<Duration> = Vec::new();
-    let mut stages = Stages::default();
+    let mut stages = StageTimes::default();
     let start = Instant::now();
     while goes_on(&frames, start) {
         let frame = Instant::now();
@@ -253,7 +310,7 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) 
     }
     let mut presents = Vec::new();
     if let Some(scale) = scale {
-        let view = View::new(&drawn, Display::default()).lit(solver.light());
+        let view = FrameView::new(&drawn, Display::default()).lit(solver.light());
         for _ in 0..LEAST_RUNS {
             let present = Instant::now();
             view.picture(Stage::Final, scale)?;
@@ -263,7 +320,7 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) 
     let least = frames.iter().min().copied();
     Ok(Times {
         runs: frames.len(),
-        least: least.ok_or_else(|| Failure::failed("nothing was timed"))?,
+        least: least.ok_or_else(|| CliError::failed("nothing was timed"))?,
         median: median(&mut frames),
         present: scale.map(|_| median(&mut presents)),
         yardstick: yardstick.then(|| median(&mut plain_frames)),
@@ -272,12 +329,11 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) 
     })
 }
 
-/// Times frames on the GPU, by its own clock where it has one; the first, which makes the buffers, does
-/// not count.
-fn time_on_gpu(gpu: &Gpu, cells: &Cells, settings: Settings, only_cost: bool) -> Outcome<Times> {
+/// Times frames on the GPU, by its own clock if it has one, except the first, which makes the buffers.
+fn time_on_gpu(gpu: &Gpu, cells: &Cells, settings: Settings, only_cost: bool) -> Result<Times> {
     let (mut runs, cost) = gpu.frames(cells, settings)?;
     let mut frames: Vec<Duration> = Vec::new();
-    let mut stages = Stages::default();
+    let mut stages = StageTimes::default();
     if !only_cost {
         runs.next()?;
         let start = Instant::now();
@@ -298,17 +354,17 @@ fn time_on_gpu(gpu: &Gpu, cells: &Cells, settings: Settings, only_cost: bool) ->
     })
 }
 
-/// Whether a case is to be timed once more.
+/// True if a case needs another run.
 fn goes_on(frames: &[Duration], start: Instant) -> bool {
     frames.len() < LEAST_RUNS || (start.elapsed() < TIME && frames.len() < MOST_RUNS)
 }
 
-/// What stages took in each frame.
+/// The times of stages in each frame.
 #[derive(Default)]
-struct Stages(Vec<(&'static str, Vec<Duration>)>);
+struct StageTimes(Vec<(&'static str, Vec<Duration>)>);
 
-impl Stages {
-    /// Takes over a frame.
+impl StageTimes {
+    /// Adds the times of a frame.
     fn add(&mut self, frame: &[(&'static str, Duration)]) {
         for &(name, time) in frame {
             match self.0.iter_mut().find(|(known, _)| *known == name) {

@@ -1,36 +1,40 @@
-//! `lamplight compare`: the methods against the path tracer.
+//! `lamplight compare`: the error and time of methods, measured against the path tracer.
 
-use crate::args::{Machine, SettingFlags, Show, by_name};
-use crate::contest::{self, Contest, Judge, Row, Truth};
-use crate::failure::{Failure, Outcome};
+use crate::args::{Backend, DisplayArgs, MachineArgs, Renderer, SettingArgs, by_name};
+use crate::comparison::{self, Comparison, Entry, Evaluator, ReferenceLight, Row};
+use crate::device_info::DeviceInfo;
+use crate::error::{CliError, Result, warn};
 use crate::gpu::Gpu;
-use crate::lighting::{self, ms};
+use crate::job::read_cells;
+use crate::lit::{ms, to_json};
+use crate::memory;
 use crate::output;
-use crate::place::Place;
-use crate::report::{self, Reference};
+use crate::report::{self, ReferenceStats};
+use crate::solve;
 use crate::table;
-use lamplight::{Cells, Method, Rgb, Settings};
+use crate::warnings;
+use lamplight::{Cells, Method, Rgb, Scene, Settings};
 use lamplight_truth::scenes::open_cells;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Judge methods by the path tracer: a row for each preset, its errors and the time it takes
+/// Compare methods with the path tracer: errors and times, one row per preset
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub struct CompareArgs {
     /// The scene file (TOML or JSON)
     scene: PathBuf,
-    /// Methods to judge, with commas between them [default: all]
+    /// Methods to compare, separated by commas [default: all]
     #[arg(long, value_name = "METHOD", value_delimiter = ',',
           value_parser = by_name(Method::ALL, Method::name))]
     methods: Vec<Method>,
-    /// Paths a pixel of the reference
+    /// Paths per pixel of the reference
     #[arg(long, value_name = "N", default_value_t = 4096,
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     samples: u32,
-    /// Judge more settings of each method beside its presets, such as more and more rays
+    /// Compare more settings of each method than its presets, such as more and more rays
     #[arg(long)]
     sweep: bool,
-    /// Judge by so many open cells, picked at random, and not by all: quicker
+    /// Compare at N random open cells only, which is quicker
     #[arg(long, value_name = "N", conflicts_with = "report",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     cells: Option<u32>,
@@ -41,52 +45,60 @@ pub struct Args {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    settings: SettingFlags,
+    settings: SettingArgs,
     #[command(flatten)]
-    machine: Machine,
+    machine: MachineArgs,
     #[command(flatten)]
-    show: Show,
+    display: DisplayArgs,
 }
 
-pub fn run(args: Args) -> Outcome {
+pub fn run(args: CompareArgs) -> Result {
     let methods = if args.methods.is_empty() { Method::ALL } else { &args.methods };
     args.machine.run(|threads| {
         let quiet = args.machine.quiet;
-        let (scene, cells) = lighting::open(&args.scene, quiet)?;
-        let table_of_scene = args.settings.over(&scene.light)?;
-        let settings = table_of_scene.resolve()?;
-        let display = args.show.display(scene.display)?;
-        let entries = contest::entries(methods, &table_of_scene, args.sweep)?;
+        let scene = Scene::load(&args.scene)?;
+        let table = args.settings.over(&scene.settings, Some(Renderer::Reference))?;
+        let settings = table.resolve()?;
+        let display = args.display.resolve(scene.display)?;
+        let entries = comparison::entries(methods, &table, args.settings.quality, args.sweep)?;
+        let (cells, outputs) = read_cells(&scene, &args.scene, quiet, |cells| {
+            needed(&args, &entries, &settings, cells)
+        })?;
+        if !quiet {
+            warn_of_what_is_ignored(&args, methods, &cells, &settings);
+        }
         let gpu = Gpu::choose(args.machine.backend)?;
-        let place = gpu.as_ref().map_or_else(Place::cpu, Gpu::place);
+        let device = gpu.as_ref().map_or_else(DeviceInfo::cpu, Gpu::device_info);
         if let Some(folder) = &args.report {
             output::make_directory(folder)?;
+            report::check(folder, entries.iter().map(Entry::rows).sum(), &outputs)?;
         }
-        let (truth, reference) = truth(&args, &cells, &settings)?;
-        let judge = Judge { cells: &cells, truth: &truth, display };
-        let Contest { rows, refusals } = contest::run(&judge, entries, gpu.as_ref(), quiet)?;
+        let (truth, reference) = trace_reference(&args, &cells, &settings)?;
+        let evaluator = Evaluator { cells: &cells, truth: &truth, display };
+        let Comparison { rows, refusals } =
+            comparison::run(&evaluator, entries, gpu.as_ref(), quiet)?;
 
         let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
-        let bounces = lighting::to_json(&settings.bounces)?;
+        let bounces = to_json(&settings.bounces)?;
         let bounces = bounces.as_str().map_or_else(|| bounces.to_string(), str::to_owned);
-        if let (Some(folder), Truth::Everywhere(light)) = (&args.report, &truth) {
+        if let (Some(folder), ReferenceLight::Everywhere(light)) = (&args.report, &truth) {
             let subject = report::Subject {
                 name: &name,
                 bounces: &bounces,
-                place: &place,
-                judge: &judge,
+                device: &device,
+                evaluator: &evaluator,
                 truth: light,
                 reference: &reference,
                 rows: &rows,
                 refusals: &refusals,
-                scale: args.show.scale,
+                scale: args.display.scale,
             };
-            report::write(folder, &subject)?;
+            report::write(folder, &subject, &outputs)?;
         }
         if args.json {
             let mut answer = json!({
                 "scene": args.scene, "width": cells.width(), "height": cells.height(),
-                "bounces": settings.bounces, "backend": place.backend(), "threads": threads,
+                "bounces": settings.bounces, "backend": device.backend(), "threads": threads,
                 "reference": { "samples": reference.samples, "cells": args.cells,
                                "ms": ms(reference.time),
                                "relative_standard_error": reference.standard_error },
@@ -95,24 +107,23 @@ pub fn run(args: Args) -> Outcome {
                     "method": refusal.method.name(), "reason": refusal.reason,
                 })).collect::<Vec<_>>(),
             });
-            if let Place::Gpu { adapter, .. } = place {
+            if let DeviceInfo::Gpu { adapter, .. } = device {
                 answer["adapter"] = adapter.into();
             }
             return output::print(answer);
         }
         output::print(format_args!(
-            "{name}: {}×{} cells, bounces {bounces}, {place}\n",
+            "{name}: {}×{} cells, bounces {bounces}, {device}\n",
             cells.width(),
             cells.height(),
         ))?;
-        let header = ["", "rel. RMSE %", "bias %", "p99 %", "FLIP", "ms a frame"];
-        output::print(table::table(&header, &[0], rows.iter().map(row_cells)))?;
+        output::print(rows_table(&rows))?;
         for refusal in &refusals {
-            output::print(format_args!("{}", refusal.words()))?;
+            output::print(format_args!("{}", refusal.sentence()))?;
         }
-        output::print(format_args!("\n{}", reference.words(&rows)))?;
-        if let Some(clock) = place.clock() {
-            output::print(format_args!("times: of a frame {clock}."))?;
+        output::print(format_args!("\n{}", reference.sentences(&rows)))?;
+        if let Some(clock) = device.clock() {
+            output::print(format_args!("times: per frame, {clock}."))?;
         }
         match &args.report {
             Some(folder) if !quiet => {
@@ -123,38 +134,88 @@ pub fn run(args: Args) -> Outcome {
     })
 }
 
+/// The number of bytes that the hungriest entry takes, or the reference.
+fn needed(args: &CompareArgs, entries: &[Entry], settings: &Settings, cells: u64) -> u64 {
+    let of_method = |entry: &Entry| {
+        let renderer = Renderer::Method(entry.settings.method);
+        memory::estimate(cells, renderer, &entry.settings, args.machine.backend)
+    };
+    let of_reference = memory::estimate(cells, Renderer::Reference, settings, Backend::Cpu);
+    let rows = entries.iter().map(Entry::rows).sum();
+    entries.iter().map(of_method).fold(of_reference, u64::max)
+        + memory::estimate_rows(cells, rows)
+        + memory::estimate_picture(cells, args.display.scale)
+}
+
+fn warn_of_what_is_ignored(
+    args: &CompareArgs,
+    methods: &[Method],
+    cells: &Cells,
+    settings: &Settings,
+) {
+    for &method in methods.iter().filter(|method| method.suits(cells).is_ok()) {
+        if let Some(text) = warnings::left_out(Renderer::Method(method), cells, settings) {
+            warn(&text);
+        }
+    }
+    if args.report.is_none() && args.display.scale > 1 {
+        warn("`--scale` changes nothing without `--report`: no picture is written");
+    }
+    if args.cells.is_some() && args.display.tonemap.is_some() {
+        warn("`--tonemap` changes nothing with `--cells`: no picture is made");
+    }
+    if args.cells.is_some() && args.display.exposure.is_some() {
+        warn("`--exposure` changes nothing with `--cells`: no picture is made");
+    }
+}
+
 /// Traces the whole picture, or some cells of it.
-fn truth(args: &Args, cells: &Cells, settings: &Settings) -> Outcome<(Truth, Reference)> {
+fn trace_reference(
+    args: &CompareArgs,
+    cells: &Cells,
+    settings: &Settings,
+) -> Result<(ReferenceLight, ReferenceStats)> {
     let samples = args.samples;
     let Some(count) = args.cells else {
-        let (estimate, time) = lighting::trace(cells, settings, samples, args.machine.quiet)?;
-        let standard_error = lighting::relative_standard_error(&estimate);
+        let (estimate, time) = solve::trace(cells, settings, samples, args.machine.quiet)?;
+        let standard_error = solve::relative_standard_error(&estimate);
         return Ok((
-            Truth::Everywhere(estimate.light),
-            Reference { samples, cells: None, standard_error, time },
+            ReferenceLight::Everywhere(estimate.light),
+            ReferenceStats { samples, cells: None, standard_error, time },
         ));
     };
     let at = open_cells(cells, count as usize, settings.seed);
     if at.is_empty() {
-        return Err(Failure::bad_input("the scene has no open cell to judge by"));
+        return Err(CliError::bad_input("the scene has no open cell to compare at"));
     }
-    let (seen, time) = lighting::trace_at(cells, settings, samples, &at)?;
-    let standard_error = lighting::relative_error_of(seen.iter().copied());
+    let (seen, time) = solve::trace_at(cells, settings, samples, &at)?;
+    let standard_error = solve::relative_error_of(seen.iter().copied());
     let light: Vec<Rgb> = seen.into_iter().map(|(light, _)| light).collect();
-    Ok((Truth::At(at, light), Reference { samples, cells: Some(count), standard_error, time }))
+    Ok((
+        ReferenceLight::At(at, light),
+        ReferenceStats { samples, cells: Some(count), standard_error, time },
+    ))
 }
 
-fn row_cells(row: &Row) -> Vec<String> {
+fn rows_table(rows: &[Row]) -> String {
+    let flip = rows.iter().any(|row| row.flip.is_some());
+    let mut header = vec!["", "rel. RMSE %", "bias %", "p99 %"];
+    if flip {
+        header.push("FLIP");
+    }
+    header.push("ms per frame");
     let percent = |v: f64| format!("{:.2}", v * 100.0);
-    let m = &row.measures;
-    vec![
-        row.name(),
-        percent(m.relative_rmse),
-        format!("{:+.2}", m.bias * 100.0),
-        percent(m.p99),
-        row.flip.map_or_else(String::new, |flip| format!("{flip:.4}")),
-        format!("{:.1}", ms(row.time)),
-    ]
+    let cells = rows.iter().map(|row| {
+        let m = &row.measures;
+        let bias = format!("{:+.2}", m.bias * 100.0);
+        let mut cells = vec![row.name(), percent(m.relative_rmse), bias, percent(m.p99)];
+        if flip {
+            cells.push(row.flip.map_or_else(String::new, |flip| format!("{flip:.4}")));
+        }
+        cells.push(format!("{:.1}", ms(row.time)));
+        cells
+    });
+    table::table(&header, &[0], cells)
 }
 
 fn row_json(row: &Row) -> Value {

@@ -1,6 +1,6 @@
-//! `lamplight info`: what this program and this machine can do.
+//! `lamplight info`: the abilities of this program and this machine.
 
-use crate::failure::Outcome;
+use crate::error::Result;
 use crate::gpu::{adapters, times_stages};
 use crate::output;
 use lamplight::{Cells, Method};
@@ -9,13 +9,13 @@ use serde_json::{Map, json};
 
 /// Show backends, limits and versions
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub struct InfoArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
 }
 
-pub fn run(args: Args) -> Outcome {
+pub fn run(args: InfoArgs) -> Result {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let features = vector_features();
     let on_gpu: Vec<_> = Method::ALL.iter().map(|m| m.name()).collect();
@@ -43,7 +43,7 @@ pub fn run(args: Args) -> Outcome {
         }));
     }
     let features =
-        if features.is_empty() { "no vector units known".into() } else { features.join(", ") };
+        if features.is_empty() { "no known vector units".into() } else { features.join(", ") };
     let presets: Vec<_> =
         Method::ALL.iter().map(|m| format!("{}: {}", m.name(), m.presets().join(", "))).collect();
     let adapters: Vec<_> = adapters()
@@ -86,7 +86,7 @@ fn kind(device: DeviceType) -> &'static str {
     }
 }
 
-/// Vector units of this processor, best last.
+/// The vector units of this processor, best last.
 fn vector_features() -> Vec<&'static str> {
     #[cfg(target_arch = "x86_64")]
     return [

@@ -1,4 +1,4 @@
-//! One file a command.
+//! The commands, one file each.
 
 mod bench;
 mod compare;
@@ -9,40 +9,43 @@ mod probe;
 mod render;
 mod stages;
 
-use crate::failure::Outcome;
+use crate::error::Result;
 use clap::{Parser, Subcommand};
 
-/// Light 2D scenes: walls that emit, absorb, tint and reflect go in, lit pixels come out.
-#[derive(Parser, Debug)]
-#[command(name = "lamplight", version, max_term_width = 100, arg_required_else_help = true)]
-#[command(after_help = "\
+/// The first steps and the exit codes, as `lamplight --help` ends.
+const AFTER_HELP: &str = "\
 Start here:
   lamplight new cave.toml       write a commented scene
   lamplight render cave.toml    light it: cave.png
 
-Exit codes: 0 done, 1 failed, 2 bad input or usage.")]
+Exit codes: 0 done, 1 failed, 2 bad input or usage.";
+
+/// Light 2D scenes: walls that emit, absorb, tint and reflect go in, lit pixels come out.
+#[derive(Parser, Debug)]
+#[command(name = "lamplight", version, max_term_width = 100, arg_required_else_help = true)]
+#[command(after_help = AFTER_HELP)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// What to do.
+/// The commands.
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    Render(render::Args),
-    Compare(compare::Args),
-    Stages(stages::Args),
-    Probe(probe::Args),
-    Bench(bench::Args),
-    Info(info::Args),
-    New(new::Args),
+    Render(render::RenderArgs),
+    Compare(compare::CompareArgs),
+    Stages(stages::StagesArgs),
+    Probe(probe::ProbeArgs),
+    Bench(bench::BenchArgs),
+    Info(info::InfoArgs),
+    New(new::NewArgs),
     Completions(documents::CompletionsArgs),
     Man(documents::ManArgs),
     Schema(documents::SchemaArgs),
 }
 
-/// Does it.
-pub fn run(command: Command) -> Outcome {
+/// Runs a command.
+pub fn run(command: Command) -> Result {
     match command {
         Command::Render(args) => render::run(args),
         Command::Compare(args) => compare::run(args),

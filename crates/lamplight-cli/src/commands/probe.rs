@@ -1,8 +1,8 @@
-//! `lamplight probe`: how lit is this point? What gameplay code asks.
+//! `lamplight probe`: the light at points, as gameplay code asks for it.
 
-use crate::args::Lighting;
-use crate::failure::{Failure, Outcome};
-use crate::lighting;
+use crate::args::{DisplayArgs, LightingArgs};
+use crate::error::{CliError, Result};
+use crate::job::RenderJob;
 use crate::output;
 use crate::table::{number, table};
 use lamplight::Cells;
@@ -11,26 +11,26 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Say how lit points of a scene are
+/// Print the light at points of a scene
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub struct ProbeArgs {
     /// The scene file (TOML or JSON)
     scene: PathBuf,
     /// Points in px from the top left, such as 160,90 or 40.5,30.5; the centre of the first cell is
     /// 0.5,0.5
     #[arg(required = true, value_name = "X,Y")]
-    points: Vec<Point>,
+    points: Vec<ProbePoint>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    lighting: Lighting,
+    lighting: LightingArgs,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Point([f32; 2]);
+struct ProbePoint([f32; 2]);
 
-impl FromStr for Point {
+impl FromStr for ProbePoint {
     type Err = &'static str;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -41,33 +41,32 @@ impl FromStr for Point {
     }
 }
 
-impl Point {
+impl ProbePoint {
     /// The cell that the point lies in.
-    fn cell(self, cells: &Cells) -> Outcome<usize> {
+    fn cell(self, cells: &Cells) -> Result<usize> {
         let [x, y] = self.0;
         let (w, h) = (cells.width(), cells.height());
         if (0.0..w as f32).contains(&x) && (0.0..h as f32).contains(&y) {
             return Ok(cells.index(x as u32, y as u32));
         }
-        Err(Failure::bad_input(format_args!("the point {x},{y} lies outside the {w}×{h} scene"))
-            .hint(format_args!("x runs from 0 to {w}, y from 0 to {h}")))
+        Err(CliError::bad_input(format_args!("the point {x},{y} lies outside the {w}×{h} scene"))
+            .hint(format_args!("x runs from 0 to below {w}, y from 0 to below {h}")))
     }
 }
 
-pub fn run(args: Args) -> Outcome {
+pub fn run(args: ProbeArgs) -> Result {
     args.lighting.machine.run(|_| {
-        let (scene, cells) = lighting::open(&args.scene, args.lighting.machine.quiet)?;
-        let at: Vec<(Point, usize)> = args
+        let display = DisplayArgs::default();
+        let job = RenderJob::resolve(&args.scene, &args.lighting, &display, true)?;
+        let at: Vec<(ProbePoint, usize)> = args
             .points
             .iter()
-            .map(|&point| Ok((point, point.cell(&cells)?)))
-            .collect::<Outcome<_>>()?;
-        let settings = args.lighting.resolve(&scene.light)?;
-        let gpu = lighting::gpu(&args.lighting, &settings)?;
-        let lit = lighting::light(&cells, &args.lighting, gpu.as_ref(), settings)?;
+            .map(|&point| Ok((point, point.cell(&job.cells)?)))
+            .collect::<Result<_>>()?;
+        let lit = job.light()?;
         let answers = at
             .into_iter()
-            .map(|(Point([x, y]), cell)| (x, y, lit.light.sample([x, y]), lit.light.solid()[cell]));
+            .map(|(ProbePoint([x, y]), cell)| (x, y, lit.light.sample([x, y]), lit.light.solid()[cell]));
         if args.json {
             let points: Vec<_> = answers
                 .map(|(x, y, light, solid)| {
@@ -76,8 +75,8 @@ pub fn run(args: Args) -> Outcome {
                 })
                 .collect();
             return output::print(json!({
-                "width": cells.width(), "height": cells.height(), "method": lit.answer.name(),
-                "backend": lit.place.backend(), "points": points,
+                "width": job.cells.width(), "height": job.cells.height(), "method": lit.renderer.name(),
+                "backend": lit.device.backend(), "points": points,
             }));
         }
         let rows = answers.map(|(x, y, light, solid)| {

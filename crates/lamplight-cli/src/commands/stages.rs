@@ -1,11 +1,12 @@
-//! `lamplight stages`: every intermediate of a frame as a picture, and all on one sheet.
+//! `lamplight stages`: every intermediate of a frame as a picture, and all on one contact sheet.
 
-use crate::args::{Lighting, Show};
-use crate::failure::Outcome;
-use crate::lighting::{self, ms};
+use crate::args::{DisplayArgs, LightingArgs};
+use crate::contact_sheet::{LabelledPicture, contact_sheet};
+use crate::error::Result;
+use crate::job::RenderJob;
+use crate::lit::ms;
 use crate::output;
-use crate::sheet::{Labelled, sheet};
-use crate::stage::{Stage, View};
+use crate::stage::{FrameView, Stage, enlarge};
 use std::path::PathBuf;
 
 /// Pictures in a row of the contact sheet.
@@ -13,55 +14,61 @@ const COLUMNS: u32 = 4;
 /// The file name of the contact sheet.
 const SHEET: &str = "contact-sheet.png";
 
-/// Write every step of a frame as a picture, and one contact sheet
+/// Write every stage of a frame as a picture, and one contact sheet
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub struct StagesArgs {
     /// The scene file (TOML or JSON)
     scene: PathBuf,
-    /// The directory to write into; made where it is missing
+    /// The directory to write into; it is created if it does not exist
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
     #[command(flatten)]
-    lighting: Lighting,
+    lighting: LightingArgs,
     #[command(flatten)]
-    show: Show,
+    display: DisplayArgs,
 }
 
-pub fn run(args: Args) -> Outcome {
+pub fn run(args: StagesArgs) -> Result {
     args.lighting.machine.run(|_| {
-        let (scene, cells) = lighting::open(&args.scene, args.lighting.machine.quiet)?;
-        let settings = args.lighting.resolve(&scene.light)?;
-        let display = args.show.display(scene.display)?;
-        let gpu = lighting::gpu(&args.lighting, &settings)?;
-        let drawn = cells.drawn();
-        let fields = lighting::fields(&drawn, gpu.as_ref(), &settings)?;
-        let lit = lighting::light(&cells, &args.lighting, gpu.as_ref(), settings)?;
-        let view = View::new(&drawn, display).with_fields(&fields).lit(&lit.light);
+        let job = RenderJob::resolve(&args.scene, &args.lighting, &args.display, true)?;
+        if args.output.is_dir() {
+            let names = Stage::ALL.into_iter().map(file_name).chain([SHEET.to_owned()]);
+            names.into_iter().try_for_each(|name| job.outputs.check(&args.output.join(name)))?;
+        }
+        let drawn = job.cells.drawn();
+        let fields = job.fields(&drawn)?;
+        let lit = job.light()?;
+        let view = FrameView::new(&drawn, job.display).with_fields(&fields).lit(&lit.light);
         // Everything is made before anything is written.
         let mut pictures = Vec::new();
         for stage in Stage::ALL {
             let picture = view.picture(stage, 1)?;
-            pictures.push(Labelled { picture, name: stage.name(), words: stage.words() });
+            pictures.push(LabelledPicture {
+                picture,
+                name: stage.name(),
+                caption: stage.caption(),
+            });
         }
         let mut files = Vec::new();
-        for labelled in &pictures {
-            let picture = crate::stage::enlarge(&labelled.picture, args.show.scale)?;
-            files.push((format!("{}.png", labelled.name), output::png(&picture)?));
+        for (stage, labelled) in Stage::ALL.into_iter().zip(&pictures) {
+            let picture = enlarge(&labelled.picture, args.display.scale)?;
+            files.push((file_name(stage), output::png(&picture)?));
         }
         let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
         let subtitle = format!(
             "{}×{} cells, lit by {} in {:.0} ms {}",
-            cells.width(),
-            cells.height(),
-            lit.answer.name(),
+            drawn.width(),
+            drawn.height(),
+            lit.renderer.name(),
             ms(lit.total),
-            lit.place,
+            lit.device,
         );
-        files.push((SHEET.to_owned(), output::png(&sheet(&name, &subtitle, COLUMNS, &pictures))?));
+        let sheet = contact_sheet(&name, &subtitle, COLUMNS, &pictures);
+        files.push((SHEET.to_owned(), output::png(&sheet)?));
 
         output::make_directory(&args.output)?;
         for (name, bytes) in &files {
-            output::write(&args.output.join(name), bytes)?;
+            job.outputs.write(&args.output.join(name), bytes)?;
         }
         if args.lighting.machine.quiet {
             return Ok(());
@@ -69,8 +76,12 @@ pub fn run(args: Args) -> Outcome {
         output::print(format_args!(
             "wrote {} pictures of {name}, computed {}, all of them on {}",
             pictures.len(),
-            fields.place,
+            fields.device,
             args.output.join(SHEET).display()
         ))
     })
+}
+
+fn file_name(stage: Stage) -> String {
+    format!("{}.png", stage.name())
 }

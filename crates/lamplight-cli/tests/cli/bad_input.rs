@@ -1,14 +1,14 @@
-//! What users get wrong, and what they are told.
+//! Mistakes of users, and the errors that they get.
 
 use super::sandbox::{Run, Sandbox};
 
-/// Arguments, exit code, and what stderr says, in this order.
+/// Arguments, exit code, and parts of stderr in their order.
 type Case = (&'static str, i32, &'static [&'static str]);
 
 const CASES: &[Case] = &[
     // The scene.
     ("render nope.toml", 2, &["error: cannot read nope.toml", "hint: `lamplight new nope.toml`"]),
-    ("render folder", 2, &["error:", "folder", "directory"]),
+    ("render folder", 2, &["error: cannot read folder", "a scene file"]),
     ("render not.toml", 2, &["error:", "not.toml", "line 1"]),
     ("render huge.toml", 2, &["error: huge.toml", "40000×40000", "16384"]),
     ("render typo.toml", 2, &["error: typo.toml", "lamps"]),
@@ -70,12 +70,16 @@ const CASES: &[Case] = &[
     ("compare small.toml --samples 0", 2, &["'0'", "--samples"]),
     ("probe small.toml", 2, &["<X,Y>"]),
     ("probe small.toml 3", 2, &["'3'", "such as 160,90"]),
-    ("probe small.toml 32,5", 2, &["32,5", "outside the 32×20 scene", "hint: x runs from 0 to 32"]),
+    (
+        "probe small.toml 32,5",
+        2,
+        &["32,5", "outside the 32×20 scene", "hint: x runs from 0 to below 32"],
+    ),
     ("bench --size 512", 2, &["'512'", "such as 512x512"]),
     ("bench --size 40000x40000", 2, &["40000×40000", "16384"]),
     ("bench --size 0x5", 2, &["0×5", "1 to 16384"]),
     ("bench --size 8x8 --scene small.toml", 2, &["--size", "cannot be used with", "--scene"]),
-    ("new small.toml", 2, &["small.toml is there already", "hint: --force"]),
+    ("new small.toml", 2, &["small.toml exists already", "hint: --force"]),
     ("new x.png", 2, &["x.png", "hint: try `lamplight new x.toml`"]),
     ("new nowhere/x.toml", 2, &["no directory nowhere"]),
     ("completions tcsh", 2, &["'tcsh'", "bash"]),
@@ -83,7 +87,7 @@ const CASES: &[Case] = &[
 ];
 
 #[test]
-fn is_answered_by_what_is_wrong_and_leaves_nothing() {
+fn bad_input_is_explained_and_leaves_no_files() {
     let sandbox = Sandbox::small();
     sandbox.write("not.toml", "this is no scene\n");
     sandbox.write("huge.toml", "size = [40000, 40000]\n");
@@ -97,8 +101,8 @@ fn is_answered_by_what_is_wrong_and_leaves_nothing() {
     let mut wrong = Vec::new();
     for (arguments, code, says) in CASES {
         let run = sandbox.run(arguments);
-        let told = std::panic::catch_unwind(|| run.failed(*code, says));
-        if told.is_err() {
+        let result = std::panic::catch_unwind(|| run.failed(*code, says));
+        if result.is_err() {
             wrong.push(*arguments);
         }
         assert_eq!(sandbox.files(), before, "`lamplight {arguments}` left files");
@@ -107,7 +111,7 @@ fn is_answered_by_what_is_wrong_and_leaves_nothing() {
 }
 
 #[test]
-fn what_is_to_run_on_a_gpu_fails_where_there_is_none() {
+fn backend_gpu_fails_without_a_gpu() {
     let sandbox = Sandbox::small();
     for arguments in [
         "render small.toml --stage voronoi",
@@ -136,7 +140,7 @@ fn an_unwritable_output_is_a_failure() {
 }
 
 #[test]
-fn errors_have_colour_only_where_it_is_wanted() {
+fn errors_are_coloured_only_on_request() {
     let sandbox = Sandbox::new();
     let colored = |variables: &[(&str, &str)]| {
         let mut command = sandbox.command(&["render", "nope.toml"]);

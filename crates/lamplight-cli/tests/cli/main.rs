@@ -3,6 +3,9 @@
 mod bad_input;
 mod commands;
 mod files;
+mod hints;
+mod memory;
 mod on_the_gpu;
 mod render;
 mod sandbox;
+mod warnings;

@@ -1,4 +1,4 @@
-//! `lamplight render`: what it writes and what it says.
+//! `lamplight render`: its files and its output.
 
 use super::sandbox::Sandbox;
 use lamplight::{Scene, Solver};
@@ -19,7 +19,7 @@ fn writes_a_picture_and_one_line() {
 }
 
 #[test]
-fn quiet_says_nothing_and_json_says_everything() {
+fn quiet_prints_nothing_and_json_everything() {
     let sandbox = Sandbox::small();
     assert_eq!(sandbox.run("render small.toml --quiet").done(), "");
     let said = sandbox
@@ -63,13 +63,13 @@ fn flags_win_over_the_scene() {
     assert_eq!(changed["raymarch"]["rays"], 16);
 }
 
-/// Every float that the library finds is in the file, and nothing was done to it.
+/// The file has every float that the library finds, unchanged.
 #[test]
-fn exr_of_light_is_what_the_library_says() {
+fn exr_of_light_is_the_light_of_the_library() {
     let sandbox = Sandbox::small();
-    sandbox.run("render small.toml --stage light -o light.exr --exposure 3 --threads 1").done();
+    sandbox.run("render small.toml --stage light -o light.exr --exposure 3 --threads 1 -q").done();
     let scene = Scene::load(sandbox.path("small.toml")).unwrap();
-    let mut solver = Solver::new(scene.settings().unwrap()).unwrap();
+    let mut solver = Solver::new(scene.resolve_settings().unwrap()).unwrap();
     let light = solver.solve(&scene.cells().unwrap()).unwrap();
     let file = image::load_from_memory(&sandbox.read("light.exr")).unwrap().to_rgb32f();
     assert_eq!(file.dimensions(), (32, 20));

@@ -1,4 +1,4 @@
-//! A directory to run the command in, and what came of it.
+//! A directory to run the command in.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -30,14 +30,14 @@ pub struct Run {
 }
 
 impl Run {
-    /// It did what it should: exit code 0, nothing on stderr.
+    /// Asserts success: exit code 0, nothing on stderr. Returns stdout.
     #[track_caller]
     pub fn done(self) -> String {
         assert_eq!((self.code, self.err.as_str()), (0, ""), "stdout: {}", self.out);
         self.out
     }
 
-    /// It failed with this code, said nothing on stdout, and this (in this order) on stderr.
+    /// Asserts failure: this exit code, nothing on stdout, these parts of stderr in their order.
     #[track_caller]
     pub fn failed(self, code: i32, says: &[&str]) -> String {
         assert_eq!(self.code, code, "stdout: {}\nstderr: {}", self.out, self.err);
@@ -66,7 +66,7 @@ impl Sandbox {
         Self(TempDir::new().expect("a temporary directory"))
     }
 
-    /// With the small scene in it, as `small.toml`.
+    /// A directory with the small scene in it, as `small.toml`.
     pub fn small() -> Self {
         let sandbox = Self::new();
         sandbox.write("small.toml", SMALL);
@@ -90,7 +90,7 @@ impl Sandbox {
         image::load_from_memory(&self.read(name)).expect("a picture").to_rgb8()
     }
 
-    /// Names of all files, sorted.
+    /// The names of all files, sorted.
     pub fn files(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.0.path()).expect("the directory can be read");
         let name = |entry: std::io::Result<std::fs::DirEntry>| {
@@ -101,19 +101,18 @@ impl Sandbox {
         names
     }
 
-    /// The command, to be run here.
+    /// The command, to run in the directory.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lamplight"));
         command.args(arguments).current_dir(self.0.path()).stdin(Stdio::null());
-        // Without it graphics drivers complain on stderr.
-        command.env("XDG_RUNTIME_DIR", self.0.path());
+        command.env_remove("XDG_RUNTIME_DIR");
         for variable in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "RAYON_NUM_THREADS"] {
             command.env_remove(variable);
         }
         command
     }
 
-    /// Runs the command here; arguments are split at spaces.
+    /// Runs the command in the directory. Arguments are split at spaces.
     pub fn run(&self, arguments: &str) -> Run {
         let arguments: Vec<_> = arguments.split_whitespace().collect();
         self.command(&arguments).output().expect("it starts").into()

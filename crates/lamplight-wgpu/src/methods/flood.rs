@@ -1,49 +1,56 @@
-//! Rays drawn into a grid of light, then blurred, kept from frame to frame: the GPU's `methods/flood`
-//! of the library.
+//! `flood`: rays drawn into a grid of light, then blurred, kept from frame to frame.
 //!
-//! The library keeps the source's energy without colour too, a mean of old and new that depends on
-//! which ray came first. It has no part in the light, and is not made here.
+//! The library also keeps the source's energy without colour, a mean of old and new that depends on which ray
+//! came first. It does not affect light, and is not computed here.
 
-use crate::Result;
-use crate::kernel::{Dispatch, Kernels, Slot};
-use crate::lamps::{Fan, Lamps, TOGETHER};
-use crate::lighting::Stage;
-use crate::shaders;
+use crate::error::Result;
+use crate::lamps::{GROUP_RAYS, LampList, LampRays};
+use crate::pipeline::{ComputePipelines, Dispatch};
+use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::programs;
 use crate::shared::filled;
-use crate::site::{FOUR, Run, Site, view, whole};
-use crate::stages::ground::Ground;
+use crate::stage::Stage;
+use crate::stages::class::ClassPipeline;
 use lamplight::methods::flood::{STEEPNESS, reach};
 use lamplight::settings::{Fade, Flood as Settings, Sweeps};
 use lamplight::stages::circle;
 use lamplight::stages::transmittance::LOG_OF_ZERO;
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
-/// The pipelines, the directions of rays, and what is kept.
+/// The pipelines, and the directions of rays.
 #[derive(Debug)]
 pub struct Flood {
-    ground: Ground,
-    rays: Kernels,
-    blur: Kernels,
-    ways: Buffer,
+    class: ClassPipeline,
+    rays: ComputePipelines,
+    blur: ComputePipelines,
+    directions: Buffer,
 }
 
-/// How a lamp is drawn into a grid.
-pub fn fan(lamp: &lamplight::Lamp, [width, height]: [u32; 2], settings: &Settings) -> Fan {
+/// Returns the rays of a lamp.
+pub fn rays(lamp: &lamplight::Lamp, [width, height]: [u32; 2], settings: &Settings) -> LampRays {
     let (reach, falloff) = match settings.fade {
         Fade::Lamp => (lamp.range, Some(lamp.falloff)),
         Fade::Seed => (lamp.range.min(reach(width.max(height) as f32)), None),
     };
-    Fan { reach, count: settings.rays, soft: 0.0, falloff }
+    LampRays { reach, count: settings.rays, soft: 0.0, falloff }
 }
+
+/// Entries of [`programs::FLOOD_RAYS`].
+const LAMP_RAYS: usize = 0;
+const MATTER_RAYS: usize = 1;
+const SKY_RAYS: usize = 2;
+/// Entries of [`programs::FLOOD_BLUR`].
+const DECAY: usize = 0;
+const MIX: usize = 1;
+const SHOW: usize = 2;
 
 impl Flood {
     pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
-        use Slot::{Read, Step, Texture, Uniform, Write};
-        // None is no number to divide by; then nothing is sent.
+        // The shader divides by the number of matter rays, even if none are drawn.
         let counts = [settings.rays, settings.matter_rays.max(1), settings.bounce_rays];
-        let ways: Vec<[f32; 4]> = counts
+        let directions: Vec<[f32; 4]> = counts
             .iter()
-            .flat_map(|&n| (0..n).map(move |i| way(circle::direction(i, n))))
+            .flat_map(|&n| (0..n).map(move |i| with_inverse(circle::direction(i, n))))
             .collect();
         let [rays, matter_rays, bounce_rays] = counts.map(f64::from);
         let constants = [
@@ -53,87 +60,86 @@ impl Flood {
             ("STEEPNESS", f64::from(STEEPNESS)),
             ("REACH", f64::from(reach(1.0))),
             ("TRANSLUCENT", 1.0),
-            ("LOG_OF_ZERO", f64::from(LOG_OF_ZERO)),
+            ("MAX_OPTICAL_DEPTH", -f64::from(LOG_OF_ZERO)),
         ];
+        let decay = [("DECAY", f64::from(settings.decay))];
+        let directions = bytemuck::cast_slice(&directions);
         Self {
-            ground: Ground::new(device),
-            rays: Kernels::new(
-                device,
-                &shaders::FLOOD_RAYS,
-                &["lamp_rays", "matter_rays", "sky_rays"],
-                &[Uniform, Read, Texture, Read, Texture, Texture, Read, Write],
-                &constants,
-            ),
-            blur: Kernels::new(
-                device,
-                &shaders::FLOOD,
-                &["decay", "mix_neighbours", "show"],
-                &[Uniform, Step, Read, Read, Write, Write],
-                &[("DECAY", f64::from(settings.decay))],
-            ),
-            ways: filled(device, queue, "ways", BufferUsages::STORAGE, bytemuck::cast_slice(&ways)),
+            class: ClassPipeline::new(device),
+            rays: ComputePipelines::new(device, &programs::FLOOD_RAYS, &constants),
+            blur: ComputePipelines::new(device, &programs::FLOOD_BLUR, &decay),
+            directions: filled(device, queue, "directions", BufferUsages::STORAGE, directions),
         }
     }
 
-    pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
-        let ground = self.ground.plan(site)?;
-        let lamps = site.buffer("lamps", Lamps::bytes(site.room.lamps))?;
-        let bytes = site.cells() * FOUR;
-        // The light in the grid, which is kept, and room to blur it.
-        let halves = [site.kept("flood", bytes)?, site.buffer("flood, blurred", bytes)?];
+    pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
+        let class = self.class.plan(planner)?;
+        let lamps = planner.buffer_of_bytes("lamps", LampList::bytes(planner.capacity.lamps))?;
+        // The light in the grid, which persists, and a second buffer for the blur.
+        let halves = [
+            planner.history::<[f32; 4]>("flood", planner.cells())?,
+            planner.buffer::<[f32; 4]>("flood, blurred", planner.cells())?,
+        ];
         let resources = [
             whole(&lamps),
-            view(&site.textures.tint_opacity),
-            whole(&ground.kinds),
-            view(&site.textures.emission),
-            view(&site.textures.albedo),
-            whole(&self.ways),
+            view(&planner.textures.tint_opacity),
+            whole(&class.classes),
+            view(&planner.textures.emission),
+            view(&planner.textures.albedo),
+            whole(&self.directions),
             whole(&halves[0]),
         ];
-        let drawn = site.bind(&self.rays, &resources);
+        let drawn = planner.bind(&self.rays, &resources);
         let bind = |to: usize| {
-            let (from, to) = (whole(&halves[1 - to]), whole(&halves[to]));
-            let resources = [site.shared.step(), from, whole(&ground.kinds), to, whole(light)];
-            site.bind(&self.blur, &resources)
+            let resources = [
+                planner.shared.step(),
+                whole(&halves[1 - to]),
+                whole(&class.classes),
+                whole(&halves[to]),
+                whole(light),
+            ];
+            planner.bind(&self.blur, &resources)
         };
         let into = [bind(0), bind(1)];
-        let blur =
-            |entry, half: usize, step| site.over_cells(&self.blur, entry, &into[half], Some(step));
+        let blur = |entry, half: usize, step| {
+            planner.over_cells(&self.blur, entry, &into[half], Some(step))
+        };
 
-        let settings = &site.settings.flood;
-        let mut dispatches = vec![ground.read, blur(0, 0, 0)];
-        let groups = site.groups(site.room.rays / u64::from(TOGETHER));
-        dispatches.push(Dispatch::new(&self.rays.entries[0], &drawn, None, groups));
+        let settings = &planner.settings.flood;
+        let mut dispatches = vec![class.dispatch, blur(DECAY, 0, 0)];
+        let rays = |entry: usize, count: u64| {
+            let groups = planner.groups(count.div_ceil(GROUP_RAYS.into()));
+            Dispatch::new(&self.rays.entries[entry], &drawn, None, groups)
+        };
+        dispatches.push(rays(LAMP_RAYS, planner.capacity.rays));
         if settings.matter_rays > 0 {
-            dispatches.push(site.over_cells(&self.rays, 1, &drawn, None));
-            let sides = 2 * (u64::from(site.size[0]) + u64::from(site.size[1]));
-            let rays = sides * u64::from(settings.matter_rays);
-            let groups = site.groups(rays.div_ceil(u64::from(TOGETHER)));
-            dispatches.push(Dispatch::new(&self.rays.entries[2], &drawn, None, groups));
+            dispatches.push(planner.over_cells(&self.rays, MATTER_RAYS, &drawn, None));
+            let sides = 2 * (u64::from(planner.size.width) + u64::from(planner.size.height));
+            dispatches.push(rays(SKY_RAYS, sides * u64::from(settings.matter_rays)));
         }
         let passes: &[u32] = match settings.sweeps {
             Sweeps::Even => &[ALONG_X, ALONG_Y],
             Sweeps::Seed => &[ALONG_X + AFTER, ALONG_X + BEFORE, ALONG_Y + AFTER, ALONG_Y + BEFORE],
         };
-        // Of an even number of passes the last writes where the first read.
+        // The number of passes is even, so the last one writes where the first one reads.
         for _ in 0..settings.rounds {
             let halves = [1, 0].into_iter().cycle();
-            dispatches.extend(passes.iter().zip(halves).map(|(&step, half)| blur(1, half, step)));
+            dispatches.extend(passes.iter().zip(halves).map(|(&step, half)| blur(MIX, half, step)));
         }
-        dispatches.push(blur(2, 0, 0));
-        Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: Some(lamps) })
+        dispatches.push(blur(SHOW, 0, 0));
+        Ok(PassList { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: Some(lamps) })
     }
 }
 
-/// What `mix_neighbours` of shaders/flood.wgsl is told: the axis,
+/// The step of `mix_neighbours` in shaders/methods/flood/blur.wgsl: the axis,
 const ALONG_X: u32 = 0;
 const ALONG_Y: u32 = 1;
-/// and whether light comes only from the neighbour after, or before.
+/// plus one of these if light comes only from the neighbour after, or before.
 const AFTER: u32 = 2;
 const BEFORE: u32 = 4;
 
-/// A direction and its inverse, which knows the sign of zeros.
-fn way(direction: [f32; 2]) -> [f32; 4] {
+/// A direction and its inverse, which keeps the sign of zeros.
+fn with_inverse(direction: [f32; 2]) -> [f32; 4] {
     let [x, y] = direction;
     let inverse = direction.map(|d| 1.0 / d.abs().max(f32::MIN_POSITIVE).copysign(d));
     [x, y, inverse[0], inverse[1]]

@@ -1,4 +1,4 @@
-//! The methods: each with its pipelines, its buffers and what it runs over a grid.
+//! The methods: each with its pipelines, its buffers and its dispatches over a grid.
 
 pub mod cascades;
 pub mod flood;
@@ -6,9 +6,9 @@ pub mod holographic;
 pub mod polar;
 pub mod raymarch;
 
-use crate::Result;
-use crate::lamps::Lamps;
-use crate::site::{Run, Site};
+use crate::error::Result;
+use crate::lamps::LampList;
+use crate::planner::{FramePlanner, PassList};
 use cascades::Cascades;
 use flood::Flood;
 use holographic::Holographic;
@@ -19,7 +19,7 @@ use polar::Polar;
 use raymarch::Raymarch;
 use wgpu::{Buffer, Device, Queue};
 
-/// The method that settings ask for, compiled.
+/// The compiled method of settings.
 #[derive(Debug)]
 pub enum Method {
     Cascades(Box<Cascades>),
@@ -31,7 +31,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Compiles what these settings need.
+    /// Compiles the pipelines for these settings.
     pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
         match settings.method {
             lamplight::Method::Cascades => {
@@ -53,24 +53,30 @@ impl Method {
         }
     }
 
-    /// Takes the lamps of a frame, where it lights them by rule.
-    pub fn take(&self, lamps: &[Lamp], size: [u32; 2], settings: &Settings, list: &mut Lamps) {
+    /// Sets the lamps of a frame, if the method lights them by rule.
+    pub fn set_lamps(
+        &self,
+        lamps: &[Lamp],
+        size: [u32; 2],
+        settings: &Settings,
+        list: &mut LampList,
+    ) {
         match self {
-            Self::Flood(_) => list.take(lamps, |lamp| flood::fan(lamp, size, &settings.flood)),
-            Self::Polar(_) => list.take(lamps, |lamp| polar::fan(lamp, size, &settings.polar)),
+            Self::Flood(_) => list.set(lamps, |lamp| flood::rays(lamp, size, &settings.flood)),
+            Self::Polar(_) => list.set(lamps, |lamp| polar::rays(lamp, size, &settings.polar)),
             Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => (),
         }
     }
 
-    /// What turns matter into light.
-    pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
+    /// Plans the dispatches that turn matter into `light`.
+    pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
         match self {
-            Self::Flood(flood) => flood.plan(site, light),
-            Self::Holographic(holographic) => holographic.plan(site, light),
-            Self::Paper(paper) => paper.plan(site, light),
-            Self::Polar(polar) => polar.plan(site, light),
-            Self::Raymarch(raymarch) => raymarch.plan(site, light),
-            Self::Cascades(cascades) => cascades.plan(site, light),
+            Self::Flood(flood) => flood.plan(planner, light),
+            Self::Holographic(holographic) => holographic.plan(planner, light),
+            Self::Paper(paper) => paper.plan(planner, light),
+            Self::Polar(polar) => polar.plan(planner, light),
+            Self::Raymarch(raymarch) => raymarch.plan(planner, light),
+            Self::Cascades(cascades) => cascades.plan(planner, light),
         }
     }
 }

@@ -1,19 +1,19 @@
-//! A fan of rays from every lamp, then every pixel looks its rays up: the GPU's `methods/polar` of the
-//! library.
+//! `polar`: a shadow map of rays for every lamp, from which every pixel is lit.
 //!
-//! All lamps go together: one dispatch walks their rays, one tells every ray of its neighbours' walls,
-//! one lights all pixels. How many lamps there are is only known to the shaders, so that a frame with
-//! fewer is recorded as it was planned; what is planned for is the room there is.
+//! All lamps are handled together: one dispatch traces their rays, one finds the bounds of every ray, one
+//! lights all pixels. Only the shaders read the number of lamps, so that a frame with fewer lamps is recorded
+//! as it was planned, for the full capacity.
 
-use crate::Result;
-use crate::kernel::{Dispatch, Kernels, Slot};
-use crate::lamps::{Fan, Lamps, RAY_BYTES, TOGETHER};
-use crate::lighting::Stage;
-use crate::shaders;
-use crate::site::{FOUR, ONE, Run, Site, view, whole};
-use crate::stages::fields::Fields;
-use crate::stages::ground::Ground;
-use lamplight::methods::polar::{APART, FINEST, NARROWEST, NEAREST, WIDEST, rays};
+use crate::error::Result;
+use crate::lamps::{GROUP_RAYS, LampList, LampRays};
+use crate::pipeline::{ComputePipelines, Dispatch};
+use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::programs;
+use crate::stage::Stage;
+use crate::stages::class::ClassPipeline;
+use crate::stages::distance::DistancePipelines;
+use lamplight::methods::polar;
+use lamplight::methods::polar::{APART, FINEST, NARROWEST, NEAREST, WIDEST};
 use lamplight::settings::{Blend, Edges, Polar as Settings, Walk};
 use lamplight::stages::distance::MARGIN;
 use lamplight::stages::transmittance::LOG_OF_ZERO;
@@ -21,25 +21,25 @@ use wgpu::{Buffer, Device};
 
 /// Side of a tile, px.
 const TILE: u32 = 16;
-/// Knots of fog that there is room for, a ray. One stretch of fog takes two; where rays cross more
-/// than fits, pixels find what is missing anew, which is slow and as right.
-const KNOTS: u64 = 4;
+/// Capacity of the store for transmittance curves, in corners per ray. One stretch of a medium takes two. If
+/// the store is full, pixels trace the missing curves again, which is slow but equally right.
+const CORNERS: u64 = 4;
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct Polar {
-    ground: Ground,
-    /// Where rays go by it.
-    fields: Option<Fields>,
-    rays: Kernels,
-    bounds: Kernels,
-    pixels: Kernels,
+    class: ClassPipeline,
+    /// The distance field, if rays go by it.
+    distance: Option<DistancePipelines>,
+    shadow_map: ComputePipelines,
+    shadow_bounds: ComputePipelines,
+    gather: ComputePipelines,
 }
 
-/// How a lamp is lit in a grid.
-pub fn fan(lamp: &lamplight::Lamp, size: [u32; 2], settings: &Settings) -> Fan {
-    let (reach, count) = rays(lamp, size, settings);
-    Fan {
+/// Returns the rays of a lamp.
+pub fn rays(lamp: &lamplight::Lamp, size: [u32; 2], settings: &Settings) -> LampRays {
+    let (reach, count) = polar::rays(lamp, size, settings);
+    LampRays {
         reach,
         count: count as u32,
         soft: if settings.edges == Edges::Soft { lamp.size } else { 0.0 },
@@ -49,7 +49,6 @@ pub fn fan(lamp: &lamplight::Lamp, size: [u32; 2], settings: &Settings) -> Fan {
 
 impl Polar {
     pub fn new(device: &Device, settings: &Settings) -> Self {
-        use Slot::{Read, Texture, Uniform, Write};
         let edges = match settings.edges {
             Edges::Soft => 0.0,
             Edges::Linear => 1.0,
@@ -65,80 +64,69 @@ impl Polar {
             Blend::Max => 1.0,
             Blend::Screen => 2.0,
         };
+        let crisp = settings.edges == Edges::Nearest;
         let widths = [("NARROWEST", f64::from(NARROWEST)), ("WIDEST", f64::from(WIDEST))];
-        let fan = [
-            ("TRANSLUCENT", f64::from(u8::from(settings.translucent))),
-            ("LOG_OF_ZERO", f64::from(LOG_OF_ZERO)),
+        let rays = [
+            ("TRANSLUCENT", f64::from(settings.translucent)),
+            ("MAX_OPTICAL_DEPTH", -f64::from(LOG_OF_ZERO)),
             ("WALK", walk),
             ("MARGIN", f64::from(MARGIN)),
             ("FINEST", f64::from(FINEST)),
             ("APART", f64::from(APART)),
         ];
-        let crisp = f64::from(u8::from(settings.edges == Edges::Nearest));
-        let bound = [("NEAREST", f64::from(NEAREST)), ("CRISP", crisp)];
-        let look = [("EDGES", edges), ("BLEND", blend)];
-        let kernels = |shader, slots: &[_], constants: &[_]| {
-            Kernels::new(device, shader, &["main"], slots, constants)
-        };
+        let bounds = [("NEAREST", f64::from(NEAREST)), ("CRISP", f64::from(crisp))];
+        let bounds = [&bounds[..], &widths].concat();
+        let gather = [("EDGES", edges), ("BLEND", blend)];
+        let gather = [&rays[..], &widths, &gather].concat();
         Self {
-            ground: Ground::new(device),
-            fields: (settings.walk == Walk::Distance).then(|| Fields::new(device)),
-            rays: kernels(
-                &shaders::POLAR_RAYS,
-                &[Uniform, Read, Texture, Read, Read, Write, Write, Write, Write],
-                &fan,
-            ),
-            bounds: kernels(
-                &shaders::POLAR_BOUNDS,
-                &[Uniform, Read, Read, Write],
-                &[&bound[..], &widths].concat(),
-            ),
-            pixels: kernels(
-                &shaders::POLAR,
-                &[Uniform, Read, Texture, Read, Read, Read, Read, Read, Read, Write],
-                &[&fan[..], &widths, &look].concat(),
-            ),
+            class: ClassPipeline::new(device),
+            distance: (settings.walk == Walk::Distance).then(|| DistancePipelines::new(device)),
+            shadow_map: ComputePipelines::new(device, &programs::POLAR_SHADOW_MAP, &rays),
+            shadow_bounds: ComputePipelines::new(device, &programs::POLAR_SHADOW_BOUNDS, &bounds),
+            gather: ComputePipelines::new(device, &programs::POLAR_GATHER, &gather),
         }
     }
 
-    pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
-        // Settings may come before the lamps that they light.
-        let rays = site.room.rays.max(TOGETHER.into());
-        let ground = self.ground.plan(site)?;
-        let lamps = site.buffer("lamps", Lamps::bytes(site.room.lamps))?;
-        let hits = site.buffer("hits", rays * 2 * ONE)?;
-        let stretches = site.buffer("stretches of fog", rays * 2 * ONE)?;
-        let bounds = site.buffer("bounds of rays", rays * RAY_BYTES)?;
-        let translucent = site.settings.polar.translucent;
-        let knots = if translucent { (rays * KNOTS).min(site.most_bytes() / FOUR) } else { 1 };
-        let knots = site.buffer("knots of fog", knots * FOUR)?;
-        let (distance, mut dispatches, mut stages) = match &self.fields {
-            Some(fields) => {
-                let measured = fields.plan(site)?;
-                (measured.distance, measured.run.dispatches, measured.run.stages)
+    pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
+        let rays = planner.capacity.rays.max(GROUP_RAYS.into());
+        let class = self.class.plan(planner)?;
+        let lamps = planner.buffer_of_bytes("lamps", LampList::bytes(planner.capacity.lamps))?;
+        let hits = planner.buffer::<[u32; 2]>("hits", rays)?;
+        let curves = planner.buffer::<[u32; 2]>("transmittance curves", rays)?;
+        let bounds = planner.buffer::<[u32; 4]>("bounds of rays", rays)?;
+        let fit = planner.max_buffer_bytes() / size_of::<[f32; 4]>() as u64;
+        let translucent = planner.settings.polar.translucent;
+        let corners = if translucent { (rays * CORNERS).min(fit) } else { 1 };
+        let corners = planner.buffer::<[f32; 4]>("corners of curves", corners)?;
+        let (distance, mut dispatches, mut stages) = match &self.distance {
+            Some(pipelines) => {
+                let field = pipelines.plan(planner)?;
+                (field.distance, field.passes.dispatches, field.passes.stages)
             }
-            None => (site.buffer("no distance", ONE)?, Vec::new(), Vec::new()),
+            None => (planner.buffer::<f32>("no distance", 1)?, Vec::new(), Vec::new()),
         };
-        let fan = [
+        let grid = [
             whole(&lamps),
-            view(&site.textures.tint_opacity),
-            whole(&ground.kinds),
+            view(&planner.textures.tint_opacity),
+            whole(&class.classes),
             whole(&distance),
         ];
-        let store = [whole(&stretches), whole(&knots), whole(&ground.used)];
-        let walked = site.bind(&self.rays, &[&fan[..], &[whole(&hits)], &store].concat());
-        let told = site.bind(&self.bounds, &[whole(&lamps), whole(&hits), whole(&bounds)]);
-        let rest = [&[whole(&bounds)], &store[..], &[whole(light)]].concat();
-        let seen = site.bind(&self.pixels, &[&fan[..], &rest].concat());
-        let tiles = site.size.map(|side| side.div_ceil(TILE));
-        let groups = site.groups(rays / u64::from(TOGETHER));
+        let store = [whole(&curves), whole(&corners), whole(&class.used)];
+        let traced = [&grid[..], &[whole(&hits)], &store].concat();
+        let traced = planner.bind(&self.shadow_map, &traced);
+        let bounded = [whole(&lamps), whole(&hits), whole(&bounds)];
+        let bounded = planner.bind(&self.shadow_bounds, &bounded);
+        let gathered = [&grid[..], &[whole(&bounds)], &store, &[whole(light)]].concat();
+        let gathered = planner.bind(&self.gather, &gathered);
+        let tiles = <[u32; 2]>::from(planner.size).map(|side| side.div_ceil(TILE));
+        let groups = planner.groups(rays / u64::from(GROUP_RAYS));
         dispatches.extend([
-            ground.read,
-            Dispatch::new(&self.rays.entries[0], &walked, None, groups),
-            Dispatch::new(&self.bounds.entries[0], &told, None, groups),
-            Dispatch::new(&self.pixels.entries[0], &seen, None, [tiles[0], tiles[1], 1]),
+            class.dispatch,
+            Dispatch::new(&self.shadow_map.entries[0], &traced, None, groups),
+            Dispatch::new(&self.shadow_bounds.entries[0], &bounded, None, groups),
+            Dispatch::new(&self.gather.entries[0], &gathered, None, [tiles[0], tiles[1], 1]),
         ]);
         stages.push((Stage::Light, light.clone()));
-        Ok(Run { dispatches, stages, lamps: Some(lamps) })
+        Ok(PassList { dispatches, stages, lamps: Some(lamps) })
     }
 }

@@ -1,31 +1,30 @@
-//! How much a round changed of what surfaces send on, four faces a cell.
+//! The change of outgoing radiance in a bounce, over four faces per cell.
 
-use crate::kernel::{Dispatch, Kernels, Slot};
-use crate::shaders;
-use crate::site::{Site, whole};
+use crate::pipeline::{ComputePipelines, Dispatch};
+use crate::planner::{FramePlanner, whole};
+use crate::programs;
 use wgpu::{Buffer, Device};
 
 /// The pipeline.
 #[derive(Debug)]
-pub struct Compare(Kernels);
+pub struct Compare(ComputePipelines);
 
 impl Compare {
     pub fn new(device: &Device) -> Self {
-        use Slot::{Read, Step, Uniform, Write};
-        let slots = [Uniform, Step, Read, Write, Write];
-        Self(Kernels::new(device, &shaders::COMPARE, &["main"], &slots, &[]))
+        Self(ComputePipelines::new(device, &programs::COMPARE, &[]))
     }
 
-    /// Colours `received` with those `sent` in the round before, which they replace; more than 0 in
-    /// the fourth place where a surface is. In the first round, step 0, nothing was sent before.
-    pub fn run(
+    /// Plans the replacement of `outgoing` radiance by that of the `next` bounce, and the measurement of the
+    /// change. In step 0, the first bounce, there is no outgoing radiance before.
+    pub fn plan(
         &self,
-        site: &Site,
-        [received, sent]: [&Buffer; 2],
-        found: &Buffer,
+        planner: &FramePlanner,
+        next: &Buffer,
+        outgoing: &Buffer,
+        changes: &Buffer,
         step: u32,
     ) -> Dispatch {
-        let resources = [site.shared.step(), whole(received), whole(sent), whole(found)];
-        site.over_cells(&self.0, 0, &site.bind(&self.0, &resources), Some(step))
+        let resources = [planner.shared.step(), whole(next), whole(outgoing), whole(changes)];
+        planner.over_cells(&self.0, 0, &planner.bind(&self.0, &resources), Some(step))
     }
 }

@@ -1,75 +1,48 @@
-//! From light to what is seen: the GPU's `stages/display.rs` of the library.
+//! From light to the displayed picture: exposure, tone map, encoding.
 
-use crate::shaders;
-use bytemuck::{Pod, Zeroable};
+use crate::gpu_struct::gpu_struct;
+use crate::stages::output::MAX_HALF;
+use crate::{programs, shaders};
 use lamplight::stages::display::{
     ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_STOPS,
     BRIGHTEST,
 };
 use lamplight::{Display, Rgb, ToneMap, srgb};
-#[cfg(test)]
-use std::mem::offset_of;
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType,
-    BufferBindingType, CompareFunction, DepthStencilState, Device, FragmentState, MultisampleState,
-    PipelineCompilationOptions, PipelineLayoutDescriptor, RenderPipeline, RenderPipelineDescriptor,
-    ShaderModule, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureFormat,
-    TextureSampleType, TextureViewDimension, VertexState,
+    BindGroupLayout, BindGroupLayoutDescriptor, CompareFunction, DepthStencilState, Device,
+    FragmentState, MultisampleState, PipelineCompilationOptions, PipelineLayoutDescriptor,
+    RenderPipeline, RenderPipelineDescriptor, ShaderModule, ShaderModuleDescriptor, ShaderSource,
+    ShaderStages, TextureFormat, VertexState,
 };
 
-/// `Look` of shaders/display.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Look {
-    pub corner: [f32; 2],
-    pub right: [f32; 2],
-    pub down: [f32; 2],
-    gain: f32,
-    tonemap: u32,
-    pub filter_light: u32,
-    pub color_from: u32,
-    pub color_glows: u32,
-    pub more_light: u32,
-    luma: Rgb,
-    brightest: f32,
-    pub ambient: Rgb,
-    pub keep_alpha: u32,
-    aces: [f32; 4],
-    aces_end: f32,
-    aces_white: f32,
-    stops: [f32; 2],
-    inset: [[f32; 4]; 3],
-    outset: [[f32; 4]; 3],
-    contrast: [[f32; 4]; 2],
+gpu_struct! {
+    /// `ComposeUniforms` of shaders/stages/display.wgsl, where the fields are explained.
+    pub struct ComposeUniforms {
+        pub corner: [f32; 2],
+        pub right: [f32; 2],
+        pub down: [f32; 2],
+        gain: f32,
+        tonemap: u32,
+        pub filter_light: u32,
+        pub color_from: u32,
+        pub color_emits: u32,
+        pub more_light: u32,
+        luma: Rgb,
+        brightest: f32,
+        pub ambient: Rgb,
+        pub keep_alpha: u32,
+        aces: [f32; 4],
+        aces_end: f32,
+        aces_white: f32,
+        stops: [f32; 2],
+        inset: [[f32; 4]; 3],
+        outset: [[f32; 4]; 3],
+        contrast: [[f32; 4]; 2],
+    }
 }
 
-impl Look {
-    /// Fields in order, with where they begin.
-    #[cfg(test)]
-    pub const OFFSETS: [(&'static str, usize); 20] = [
-        ("corner", offset_of!(Look, corner)),
-        ("right", offset_of!(Look, right)),
-        ("down", offset_of!(Look, down)),
-        ("gain", offset_of!(Look, gain)),
-        ("tonemap", offset_of!(Look, tonemap)),
-        ("filter_light", offset_of!(Look, filter_light)),
-        ("color_from", offset_of!(Look, color_from)),
-        ("color_glows", offset_of!(Look, color_glows)),
-        ("more_light", offset_of!(Look, more_light)),
-        ("luma", offset_of!(Look, luma)),
-        ("brightest", offset_of!(Look, brightest)),
-        ("ambient", offset_of!(Look, ambient)),
-        ("keep_alpha", offset_of!(Look, keep_alpha)),
-        ("aces", offset_of!(Look, aces)),
-        ("aces_end", offset_of!(Look, aces_end)),
-        ("aces_white", offset_of!(Look, aces_white)),
-        ("stops", offset_of!(Look, stops)),
-        ("inset", offset_of!(Look, inset)),
-        ("outset", offset_of!(Look, outset)),
-        ("contrast", offset_of!(Look, contrast)),
-    ];
-
-    /// All of a grid of this size.
+impl ComposeUniforms {
+    /// The uniforms that show a whole grid of this size.
     pub fn new(display: &Display, size: [u32; 2]) -> Self {
         let [a, b, c, d, e] = ACES;
         let [x6, x5, x4, x3, x2, x1, x0] = AGX_CONTRAST;
@@ -86,7 +59,7 @@ impl Look {
             },
             filter_light: 0,
             color_from: 0,
-            color_glows: 0,
+            color_emits: 0,
             more_light: 0,
             luma: ACES_LUMA,
             brightest: BRIGHTEST,
@@ -102,40 +75,37 @@ impl Look {
         }
     }
 
-    /// Caps what is shown at what a half float holds; every tone map is flat there.
+    /// Caps radiance at the largest half float, where every tone map is flat.
     pub fn keep_finite(&mut self) {
-        self.brightest = HALF_MAX;
+        self.brightest = MAX_HALF;
     }
 }
 
-/// Largest finite half float.
-const HALF_MAX: f32 = 65504.0;
-
-/// The columns of a matrix given by rows, each as long as uniforms want it.
+/// The columns of a matrix given by rows, padded as in uniforms.
 fn columns(rows: &[Rgb; 3]) -> [[f32; 4]; 3] {
     std::array::from_fn(|c| [rows[0][c], rows[1][c], rows[2][c], 0.0])
 }
 
-/// What a render pass is made of, as far as a pipeline has to know.
+/// The attachments of a render pass, as far as they affect pipelines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Target {
     /// Format of the colour attachment's view.
     pub format: TextureFormat,
-    /// Samples a pixel, 1 without multisampling.
+    /// Samples per pixel, 1 without multisampling.
     pub samples: u32,
-    /// Format of the depth attachment, where the pass has one; it is neither read nor written.
+    /// Format of the depth attachment, if the pass has one; it is neither read nor written.
     pub depth: Option<TextureFormat>,
 }
 
 impl From<TextureFormat> for Target {
-    /// One sample a pixel, no depth.
+    /// A target with one sample per pixel and no depth.
     fn from(format: TextureFormat) -> Self {
         Self { format, samples: 1, depth: None }
     }
 }
 
-/// Whether shaders have to encode for a format: it holds what screens show and does not encode by
-/// itself. None: a format that pictures cannot be drawn to.
+/// Returns whether shaders have to encode for a format, because it stores display values and does not encode
+/// itself. `None`: a format that pictures cannot be drawn to.
 pub fn encodes(format: TextureFormat) -> Option<bool> {
     use TextureFormat::{
         Bgra8Unorm, Bgra8UnormSrgb, Rg11b10Ufloat, Rgb10a2Unorm, Rgba8Unorm, Rgba8UnormSrgb,
@@ -148,7 +118,7 @@ pub fn encodes(format: TextureFormat) -> Option<bool> {
     }
 }
 
-/// The shader, compiled, and what it is bound to.
+/// The compiled shader and its bindings.
 #[derive(Debug)]
 pub struct Shading {
     module: ShaderModule,
@@ -157,39 +127,23 @@ pub struct Shading {
 
 impl Shading {
     pub fn new(device: &Device) -> Self {
-        let shader = &shaders::DISPLAY;
+        let label = Some(shaders::label(programs::DISPLAY.shader));
         let module = device.create_shader_module(ShaderModuleDescriptor {
-            label: Some(shader.name),
-            source: ShaderSource::Wgsl(shader.text().into()),
+            label,
+            source: ShaderSource::Wgsl(shaders::text(programs::DISPLAY.shader).into()),
         });
-        let buffer =
-            |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-        let texture = BindingType::Texture {
-            sample_type: TextureSampleType::Float { filterable: false },
-            view_dimension: TextureViewDimension::D2,
-            multisampled: false,
-        };
-        let uniform = buffer(BufferBindingType::Uniform);
-        let light = buffer(BufferBindingType::Storage { read_only: true });
-        let entries: Vec<_> = (0..)
-            .zip([uniform, uniform, light, texture, texture, texture, texture, texture])
-            .map(|(binding, ty)| BindGroupLayoutEntry {
-                binding,
-                visibility: ShaderStages::FRAGMENT,
-                ty,
-                count: None,
-            })
-            .collect();
+        let slots = (0..).zip(programs::DISPLAY.bindings);
+        let slots = slots.map(|(slot, (_, binding))| binding.entry(slot, ShaderStages::FRAGMENT));
         let layout = device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some(shader.name),
-            entries: &entries,
+            label,
+            entries: &slots.collect::<Vec<_>>(),
         });
         Self { module, layout }
     }
 
-    /// A pipeline for a target whose format is drawn to, told whether to encode.
+    /// Creates the pipeline for a target; `encode`: the shader encodes for it.
     pub fn pipeline(&self, device: &Device, target: Target, encode: bool) -> RenderPipeline {
-        let label = Some(shaders::DISPLAY.name);
+        let label = Some(shaders::label(programs::DISPLAY.shader));
         let layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
             label,
             bind_group_layouts: &[Some(&self.layout)],

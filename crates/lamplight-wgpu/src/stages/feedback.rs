@@ -1,26 +1,30 @@
-//! Bounces by feedback: what surfaces sent on in the frame before.
+//! Bounces by feedback: the outgoing radiance of the frame before.
 
-use super::optics::Seen;
-use crate::kernel::{Dispatch, Kernels, Slot};
-use crate::shaders;
-use crate::site::{Site, view, whole};
+use super::medium_grid::MediumGrid;
+use crate::pipeline::{ComputePipelines, Dispatch};
+use crate::planner::{FramePlanner, view, whole};
+use crate::programs;
 use wgpu::{Buffer, Device};
 
 /// The pipeline.
 #[derive(Debug)]
-pub struct Feedback(Kernels);
+pub struct Feedback(ComputePipelines);
 
 impl Feedback {
     pub fn new(device: &Device) -> Self {
-        use Slot::{Read, Texture, Uniform, Write};
-        let slots = [Uniform, Texture, Read, Read, Write];
-        Self(Kernels::new(device, &shaders::FEEDBACK, &["main"], &slots, &[]))
+        Self(ComputePipelines::new(device, &programs::FEEDBACK, &[]))
     }
 
-    /// Takes over what was sent `before` by surfaces that still send.
-    pub fn take_over(&self, site: &Site, seen: &Seen, before: &Buffer, sent: &Buffer) -> Dispatch {
+    /// Plans a copy of the outgoing radiance of the frame `before`, where the same scatterer is still there.
+    pub fn plan(
+        &self,
+        planner: &FramePlanner,
+        grid: &MediumGrid,
+        before: &Buffer,
+        outgoing: &Buffer,
+    ) -> Dispatch {
         let resources =
-            [view(&site.textures.albedo), whole(&seen.source), whole(before), whole(sent)];
-        site.over_cells(&self.0, 0, &site.bind(&self.0, &resources), None)
+            [view(&planner.textures.albedo), whole(&grid.source), whole(before), whole(outgoing)];
+        planner.over_cells(&self.0, 0, &planner.bind(&self.0, &resources), None)
     }
 }

@@ -1,17 +1,19 @@
-//! What methods share: each stage with its pipelines, buffers and runs over a grid.
+//! The stages that methods share: each with its pipelines, buffers and dispatches over a grid.
 
-pub mod carry;
-pub mod changes;
-pub mod clearance;
+pub mod class;
 pub mod compare;
 pub mod convergence;
 pub mod denoise;
 pub mod display;
+pub mod distance;
+pub mod empty_space;
 pub mod feedback;
-pub mod fields;
-pub mod ground;
-pub mod optics;
+pub mod invalidate;
+pub mod jump_flood;
+pub mod medium_grid;
 pub mod output;
 pub mod packet;
+pub mod reproject;
+pub mod seed;
 pub mod temporal;
 pub mod walls;

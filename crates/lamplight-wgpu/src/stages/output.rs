@@ -1,32 +1,26 @@
-//! The light as a picture of the host's.
+//! The light as a texture of the host's.
 
-use crate::kernel::{Dispatch, Kernels, Slot};
-use crate::shaders;
-use crate::site::{Site, view, whole};
+use crate::pipeline::{ComputePipelines, Dispatch};
+use crate::planner::{FramePlanner, view, whole};
+use crate::programs;
 use wgpu::{Buffer, Device, TextureView};
 
 /// The largest half float.
-const BRIGHTEST: f32 = 65504.0;
+pub const MAX_HALF: f32 = 65504.0;
 
 /// The pipeline.
 #[derive(Debug)]
-pub struct Output(Kernels);
+pub struct Output(ComputePipelines);
 
 impl Output {
     pub fn new(device: &Device) -> Self {
-        use Slot::{Picture, Read, Uniform};
-        let constants = [("BRIGHTEST", f64::from(BRIGHTEST))];
-        Self(Kernels::new(
-            device,
-            &shaders::OUTPUT,
-            &["main"],
-            &[Uniform, Read, Picture],
-            &constants,
-        ))
+        let constants = [("MAX_HALF", f64::from(MAX_HALF))];
+        Self(ComputePipelines::new(device, &programs::OUTPUT, &constants))
     }
 
-    pub fn plan(&self, site: &Site, light: &Buffer, picture: &TextureView) -> Dispatch {
-        let bound = site.bind(&self.0, &[whole(light), view(picture)]);
-        site.over_cells(&self.0, 0, &bound, None)
+    /// Plans writing `light` to `picture`.
+    pub fn plan(&self, planner: &FramePlanner, light: &Buffer, picture: &TextureView) -> Dispatch {
+        let bound = planner.bind(&self.0, &[whole(light), view(picture)]);
+        planner.over_cells(&self.0, 0, &bound, None)
     }
 }

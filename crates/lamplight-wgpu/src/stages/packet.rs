@@ -1,13 +1,13 @@
-//! Rays through what lets light pass.
+//! Constants of rays through the medium grid.
 
+use lamplight::grid::empty_space::{LONGEST, MATTER};
 use lamplight::methods::raymarch::NEVER;
-use lamplight::stages::clearance::{LONGEST, MATTER};
 use lamplight::stages::transmittance::OPAQUE;
 
-/// Constants of shaders/packet.wgsl but `ENDS`.
+/// The constants of shaders/shared/packet.wgsl, except `ENDS`.
 pub const PACKET: &[(&str, f64)] = &[
     ("NEVER", NEVER as f64),
-    ("OPAQUE", OPAQUE as f64),
-    ("LONGEST", LONGEST as f64),
-    ("MATTER", MATTER as f64),
+    ("OPAQUE_TRANSMITTANCE", OPAQUE as f64),
+    ("MAX_SKIP", LONGEST as f64),
+    ("HAS_MEDIUM", MATTER as f64),
 ];

@@ -1,36 +1,35 @@
-//! Light that sinks into walls.
+//! The light that solid cells show.
 
-use crate::Result;
-use crate::kernel::{Dispatch, Kernels, Slot};
-use crate::shaders;
-use crate::site::{ONE, Site, view, whole};
+use crate::error::Result;
+use crate::pipeline::{ComputePipelines, Dispatch};
+use crate::planner::{FramePlanner, view, whole};
+use crate::programs;
 use wgpu::{Buffer, Device};
 
 /// The pipelines.
 #[derive(Debug)]
-pub struct Walls(Kernels);
+pub struct Walls(ComputePipelines);
 
 impl Walls {
     pub fn new(device: &Device) -> Self {
-        use Slot::{Read, Step, Texture, Uniform, Write};
-        let slots = [Uniform, Texture, Step, Texture, Read, Write, Write];
-        Self(Kernels::new(device, &shaders::WALLS, &["begin", "sink", "finish"], &slots, &[]))
+        Self(ComputePipelines::new(device, &programs::WALLS, &[]))
     }
 
-    pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Vec<Dispatch>> {
-        let rings = site.pair("walls", site.cells() * ONE)?;
+    /// Plans the light of solid cells from that of their faces.
+    pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
+        let rings = planner.pair::<u32>("walls", planner.cells())?;
         let bind = |to: usize| {
             let resources = [
-                view(&site.textures.tint_opacity),
-                site.shared.step(),
-                view(&site.textures.emission),
+                view(&planner.textures.tint_opacity),
+                planner.shared.step(),
+                view(&planner.textures.emission),
                 whole(&rings[1 - to]),
                 whole(&rings[to]),
                 whole(light),
             ];
-            site.bind(&self.0, &resources)
+            planner.bind(&self.0, &resources)
         };
-        let depth = site.settings.wall_depth.ceil() as u32;
-        Ok(site.ping_pong(&self.0, [bind(0), bind(1)], depth))
+        let depth = planner.settings.wall_depth.ceil() as u32;
+        Ok(planner.ping_pong(&self.0, [bind(0), bind(1)], depth))
     }
 }

@@ -3,15 +3,17 @@
 // Each test program uses its own part of this.
 #![allow(dead_code)]
 
-use lamplight::{Cells, Matter, Rgb};
+use lamplight::{Cells, Matter, Rgb, Settings};
 use lamplight_wgpu::read_back::read_back;
-use lamplight_wgpu::{Lighting, Stage, Tier, required_features, required_limits};
+use lamplight_wgpu::{
+    FrameInput, Lighting, LightingOptions, Stage, Tier, required_features, required_limits,
+};
 use wgpu::{
     Adapter, Backends, Device, DeviceDescriptor, Features, Instance, InstanceDescriptor, Limits,
     PowerPreference, Queue, RequestAdapterOptions,
 };
 
-/// The machine's best GPU, a software one where there is no other. Without any the test fails:
+/// The machine's best GPU, a software one if there is no other. Without any the test fails:
 /// `cargo xtask test` installs a software one.
 pub fn adapter() -> Adapter {
     let mut descriptor = InstanceDescriptor::new_without_display_handle();
@@ -27,7 +29,7 @@ pub fn adapter() -> Adapter {
     adapter
 }
 
-/// Made with what a tier asks for.
+/// A device with the features and limits of a tier.
 pub fn device_of(tier: Tier) -> (Device, Queue) {
     open(&adapter(), tier)
 }
@@ -48,16 +50,29 @@ fn open_with(
     pollster::block_on(adapter.request_device(&descriptor)).unwrap()
 }
 
-/// With no more than the web grants.
+/// A device with no more than the web grants.
 pub fn device() -> (Device, Queue) {
     device_of(Tier::Web)
 }
 
-/// With less than the web grants.
+/// A device with less than the web grants.
 pub fn device_with(lower: impl Fn(&mut Limits)) -> (Device, Queue) {
     let mut limits = Limits::default();
     lower(&mut limits);
     open_with(&adapter(), Features::empty(), limits)
+}
+
+/// A [`Lighting`] with default options.
+pub fn lighting(device: &Device, queue: &Queue) -> Lighting {
+    Lighting::new(device, queue, &LightingOptions::default()).unwrap()
+}
+
+/// Records and submits the frame prepared last, and fetches the light.
+pub fn recorded(device: &Device, queue: &Queue, lighting: &Lighting) -> Vec<[f32; 4]> {
+    let mut encoder = device.create_command_encoder(&Default::default());
+    lighting.record(&mut encoder).unwrap();
+    queue.submit([encoder.finish()]);
+    read_back(device, queue, lighting.stage(Stage::Light).unwrap()).unwrap()
 }
 
 /// Lights cells, and fetches the light.
@@ -65,19 +80,17 @@ pub fn frame(
     device: &Device,
     queue: &Queue,
     lighting: &mut Lighting,
+    settings: &Settings,
     cells: &Cells,
 ) -> Vec<[f32; 4]> {
-    lighting.prepare(device, queue, cells).unwrap();
-    let mut encoder = device.create_command_encoder(&Default::default());
-    lighting.record(&mut encoder);
-    queue.submit([encoder.finish()]);
-    read_back(device, queue, lighting.stage(Stage::Light).unwrap()).unwrap()
+    lighting.prepare(&FrameInput::of_cells(settings, cells)).unwrap();
+    recorded(device, queue, lighting)
 }
 
-/// Numbers by chance, the same for the same seed.
-pub struct Chance(u64);
+/// Pseudorandom numbers, the same for the same seed.
+pub struct Sampler(u64);
 
-impl Chance {
+impl Sampler {
     pub fn new(seed: u64) -> Self {
         println!("seed {seed}");
         Self(seed)
@@ -94,22 +107,22 @@ impl Chance {
     }
 }
 
-/// Walls, lights, fog and glass by chance, in blocks and alone, under a sky.
+/// Random walls, lights, fog and glass, in blocks and alone, under a sky.
 pub fn cells(width: u32, height: u32, seed: u64) -> Cells {
-    let mut chance = Chance::new(seed);
+    let mut sampler = Sampler::new(seed);
     let mut cells = Cells::new(width, height).unwrap();
     cells.set_sky(lamplight::Sky::Uniform([0.1, 0.2, 0.3]));
     let count = (width * height / 60).max(1);
     for _ in 0..count {
-        let colour: Rgb = std::array::from_fn(|_| chance.unit());
-        let matter = match chance.below(5) {
+        let colour: Rgb = std::array::from_fn(|_| sampler.unit());
+        let matter = match sampler.below(5) {
             0 => Matter { emission: colour.map(|v| 8.0 * v), opacity: 1.0, ..Matter::EMPTY },
             1 => Matter { opacity: 0.1, emission: colour, albedo: [0.5; 3], ..Matter::EMPTY },
             2 => Matter { tint: colour, ..Matter::EMPTY },
             _ => Matter { opacity: 1.0, albedo: colour, ..Matter::EMPTY },
         };
-        let [x, y] = [chance.below(width), chance.below(height)];
-        let [w, h] = [1 + chance.below(6), 1 + chance.below(3)];
+        let [x, y] = [sampler.below(width), sampler.below(height)];
+        let [w, h] = [1 + sampler.below(6), 1 + sampler.below(3)];
         for y in y..(y + h).min(height) {
             for x in x..(x + w).min(width) {
                 cells.set(x, y, matter);

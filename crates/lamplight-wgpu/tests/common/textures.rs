@@ -1,4 +1,4 @@
-//! Textures as hosts have them, and what is in them.
+//! Textures as hosts have them, and their contents.
 
 // Each test program uses its own part of this.
 #![allow(dead_code)]
@@ -32,7 +32,7 @@ pub fn view(texture: &Texture) -> TextureView {
     texture.create_view(&Default::default())
 }
 
-/// One with something in it, that shaders may read.
+/// A texture with contents, which shaders may read.
 pub fn filled(
     device: &Device,
     queue: &Queue,
@@ -51,7 +51,7 @@ pub fn filled(
 /// All bytes of a texture, row by row.
 pub fn fetch(device: &Device, queue: &Queue, texture: &Texture) -> Vec<u8> {
     let row = texture.width() * texture.format().block_copy_size(None).unwrap();
-    // What rows of a copy have to be a multiple of.
+    // Rows of a copy are padded to a multiple of this.
     let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = device.create_buffer(&BufferDescriptor {
         label: None,
@@ -71,8 +71,8 @@ pub fn fetch(device: &Device, queue: &Queue, texture: &Texture) -> Vec<u8> {
 
 /// A half float of 0 or more that is not tiny.
 pub fn float(half: u16) -> f32 {
-    match half {
-        0 => 0.0,
-        _ => f32::from(half & 0x3ff | 0x400) / 1024.0 * 2f32.powi(i32::from(half >> 10) - 15),
+    if half == 0 {
+        return 0.0;
     }
+    f32::from(half & 0x3ff | 0x400) / 1024.0 * 2f32.powi(i32::from(half >> 10) - 15)
 }

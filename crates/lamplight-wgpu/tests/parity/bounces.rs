@@ -1,6 +1,6 @@
 //! Light that bounces from frame to frame, and until it has converged.
 
-use crate::common::{cells, device, frame};
+use crate::common::{cells, device, frame, lighting};
 use crate::compare::{Both, agree, differences};
 use crate::frames::{FRAMES, frames_agree, moving};
 use lamplight::settings::{BounceBy, Cascades, Holographic, Raymarch};
@@ -22,7 +22,7 @@ fn feedback_agrees_frame_by_frame() {
         for preset in Raymarch::PRESETS {
             for (frames, bounces) in [(0, Bounces::Count(1)), (8, Bounces::Converged)] {
                 let mut settings = raymarch(preset, BounceBy::Feedback, bounces);
-                settings.temporal.frames = frames;
+                settings.temporal.history_length = frames;
                 let name = format!("{preset} at {w}×{h}, mean over {frames}");
                 frames_agree(&gpu, &name, settings, (0..FRAMES).map(|n| moving(w, h, n)));
             }
@@ -40,7 +40,7 @@ fn converged_light_agrees() {
         }
     }
     let mut settings = raymarch("default", BounceBy::Frame, Bounces::Converged);
-    settings.temporal.frames = 8;
+    settings.temporal.history_length = 8;
     frames_agree(&gpu, "with a mean", settings, (0..4).map(|n| moving(31, 17, n)));
 }
 
@@ -125,13 +125,13 @@ fn rounds_end_where_the_cpu_ends_them() {
 
         let gpu = |bounces| {
             let settings = Settings { bounces, ..settings.clone() };
-            let mut lighting = Lighting::new(&device, &queue, settings).unwrap();
-            // Two frames: the second begins anew.
-            [(), ()].map(|()| frame(&device, &queue, &mut lighting, &cells))
+            let mut lighting = lighting(&device, &queue);
+            // Two frames: the second one restarts.
+            [(), ()].map(|()| frame(&device, &queue, &mut lighting, &settings, &cells))
         };
         let seen = gpu(Bounces::Converged);
         let near = [rounds, rounds - 1, rounds + 1];
-        // Bit by bit what so many bounces give: rounds that are left out do nothing.
+        // Equal to that number of bounces, bit by bit: bounces that are skipped do nothing.
         let here = near.into_iter().find(|&n| gpu(Bounces::Count(n)) == seen);
         println!("{name}: {rounds} rounds on the CPU, {here:?} on the GPU");
         let apart = here.map_or(u32::MAX, |here| here.abs_diff(rounds));
@@ -162,39 +162,34 @@ fn rounds_in_fog_end_where_the_cpu_ends_them() {
 }
 
 #[test]
-fn as_many_rounds_are_planned_as_the_albedo_can_take() {
+fn the_albedo_limits_the_number_of_planned_bounces() {
     let (device, queue) = device();
     let [dull, bright] = [0.3, 0.9].map(|albedo| {
         let mut cells = cells(31, 17, 7);
         cells.albedo_mut().fill([albedo; 3]);
         cells
     });
-    let new = |bounces| {
-        let settings = Settings { bounces, ..Settings::default() };
-        Lighting::new(&device, &queue, settings).unwrap()
-    };
+    let [converged, one] = [Bounces::Converged, Bounces::Count(1)]
+        .map(|bounces| Settings { bounces, ..Settings::default() });
     let planned = |lighting: &Lighting| lighting.cost().unwrap().dispatches();
     let lit = |cells| {
-        let mut lighting = new(Bounces::Converged);
-        (frame(&device, &queue, &mut lighting, cells), planned(&lighting))
+        let mut lighting = lighting(&device, &queue);
+        (frame(&device, &queue, &mut lighting, &converged, cells), planned(&lighting))
     };
     let [(dull_light, few), (bright_light, many)] = [&dull, &bright].map(lit);
     assert!(3 * few < many, "{few} dispatches, and {many}");
 
-    // Whatever was planned before: a plan for fewer rounds, for more, for none.
-    let mut lighting = new(Bounces::Converged);
+    // Whatever was planned before: fewer bounces, more, or none.
+    let mut one_by_one = lighting(&device, &queue);
     for (cells, light, dispatches) in
         [(&dull, &dull_light, few), (&bright, &bright_light, many), (&dull, &dull_light, many)]
     {
-        assert_eq!(&frame(&device, &queue, &mut lighting, cells), light);
-        assert_eq!(planned(&lighting), dispatches);
+        assert_eq!(&frame(&device, &queue, &mut one_by_one, &converged, cells), light);
+        assert_eq!(planned(&one_by_one), dispatches);
     }
-    let mut lighting = new(Bounces::Count(1));
-    frame(&device, &queue, &mut lighting, &bright);
-    let settings = new(Bounces::Converged).settings().clone();
-    lighting.set_settings(&device, &queue, settings).unwrap();
-    // The frame at hand is still that of one bounce.
+    let mut lighting = lighting(&device, &queue);
+    frame(&device, &queue, &mut lighting, &one, &bright);
     assert!(planned(&lighting) < few);
-    assert_eq!(frame(&device, &queue, &mut lighting, &bright), bright_light);
+    assert_eq!(frame(&device, &queue, &mut lighting, &converged, &bright), bright_light);
     assert_eq!(planned(&lighting), many);
 }

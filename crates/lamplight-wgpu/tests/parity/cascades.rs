@@ -66,7 +66,7 @@ fn what_is_raymarchs_alone_changes_nothing() {
     settings.raymarch.threshold = 0.2;
     settings.raymarch.emission_multiplier = 2.0;
     settings.raymarch.attenuation = true;
-    settings.temporal.frames = 8;
+    settings.temporal.history_length = 8;
     settings.denoise.passes = 3;
     agree(&device(), "others' settings", &cells(97, 61, 5), settings);
 }
@@ -93,7 +93,7 @@ fn cascades_agree_under_a_sky_that_changes() {
     agree(&device(), "sky", &cells, cascades(|_| ()));
 }
 
-/// Every so many cells of a scene, in both directions.
+/// Every `step`th cell of a scene, in both directions.
 fn sampled(scene: &Scene, step: u32) -> Cells {
     let cells = scene.cells().unwrap().drawn().into_owned();
     let [width, height] = [cells.width(), cells.height()].map(|side| side.div_ceil(step));
@@ -110,7 +110,7 @@ fn sampled(scene: &Scene, step: u32) -> Cells {
 fn cascades_agree_on_every_example_scene() {
     let gpu = device();
     for (name, scene) in scenes() {
-        let wall_depth = scene.settings().unwrap().wall_depth;
+        let wall_depth = scene.resolve_settings().unwrap().wall_depth;
         // Finer cascades take more time, and so fewer cells.
         for (preset, step) in [("plain", 1), ("default", 3), ("quality", 5)] {
             let cells = sampled(&scene, step);

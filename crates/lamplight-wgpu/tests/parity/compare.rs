@@ -1,6 +1,6 @@
 //! Light of the GPU compared with that of the CPU, pixel by pixel.
 
-use crate::common::{cells, device, frame};
+use crate::common::{cells, device, frame, lighting};
 use lamplight::settings::Hit;
 use lamplight::{Cells, Method, Rgb, Scene, Settings, Solver};
 use lamplight_wgpu::Lighting;
@@ -22,17 +22,16 @@ pub fn scenes() -> Vec<(String, Scene)> {
     scenes
 }
 
-/// Share of a pixel's light, or of the mean where that is more, by which both may differ: rounding,
-/// and now and then a ray that passes a corner on the other side. Measured at up to
-/// 9e-5.
+/// The tolerance, relative to a pixel's light or to the mean, whichever is larger: rounding, and occasionally a
+/// ray that passes a corner on the other side. Measured at up to 9e-5.
 pub const TOLERANCE: f64 = 1e-3;
-/// Share of pixels that may be off where rounding decides. Rays that end by the distance field:
-/// whether it is below `hit_distance` where both are equal; measured at up to 5e-5. `polar`: whether a
-/// line to a lamp in the middle of a cell, or on a corner, is stopped by a wall whose corner it passes
-/// exactly; none in the scenes here, and 2 in 700 000 pixels lit by one of 600 such lamps each.
+/// The fraction of pixels that may be off where rounding decides. Rays that end by the distance field:
+/// whether it is below `hit_distance` if both are equal; measured at up to 5e-5. `polar`: whether a line to a
+/// lamp in the middle of a cell, or on a corner, is stopped by a wall whose corner it passes exactly; none in
+/// the scenes here, and 2 in 700 000 pixels lit by one of 600 such lamps each.
 pub const TIES: f64 = 1e-4;
 
-/// How much each pixel differs.
+/// The relative difference of each pixel.
 pub fn differences(seen: &[Rgb], right: &[Rgb]) -> Vec<f64> {
     assert_eq!(seen.len(), right.len());
     let sum: f64 = right.as_flattened().iter().map(|&v| f64::from(v)).sum();
@@ -48,7 +47,7 @@ pub fn differences(seen: &[Rgb], right: &[Rgb]) -> Vec<f64> {
     seen.iter().zip(right).map(pixel).collect()
 }
 
-/// Pixels that differ by more than the tolerance, or are no numbers.
+/// The number of pixels that differ by more than the tolerance, or are not numbers.
 pub fn wrong(seen: &[Rgb], right: &[Rgb]) -> usize {
     differences(seen, right).into_iter().filter(|d| d.is_nan() || *d > TOLERANCE).count()
 }
@@ -58,7 +57,7 @@ pub fn agree(gpu: &(Device, Queue), name: &str, cells: &Cells, settings: Setting
     Both::new(gpu, settings).agree(gpu, name, cells);
 }
 
-/// Lets a share of the pixels be off: ties that rounding decides.
+/// Lets a fraction of the pixels be off: ties that rounding decides.
 #[track_caller]
 pub fn agree_but_for(
     ties: f64,
@@ -79,14 +78,15 @@ pub struct Both {
 
 impl Both {
     pub fn new((device, queue): &(Device, Queue), settings: Settings) -> Self {
-        let solver = Solver::new(settings.clone()).unwrap();
-        Self { solver, lighting: Lighting::new(device, queue, settings).unwrap() }
+        let solver = Solver::new(settings).unwrap();
+        Self { solver, lighting: lighting(device, queue) }
     }
 
     /// Lights a frame on both.
     pub fn light(&mut self, (device, queue): &(Device, Queue), cells: &Cells) -> [Vec<Rgb>; 2] {
+        let settings = self.solver.settings().clone();
         let right = self.solver.solve(cells).unwrap().pixels().to_vec();
-        let seen = frame(device, queue, &mut self.lighting, cells);
+        let seen = frame(device, queue, &mut self.lighting, &settings, cells);
         [seen.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(), right]
     }
 

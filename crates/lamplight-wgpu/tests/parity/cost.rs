@@ -1,17 +1,18 @@
-//! What frames take, by the code's own account.
+//! The cost of frames, as counted by the code.
 
 use crate::common::device;
 use lamplight::settings::Holographic;
 use lamplight::{Cells, Method, Settings};
-use lamplight_wgpu::{Cost, Lighting, Options};
+use lamplight_wgpu::{Cost, FrameInput, Lighting, LightingOptions};
 use wgpu::{Device, Queue};
 
 fn cost((device, queue): &(Device, Queue), preset: &str, side: u32, fused_levels: u32) -> Cost {
     let mut settings = Settings { method: Method::Holographic, ..Settings::default() };
     settings.holographic = Holographic::preset(preset).unwrap();
-    let options = Options { fused_levels };
-    let mut lighting = Lighting::with_options(device, queue, settings, options).unwrap();
-    lighting.prepare(device, queue, &Cells::new(side, side).unwrap()).unwrap();
+    let options = LightingOptions { fused_levels };
+    let mut lighting = Lighting::new(device, queue, &options).unwrap();
+    let cells = Cells::new(side, side).unwrap();
+    lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
     lighting.cost().unwrap()
 }
 
@@ -23,13 +24,13 @@ fn holographic_fuses_levels_and_takes_little_memory() {
     let gpu = device();
     for (preset, most) in MEMORY {
         for (side, most) in [512, 1024].into_iter().zip(most) {
-            let [one, fused] =
-                [1, Options::MOST_FUSED].map(|levels| cost(&gpu, preset, side, levels));
+            let [one, fused] = [1, LightingOptions::MAX_FUSED_LEVELS]
+                .map(|levels| cost(&gpu, preset, side, levels));
             let moved = |cost: &Cost, all: bool| {
-                let levels =
-                    |shader, entry| entry == "main" && ["extend", "cones"].contains(&shader);
-                let kernels = cost.kernels.iter().filter(|k| all || levels(k.shader, k.entry));
-                kernels.map(|k| k.traffic.read + k.traffic.written).sum::<u64>() as f64 / 1e6
+                let fused = ["holographic/extend", "holographic/merge"];
+                let levels = |shader, entry| entry == "main" && fused.contains(&shader);
+                let counted = cost.pipelines.iter().filter(|p| all || levels(p.shader, p.entry));
+                counted.map(|k| k.traffic.read + k.traffic.written).sum::<u64>() as f64 / 1e6
             };
             println!(
                 "{preset} {side}²: one level a dispatch {} dispatches, {:.0} MB moved, {:.0} MB by levels; \

@@ -1,6 +1,6 @@
 //! Many frames on both, one after the other, with matter that moves.
 
-use crate::common::{cells, device, frame};
+use crate::common::{cells, device, frame, lighting};
 use crate::compare::{TIES, differences, wrong};
 use lamplight::settings::{BounceBy, Hit, Temporal};
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Rgb, Settings, Sky, Solver};
@@ -10,7 +10,7 @@ use wgpu::{Device, Queue};
 /// Frames of a run: more than feedback takes to forget.
 pub const FRAMES: u32 = 12;
 
-/// What one of many frames shows: [`cells`] at rest; a light, a lamp, a wall and a puff of fog on the
+/// The cells of one of many frames: [`cells`] at rest; a light, a lamp, a wall and a puff of fog on the
 /// move, all still in every third frame; and a wall that turns black.
 pub fn moving(width: u32, height: u32, number: u32) -> Cells {
     let mut cells = cells(width, height, 3);
@@ -35,7 +35,7 @@ pub fn moving(width: u32, height: u32, number: u32) -> Cells {
 
 /// `raymarch` with a mean over frames that drops what changed, and feedback.
 fn remembering() -> Settings {
-    let temporal = Temporal { frames: 8, reject: true };
+    let temporal = Temporal { history_length: 8, reject: true };
     let bounces = Bounces::Count(1);
     let mut settings =
         Settings { method: Method::Raymarch, bounces, temporal, ..Settings::default() };
@@ -44,8 +44,13 @@ fn remembering() -> Settings {
     settings
 }
 
-fn lit((device, queue): &(Device, Queue), lighting: &mut Lighting, cells: &Cells) -> Vec<Rgb> {
-    let seen = frame(device, queue, lighting, cells);
+fn lit(
+    (device, queue): &(Device, Queue),
+    lighting: &mut Lighting,
+    settings: &Settings,
+    cells: &Cells,
+) -> Vec<Rgb> {
+    let seen = frame(device, queue, lighting, settings, cells);
     seen.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
 }
 
@@ -56,11 +61,11 @@ fn light_of_frames(
     frames: impl Iterator<Item = [Cells; 2]>,
 ) -> Vec<[Vec<Rgb>; 2]> {
     let mut solver = Solver::new(settings.clone()).unwrap();
-    let mut lighting = Lighting::new(&gpu.0, &gpu.1, settings).unwrap();
+    let mut lighting = lighting(&gpu.0, &gpu.1);
     frames
         .map(|[seen, right]| {
             let right = solver.solve(&right).unwrap().pixels().to_vec();
-            [lit(gpu, &mut lighting, &seen), right]
+            [lit(gpu, &mut lighting, &settings, &seen), right]
         })
         .collect()
 }
@@ -89,7 +94,7 @@ fn a_wrong_frame_in_history_is_rejected() {
     let gpu = device();
     let [w, h] = [61, 43];
     let mean = |s: &mut Settings| (s.bounces, s.temporal.reject) = (Bounces::Count(0), false);
-    let feedback = |s: &mut Settings| s.temporal.frames = 0;
+    let feedback = |s: &mut Settings| s.temporal.history_length = 0;
     for change in [mean as fn(&mut _), feedback] {
         let mut settings = remembering();
         change(&mut settings);
@@ -129,10 +134,10 @@ fn nothing_is_left_after_a_reset() {
     for hit in [Hit::Edge, Hit::Distance] {
         let mut settings = remembering();
         settings.raymarch.hit = hit;
-        let mut lighting = Lighting::new(&gpu.0, &gpu.1, settings).unwrap();
+        let mut lighting = lighting(&gpu.0, &gpu.1);
         let mut run = || -> Vec<_> {
             lighting.reset();
-            (0..5).map(|n| lit(&gpu, &mut lighting, &moving(61, 43, n))).collect()
+            (0..5).map(|n| lit(&gpu, &mut lighting, &settings, &moving(61, 43, n))).collect()
         };
         assert_eq!(run(), run());
     }

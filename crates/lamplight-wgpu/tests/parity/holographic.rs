@@ -1,10 +1,10 @@
 //! `holographic`, every preset.
 
-use crate::common::{cells, device, device_of, device_with, frame};
+use crate::common::{cells, device, device_of, device_with, frame, lighting};
 use crate::compare::{Both, SIZES, agree, differences, scenes};
 use lamplight::settings::Holographic;
 use lamplight::{Bounces, Cells, Gradient, Matter, Method, Rgb, Settings, Sky};
-use lamplight_wgpu::{Lighting, Options, Tier};
+use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Tier};
 use std::time::{Duration, Instant};
 
 fn holographic(preset: &str) -> Settings {
@@ -68,9 +68,13 @@ fn every_preset_agrees_with_bounces_and_under_any_sky() {
 fn every_setting_agrees() {
     let gpu = device();
     let cells = cells(53, 37, 23);
-    for (hop, least, rays, beams) in [(1, 16, 1, 1), (2, 1, 3, 16), (3, 5, 16, 3), (4, 16, 2, 8)] {
+    for (gather_level, gather_length, gather_rays, bundle_rays) in
+        [(1, 16, 1, 1), (2, 1, 3, 16), (3, 5, 16, 3), (4, 16, 2, 8)]
+    {
         let mut settings = holographic("default");
-        settings.holographic = Holographic { hop, least, rays, beams, ..settings.holographic };
+        let variant = settings.holographic.variant;
+        settings.holographic =
+            Holographic { variant, gather_level, gather_length, gather_rays, bundle_rays };
         agree(&gpu, &format!("{:?}", settings.holographic), &cells, settings);
     }
 }
@@ -79,29 +83,29 @@ fn every_setting_agrees() {
 fn every_example_scene_agrees() {
     let gpu = device();
     for (name, scene) in scenes() {
-        let Settings { wall_depth, .. } = scene.settings().unwrap();
+        let Settings { wall_depth, .. } = scene.resolve_settings().unwrap();
         let settings =
             Settings { bounces: Bounces::Count(1), wall_depth, ..holographic("default") };
         agree(&gpu, &name, &scene.cells().unwrap(), settings);
     }
 }
 
-/// The light of a device that binds no more than so many bytes, with so many levels a dispatch.
+/// The light of a device with a limit on bound bytes, and a number of levels per dispatch.
 fn lit(cells: &Cells, preset: &str, most_bytes: Option<u64>, fused_levels: u32) -> Vec<Rgb> {
     let (device, queue) = device_with(|limits| {
         if let Some(most) = most_bytes {
             limits.max_storage_buffer_binding_size = most;
         }
     });
-    let (settings, options) = (holographic(preset), Options { fused_levels });
-    let mut lighting = Lighting::with_options(&device, &queue, settings, options).unwrap();
-    let light = frame(&device, &queue, &mut lighting, cells);
+    let options = LightingOptions { fused_levels };
+    let mut lighting = Lighting::new(&device, &queue, &options).unwrap();
+    let light = frame(&device, &queue, &mut lighting, &holographic(preset), cells);
     let cost = lighting.cost().unwrap();
     println!("{preset}, {most_bytes:?}: {} dispatches, {} bytes", cost.dispatches(), cost.memory);
     light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
 }
 
-/// Share of a pixel's light that rounding makes of the same sums. Measured at up to 3.0e-6.
+/// The relative difference that rounding makes of the same sums. Measured at up to 3.0e-6.
 const SAME: f64 = 1e-5;
 
 #[test]
@@ -121,10 +125,14 @@ fn neither_fused_levels_nor_chunks_change_the_light() {
 fn a_grid_that_does_not_fit_is_refused() {
     let (device, queue) = device_with(|limits| limits.max_storage_buffer_binding_size = 1 << 19);
     for preset in ["default", "paper"] {
-        let mut lighting = Lighting::new(&device, &queue, holographic(preset)).unwrap();
-        let error = lighting.prepare(&device, &queue, &cells(400, 300, 1)).unwrap_err().to_string();
+        let mut lighting = lighting(&device, &queue);
+        let settings = holographic(preset);
+        let large = cells(400, 300, 1);
+        let refused = lighting.prepare(&FrameInput::of_cells(&settings, &large));
+        let error = refused.unwrap_err().to_string();
         assert!(error.contains("bytes a buffer, but this device allows"), "{error}");
-        assert_eq!(frame(&device, &queue, &mut lighting, &cells(40, 30, 1)).len(), 1200);
+        let small = cells(40, 30, 1);
+        assert_eq!(frame(&device, &queue, &mut lighting, &settings, &small).len(), 1200);
     }
 }
 
@@ -167,7 +175,7 @@ fn the_published_cascades_agree_in_example_scenes() {
     let gpu = device();
     for (name, scene) in scenes() {
         if ["fog", "stained_glass", "two_rooms"].contains(&name.as_str()) {
-            let Settings { wall_depth, .. } = scene.settings().unwrap();
+            let Settings { wall_depth, .. } = scene.resolve_settings().unwrap();
             let settings =
                 Settings { bounces: Bounces::Count(1), wall_depth, ..holographic("paper") };
             agree(&gpu, &format!("paper, {name}"), &scene.cells().unwrap(), settings);
@@ -175,21 +183,21 @@ fn the_published_cascades_agree_in_example_scenes() {
     }
 }
 
-/// Where workgroups have more memory, tiles are taller: it saves work, and changes no bit.
+/// More workgroup memory makes taller tiles, which save work and change no bit.
 #[test]
 fn tiers_agree_to_the_bit() {
     for (name, cells) in [("walls", solid(211, 127, 5)), ("tint", cells(211, 127, 5))] {
         let mut tiers = [Tier::Web, Tier::Native].map(|tier| {
             let (device, queue) = device_of(tier);
             let memory = device.limits().max_compute_workgroup_storage_size;
-            let lighting = Lighting::new(&device, &queue, holographic("default")).unwrap();
+            let lighting = lighting(&device, &queue);
             (device, queue, lighting, memory, Duration::MAX)
         });
         let mut lights = [Vec::new(), Vec::new()];
         for _ in 0..3 {
             for ((device, queue, lighting, _, least), light) in tiers.iter_mut().zip(&mut lights) {
                 let start = Instant::now();
-                *light = frame(device, queue, lighting, &cells);
+                *light = frame(device, queue, lighting, &holographic("default"), &cells);
                 *least = start.elapsed().min(*least);
             }
         }

@@ -79,7 +79,7 @@ fn polar_agrees_on_every_example_scene_with_lamps() {
 }
 
 #[test]
-fn rays_through_more_fog_than_there_is_room_for_are_found_anew() {
+fn curves_that_find_no_room_in_the_store_are_traced_again() {
     let gpu = device();
     let mut cells = Cells::new(96, 64).unwrap();
     for i in 0..cells.len() {
@@ -96,7 +96,7 @@ fn rays_through_more_fog_than_there_is_room_for_are_found_anew() {
 }
 
 #[test]
-fn lamps_come_and_go_and_the_host_keeps_what_it_was_told() {
+fn lamps_come_and_go_and_buffers_of_the_host_stay_valid() {
     let gpu = device();
     let mut both = Both::new(&gpu, polar(Polar::default()));
     let mut cells = cells(120, 70, 61);
@@ -120,5 +120,5 @@ fn lamps_come_and_go_and_the_host_keeps_what_it_was_told() {
     }
     sizes.dedup();
     println!("bytes: {sizes:?}");
-    assert!(sizes.len() <= 3, "made anew too often");
+    assert!(sizes.len() <= 3, "reallocated too often");
 }

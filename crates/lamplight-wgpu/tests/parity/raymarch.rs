@@ -1,10 +1,9 @@
 //! `raymarch`, by both rules.
 
-use crate::common::{cells, device, frame};
+use crate::common::{cells, device, frame, lighting};
 use crate::compare::{SIZES, agree, scenes, wrong};
 use lamplight::settings::{BounceBy, Noise, Raymarch, Spacing};
 use lamplight::{Bounces, Gradient, Method, Rgb, Settings, Sky, Solver};
-use lamplight_wgpu::Lighting;
 
 fn raymarch() -> Settings {
     Settings { method: Method::Raymarch, ..Settings::default() }
@@ -71,7 +70,7 @@ fn raymarch_agrees_under_a_sky_that_changes() {
 fn raymarch_agrees_on_every_example_scene() {
     let gpu = device();
     for (name, scene) in scenes() {
-        let Settings { wall_depth, seed, .. } = scene.settings().unwrap();
+        let Settings { wall_depth, seed, .. } = scene.resolve_settings().unwrap();
         for (preset, bounces) in [("default", 0), ("default", 2), ("godot", 1)] {
             let bounces = Bounces::Count(bounces);
             let mut settings = Settings { wall_depth, seed, bounces, ..raymarch() };
@@ -88,11 +87,11 @@ fn later_frames_have_the_noise_of_later_frames() {
     let (device, queue) = device();
     let cells = cells(64, 48, 21);
     let mut solver = Solver::new(raymarch()).unwrap();
-    let mut lighting = Lighting::new(&device, &queue, raymarch()).unwrap();
+    let mut lighting = lighting(&device, &queue);
     let mut before = Vec::new();
     for number in 0..18 {
         let right = solver.solve(&cells).unwrap().pixels().to_vec();
-        let seen = frame(&device, &queue, &mut lighting, &cells);
+        let seen = frame(&device, &queue, &mut lighting, &raymarch(), &cells);
         let seen: Vec<Rgb> = seen.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
         assert_eq!(wrong(&seen, &right), 0, "frame {number}");
         assert!(before.is_empty() || wrong(&seen, &before) > 0, "the same noise");

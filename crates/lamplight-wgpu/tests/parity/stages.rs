@@ -1,16 +1,17 @@
 //! The stages that methods share.
 
-use crate::common::{cells, device};
+use crate::common::{cells, device, lighting, recorded};
 use crate::compare::SIZES;
+use lamplight::grid::class::CellClass;
+use lamplight::grid::empty_space::empty_space;
 use lamplight::settings::{Hit, Raymarch};
-use lamplight::stages::clearance::{Ground, clearance};
 use lamplight::stages::distance::distance;
 use lamplight::stages::jump_flood::{jump_flood, settle};
-use lamplight::stages::seed::{is_occupied, seed};
-use lamplight::stages::transmittance::log_transmittance;
+use lamplight::stages::seed::seed;
+use lamplight::stages::transmittance::extinction;
 use lamplight::{Cells, Method, Settings, Solver};
 use lamplight_wgpu::read_back::read_back;
-use lamplight_wgpu::{Lighting, Stage};
+use lamplight_wgpu::{FrameInput, Stage};
 use wgpu::{Device, Queue};
 
 /// The GPU's stages for some cells.
@@ -19,14 +20,11 @@ fn stage<T: bytemuck::Pod>(
     cells: &Cells,
     stage: Stage,
 ) -> Vec<T> {
-    let mut lighting =
-        Lighting::new(device, queue, Settings { method: Method::Raymarch, ..Settings::default() })
-            .unwrap();
-    lighting.prepare(device, queue, cells).unwrap();
-    let mut encoder = device.create_command_encoder(&Default::default());
-    lighting.record_fields(device, &mut encoder).unwrap();
-    lighting.record(&mut encoder);
-    queue.submit([encoder.finish()]);
+    let settings = Settings { method: Method::Raymarch, ..Settings::default() };
+    let mut lighting = lighting(device, queue);
+    let input = FrameInput::of_cells(&settings, cells);
+    lighting.prepare(&FrameInput { distance_field: true, ..input }).unwrap();
+    recorded(device, queue, &lighting);
     read_back(device, queue, lighting.stage(stage).unwrap()).unwrap()
 }
 
@@ -52,18 +50,17 @@ fn seeds_jump_flood_and_distance_agree() {
     }
 }
 
-/// Such a frame has fields too, in buffers of its own.
+/// A frame that needs the fields makes its own too.
 #[test]
-fn fields_are_made_without_a_frame_that_goes_by_them() {
+fn fields_are_made_beside_those_of_the_method() {
     let (device, queue) = device();
     let cells = cells(40, 30, 13);
     let raymarch = Raymarch { hit: Hit::Distance, ..Raymarch::default() };
     let settings = Settings { method: Method::Raymarch, raymarch, ..Settings::default() };
-    let mut lighting = Lighting::new(&device, &queue, settings.clone()).unwrap();
-    lighting.prepare(&device, &queue, &cells).unwrap();
-    let mut encoder = device.create_command_encoder(&Default::default());
-    lighting.record_fields(&device, &mut encoder).unwrap();
-    queue.submit([encoder.finish()]);
+    let mut lighting = lighting(&device, &queue);
+    let input = FrameInput::of_cells(&settings, &cells);
+    lighting.prepare(&FrameInput { distance_field: true, ..input }).unwrap();
+    recorded(&device, &queue, &lighting);
     let mut solver = Solver::new(settings).unwrap();
     solver.solve(&cells).unwrap();
     let read = |stage| read_back::<u32>(&device, &queue, lighting.stage(stage).unwrap()).unwrap();
@@ -72,23 +69,17 @@ fn fields_are_made_without_a_frame_that_goes_by_them() {
 }
 
 #[test]
-fn clear_squares_agree() {
+fn empty_space_agrees() {
     let gpu = device();
     for [w, h] in SIZES {
         let cells = cells(w, h, 11);
-        let ground: Vec<Ground> = (0..cells.len())
-            .map(|i| match () {
-                () if cells.is_solid(i) => Ground::Closed,
-                () if is_occupied(&cells, i, 0.0) => Ground::Matter,
-                () => Ground::Clear,
-            })
-            .collect();
-        let light = |i: usize| {
-            (cells.emission()[i], log_transmittance(cells.opacity()[i], cells.tint()[i]))
-        };
+        let classes: Vec<CellClass> =
+            (0..cells.len()).map(|i| CellClass::of(&cells, i, 0.0)).collect();
+        let light =
+            |i: usize| (cells.emission()[i], extinction(cells.opacity()[i], cells.tint()[i]));
         let mut squares = Vec::new();
-        clearance(w, &ground, |i, j| light(i) == light(j), &mut squares);
-        let seen: Vec<u32> = stage(&gpu, &cells, Stage::Clearance);
+        empty_space(w, &classes, |i, j| light(i) == light(j), &mut squares);
+        let seen: Vec<u32> = stage(&gpu, &cells, Stage::EmptySpace);
         for (i, word) in seen.iter().enumerate() {
             let right = std::array::from_fn(|quadrant| squares[quadrant * cells.len() + i]);
             let (x, y) = (i as u32 % w, i as u32 / w);

@@ -12,7 +12,7 @@ use lamplight::{Bounces, Method, Settings};
 const RAYS: u32 = 7;
 
 fn accumulating(reject: bool) -> Settings {
-    let temporal = Temporal { frames: 8, reject };
+    let temporal = Temporal { history_length: 8, reject };
     let mut settings =
         Settings { method: Method::Raymarch, temporal, wall_depth: 2.0, ..Settings::default() };
     settings.raymarch.rays = RAYS;
@@ -50,8 +50,10 @@ fn rays_that_tire_on_their_way_past_changes_agree() {
 fn means_agree_on_every_example_scene() {
     let gpu = device();
     for (number, (name, scene)) in scenes().into_iter().enumerate() {
-        let mut settings =
-            Settings { wall_depth: scene.settings().unwrap().wall_depth, ..accumulating(true) };
+        let mut settings = Settings {
+            wall_depth: scene.resolve_settings().unwrap().wall_depth,
+            ..accumulating(true)
+        };
         settings.denoise = Denoise { passes: 2, strength: 1.0 };
         settings.bounces = Bounces::Count(1);
         if number % 2 == 1 {

@@ -1,4 +1,4 @@
-//! The ways to the same light, each chosen by name.
+//! The methods, each selected by its name.
 
 pub mod cascades;
 pub mod flood;

@@ -1,4 +1,4 @@
-//! Which cells a figure covers, and by what share of their area.
+//! The cells that a figure covers, and the covered fractions of their areas.
 //!
 //! Everything is computed in double precision and visited row by row; only the part inside a
 //! [`Window`] is visited, so that the cost never depends on how far a figure reaches outside.
@@ -62,9 +62,9 @@ pub(crate) fn disc_centres(
     }
 }
 
-/// Visits each cell that a disc touches, with the exact share of its area that is covered.
+/// Visits each cell that a disc touches, with the exact fraction of its area that is covered.
 ///
-/// The share of a box is the sum with signs of four corner integrals `F(x, y)`, the disc's area
+/// The coverage of a box is the signed sum of four corner integrals `F(x, y)`, the disc's area
 /// left of x and above y. With `A(t) = ∫₀ᵗ √(r² − s²) ds`: for a corner inside the disc
 /// `F = πr²/4 + x·y + A(x) + A(y)`; outside it, F is made of whole caps.
 pub(crate) fn disc_shares(
@@ -108,7 +108,7 @@ struct Disc {
     radius: f64,
 }
 
-/// A grid line through or beside a disc: where, and `A` of it.
+/// The position of a grid line through or beside a disc, and its `A`.
 #[derive(Clone, Copy)]
 struct Line {
     at: f64,
@@ -166,11 +166,11 @@ pub(crate) fn polygon_centres(points: &[Point], window: &Window, mut visit: impl
     }
 }
 
-/// Visits each cell that a polygon touches, with the share of its area that is covered: exact for
+/// Visits each cell that a polygon touches, with the fraction of its area that is covered: exact for
 /// polygons that do not cross themselves; where one does, the few cells at the crossing are not.
 ///
 /// Each edge adds the signed area to its right, cell by cell (the accumulation buffer of font
-/// rasterisers, Levien 2016); the running sum along a row is the covered share.
+/// rasterisers, Levien 2016); the running sum along a row is the coverage.
 pub(crate) fn polygon_shares(
     points: &[Point],
     window: &Window,
@@ -230,7 +230,7 @@ impl Row {
         }
     }
 
-    /// The same for a piece that stays in one column.
+    /// Adds a piece of an edge that stays in one column.
     fn add_within(&mut self, a: f64, b: f64, rise: f64) {
         let column = a.floor() as usize;
         if column + 1 < self.sums.len() {
@@ -241,7 +241,7 @@ impl Row {
     }
 }
 
-/// A covered area as a share of a cell; `None` where nothing is covered.
+/// A covered area as a fraction of a cell; `None` if nothing is covered.
 fn share(area: f64) -> Option<f32> {
     match area {
         a if a < ROUNDING => None,

@@ -1,4 +1,4 @@
-//! Scene files: reading, writing, and errors that say where.
+//! Scene files: reading, writing, and errors with positions.
 
 use super::Scene;
 use crate::explain::explain;
@@ -79,9 +79,17 @@ impl Scene {
             .map_err(|e| Error::value("scene", e, "possible to write"))
     }
 
-    /// An error with the file that this scene came from, if it came from one.
+    /// An error with the file that this scene came from, if it came from one, and the line of its key.
     pub(super) fn in_its_file(&self, error: Error) -> Error {
-        if self.file.as_os_str().is_empty() { error } else { error.in_file(&self.file) }
+        if self.file.as_os_str().is_empty() {
+            return error;
+        }
+        // The text is not kept, because errors after parsing are rare. A pipe cannot be read twice.
+        let text = if self.file.is_file() { read(&self.file).ok() } else { None };
+        match text {
+            Some(text) => at_its_line(error, &text).in_file(&self.file),
+            None => error.in_file(&self.file),
+        }
     }
 }
 
@@ -113,14 +121,14 @@ fn json_syntax(error: &serde_json::Error) -> Error {
     Error::Syntax { line, column, problem: without_place(error) }
 }
 
-/// serde_json's message without the " at line 1 column 2" at its end.
+/// The message of an error of serde_json, without the position at its end.
 fn without_place(error: &serde_json::Error) -> String {
     let message = error.to_string();
     let place = format!(" at line {} column {}", error.line(), error.column());
     message.strip_suffix(&place).unwrap_or(&message).to_owned()
 }
 
-/// Line and column, both from 1, of a byte of a text.
+/// The line and column of a byte of a text, both from 1.
 fn place(text: &str, byte: usize) -> (usize, usize) {
     let before = &text.as_bytes()[..byte.min(text.len())];
     let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
@@ -128,7 +136,7 @@ fn place(text: &str, byte: usize) -> (usize, usize) {
     (line, String::from_utf8_lossy(&before[start..]).chars().count() + 1)
 }
 
-/// Refuses `nan` and `inf` in settings: JSON, which they are kept as, has no such numbers.
+/// Refuses `nan` and `inf` in settings, which are kept as JSON, where no such numbers exist.
 fn finite(key: &str, value: &Spanned<DeValue>, text: &str) -> Result<()> {
     match value.get_ref() {
         DeValue::Table(table) => table.iter().try_for_each(|(name, value)| {
@@ -143,10 +151,12 @@ fn finite(key: &str, value: &Spanned<DeValue>, text: &str) -> Result<()> {
     }
 }
 
-/// The error with the line on which its key stands in a TOML text, where it has one.
+/// Adds the line of its key in a TOML text to an error.
 fn at_its_line(error: Error, text: &str) -> Error {
     let line = match &error {
-        Error::Value { key, .. } | Error::Key { key, .. } => line_of(text, key),
+        Error::Value { key, .. } | Error::Key { key, .. } | Error::Under { key, .. } => {
+            line_of(text, key)
+        }
         Error::Size { .. } => line_of(text, "size"),
         _ => None,
     };
@@ -156,7 +166,7 @@ fn at_its_line(error: Error, text: &str) -> Error {
     }
 }
 
-/// The line of the deepest part of a key, such as `shape[2].circle.radius`, that a text has.
+/// The line of a key such as `shape[2].circle.radius`, or of the deepest part of it that exists.
 fn line_of(text: &str, key: &str) -> Option<usize> {
     let table = DeTable::parse(text).ok()?;
     let mut value = &DeValue::Table(table.into_inner());

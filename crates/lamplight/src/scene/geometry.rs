@@ -1,4 +1,4 @@
-//! What shapes can look like, as data with its checks.
+//! The geometries of shapes, as checked data.
 
 use super::coverage::Point;
 use crate::{Error, Result};
@@ -7,10 +7,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Most points of a polygon: rasterising costs rows × points.
+/// The largest number of points of a polygon: rasterising costs rows × points.
 const MAX_POINTS: usize = 10_000;
 
-/// What a shape covers. All lengths in px.
+/// The area that a shape covers. All lengths are in px.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
     /// A disc.
@@ -70,27 +70,27 @@ pub struct Polygon {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
-    /// Where it starts.
+    /// The middle of its start.
     #[serde(deserialize_with = "exact::one")]
     pub from: [f32; 2],
-    /// Where it ends.
+    /// The middle of its end.
     #[serde(deserialize_with = "exact::one")]
     pub to: [f32; 2],
     /// Its width, more than 0.
     pub width: f32,
 }
 
-/// An image whose alpha gives shape: a cell is covered by the alpha at its centre (nearest px),
-/// without antialiasing where that is ½ or more.
+/// An image whose alpha is the shape. The alpha at a cell's centre (nearest px) is its coverage;
+/// without antialiasing, an alpha of ½ or more covers it fully.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sprite {
     /// A PNG or EXR; a relative path starts at the scene file's folder.
     pub image: PathBuf,
-    /// Where the middle of the image comes to lie.
+    /// The position of the middle of the image.
     #[serde(deserialize_with = "exact::one")]
     pub center: [f32; 2],
-    /// Cells a px of the image, 0.001 to 1000.
+    /// Cells per px of the image, 0.001 to 1000.
     #[serde(default = "full_scale")]
     pub scale: f32,
 }
@@ -100,7 +100,7 @@ fn full_scale() -> f32 {
 }
 
 impl Geometry {
-    /// Refuses what has no extent and what is not a number.
+    /// Rejects shapes without extent and values that are not numbers.
     pub(crate) fn check(&self, key: &str) -> Result<()> {
         match self {
             Self::Circle(c) => {

@@ -9,32 +9,31 @@ use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-/// Images that fill the grid under the shapes. Each is a PNG or EXR of exactly the scene's size;
-/// relative paths start at the scene file's folder.
+/// Images that fill the grid under the shapes. Each is a PNG, EXR, WebP or JPEG of exactly the scene's
+/// size; relative paths start at the scene file's folder.
 ///
-/// Where an image is transparent its layer says nothing: its values lie over the defaults
-/// (emission, opacity and albedo 0, tint 1, the picture white) by alpha.
+/// Transparent pixels are mixed with the defaults (emission, opacity and albedo 0, tint 1, the picture
+/// white) by their alpha; fully transparent ones are ignored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Layers {
-    /// Radiance given off: a PNG is sRGB-decoded, an EXR linear as it is. Without an opacity layer
-    /// every cell that glows here is solid.
+    /// Emitted radiance. An EXR is linear as it is, other images are sRGB-decoded. Without an opacity
+    /// layer every cell that glows here is solid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub emission: Option<PathBuf>,
     /// Multiplies the emission layer, 0 to 1e6.
     #[serde(skip_serializing_if = "is_one")]
     pub emission_scale: f32,
-    /// Opacity: the grey value ÷ 255, no sRGB.
+    /// Opacity: the grey value, 0 to 1, without sRGB decoding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<PathBuf>,
     /// Albedo, sRGB-decoded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub albedo: Option<PathBuf>,
-    /// Tint: the values ÷ 255, no sRGB.
+    /// Tint: the values, 0 to 1, without sRGB decoding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tint: Option<PathBuf>,
-    /// What the final picture shows under the light, sRGB-decoded. Default: the albedo layer, else
-    /// white.
+    /// Colour of the final picture under the light, sRGB-decoded. Default: the albedo layer, else white.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<PathBuf>,
 }
@@ -57,9 +56,14 @@ impl Default for Layers {
 }
 
 impl Layers {
-    /// Whether there is no layer.
+    /// True if there is no layer.
     pub(crate) fn is_empty(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// The images, as the scene names them.
+    pub(crate) fn images(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.emission, &self.opacity, &self.albedo, &self.tint, &self.color].into_iter().flatten()
     }
 
     pub(crate) fn check(&self) -> Result<()> {
@@ -111,7 +115,7 @@ impl Layers {
     }
 }
 
-/// One layer's image, with what its errors name.
+/// The image of a layer, with its key and path for errors.
 struct Layer {
     key: String,
     path: PathBuf,
@@ -137,7 +141,7 @@ impl Layer {
         Ok(Self { picture, key, path })
     }
 
-    /// Sets every cell of one field; refuses what an EXR may hold and the field may not.
+    /// Sets one field of every cell; rejects values that an EXR can hold and the field cannot.
     fn fill<T: Channels>(
         &self,
         field: &'static str,
@@ -187,7 +191,7 @@ impl Channels for Rgb {
     }
 }
 
-/// One value for three (the luma of Rec. 709), which leaves grey as it is.
+/// The luma (Rec. 709) of a colour; grey stays exactly as it is.
 fn grey(rgb: Rgb) -> f32 {
     if rgb == [rgb[0]; 3] { rgb[0] } else { crate::srgb::luminance(rgb) }
 }

@@ -1,4 +1,4 @@
-//! What an author writes: layers, shapes, lamps and a sky, in a file or in code.
+//! Scenes as authors write them: layers, shapes, lamps and a sky, in a file or in code.
 
 pub(crate) mod coverage;
 mod file;
@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// let mut scene = Scene::new(64, 48)
 ///     .shape(Shape::rect([30.0, 8.0], [34.0, 40.0]).albedo([0.9, 0.3, 0.2]))
 ///     .lamp(Lamp { position: [16.0, 24.0], intensity: 4.0, ..Lamp::default() });
-/// scene.light.set("bounces", 2);
+/// scene.settings.set("bounces", 2);
 /// let cells = scene.cells()?;
 /// assert_eq!(cells.width(), 64);
 /// assert_eq!(scene, Scene::from_toml(&scene.to_toml()?)?);
@@ -51,10 +51,10 @@ pub struct Scene {
     /// Lamps.
     #[serde(default, rename = "lamp", skip_serializing_if = "Vec::is_empty")]
     pub lamps: Vec<Lamp>,
-    /// The scene's own settings; whoever renders it may lay others over them.
-    #[serde(default, skip_serializing_if = "SettingsTable::is_empty")]
-    pub light: SettingsTable,
-    /// How the final picture is shown.
+    /// The scene's own settings; those of the command line override them.
+    #[serde(default, rename = "light", skip_serializing_if = "SettingsTable::is_empty")]
+    pub settings: SettingsTable,
+    /// The conversion of light to the final picture.
     #[serde(default)]
     pub display: Display,
     /// The file it was read from; relative paths start at its folder.
@@ -71,16 +71,16 @@ impl Scene {
             layers: Layers::default(),
             shapes: Vec::new(),
             lamps: Vec::new(),
-            light: SettingsTable::default(),
+            settings: SettingsTable::default(),
             display: Display::default(),
             file: PathBuf::new(),
         }
     }
 
-    /// Sets the sky.
+    /// Sets the sky: a colour, a gradient or a [`Sky`].
     #[must_use]
-    pub fn sky(self, sky: Sky) -> Self {
-        Self { sky, ..self }
+    pub fn sky(self, sky: impl Into<Sky>) -> Self {
+        Self { sky: sky.into(), ..self }
     }
 
     /// Adds a shape over the others.
@@ -105,8 +105,8 @@ impl Scene {
         self.grid(Source::Folder(folder)).map_err(|e| self.in_its_file(e))
     }
 
-    /// The same with images given as bytes, by the paths that the scene names; nothing is read from
-    /// disk, so that it suits a browser, and scenes from anywhere.
+    /// Like [`Self::cells`], with the bytes of images from `files`, by the paths in the scene. Nothing is
+    /// read from disk, as in a browser or for untrusted scenes.
     pub fn cells_with<'a>(&self, files: impl Fn(&Path) -> Option<&'a [u8]>) -> Result<Cells> {
         self.grid(Source::Given(&|path: &Path| files(path))).map_err(|e| self.in_its_file(e))
     }
@@ -124,13 +124,28 @@ impl Scene {
         Ok(cells)
     }
 
-    /// The scene's settings, checked.
-    pub fn settings(&self) -> Result<Settings> {
+    /// The files that the scene reads: its own, if it came from one, and its images.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let folder = self.file.parent().unwrap_or(&self.file);
+        let own = Some(&self.file).filter(|file| !file.as_os_str().is_empty());
+        let sprites = self.shapes.iter().filter_map(|shape| match &shape.geometry {
+            Geometry::Sprite(sprite) => Some(&sprite.image),
+            _ => None,
+        });
+        let images = self.layers.images().chain(sprites).map(|image| folder.join(image));
+        own.cloned().into_iter().chain(images).collect()
+    }
+
+    /// Resolves and checks the scene's settings.
+    ///
+    /// # Errors
+    /// Fails if a key is unknown or a value is out of its range.
+    pub fn resolve_settings(&self) -> Result<Settings> {
         self.own_settings().map_err(|e| self.in_its_file(e))
     }
 
     fn own_settings(&self) -> Result<Settings> {
-        self.light.resolve().map_err(|e| e.under("light"))
+        self.settings.resolve().map_err(|e| e.under("light"))
     }
 
     /// Refuses values that no scene has. Images are not opened.
@@ -154,8 +169,8 @@ impl Scene {
         schemars::schema_for!(Scene).to_value()
     }
 
-    /// What is allowed and yet hardly meant, one sentence each: matter that glows and gives off no
-    /// light, shapes and lamps that are not seen.
+    /// Warnings about input that is valid and probably a mistake, one sentence each: matter that glows
+    /// and emits no light, shapes and lamps that are not visible.
     pub fn warnings(&self, cells: &Cells) -> Vec<String> {
         let mut warnings = Vec::new();
         let window = Window::grid(cells.width(), cells.height());
@@ -177,6 +192,10 @@ impl Scene {
                     "`lamp[{i}]` is at [{x}, {y}], outside the grid of {width}×{height}: polar \
                      and flood light from there, the others see what of its disc lies inside"
                 ));
+            } else if is_walled_in(lamp, cells) {
+                warnings.push(format!(
+                    "`lamp[{i}]` at [{x}, {y}] is inside a wall, which its light does not leave"
+                ));
             }
         }
         let mut idle = (0..cells.len()).filter(|&i| {
@@ -196,4 +215,15 @@ impl Scene {
         }
         warnings
     }
+}
+
+/// True if every cell that the disc of a lamp covers or touches is solid.
+fn is_walled_in(lamp: &Lamp, cells: &Cells) -> bool {
+    let (center, reach) = (lamp.position.map(f64::from), f64::from(lamp.size) + 1.0);
+    let window = Window::grid(cells.width(), cells.height());
+    let mut solid = true;
+    coverage::disc_centres(center, reach, &window, |x, y| {
+        solid &= cells.is_solid(cells.index(x as u32, y as u32));
+    });
+    solid
 }

@@ -1,17 +1,17 @@
-//! Images, from disk or from bytes: their size is known and judged before a pixel is read.
+//! Images, from disk or from bytes. Their size is checked before any pixel is read.
 
 use super::source::Source;
 use crate::{Error, Result, Rgb, srgb};
-use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
-use std::io::{BufRead, Cursor, Seek};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use std::io::{BufRead, Cursor, Seek, SeekFrom};
 use std::path::Path;
 
-/// Bytes that decoding may take beside the pixels themselves.
+/// Bytes that decoding may take in addition to the pixels.
 const DECODER_BYTES: u64 = 64 << 20;
-/// Bytes of the largest px (four 32-bit channels), twice: as decoded and as kept.
+/// Bytes of the largest pixel (four 32-bit channels), twice: as decoded and as kept.
 const PIXEL_BYTES: u64 = 32;
 
-/// The pixels of an image as its file has them.
+/// The pixels of an image, as precise as in its file.
 #[derive(Debug)]
 pub(crate) enum Picture {
     /// 8 bits a channel, sRGB.
@@ -23,11 +23,11 @@ pub(crate) enum Picture {
 }
 
 impl Picture {
-    /// Reads a PNG or EXR whose size `accept` does not refuse; `path` is placed already.
+    /// Reads an image whose size `accept` does not reject; `path` is resolved already.
     pub fn open(
         source: Source,
         path: &Path,
-        accept: impl FnOnce(u32, u32) -> Result<()>,
+        accept: impl FnMut(u32, u32) -> Result<()>,
     ) -> Result<Self> {
         if let Source::Given(files) = source {
             let bytes = files(path).ok_or_else(|| Error::Format {
@@ -41,7 +41,7 @@ impl Picture {
         if !metadata.is_file() {
             return Err(Error::Format {
                 path: path.to_owned(),
-                problem: "it is not a file; a PNG or EXR image is needed".into(),
+                problem: "it is not a file; a PNG, EXR, WebP or JPEG image is needed".into(),
             });
         }
         Self::decode(ImageReader::open(path).map_err(unread)?, path, accept)
@@ -50,10 +50,28 @@ impl Picture {
     fn decode(
         reader: ImageReader<impl BufRead + Seek>,
         path: &Path,
-        accept: impl FnOnce(u32, u32) -> Result<()>,
+        mut accept: impl FnMut(u32, u32) -> Result<()>,
     ) -> Result<Self> {
         let unread = |source| Error::Read { path: path.to_owned(), source };
         let reader = reader.with_guessed_format().map_err(unread)?;
+        if reader.format() == Some(ImageFormat::OpenExr) {
+            let mut file = reader.into_inner();
+            let start = file.stream_position().map_err(unread)?;
+            if let Some(image) = one_channel_exr(&mut file, path, &mut accept)? {
+                return Ok(Self::Float(image));
+            }
+            file.seek(SeekFrom::Start(start)).map_err(unread)?;
+            let reader = ImageReader::with_format(file, ImageFormat::OpenExr);
+            return Self::pixels(reader, path, accept);
+        }
+        Self::pixels(reader, path, accept)
+    }
+
+    fn pixels(
+        reader: ImageReader<impl BufRead + Seek>,
+        path: &Path,
+        mut accept: impl FnMut(u32, u32) -> Result<()>,
+    ) -> Result<Self> {
         let mut decoder = reader.into_decoder().map_err(|e| broken(path, e))?;
         let (width, height) = decoder.dimensions();
         accept(width, height)?;
@@ -84,7 +102,7 @@ impl Picture {
         [width, height]
     }
 
-    /// Linear colour of a px and its alpha.
+    /// The linear colour of a pixel and its alpha.
     pub fn color(&self, x: u32, y: u32) -> (Rgb, f32) {
         match self {
             Self::Byte(image) => {
@@ -99,7 +117,7 @@ impl Picture {
         }
     }
 
-    /// Values of a px as they are, 0 to 1 (in an EXR any), and its alpha.
+    /// The values of a pixel as they are, 0 to 1 (in an EXR any), and its alpha.
     pub fn value(&self, x: u32, y: u32) -> (Rgb, f32) {
         let [r, g, b, a] = match self {
             Self::Byte(image) => image.get_pixel(x, y).0.map(|v| f32::from(v) / 255.0),
@@ -110,12 +128,70 @@ impl Picture {
     }
 }
 
+/// The pixels of an EXR that has one channel and no colour, as grey; none if it has colour.
+///
+/// `image` reads only EXR files with the channels R, G and B. Painting programs write an opacity or a
+/// mask as one channel, called Y by convention.
+fn one_channel_exr(
+    file: &mut (impl BufRead + Seek),
+    path: &Path,
+    accept: &mut impl FnMut(u32, u32) -> Result<()>,
+) -> Result<Option<image::Rgba32FImage>> {
+    use exr::prelude::traits::{ReadChannels, ReadLayers, ReadSpecificChannel};
+    let problem = |e: exr::error::Error| Error::Format {
+        path: path.to_owned(),
+        problem: format!("it is not an EXR that can be read: {e}"),
+    };
+    let start = file.stream_position().unwrap_or(0);
+    let meta = exr::meta::MetaData::read_from_buffered(&mut *file, false).map_err(problem)?;
+    let name = match meta.headers.as_slice() {
+        [header] if !header.deep => match header.channels.list.as_slice() {
+            [channel] => {
+                let size = header.layer_size;
+                accept(size.width() as u32, size.height() as u32)?;
+                channel.name.clone()
+            }
+            _ => return Ok(None),
+        },
+        _ => return Ok(None),
+    };
+    file.seek(SeekFrom::Start(start))
+        .map_err(|source| Error::Read { path: path.to_owned(), source })?;
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required(name)
+        .collect_pixels(
+            |size, _| image::Rgba32FImage::new(size.width() as u32, size.height() as u32),
+            |image, at, (value,): (f32,)| {
+                image.put_pixel(
+                    at.x() as u32,
+                    at.y() as u32,
+                    image::Rgba([value, value, value, 1.0]),
+                );
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(file)
+        .map_err(problem)?;
+    Ok(Some(image.layer_data.channel_data.pixels))
+}
+
 fn broken(path: &Path, error: ImageError) -> Error {
     let problem = match error {
         ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
             "the image is cut short".into()
         }
-        ImageError::Unsupported(e) => format!("{e}; a PNG or EXR image is needed"),
+        ImageError::Unsupported(e) => format!("{e}; a PNG, EXR, WebP or JPEG image is needed"),
+        // The decoder's own words name the parts of the format.
+        ImageError::Decoding(e) if e.format_hint() != ImageFormat::OpenExr.into() => {
+            let format = e.format_hint().to_string();
+            let format = if format == "WebP" { format } else { format.to_uppercase() };
+            format!("it is not a {format} image that can be read")
+        }
         e => e.to_string(),
     };
     Error::Format { path: path.to_owned(), problem }

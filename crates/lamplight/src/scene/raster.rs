@@ -6,7 +6,8 @@ use super::picture::Picture;
 use super::shape::Shape;
 use super::source::Source;
 use crate::check::BRIGHT;
-use crate::{Cells, Error, Matter, Result, Rgb};
+use crate::{Cells, Error, Matter, Result, Rgb, srgb};
+use image::RgbaImage;
 use std::collections::HashMap;
 use std::path::PathBuf;
 
@@ -88,7 +89,7 @@ pub(crate) fn covered(shape: &Shape, window: &Window) -> usize {
     n
 }
 
-/// Visits each cell that a shape other than a sprite covers, with the share.
+/// Visits each cell that a shape other than a sprite covers, with its coverage.
 fn visit(shape: &Shape, window: &Window, mut visit: impl FnMut(i64, i64, f32)) {
     match (&shape.geometry, shape.geometry.outline(shape.rotation)) {
         (Geometry::Circle(circle), _) => {
@@ -139,20 +140,58 @@ fn paint_sprite(
             if share == 0.0 {
                 continue;
             }
-            let product = |by: Rgb| -> Rgb { std::array::from_fn(|c| rgb[c] * by[c]) };
-            let matter = Matter {
-                emission: product(matter.emission),
-                albedo: product(matter.albedo),
-                ..matter
-            };
-            let (x, y) = (x as u32, y as u32);
-            let color = product(paint);
-            judge(x, y, &matter, share, color)?;
-            let i = cells.index(x, y);
-            cells.set_matter(i, matter.over(cells.matter(i), share));
-            lay(&mut cells.color_mut()[i], color, share * strength);
+            let texel = Texel { rgb, share, paint, strength };
+            cover(&matter, texel, [x as u32, y as u32], cells)?;
         }
     }
+    Ok(())
+}
+
+impl Cells {
+    /// Draws an image, one cell per px, with its upper left corner at a cell that may lie outside the
+    /// grid. Alpha is coverage; the colour (sRGB) multiplies the emission and the albedo of `matter`
+    /// and becomes the cell's colour.
+    ///
+    /// # Errors
+    /// Fails if a value of `matter` is out of its range; cells drawn before that stay.
+    pub fn blit(&mut self, image: &RgbaImage, position: [i32; 2], matter: Matter) -> Result<()> {
+        for (x, y, pixel) in image.enumerate_pixels() {
+            let at = [i64::from(position[0]) + i64::from(x), i64::from(position[1]) + i64::from(y)];
+            let [Ok(x), Ok(y)] = at.map(u32::try_from) else { continue };
+            let [r, g, b, alpha] = pixel.0;
+            if alpha == 0 || x >= self.width() || y >= self.height() {
+                continue;
+            }
+            let rgb = [r, g, b].map(srgb::decode_u8);
+            let share = f32::from(alpha) / 255.0;
+            let texel = Texel { rgb, share, paint: [1.0; 3], strength: matter.opacity };
+            cover(&matter, texel, [x, y], self)?;
+        }
+        Ok(())
+    }
+}
+
+/// A texel of an image that is drawn over a cell.
+struct Texel {
+    rgb: Rgb,
+    /// The covered fraction of the cell.
+    share: f32,
+    /// Factor on the texel's colour.
+    paint: Rgb,
+    /// Factor on the coverage of the colour.
+    strength: f32,
+}
+
+/// Draws a texel over a cell: its colour multiplies what the matter emits and reflects.
+fn cover(matter: &Matter, texel: Texel, [x, y]: [u32; 2], cells: &mut Cells) -> Result<()> {
+    let Texel { rgb, share, paint, strength } = texel;
+    let product = |by: Rgb| -> Rgb { std::array::from_fn(|c| rgb[c] * by[c]) };
+    let (emission, albedo) = (product(matter.emission), product(matter.albedo));
+    let (matter, color) = (Matter { emission, albedo, ..*matter }, product(paint));
+    judge(x, y, &matter, share, color)?;
+    let i = cells.index(x, y);
+    cells.set_matter(i, matter.over(cells.matter(i), share));
+    lay(&mut cells.color_mut()[i], color, share * strength);
     Ok(())
 }
 
@@ -168,7 +207,7 @@ fn judge(x: u32, y: u32, matter: &Matter, share: f32, color: Rgb) -> Result<()> 
         .unwrap_or(Ok(()))
 }
 
-/// Paint over a picture by a share.
+/// Blends a colour over a picture by a fraction.
 fn lay(picture: &mut Rgb, paint: Rgb, share: f32) {
     *picture = std::array::from_fn(|c| picture[c] * (1.0 - share) + paint[c] * share);
 }

@@ -1,15 +1,16 @@
-//! Shapes: a geometry and the matter that it is made of.
+//! Shapes: a geometry and its matter.
 
 use super::geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
-use crate::{Matter, Result, Rgb};
+use super::{raster, source::Source};
+use crate::{Cells, Matter, Result, Rgb};
 use crate::{check, exact};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A shape of a scene, drawn over what came before it.
 ///
-/// A cell is covered when its centre is inside; with `antialias` by the share of its area, which
+/// A cell is covered when its centre is inside; with `antialias` by the fraction of its area, which
 /// scales the opacity. A sprite covers by its image's alpha, and its image's colour multiplies
 /// `emission`, `albedo` and `color`.
 ///
@@ -22,28 +23,28 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "ShapeFile", into = "ShapeFile")]
 pub struct Shape {
-    /// What it covers.
+    /// The area that it covers.
     pub geometry: Geometry,
     /// Radians, from +x towards +y, about the geometry's centre (of a line its middle, of a
     /// polygon the mean of its points).
     pub rotation: f32,
-    /// Cover cells by the share of their area, not by their centres alone.
+    /// Cover cells by the fraction of their area, not by their centres alone.
     pub antialias: bool,
-    /// Radiance that it gives off, linear RGB.
+    /// Emitted radiance, linear RGB.
     pub emission: Rgb,
-    /// Share of light absorbed in crossing one px, 0 to 1; 1 is a solid wall.
+    /// Fraction of light absorbed per px, 0 to 1; 1 is a solid wall.
     pub opacity: f32,
-    /// Share of arriving light that is sent on; `None` reflects nothing.
+    /// Albedo: the fraction of arriving light that is reflected or scattered; `None` is 0.
     pub albedo: Option<Rgb>,
     /// Colour filter for each px crossed.
     pub tint: Rgb,
-    /// What the final picture shows under the light. `None`: the albedo if given, else white (of a
+    /// The colour under the light in the final picture. `None`: the albedo if given, else white (of a
     /// sprite its image), painted on as far as the shape is opaque.
     pub color: Option<Rgb>,
 }
 
 impl Shape {
-    /// A shape of a geometry: solid, black, reflecting nothing.
+    /// A solid, black shape without reflection.
     pub fn new(geometry: Geometry) -> Self {
         Self {
             geometry,
@@ -88,7 +89,7 @@ impl Shape {
         Self { rotation, ..self }
     }
 
-    /// Covers cells by the share of their area.
+    /// Covers cells by the fraction of their area.
     #[must_use]
     pub fn antialias(self) -> Self {
         Self { antialias: true, ..self }
@@ -124,7 +125,26 @@ impl Shape {
         Self { color: Some(color), ..self }
     }
 
-    /// What the shape is made of.
+    /// Draws the shape into cells, with the same rules as in a scene. The image of a sprite is read
+    /// from a path relative to the current folder; [`Cells::blit`] draws images from memory.
+    ///
+    /// ```
+    /// use lamplight::{Cells, Shape};
+    /// let mut cells = Cells::new(64, 48)?;
+    /// Shape::rect([30.0, 8.0], [34.0, 40.0]).albedo([0.9, 0.3, 0.2]).draw(&mut cells)?;
+    /// assert!(cells.is_solid(cells.index(31, 20)));
+    /// # Ok::<(), lamplight::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Fails if a value of the shape is out of its range or its image cannot be read.
+    pub fn draw(&self, cells: &mut Cells) -> Result<()> {
+        self.check("shape")?;
+        let source = Source::Folder(Path::new(""));
+        raster::paint(self, "shape", source, &mut raster::Images::default(), cells)
+    }
+
+    /// Returns the matter of the shape.
     pub fn matter(&self) -> Matter {
         Matter {
             emission: self.emission,
@@ -169,22 +189,23 @@ struct ShapeFile {
     /// Radians, from +x towards +y, about the shape's centre.
     #[serde(default, skip_serializing_if = "is_default")]
     rotation: f32,
-    /// Cover cells by the share of their area, not by their centres alone.
+    /// Cover cells by the fraction of their area, not by their centres alone.
     #[serde(default, skip_serializing_if = "is_default")]
     antialias: bool,
-    /// Radiance that it gives off, linear RGB of 0 or more.
+    /// Emitted radiance, linear RGB of 0 or more.
     #[serde(default, deserialize_with = "exact::one", skip_serializing_if = "is_default")]
     emission: Rgb,
-    /// Share of light absorbed in crossing one px, 0 to 1; 1 is a solid wall.
+    /// Fraction of light absorbed per px, 0 to 1; 1 is a solid wall.
     #[serde(default = "one")]
     opacity: f32,
-    /// Share of arriving light that is sent on, 0 to 1 a channel. Default: none.
+    /// Albedo: the fraction of arriving light that is reflected or scattered, 0 to 1 per channel.
+    /// Default: 0.
     #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
     albedo: Option<Rgb>,
-    /// Colour filter for each px crossed, 0 to 1 a channel.
+    /// Colour filter for each px crossed, 0 to 1 per channel.
     #[serde(default = "white", deserialize_with = "exact::one", skip_serializing_if = "is_white")]
     tint: Rgb,
-    /// What the final picture shows under the light, linear RGB 0 to 1. Default: the albedo if
+    /// The colour under the light in the final picture, linear RGB 0 to 1. Default: the albedo if
     /// given, else white (of a sprite its image), painted on as far as the shape is opaque.
     #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
     color: Option<Rgb>,

@@ -1,4 +1,4 @@
-//! Where the images of a scene come from.
+//! Sources of a scene's images.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! How often light is sent on.
+//! The maximum number of bounces.
 
 use crate::{Error, Result};
 use schemars::JsonSchema;
@@ -6,11 +6,11 @@ use serde::de::{Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// How often light is sent on: a number, or `"converged"`.
+/// The maximum number of bounces of light off walls and fog: a number, or `"converged"`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Bounces {
-    /// At most this many times; 0 is direct light only.
+    /// At most this many; 0 is direct light only.
     Count(#[schemars(range(min = 0, max = Bounces::MAX))] u32),
     /// Until the largest change is under 0.1 % of the mean.
     #[serde(serialize_with = "converged::serialize")]
@@ -19,10 +19,10 @@ pub enum Bounces {
 }
 
 impl Bounces {
-    /// Most bounces that are ever made, so that even mirrors-for-walls scenes end.
+    /// The limit of `Converged`, so that even scenes whose walls absorb nothing end.
     pub const MAX: u32 = 256;
 
-    /// The most bounces to make.
+    /// Returns the maximum number of bounces.
     pub fn limit(self) -> u32 {
         match self {
             Self::Count(k) => k,

@@ -1,72 +1,78 @@
 //! The settings of `cascades`.
 
+use super::declare::settings;
 use super::table::with_preset;
 use super::within;
-use crate::{Error, Result};
+use crate::Error;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the light of one cascade is handed to the next nearer one.
+/// The rule by which the light of one cascade is merged into the next nearer one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Merge {
-    /// One ray, then the mean of the four probes around by bilinear weights. Fast; shadows ring and
-    /// light leaks through thin walls, as a ray does not end where the next one starts.
+    /// One ray, then the bilinear mean of the four surrounding probes. Fast; shadows ring and light
+    /// leaks through thin walls, because a ray does not end where the next one starts.
     Plain,
-    /// A ray to each of the four probes, exactly to where its own rays start, so that every path
-    /// is unbroken: nothing leaks. Four times the rays.
+    /// One ray to each of the four probes, exactly to where the probe's own rays start, so that
+    /// every path is unbroken and nothing leaks. Four times the rays.
     #[default]
     BilinearFix,
 }
 
-/// The settings of `cascades`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-#[schemars(transform = with_preset(Self::PRESETS))]
-pub struct Cascades {
-    /// How cascades are merged.
-    pub merge: Merge,
-    /// Rays of the nearest cascade, 4, 16 or 64; each further one has four times as many. Time
-    /// grows with it; more rays see smaller lights. 0 is 4 with `merge = "plain"`, else 16.
-    #[schemars(extend("enum" = [0, 4, 16, 64]))]
-    pub rays: u32,
-    /// px that the rays of the nearest cascade reach, 0.25 to 64; each further one reaches four
-    /// times as far. Higher: softer steps from one cascade to the next, but lights may fall between
-    /// two rays. 0 is what has the least error: 1.5, 3 and 8 with 4, 16 and 64 rays.
-    #[schemars(range(min = 0.0, max = 64.0))]
-    pub interval: f32,
-    /// Probes of the c-th further cascade stand `spacing·2^c` px apart, 0.5 to 8 (the nearest one
-    /// has a probe at every px). Lower: sharper penumbrae; time and memory grow as 1/spacing².
-    #[schemars(range(min = 0.5, max = 8.0))]
-    pub spacing: f32,
-    /// Share of its length by which each interval reaches into the next, 0 to 1. Higher: with
-    /// `merge = "plain"` less light leaks, contact shadows get darker, and fog counts twice.
-    #[schemars(range(min = 0.0, max = 1.0))]
-    pub overlap: f32,
-}
-
-impl Default for Cascades {
-    fn default() -> Self {
-        Self { merge: Merge::default(), rays: 0, interval: 0.0, spacing: 1.0, overlap: 0.0 }
+settings! {
+    /// The settings of `cascades`.
+    #[schemars(transform = with_preset(Self::PRESETS))]
+    pub struct Cascades in "cascades" {
+        /// The merging rule.
+        merge: Merge = Merge::BilinearFix;
+        /// Rays of the nearest cascade: 4, 16 or 64. Each further cascade has four times as many.
+        /// Time grows in proportion; more rays resolve smaller lights. 0 chooses 4 with
+        /// `merge = "plain"`, else 16.
+        #[schemars(extend("enum" = [0, 4, 16, 64]))]
+        rays: u32 = 0;
+        /// Length in px of the nearest cascade's rays, 0 or from 0.25. Each further cascade reaches
+        /// four times as far. Higher: softer steps from one cascade to the next, but lights may
+        /// fall between two rays. 0 chooses the length with the least error: 1.5, 3 and 8 for 4, 16
+        /// and 64 rays.
+        interval: f32 = 0.0, in 0.0..=64.0;
+        /// Distance between probes in px: `spacing·2^c` in the c-th further cascade (the nearest one
+        /// has a probe in every pixel). Lower: sharper penumbrae; time and memory grow as 1/spacing².
+        spacing: f32 = 1.0, in 0.5..=8.0;
+        /// Fraction of its length by which each interval extends into the next. Higher: with
+        /// `merge = "plain"` less light leaks, contact shadows get darker, and fog counts twice.
+        overlap: f32 = 0.0, in 0.0..=1.0;
+    }
+    check |settings| {
+        if ![0, 4, 16, 64].contains(&settings.rays) {
+            return Err(Error::value("cascades.rays", settings.rays, "0, 4, 16 or 64"));
+        }
+        if settings.interval != 0.0 {
+            within("cascades.interval", settings.interval, 0.25..=64.0)?;
+        }
+        Ok(())
     }
 }
 
 impl Cascades {
-    /// Names of the presets.
-    pub const PRESETS: &'static [&'static str] = &["default", "plain", "quality"];
+    /// Names of the presets; the first is the default.
+    pub const PRESETS: &'static [&'static str] = &["default", "fast", "high", "plain"];
 
-    /// A preset by name: `default`, the bilinear fix with 16 rays; `plain`, cascades as first
-    /// published, with 4 rays (Sannikov 2023); `quality`, the bilinear fix with 64 rays.
+    /// Returns the preset of a name.
+    ///
+    /// `fast`, `default` and `high` use the bilinear fix with 4, 16 and 64 rays. `plain` is radiance
+    /// cascades as first published, with 4 rays (Sannikov 2023).
     pub fn preset(name: &str) -> Option<Self> {
-        match name {
-            "default" => Some(Self::default()),
-            "plain" => Some(Self { merge: Merge::Plain, ..Self::default() }),
-            "quality" => Some(Self { rays: 64, ..Self::default() }),
-            _ => None,
-        }
+        Some(match name {
+            "default" => Self::default(),
+            "fast" => Self { rays: 4, ..Self::default() },
+            "high" | "quality" => Self { rays: 64, ..Self::default() },
+            "plain" => Self { merge: Merge::Plain, ..Self::default() },
+            _ => return None,
+        })
     }
 
-    /// Rays of the nearest cascade, with 0 made out.
+    /// Rays of the nearest cascade, with 0 resolved.
     pub fn nearest_rays(&self) -> u32 {
         match (self.rays, self.merge) {
             (0, Merge::Plain) => 4,
@@ -75,7 +81,7 @@ impl Cascades {
         }
     }
 
-    /// px that they reach, with 0 made out.
+    /// Length of the nearest cascade's rays in px, with 0 resolved.
     pub fn nearest_interval(&self) -> f32 {
         match (self.interval, self.nearest_rays()) {
             (0.0, 4) => 1.5,
@@ -83,16 +89,5 @@ impl Cascades {
             (0.0, _) => 8.0,
             (interval, _) => interval,
         }
-    }
-
-    pub(super) fn check(&self) -> Result<()> {
-        if ![0, 4, 16, 64].contains(&self.rays) {
-            return Err(Error::value("cascades.rays", self.rays, "0, 4, 16 or 64"));
-        }
-        if self.interval != 0.0 {
-            within("cascades.interval", self.interval, 0.25..=64.0)?;
-        }
-        within("cascades.spacing", self.spacing, 0.5..=8.0)?;
-        within("cascades.overlap", self.overlap, 0.0..=1.0)
     }
 }

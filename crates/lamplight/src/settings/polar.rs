@@ -1,108 +1,96 @@
 //! The settings of `polar`.
 
+use super::declare::settings;
 use super::table::with_preset;
-use super::within;
-use crate::{Falloff, Result};
+use crate::Falloff;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How a ray finds its way out from the lamp.
+/// The way in which a ray advances from the lamp outwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Walk {
-    /// From cell edge to cell edge: lengths are exact, no cell is stepped over.
+    /// From cell edge to cell edge: lengths are exact, and no cell is missed.
     #[default]
     Edge,
-    /// A px at a time (the seed): up to 1 px too long, and clipped corners of cells are missed.
+    /// By one px at a time (Griffis): up to 1 px too long, and clipped corners of cells are missed.
     Step,
-    /// In leaps by the distance field, a px at a time near matter: as `step`; the field costs some
-    /// ms a frame and pays for few large lamps in the open.
+    /// By the distance field, one px at a time near matter: the same result as `step`. The field
+    /// costs some ms per frame and pays off for few large lamps in the open.
     Distance,
 }
 
-/// What the edge of a shadow looks like.
+/// The edges of shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Edges {
-    /// As wide as the lamp's `size` makes it, and at least a ray. Costs about a third more.
+    /// As wide as the lamp's `size` makes them, and at least one ray. Costs about a third more.
     #[default]
     Soft,
     /// Linear between two rays: crisp, without stairs.
     Linear,
-    /// By the nearest ray (the seed): stairs a px high at the lamp's range.
+    /// By the nearest ray (Griffis): stairs 1 px high at the lamp's range.
     Nearest,
 }
 
-/// How the light of several lamps comes together.
+/// The rule by which the light of several lamps is combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Blend {
-    /// The sum, as light does.
+    /// The sum, as for real light.
     #[default]
     Add,
-    /// The brightest lamp, channel by channel: overlaps do not brighten.
+    /// The brightest lamp per channel: overlaps do not brighten.
     Max,
-    /// `1 − Π(1 − light)`, each lamp's light cut off at 1: overlaps brighten and never pass 1.
+    /// `1 − Π(1 − light)`, each lamp's light clamped to 1: overlaps brighten and never exceed 1.
     Screen,
 }
 
-/// The settings of `polar`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-#[schemars(transform = with_preset(Self::PRESETS))]
-pub struct Polar {
-    /// Rays a px of the circle that a lamp reaches, 0.25 to 8: a lamp of range R has `⌈2πR·density⌉`.
-    /// Higher: finer shadows of thin things; walking costs grow with it, lighting pixels does not.
-    #[schemars(range(min = 0.25, max = 8.0))]
-    pub density: f32,
-    /// How a ray finds its way.
-    pub walk: Walk,
-    /// What the edge of a shadow looks like.
-    pub edges: Edges,
-    /// Fog and glass darken and tint what passes. Off: all that is not empty ends a ray (the seed).
-    pub translucent: bool,
-    /// How lamps come together.
-    pub blend: Blend,
-    /// The curve by which all lamps fade; left out, each fades by its own `falloff`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub falloff: Option<Falloff>,
-}
-
-impl Default for Polar {
-    fn default() -> Self {
-        Self {
-            density: 1.0,
-            walk: Walk::Edge,
-            edges: Edges::Soft,
-            translucent: true,
-            blend: Blend::Add,
-            falloff: None,
-        }
+settings! {
+    /// The settings of `polar`.
+    #[schemars(transform = with_preset(Self::PRESETS))]
+    pub struct Polar in "polar" {
+        /// Rays per px of the circle at a lamp's range: a lamp of range R has `⌈2πR·density⌉` rays.
+        /// Higher: finer shadows of thin things. The cost of tracing grows with it, that of lighting
+        /// pixels does not.
+        density: f32 = 1.0, in 0.25..=8.0;
+        /// The way in which a ray advances.
+        walk: Walk = Walk::Edge;
+        /// The edges of shadows.
+        edges: Edges = Edges::Soft;
+        /// Fog and glass darken and tint light. Off: everything that is not empty ends a ray
+        /// (Griffis).
+        translucent: bool = true;
+        /// The rule by which lamps are combined.
+        blend: Blend = Blend::Add;
+        /// The falloff of all lamps. If left out, each lamp has its own `falloff`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        falloff: Option<Falloff> = None;
     }
 }
 
 impl Polar {
-    /// Names of the presets.
-    pub const PRESETS: &'static [&'static str] = &["default", "gamemaker", "disc"];
+    /// Names of the presets; the first is the default.
+    pub const PRESETS: &'static [&'static str] = &["default", "fast", "high", "gamemaker", "disc"];
 
-    /// A preset by name: `default`; `gamemaker`, as the seed does it (Griffis: 2πR rays, a px at a
-    /// time, the nearest ray, whatever is there ends a ray, lamps add up); `disc`, in which
+    /// Returns the preset of a name.
+    ///
+    /// `fast` and `high` have half and twice the rays. `gamemaker` is the method of Griffis (2πR
+    /// rays, one px at a time, the nearest ray, everything ends a ray, lamps add up). In `disc`
     /// lamps give as much light as the glowing discs that other methods draw.
     pub fn preset(name: &str) -> Option<Self> {
-        match name {
-            "default" => Some(Self::default()),
-            "gamemaker" => Some(Self {
+        Some(match name {
+            "default" => Self::default(),
+            "fast" => Self { density: 0.5, ..Self::default() },
+            "high" => Self { density: 2.0, ..Self::default() },
+            "gamemaker" => Self {
                 walk: Walk::Step,
                 edges: Edges::Nearest,
                 translucent: false,
                 ..Self::default()
-            }),
-            "disc" => Some(Self { falloff: Some(Falloff::Inverse), ..Self::default() }),
-            _ => None,
-        }
-    }
-
-    pub(super) fn check(&self) -> Result<()> {
-        within("polar.density", self.density, 0.25..=8.0)
+            },
+            "disc" => Self { falloff: Some(Falloff::Inverse), ..Self::default() },
+            _ => return None,
+        })
     }
 }

@@ -1,12 +1,11 @@
 //! The settings of `raymarch`.
 
+use super::declare::settings;
 use super::table::with_preset;
-use super::within;
-use crate::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where rays start round the circle.
+/// The angle at which each pixel's first ray starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Noise {
@@ -16,121 +15,94 @@ pub enum Noise {
     /// frequencies in space and time, where eyes and blurs remove it.
     #[default]
     Blue,
-    /// A low-discrepancy lattice over pixel and frame (the golden ratio and its sister in two
-    /// dimensions, Roberts 2018).
+    /// A low-discrepancy lattice over pixel and frame (Roberts 2018, R2 sequence).
     Golden,
 }
 
-/// From one ray to the next.
+/// The angle between consecutive rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Spacing {
-    /// `2π/rays` apart: the least error for a given number.
+    /// `2π/rays`: the least error for a given number of rays.
     #[default]
     Even,
-    /// The golden angle apart (seed 1): any prefix is spread well.
+    /// The golden angle (Bigos 2020): any prefix of the rays is well distributed.
     Golden,
 }
 
-/// Where a ray ends.
+/// The rule by which a ray ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Hit {
     /// Exactly at the edge of a solid cell, with fog and glass on the way: converges to the truth.
     #[default]
     Edge,
-    /// Where the distance field falls under `hit_distance`, as the seeds do: any occupied cell ends
-    /// the ray, corners come out round.
+    /// At the point where the distance field falls below `hit_distance`, as in the source documents.
+    /// Any occupied cell ends the ray, and corners are rounded.
     Distance,
 }
 
-/// How a raymarched bounce is made.
+/// The way in which `raymarch` computes bounces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum BounceBy {
-    /// All bounces inside one frame.
+    /// All bounces within one frame.
     #[default]
     Frame,
-    /// One more bounce each frame, from the light of the frame before (the seeds' way): `bounces`
-    /// is then only on or off.
+    /// One more bounce each frame, from the light of the frame before (Bigos 2020): `bounces` is
+    /// then only on or off.
     Feedback,
 }
 
-/// The settings of `raymarch`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-#[schemars(transform = with_preset(Self::PRESETS))]
-pub struct Raymarch {
-    /// Rays a pixel, 1 to 65536. Time grows with it; noise falls between 1/√rays and 1/rays.
-    #[schemars(range(min = 1, max = 65_536))]
-    pub rays: u32,
-    /// Most steps a ray makes, 1 to 65536 (a leap by the distance field or one cell is a step). Low
-    /// values are faster and darken what lies far or behind fog.
-    #[schemars(range(min = 1, max = 65_536))]
-    pub steps: u32,
-    /// Where a ray ends.
-    pub hit: Hit,
-    /// With `hit = "distance"`: px from a surface at which a ray has arrived, 0.01 to 4. Higher:
-    /// rounder and fatter shapes.
-    #[schemars(range(min = 0.01, max = 4.0))]
-    pub hit_distance: f32,
-    /// With `hit = "distance"`: the least px that a ray advances, 0.1 to 8. Higher is faster and
-    /// misses corners (never whole cells).
-    #[schemars(range(min = 0.1, max = 8.0))]
-    pub least_step: f32,
-    /// Where rays start round the circle.
-    pub noise: Noise,
-    /// From one ray to the next.
-    pub spacing: Spacing,
-    /// Multiplies all emission, 0 to 1000 (seed 1: 1, its demo 1.5).
-    #[schemars(range(min = 0.0, max = 1000.0))]
-    pub emission_multiplier: f32,
-    /// Fade emission with distance d by `max(1 − (d/range)², 0)^dropoff` (seed 1). Not physical,
-    /// so off by default; adds nothing to the cost.
-    pub attenuation: bool,
-    /// Range of the attenuation in heights of the grid, 0.001 to 1000.
-    #[schemars(range(min = 0.001, max = 1000.0))]
-    pub emission_range: f32,
-    /// Exponent of the attenuation, 0 to 16.
-    #[schemars(range(min = 0.0, max = 16.0))]
-    pub emission_dropoff: f32,
-    /// Opacity above which a cell is occupied in the seed map, 0 to 0.999. With `hit = "edge"`
-    /// cells at or under it are passed as if empty.
-    #[schemars(range(min = 0.0, max = 0.999))]
-    pub threshold: f32,
-    /// How a bounce is made.
-    pub bounce: BounceBy,
-}
-
-impl Default for Raymarch {
-    fn default() -> Self {
-        Self {
-            rays: 32,
-            steps: 4096,
-            hit: Hit::Edge,
-            hit_distance: 0.5,
-            least_step: 1.0,
-            noise: Noise::Blue,
-            spacing: Spacing::Even,
-            emission_multiplier: 1.0,
-            attenuation: false,
-            emission_range: 2.0,
-            emission_dropoff: 2.0,
-            threshold: 0.0,
-            bounce: BounceBy::Frame,
-        }
+settings! {
+    /// The settings of `raymarch`.
+    #[schemars(transform = with_preset(Self::PRESETS))]
+    pub struct Raymarch in "raymarch" {
+        /// Rays per pixel. Time grows in proportion; noise falls between 1/√rays and 1/rays.
+        rays: u32 = 32, in 1..=65_536;
+        /// Maximum number of steps of a ray. A step is one cell or one skip over empty space. Low
+        /// values are faster and darken distant places and those behind fog.
+        steps: u32 = 4096, in 1..=65_536;
+        /// The rule by which a ray ends.
+        hit: Hit = Hit::Edge;
+        /// Distance in px from a surface at which a ray has arrived, with `hit = "distance"`.
+        /// Higher: rounder and fatter shapes.
+        hit_distance: f32 = 0.5, in 0.01..=4.0;
+        /// Shortest step of a ray in px, with `hit = "distance"`. Higher values are faster and miss
+        /// corners (never whole cells).
+        least_step: f32 = 1.0, in 0.1..=8.0;
+        /// The angle at which each pixel's first ray starts.
+        noise: Noise = Noise::Blue;
+        /// The angle between consecutive rays.
+        spacing: Spacing = Spacing::Even;
+        /// Factor on all emission (Bigos 2020 uses 1, the demo 1.5).
+        emission_multiplier: f32 = 1.0, in 0.0..=1000.0;
+        /// Fade emission with distance d by `max(1 − (d/range)², 0)^dropoff` (Bigos 2020). Not
+        /// physical, and therefore off by default; adds nothing to the cost.
+        attenuation: bool = false;
+        /// Range of the attenuation, in heights of the grid.
+        emission_range: f32 = 2.0, in 0.001..=1000.0;
+        /// Exponent of the attenuation.
+        emission_dropoff: f32 = 2.0, in 0.0..=16.0;
+        /// Opacity above which a cell is occupied in the seed map. With `hit = "edge"`, rays pass
+        /// cells at or below it as if they were empty.
+        threshold: f32 = 0.0, in 0.0..=0.999;
+        /// The way in which bounces are computed.
+        bounce: BounceBy = BounceBy::Frame;
     }
 }
 
 impl Raymarch {
-    /// Names of the presets.
-    pub const PRESETS: &'static [&'static str] = &["default", "godot", "unity"];
+    /// Names of the presets; the first is the default.
+    pub const PRESETS: &'static [&'static str] = &["default", "fast", "high", "godot", "unity"];
 
-    /// A preset by name: `default`; `godot`, seed 1's demo settings (Bigos 2020: 32 rays a golden
-    /// angle apart, 128 steps, white noise, feedback bounce); `unity`, seed 2's (16 rays evenly
-    /// apart, 16 steps, hit at 0.8 px).
+    /// Returns the preset of a name.
+    ///
+    /// `fast` and `high` take 16 and 128 rays. `godot` is the demo of Bigos 2020 (32 rays a golden
+    /// angle apart, 128 steps, white noise, feedback bounce), and `unity` its port with tone mapping
+    /// (16 rays, evenly spaced, 16 steps, hit at 0.8 px).
     pub fn preset(name: &str) -> Option<Self> {
-        let seed1 = Self {
+        let godot = Self {
             steps: 128,
             hit: Hit::Distance,
             noise: Noise::White,
@@ -138,28 +110,15 @@ impl Raymarch {
             bounce: BounceBy::Feedback,
             ..Self::default()
         };
-        match name {
-            "default" => Some(Self::default()),
-            "godot" => Some(seed1),
-            "unity" => Some(Self {
-                rays: 16,
-                steps: 16,
-                hit_distance: 0.8,
-                spacing: Spacing::Even,
-                ..seed1
-            }),
-            _ => None,
-        }
-    }
-
-    pub(super) fn check(&self) -> Result<()> {
-        within("raymarch.rays", self.rays, 1..=65_536)?;
-        within("raymarch.steps", self.steps, 1..=65_536)?;
-        within("raymarch.hit_distance", self.hit_distance, 0.01..=4.0)?;
-        within("raymarch.least_step", self.least_step, 0.1..=8.0)?;
-        within("raymarch.emission_multiplier", self.emission_multiplier, 0.0..=1000.0)?;
-        within("raymarch.emission_range", self.emission_range, 0.001..=1000.0)?;
-        within("raymarch.emission_dropoff", self.emission_dropoff, 0.0..=16.0)?;
-        within("raymarch.threshold", self.threshold, 0.0..=0.999)
+        Some(match name {
+            "default" => Self::default(),
+            "fast" => Self { rays: 16, ..Self::default() },
+            "high" => Self { rays: 128, ..Self::default() },
+            "godot" => godot,
+            "unity" => {
+                Self { rays: 16, steps: 16, hit_distance: 0.8, spacing: Spacing::Even, ..godot }
+            }
+            _ => return None,
+        })
     }
 }

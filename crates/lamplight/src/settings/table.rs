@@ -1,16 +1,17 @@
-//! Settings as they are written: layers of tables, with presets.
+//! Settings as written in files and flags: layers of tables, with presets.
 
-use super::{Cascades, Flood, Holographic, Polar, Raymarch, Settings};
+use super::{Cascades, Flood, Holographic, Polar, Quality, Raymarch, Settings};
 use crate::explain::explain;
 use crate::{Error, Method, Result};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
+use std::fmt::Display;
 
-/// Settings as a file or a command line writes them: only the keys that were named.
+/// Settings as a file or a command line writes them: only the keys that are given.
 ///
-/// Tables are laid over one another with [`Self::merge`]; [`Self::resolve`] makes [`Settings`].
+/// [`Self::merge`] lays one table over another; [`Self::resolve`] returns [`Settings`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct SettingsTable(Map<String, Value>);
@@ -21,18 +22,23 @@ impl JsonSchema for SettingsTable {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        Settings::json_schema(generator)
+        let mut schema = Settings::json_schema(generator);
+        let quality = generator.subschema_for::<Quality>();
+        if let Some(Value::Object(properties)) = schema.ensure_object().get_mut("properties") {
+            properties.insert("quality".to_owned(), quality.to_value());
+        }
+        schema
     }
 }
 
 impl SettingsTable {
-    /// Whether nothing was named.
+    /// Returns whether the table has no keys.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// Sets one key, such as `raymarch.rays`, to a value. The order of keys makes no difference: a
-    /// preset is where the others start from.
+    /// preset sets the starting values, and the other keys override it.
     pub fn set(&mut self, key: &str, value: impl Into<Value>) {
         let value = key.rsplit('.').fold(value.into(), |inner, name| {
             Value::Object(Map::from_iter([(name.to_owned(), inner)]))
@@ -42,38 +48,45 @@ impl SettingsTable {
         }
     }
 
-    /// Sets what `key=value` says, as in `--set raymarch.rays=64`; the value is TOML, and a word
-    /// without quotes is a string.
+    /// Sets a key from text of the form `key=value`, such as `raymarch.rays=64`; the value is TOML,
+    /// and a word without quotes is a string.
     pub fn set_from_text(&mut self, text: &str) -> Result<()> {
         let (key, value) = text
             .split_once('=')
             .filter(|(key, _)| key.split('.').all(|name| !name.trim().is_empty()))
             .ok_or_else(|| {
-                Error::value(
-                    "--set",
-                    text,
-                    "of the form key=value, such as bounces=2 or raymarch.rays=64",
-                )
+                let expected = "of the form key=value, such as bounces=2 or raymarch.rays=64";
+                Error::value("setting", text, expected)
             })?;
         let value = value.trim();
         let parsed = toml::from_str::<Map<String, Value>>(&format!("v = {value}"))
             .ok()
             .and_then(|mut table| table.remove("v"))
-            // What JSON cannot say, such as `nan`, is repeated as it was written.
+            // A value that JSON cannot express, such as `nan`, stays as it was written.
             .filter(|value| !value.is_null());
         self.set(key.trim(), parsed.unwrap_or_else(|| Value::String(value.to_owned())));
         Ok(())
     }
 
-    /// Lays another table over this one: its keys win. A preset there comes after, and so undoes,
-    /// the keys of its method here.
+    /// Lays another table over this one: its keys win. A preset in it removes the keys of its method
+    /// in this table, and a quality those of all methods.
     pub fn merge(&mut self, over: Self) {
+        if over.0.contains_key("quality") {
+            self.0.retain(|key, _| Method::ALL.iter().all(|method| method.name() != key));
+        }
         merge(&mut self.0, over.0, true);
     }
 
-    /// Expands presets, refuses unknown keys and values out of range.
+    /// Expands presets, and rejects unknown keys and values out of range.
+    ///
+    /// # Errors
+    /// Returns the first key that is unknown or whose value is wrong, with what would be right.
     pub fn resolve(&self) -> Result<Settings> {
         let mut table = self.0.clone();
+        if let Some(quality) = table.remove("quality") {
+            let name = quality.as_str().map_or_else(|| quality.to_string(), str::to_owned);
+            apply_quality(&mut table, name.parse()?);
+        }
         expand_preset(&mut table, "raymarch", Raymarch::PRESETS, Raymarch::preset)?;
         expand_preset(&mut table, "flood", Flood::PRESETS, Flood::preset)?;
         expand_preset(&mut table, "polar", Polar::PRESETS, Polar::preset)?;
@@ -84,8 +97,10 @@ impl SettingsTable {
             let path = e.path().to_string();
             let mut message = e.into_inner().to_string();
             let of_method = |path: &str| Method::ALL.iter().any(|m| path.starts_with(m.name()));
-            if message.starts_with("unknown field") && of_method(&path) {
-                message = message.replace(", expected one of ", ", expected one of `preset`, ");
+            if message.starts_with("unknown field") {
+                let added = if of_method(&path) { "preset" } else { "quality" };
+                message = message
+                    .replace(", expected one of ", &format!(", expected one of `{added}`, "));
             }
             explain(&path, &message)
         })?;
@@ -94,14 +109,25 @@ impl SettingsTable {
     }
 }
 
-/// Lays one table over another; `anew`: a preset there undoes what is here.
-fn merge(under: &mut Map<String, Value>, over: Map<String, Value>, anew: bool) {
-    if anew && over.contains_key("preset") {
+/// Gives every method that has no preset of its own the one of a quality level.
+fn apply_quality(table: &mut Map<String, Value>, quality: Quality) {
+    for method in Method::ALL {
+        let settings = table.entry(method.name()).or_insert_with(|| Value::Object(Map::new()));
+        // Anything but a table is an error that serde reports with its key.
+        if let Value::Object(settings) = settings {
+            settings.entry("preset").or_insert_with(|| quality.preset(*method).into());
+        }
+    }
+}
+
+/// Lays one table over another; if `preset_clears`, a preset in `over` removes the keys of `under`.
+fn merge(under: &mut Map<String, Value>, over: Map<String, Value>, preset_clears: bool) {
+    if preset_clears && over.contains_key("preset") {
         under.clear();
     }
     for (key, value) in over {
         match (under.get_mut(&key), value) {
-            (Some(Value::Object(old)), Value::Object(new)) => merge(old, new, anew),
+            (Some(Value::Object(old)), Value::Object(new)) => merge(old, new, preset_clears),
             (_, value) => {
                 under.insert(key, value);
             }
@@ -109,8 +135,7 @@ fn merge(under: &mut Map<String, Value>, over: Map<String, Value>, anew: bool) {
     }
 }
 
-/// Replaces the key `preset` of a method's table by the keys it stands for; keys written beside it
-/// win.
+/// Replaces the key `preset` of a method's table by the keys it stands for; keys beside it win.
 fn expand_preset<T: Serialize>(
     table: &mut Map<String, Value>,
     method: &str,
@@ -121,13 +146,17 @@ fn expand_preset<T: Serialize>(
     let Some(name) = table.remove("preset") else { return Ok(()) };
     let base = name.as_str().and_then(preset).and_then(|p| serde_json::to_value(p).ok());
     let Some(Value::Object(base)) = base else {
-        let expected = format!("one of {}", names.join(", "));
-        return Err(Error::value(format!("{method}.preset"), name, expected));
+        return Err(no_preset(method, &name, names));
     };
     for (key, value) in base {
         table.entry(key).or_insert(value);
     }
     Ok(())
+}
+
+/// The error for a preset that a method does not have.
+pub(super) fn no_preset(method: &str, name: impl Display, names: &[&str]) -> Error {
+    Error::value(format!("{method}.preset"), name, format!("one of {}", names.join(", ")))
 }
 
 /// Adds the key `preset` to the JSON Schema of a method's table.

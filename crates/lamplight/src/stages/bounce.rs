@@ -1,23 +1,28 @@
-//! The surfaces that send light on: faces of walls, and fog.
+//! Bounces: the surfaces that reflect or scatter light, faces of walls and media, and the loop over
+//! them.
 //!
-//! A solid cell is a Lambertian surface on each of its faces that touch a cell that is not solid;
-//! a face that receives B sends out `albedo·B`. A cell of fog that receives φ sends out
-//! `albedo·φ` for the share of light that it stops. A method gathers what they receive, turns it
-//! into what they send out, and gathers again: once a bounce.
+//! A solid cell is a Lambertian surface on each face that touches a cell that is not solid: a face of
+//! irradiance E reflects `L_o = albedo·E/2` (in two dimensions `E = ∫L cosθ dθ`, and a uniform L gives
+//! 2L). The code keeps irradiance in the normalised form E/2 throughout. A cell of a medium of mean
+//! radiance J scatters `albedo·J` by the fraction of light that it stops. Per bounce a method gathers
+//! irradiance, turns it into outgoing radiance ([`Surfaces::send_on`]), and gathers again
+//! ([`solve_bounces`]).
 
-use super::seed::is_occupied;
+use crate::grid::class::is_occupied;
+use crate::grid::medium_grid::MediumGrid;
+use crate::settings::Bounces;
 use crate::{Cells, Rgb};
 
 /// Unit normals of a cell's faces: left, right, top, bottom.
 pub const NORMALS: [[i32; 2]; 4] = [[-1, 0], [1, 0], [0, -1], [0, 1]];
 
-/// Change of what surfaces receive, relative to the mean, at which bounces have converged.
+/// The change of outgoing radiance, relative to the mean, at which bounces have converged.
 pub const CONVERGED: f32 = 1e-3;
 
-/// No surface: what [`Surfaces::slot`] holds for most cells.
+/// The slot of a cell that is no surface.
 const NONE: u32 = u32::MAX;
 
-/// Light that a surface receives, or sends out, by channel on each of the four faces.
+/// Irradiance or outgoing radiance of the four faces of a cell.
 pub type Faces = [Rgb; 4];
 
 /// A solid cell with at least one face that touches a cell that is not solid.
@@ -25,9 +30,9 @@ pub type Faces = [Rgb; 4];
 pub struct Wall {
     /// Index of the cell.
     pub cell: u32,
-    /// Whether each face is exposed, in the order of [`NORMALS`].
+    /// True for each face that is exposed, in the order of [`NORMALS`].
     pub exposed: [bool; 4],
-    /// Whether it sends light on.
+    /// True if it reflects light.
     pub reflects: bool,
 }
 
@@ -36,21 +41,21 @@ pub struct Wall {
 pub struct Surfaces {
     width: u32,
     slots: Vec<u32>,
-    /// Solid cells that can be seen.
+    /// Solid cells with an exposed face.
     pub walls: Vec<Wall>,
-    /// Indices of cells of fog that send light on.
+    /// Indices of media that scatter.
     pub fog: Vec<u32>,
-    /// What each wall sends out beyond its emission.
+    /// Radiance that each wall reflects.
     pub wall_sent: Vec<Faces>,
-    /// What each cell of fog sends out beyond its emission.
+    /// Radiance that each medium scatters.
     pub fog_sent: Vec<Rgb>,
-    /// Whether each face of a wall sees matter that changed since the frame before.
+    /// True for each face of a wall that sees matter that changed since the frame before.
     pub wall_changed: Vec<[bool; 4]>,
 }
 
 impl Surfaces {
-    /// Finds the surfaces of a grid; none sends anything on yet. Cells of fog of an opacity up to
-    /// `threshold` count as empty.
+    /// Finds the surfaces of a grid, without outgoing light. Media of an opacity up to `threshold` count
+    /// as empty.
     pub fn collect(&mut self, cells: &Cells, threshold: f32) {
         self.width = cells.width();
         self.slots.clear();
@@ -86,8 +91,8 @@ impl Surfaces {
         self.wall_changed.resize(self.walls.len(), Default::default());
     }
 
-    /// Takes what surfaces sent in the frame `before`, where the same cell was a surface then. Faces
-    /// that send nothing on now keep nothing: no gather would ever take it from them again.
+    /// Copies the outgoing light of the frame `before` for cells that were surfaces then. Walls that
+    /// no longer reflect get none, because no later gather would replace it.
     pub fn take_over(&mut self, before: &Self) {
         if (before.width, before.slots.len()) != (self.width, self.slots.len()) {
             return;
@@ -109,16 +114,15 @@ impl Surfaces {
         }
     }
 
-    /// Index of a cell in `walls` (solid cells) or `fog` (others).
+    /// Returns the index of a cell in `walls` (solid cells) or `fog` (others).
     #[inline]
     pub fn slot(&self, cell: usize) -> Option<usize> {
         let slot = self.slots[cell];
         (slot != NONE).then_some(slot as usize)
     }
 
-    /// Turns what the surfaces received into what they send out, in the order of `walls` and `fog`;
-    /// what walls that do not reflect received is not read. Returns the largest change relative to
-    /// the mean.
+    /// Turns irradiance into outgoing radiance, in the order of `walls` and `fog`. The irradiance of walls
+    /// that do not reflect is not read. Returns the largest change relative to the mean.
     pub fn send_on<'a>(
         &mut self,
         cells: &Cells,
@@ -151,13 +155,35 @@ impl Surfaces {
         if largest == 0.0 { 0.0 } else { largest / mean }
     }
 
-    /// Whether anything sends light on.
+    /// Sets the source radiance of media that scatter: emitted, times `multiplier`, and scattered.
+    /// Returns true if there are any; the empty space then has to be measured again.
+    pub fn scatter_into(&self, cells: &Cells, multiplier: f32, grid: &mut MediumGrid) -> bool {
+        for (&i, scattered) in self.fog.iter().zip(&self.fog_sent) {
+            let i = i as usize;
+            let emission = cells.emission()[i];
+            grid.source[i] = std::array::from_fn(|c| emission[c] * multiplier + scattered[c]);
+        }
+        !self.fog.is_empty()
+    }
+
+    /// Returns true if anything reflects or scatters.
     pub fn reflect(&self) -> bool {
         !self.fog.is_empty() || self.walls.iter().any(|wall| wall.reflects)
     }
 }
 
-/// Mean light over the exposed faces of a wall: what is shown of it.
+/// Runs bounces: calls `bounce` once per bounce, which gathers over the surfaces, updates their outgoing
+/// light and returns its largest change relative to the mean. With [`Bounces::Converged`] it stops once
+/// that change is under [`CONVERGED`].
+pub fn solve_bounces(bounces: Bounces, mut bounce: impl FnMut() -> f32) {
+    for _ in 0..bounces.limit() {
+        if bounce() < CONVERGED && bounces == Bounces::Converged {
+            return;
+        }
+    }
+}
+
+/// Returns the mean light over the exposed faces of a wall, which is the light displayed for it.
 pub fn mean_over_faces(wall: &Wall, faces: &Faces) -> Rgb {
     let count = wall.exposed.iter().filter(|&&e| e).count() as f32;
     std::array::from_fn(|c| {

@@ -1,11 +1,11 @@
 //! From linear light to a picture: exposure, tone map, sRGB.
 //!
 //! The final picture shows, per channel and in linear light,
-//! `color × light + (1 − T)·E`, with `T = (1 − opacity)·tint` over 1 px: the background under the
-//! light that arrives, and on top the glow of what emits. In a solid cell [`Light`] already holds
-//! its emission E on top of what its faces receive, so there the picture is
-//! `color × (light − E) + E`. That sum × 2^exposure goes through the tone map, which brings it into
-//! 0 to 1, and is then encoded as sRGB, once.
+//! `color × light + (1 − T)·E`, with `T = (1 − opacity)·tint` over 1 px: the background lit by
+//! the light, plus the radiance that the cell emits. In a solid cell [`Light`] already includes the
+//! emission E in addition to the light on the faces, so the picture there is
+//! `color × (light − E) + E`. That sum × 2^exposure is tone mapped to 0 to 1 and then encoded as sRGB,
+//! once.
 
 use crate::{Cells, Error, Light, Result, Rgb, srgb};
 use image::RgbImage;
@@ -13,15 +13,15 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How light without bound is brought into 0 to 1.
+/// The curve that maps unbounded light to 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ToneMap {
-    /// Cut off at 1.
+    /// Clips at 1.
     None,
-    /// `x / (1 + x)` per channel (Reinhard et al. 2002, equation 3): never clips, looks flat.
+    /// `x / (1 + x)` per channel (Reinhard et al. 2002, equation 3): never clips; low contrast.
     Reinhard,
-    /// A film-like curve (Narkowicz 2015), with highlights that turn white (seed 2).
+    /// A film-like curve (Narkowicz 2015), with highlights that turn white (as in the Unity port).
     #[default]
     Aces,
     /// AgX (Sobotka 2022), in the polynomial form of Wrensch (2023): soft, keeps hues of very
@@ -43,8 +43,8 @@ impl ToneMap {
         }
     }
 
-    /// Linear radiance of 0 or more → linear 0 to 1, ready for sRGB. Negative values and NaN count
-    /// as 0, infinity as very bright.
+    /// Maps linear radiance to linear 0 to 1, ready for sRGB. Negative values and NaN count as 0,
+    /// infinity as very bright.
     pub fn map(self, rgb: Rgb) -> Rgb {
         // All curves are flat long before the cap; it keeps their squares finite.
         let rgb = rgb.map(|v| if v > 0.0 { v.min(BRIGHTEST) } else { 0.0 });
@@ -58,40 +58,40 @@ impl ToneMap {
     }
 }
 
-/// Radiance beyond which every tone map gives the same as at it, to 8 bits.
+/// The radiance above which no tone map changes its 8-bit result.
 pub const BRIGHTEST: f32 = 1e9;
 
 /// Narkowicz's fit of the ACES curve (2015), `x(ax + b) / (x(cx + d) + e)`: a to e.
 pub const ACES: [f32; 5] = [2.51, 0.03, 2.43, 0.59, 0.14];
-/// Luma² ÷ (this + luma) is the share of white in `aces`.
+/// Luma² ÷ (this + luma) is the fraction of white in `aces`.
 pub const ACES_WHITE: f32 = 12.0;
 /// Luma of linear RGB as `aces` weighs it (Rec. 601).
 pub const ACES_LUMA: Rgb = [0.299, 0.587, 0.114];
 
-/// AgX: to the primaries in which its curve works, row by row (Wrensch 2023).
+/// AgX: the matrix to the primaries of its curve, row by row (Wrensch 2023).
 pub const AGX_INSET: [Rgb; 3] = [
     [0.842_479_06, 0.078_433_6, 0.079_223_745],
     [0.042_328_24, 0.878_468_6, 0.079_166_13],
     [0.042_375_655, 0.078_433_6, 0.879_143],
 ];
-/// AgX: back from them, row by row.
+/// AgX: the matrix back from those primaries, row by row.
 pub const AGX_OUTSET: [Rgb; 3] = [
     [1.196_879, -0.098_020_88, -0.099_029_74],
     [-0.052_896_85, 1.151_903_1, -0.098_961_18],
     [-0.052_971_635, -0.098_043_45, 1.151_073_7],
 ];
-/// AgX: the darkest and the brightest log2 of radiance that are told apart.
+/// AgX: the range of log2 of radiance that it distinguishes.
 pub const AGX_STOPS: [f32; 2] = [-12.473_93, 4.026_069];
 /// AgX: the contrast curve, coefficients of x⁶ … x⁰.
 pub const AGX_CONTRAST: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32];
 /// AgX: the gamma of the display that its curve is for.
 pub const AGX_GAMMA: f32 = 2.2;
 
-/// [`ACES`], as seed 2 shows it: the brighter a pixel is, the more of its colour gives way to the
-/// curve of its luma.
+/// [`ACES`], as the Unity port of Bigos 2020 shows it: with brightness, a
+/// pixel's colour blends to the curve of its luma.
 ///
-/// Seed 2 lets the share of white run past 1, which turns colours brighter than luma 4 into their
-/// complements; here it ends at 1.
+/// In the port the fraction of white can exceed 1, which turns colours brighter than luma 4 into their
+/// complements; here it is clamped to 1.
 fn aces(rgb: Rgb) -> Rgb {
     let [a, b, c, d, e] = ACES;
     let curve = |x: f32| ((x * (a * x + b)) / (x * (c * x + d) + e)).clamp(0.0, 1.0);
@@ -114,7 +114,7 @@ fn agx(rgb: Rgb) -> Rgb {
     rotate(&AGX_OUTSET, rotate(&AGX_INSET, rgb).map(curve)).map(|v| v.max(0.0).powf(AGX_GAMMA))
 }
 
-/// How a picture of light is shown.
+/// The conversion of light to a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
@@ -125,10 +125,10 @@ pub struct Display {
 }
 
 impl Display {
-    /// Exposures beyond this many stops, up or down, are refused.
+    /// The largest valid exposure in stops, up or down.
     pub const MAX_EXPOSURE: f32 = 32.0;
 
-    /// Refuses an exposure that is NaN or out of range.
+    /// Rejects an exposure that is NaN or out of range.
     pub fn check(&self) -> Result<()> {
         let range = -Self::MAX_EXPOSURE..=Self::MAX_EXPOSURE;
         if range.contains(&self.exposure) {
@@ -137,18 +137,18 @@ impl Display {
         Err(Error::value("exposure", self.exposure, "a number of stops from -32 to 32"))
     }
 
-    /// What exposure multiplies light by.
+    /// Returns the factor of the exposure.
     pub fn gain(&self) -> f32 {
         self.exposure.exp2()
     }
 
-    /// One pixel: linear radiance → exposure, tone map, sRGB bytes.
+    /// Encodes one pixel of linear radiance: exposure, tone map, sRGB bytes.
     pub fn encode(&self, rgb: Rgb) -> [u8; 3] {
         let gain = self.gain();
         self.tonemap.map(rgb.map(|v| v * gain)).map(srgb::encode_u8)
     }
 
-    /// A whole picture of linear radiance, in row order; pixels that are missing stay black.
+    /// Encodes a picture of linear radiance in row order; missing pixels stay black.
     pub fn picture(&self, width: u32, height: u32, rgb: &[Rgb]) -> RgbImage {
         let mut picture = RgbImage::new(width, height);
         picture.par_chunks_mut(3).zip(rgb).for_each(|(to, from)| {
@@ -159,21 +159,23 @@ impl Display {
 }
 
 impl Light {
-    /// The final picture: `cells` under this light, with what glows on top, brought to the screen.
+    /// Returns the final picture: `cells` under this light, plus emission, encoded for the screen.
     ///
-    /// An error when `cells` is not the grid (by size) that the light was solved from.
+    /// # Errors
+    /// Fails if the size of `cells` is not that of the light.
     pub fn compose(&self, cells: &Cells, display: &Display) -> Result<RgbImage> {
         Ok(display.picture(self.width, self.height, &self.radiance(cells)?))
     }
 
-    /// The light alone as a picture.
+    /// Returns the light alone as a picture.
     pub fn picture(&self, display: &Display) -> RgbImage {
         display.picture(self.width, self.height, &self.rgb)
     }
 
-    /// What [`Self::compose`] shows, as linear radiance before exposure and tone map, in row order.
+    /// Returns the radiance that [`Self::compose`] shows, linear, before exposure and tone map, in row order.
     ///
-    /// An error when `cells` is not the grid (by size) that the light was solved from.
+    /// # Errors
+    /// Fails if the size of `cells` is not that of the light.
     pub fn radiance(&self, cells: &Cells) -> Result<Vec<Rgb>> {
         if (cells.width(), cells.height()) != (self.width, self.height) {
             let size = |w: u32, h: u32| format!("{w}×{h}");
@@ -206,7 +208,7 @@ mod tests {
     use super::*;
     use crate::Matter;
 
-    /// Curves are compared with values worked out in f64; f32 arithmetic is good to this.
+    /// The tolerance of f32 arithmetic against values computed in f64.
     const ROUNDING: f32 = 2e-6;
     /// Wrensch's matrices have rows that sum to 1 only within 1.4e-4 and 1.1e-4; the contrast
     /// curve and gamma 2.2 enlarge that by at most their slope.
@@ -233,7 +235,7 @@ mod tests {
         }
     }
 
-    /// AgX leaves middle grey near where a display shows it and white at the top of the curve.
+    /// AgX keeps middle grey near its display value and maps white to the top of the curve.
     #[test]
     fn agx_known_values() {
         // The polynomial at the stops of 0.18 and of 2^4.026069, to the power 2.2 (f64).
@@ -275,7 +277,7 @@ mod tests {
         assert_eq!(white, [255; 3]);
     }
 
-    /// Seed 2's share of white runs past 1 and gives a red light of 100 a cyan hue.
+    /// In the Unity port the fraction of white exceeds 1, which gives a red light of 100 a cyan hue.
     #[test]
     fn bright_colours_turn_white_not_into_their_complement() {
         for v in [2.0, 10.0, 100.0, 1e6] {
@@ -304,7 +306,7 @@ mod tests {
         cells.set(0, 0, glow);
         cells.set(1, 0, Matter { opacity: 0.25, tint: [1.0, 0.5, 0.0], ..glow });
         cells.color_mut().fill([0.5; 3]);
-        // The solid cell's light holds its emission on top of 0.4 that its faces receive.
+        // The solid cell's light is its emission plus 0.4 on its faces.
         let light = Light::from_pixels(&cells, vec![[2.4, 1.4, 0.4], [0.4; 3], [0.4; 3]]).unwrap();
         let seen = light.radiance(&cells).unwrap();
         let expected =

@@ -1,18 +1,18 @@
 //! The distance field: px from each cell's centre to the centre of the nearest occupied cell.
 //!
-//! 0 in occupied cells, +∞ in a grid without any. In px, so right in every aspect ratio (seed 1's
-//! field is in UV and is not). The nearest surface stands beside it, in the map that the jump flood
-//! left.
+//! 0 in occupied cells, +∞ in a grid without any. It is in px and so correct for every aspect
+//! ratio (the field of Bigos, 2020, is in UV and is not). The nearest cell itself is in the output of the
+//! jump flood.
 
 use super::jump_flood::SETTLED_ERROR;
 use super::seed::{NONE, unpack};
 use rayon::prelude::*;
 
 /// px from any point of a cell to any point of a cell `d` px away, centre to centre, is at least
-/// `d − MARGIN`: half a diagonal at either end, and what the jump flood may be wrong by.
+/// `d − MARGIN`: half a diagonal at either end, plus the error of the jump flood.
 pub const MARGIN: f32 = std::f32::consts::SQRT_2 + SETTLED_ERROR;
 
-/// Fills `distance` from the nearest seeds, one entry a cell.
+/// Fills `distance` from the nearest seeds, one entry per cell.
 pub fn distance(width: u32, nearest: &[u32], distance: &mut Vec<f32>) {
     distance.resize(nearest.len(), 0.0);
     let w = width as usize;

@@ -1,14 +1,14 @@
 //! Jump flood: from seeds to the nearest seed of every cell (Rong and Tan 2006).
 //!
-//! ⌈log2(max(w, h))⌉ passes with offsets 2^(passes−1) … 1; in each a cell looks at nine cells that
-//! far away and keeps the nearest seed they know. Of two seeds at the same distance the one with
-//! the smaller packed position wins (see [`super::seed::pack`]), whatever the order of looking, so
+//! ⌈log2(max(w, h))⌉ passes with offsets 2^(passes−1) … 1; in each a cell reads nine cells that
+//! far away and keeps the nearest of their seeds. Of two seeds at the same distance the one with
+//! the smaller packed position wins (see [`super::seed::pack`]), in any order of reading, so
 //! that CPU and GPU agree to the bit.
 //!
-//! The known weakness: a few cells end with a seed that is not the nearest. Extra passes of offset 1
-//! mend most of them (JFA+1). [`settle`] goes on until nothing changes, after which every cell
-//! agrees with its eight neighbours, and what error remains is that of 8-neighbour propagation:
-//! under 0.1 px (Danielsson 1980). That is what marching rests on.
+//! Known limit: a few cells end with a seed that is not the nearest. Extra passes of offset 1
+//! correct most of them (JFA+1). [`settle`] continues until nothing changes, after which every cell
+//! agrees with its eight neighbours, and the remaining error is that of 8-neighbour propagation: under
+//! 0.1 px (Danielsson 1980). Marching relies on that bound.
 
 use super::seed::{NONE, unpack};
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 /// 8-neighbour propagation by 0.09 px).
 pub const SETTLED_ERROR: f32 = 0.1;
 
-/// Number of passes for a grid.
+/// Returns the number of passes for a grid.
 pub fn passes(width: u32, height: u32) -> u32 {
     width.max(height).next_power_of_two().trailing_zeros()
 }
@@ -39,7 +39,7 @@ pub fn jump_flood(
     }
 }
 
-/// Passes of offset 1 until nothing changes; `scratch` is the other half of the ping-pong.
+/// Makes passes of offset 1 until nothing changes; `scratch` is the other half of the ping-pong.
 pub fn settle(width: u32, height: u32, seeds: &mut Vec<u32>, scratch: &mut Vec<u32>) {
     scratch.resize(seeds.len(), NONE);
     loop {
@@ -51,7 +51,7 @@ pub fn settle(width: u32, height: u32, seeds: &mut Vec<u32>, scratch: &mut Vec<u
     }
 }
 
-/// Squared distance from (x, y) to a seed; beyond every real distance for [`NONE`].
+/// Returns the squared distance from (x, y) to a seed; beyond every real distance for [`NONE`].
 #[inline]
 fn distance2(x: i32, y: i32, seed: u32) -> i32 {
     let [sx, sy] = unpack(seed);
@@ -70,8 +70,8 @@ fn pass(width: u32, height: u32, offset: u32, from: &[u32], to: &mut [u32]) {
     });
 }
 
-/// Looks from every cell of row `y` at the cells `offset` to the left, straight, and to the right
-/// in another row.
+/// Compares every cell of row `y` with three cells of another row: `offset` to the left, in the same
+/// column, and `offset` to the right.
 fn look(out: &mut [u32], row: &[u32], y: usize, offset: usize) {
     let w = row.len();
     look_shifted(out, row, 0, y);
@@ -81,8 +81,8 @@ fn look(out: &mut [u32], row: &[u32], y: usize, offset: usize) {
     }
 }
 
-/// The inner loop: `out[i]`, at column `x + i`, against what `row[i]` knows. Branch-free, so that
-/// it becomes vector code.
+/// Compares `out[i]`, at column `x + i`, with the seed of `row[i]`. Branch-free, so that it becomes
+/// vector code.
 fn look_shifted(out: &mut [u32], row: &[u32], x: usize, y: usize) {
     for (i, (best, &seed)) in out.iter_mut().zip(row).enumerate() {
         let x = (x + i) as i32;

@@ -1,6 +1,6 @@
-//! What is seen of solid cells: light sinks from the faces inwards, emission shows on top.
+//! The appearance of solid cells: light fades from the faces inwards, and emission is added.
 //!
-//! A wall is lit on its faces only and would be a black cut-out inside. So the light of the face
+//! A wall is lit on its faces only, and its inside would be black. So the light of the face
 //! cells is spread inwards over `depth` px: a cell k px behind a face shows
 //! `max(0, 1 − k/(depth + 1))` of the mean light of the cells before it. This is presentation, not
 //! transport: no ray ever sees it.
@@ -10,18 +10,18 @@ use crate::{Cells, Rgb};
 /// Buffers for [`Walls::sink`], kept between frames.
 #[derive(Debug, Default)]
 pub struct Walls {
-    /// Ring by ring: cells whose light is known, outermost first.
+    /// The cells of the last completed ring.
     front: Vec<u32>,
     next: Vec<u32>,
     solid: Vec<u32>,
-    /// 0: not reached; otherwise 1 + the ring.
+    /// 0 if not reached, otherwise 1 + the ring.
     ring: Vec<u8>,
 }
 
 impl Walls {
-    /// Completes `light` in solid cells. On entry solid cells that touch an open one hold the mean
-    /// light of their faces and other solid cells hold anything; on return light fades inwards over
-    /// `depth` px and emission is added.
+    /// Completes `light` in solid cells. Solid cells that touch an open one must hold the mean light of
+    /// their faces; the others are overwritten. Light fades inwards over `depth` px, and emission is
+    /// added.
     pub fn sink(&mut self, cells: &Cells, depth: f32, light: &mut [Rgb]) {
         self.ring.clear();
         self.ring.resize(cells.len(), 0);
@@ -48,7 +48,7 @@ impl Walls {
         }
     }
 
-    /// Cells that touch the front, by a side or a corner, take the mean of the rings before them.
+    /// Sets cells that touch the front by a side or a corner to the mean of the rings before them.
     fn next_ring(&mut self, cells: &Cells, ring: u8, light: &mut [Rgb]) {
         self.next.clear();
         for &i in &self.front {

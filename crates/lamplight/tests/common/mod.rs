@@ -1,4 +1,4 @@
-//! Grids set by hand and by chance, and how far light is from light.
+//! Regular and random grids, and differences between two lights.
 
 // Each test program uses its own part of this.
 #![allow(dead_code)]
@@ -12,7 +12,7 @@ pub const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
 /// A black wall that glows with radiance 1.
 pub const GLOW: Matter = Matter { emission: [1.0; 3], ..WALL };
 
-/// Numbers by chance (SplitMix64), the same for the same seed.
+/// A random number generator (SplitMix64) with a seed.
 pub struct Random(u64);
 
 impl Random {
@@ -49,7 +49,7 @@ impl Random {
     }
 }
 
-/// A grid in which `matter` says what each cell holds.
+/// A grid whose cells are given by `matter`.
 pub fn grid(width: u32, height: u32, mut matter: impl FnMut(u32, u32) -> Matter) -> Cells {
     let mut cells = Cells::new(width, height).unwrap();
     for y in 0..height {
@@ -95,7 +95,7 @@ pub fn relative_rmse(light: &Light, truth: &Light) -> f64 {
     (squares / f64::from(count)).sqrt() / (sum / f64::from(count))
 }
 
-/// What was at (x, y) comes to (height − 1 − y, x).
+/// Rotates a grid by a quarter: (x, y) becomes (height − 1 − y, x).
 pub fn turned(cells: &Cells) -> Cells {
     let (w, h) = (cells.width(), cells.height());
     let mut turned = grid(h, w, |x, y| cells.get(y, h - 1 - x).unwrap());
@@ -108,7 +108,7 @@ pub fn bits(light: &Light) -> Vec<u32> {
     light.pixels().as_flattened().iter().map(|v| v.to_bits()).collect()
 }
 
-/// How the wall round a blob holds together.
+/// The contact between neighbouring cells of the wall around a room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contact {
     /// Each cell of the wall touches the next by a side.
@@ -117,7 +117,7 @@ pub enum Contact {
     Corners,
 }
 
-/// A room of random shape, closed by a wall one cell thick, in the middle of nowhere.
+/// A room of random shape in empty space, closed by a wall one cell thick.
 pub struct Sealed {
     pub width: u32,
     /// Cells of the room, joined by their sides.
@@ -156,7 +156,7 @@ impl Sealed {
         Self { width, inside, wall }
     }
 
-    /// The grid with its wall made of this, and nothing else.
+    /// The grid with only its wall, of this matter.
     pub fn grid(&self, wall: Matter) -> Cells {
         let height = self.wall.len() as u32 / self.width;
         let cell = |x, y| (y * self.width + x) as usize;

@@ -1,18 +1,23 @@
-//! Where the levels of a quadrant lie in memory.
+//! The levels of a quadrant, and where they lie in memory.
 //!
-//! A quadrant is swept in chunks of 2^t slabs from the far end of the grid to the near one, the way that
-//! light comes. Of the levels up to t all planes of a chunk are held, of those above one: of intervals
-//! the plane of odd index made last, of light the one that is needed. So memory falls with the size of
-//! a chunk, and the number of dispatches grows.
+//! A quadrant is swept in chunks of 2^t slabs from the far end of the grid to the near one, in the direction of
+//! light. Of the levels up to t all planes of a chunk are stored, of each level above only one: of intervals
+//! the plane of odd index made last, of light the one that is needed. So smaller chunks take less memory and
+//! more dispatches.
 
-use lamplight::methods::holographic::{levels, planes, rays};
+use lamplight::methods::holographic::lattice::{levels, planes, rays};
+
+/// Rows of a workgroup that traces or gathers.
+pub const TILE: u32 = 64;
+/// The packed radiance of a cone or a face.
+pub type Packed = [u32; 2];
 
 /// The grid of a quadrant and its opposite.
 #[derive(Debug)]
 pub struct Lattice {
     pub depth: usize,
     pub rows: usize,
-    /// Levels from the one that is traced to the first that is not made.
+    /// The level that is traced, and the first level that is not made.
     pub first: u32,
     pub end: u32,
     /// A chunk is 2^chunk slabs.
@@ -25,7 +30,7 @@ pub struct Lattice {
     even: [u64; 2],
     /// Words of all intervals.
     pub intervals: u64,
-    /// Where the light of levels in a chunk goes, in turns; then that of each level from `chunk` on.
+    /// The places of the light of levels in a chunk, in turns, and of each level from `chunk` on.
     turns: [u64; 2],
     chain: Vec<u64>,
     /// Entries of all light.
@@ -33,7 +38,7 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// For a grid `depth` slabs deep, in chunks that are so many times halved.
+    /// Lays out a grid of `depth` slabs. Chunks are halved `halvings` times.
     pub fn new(
         [depth, rows]: [usize; 2],
         first: u32,
@@ -65,13 +70,13 @@ impl Lattice {
     fn lay_out(&mut self) {
         let mut even = [0; 2];
         for level in self.first..self.end {
-            let bytes = self.held(level) * self.plane(level);
+            let words = self.held(level) * self.plane(level);
             self.odd.push(self.intervals);
-            self.intervals += bytes;
-            // The first plane is never needed, but for its pixels.
+            self.intervals += words;
+            // The first plane is only needed by its pixels.
             if planes(self.depth, level) > 2 {
                 let even = &mut even[self.turn(level)];
-                *even = bytes.max(*even);
+                *even = words.max(*even);
             }
         }
         self.even = [self.intervals, self.intervals + even[0]];
@@ -86,7 +91,7 @@ impl Lattice {
         }
     }
 
-    /// Which of two places planes of even index of a level take: neighbouring groups' differ.
+    /// The place, of two, for planes of even index of a level. Neighbouring groups use different places.
     fn turn(&self, level: u32) -> usize {
         let of_group = |level: u32| (level - self.first).div_ceil(self.fused);
         let groups = match level.checked_sub(self.chunk) {
@@ -101,7 +106,7 @@ impl Lattice {
         rays(level) as u64 * self.words * self.rows as u64
     }
 
-    /// Planes of odd index of a level that are held at a time, and of even index.
+    /// The number of planes of odd index, or of even index, of a level that are stored at a time.
     fn held(&self, level: u32) -> u64 {
         let all = planes(self.depth, level).div_ceil(2) as u64;
         let of_chunk = 1 << self.chunk.saturating_sub(level + 1);
@@ -112,24 +117,24 @@ impl Lattice {
         planes(self.depth, self.chunk)
     }
 
-    /// Groups of levels from one to another: the lowest level, and how many more.
+    /// Groups of levels from one to another: the lowest level, and the number of further ones.
     pub fn groups(&self, from: u32, top: u32) -> impl DoubleEndedIterator<Item = [u32; 2]> {
         let fused = self.fused;
         let count = top.saturating_sub(from).div_ceil(fused);
         (0..count).map(move |i| [from + i * fused, fused.min(top - from - i * fused)])
     }
 
-    /// Where planes of odd index of a level begin; nowhere above the last.
+    /// The first word of planes of odd index of a level; 0 above the last level.
     pub fn odd(&self, level: u32) -> u32 {
         self.odd.get((level - self.first) as usize).map_or(0, |&at| at as u32)
     }
 
-    /// Where planes of even index of a level begin.
+    /// The first word of planes of even index of a level.
     pub fn even(&self, level: u32) -> u32 {
         self.even[self.turn(level)] as u32
     }
 
-    /// Half the index of the first plane of a level that is held, in a chunk.
+    /// Half the index of the first plane of a level that is stored in a chunk.
     pub fn first_of(&self, level: u32, chunk: usize) -> u32 {
         match self.chunk.checked_sub(level + 1) {
             Some(shift) => (chunk << shift) as u32,
@@ -138,7 +143,7 @@ impl Lattice {
         }
     }
 
-    /// Where the light of a level goes: neighbouring groups' to different places.
+    /// The place of the light of a level. Neighbouring groups use different places.
     pub fn light(&self, level: u32) -> u32 {
         if let Some(above) = level.checked_sub(self.chunk) {
             return self.chain.get(above as usize).map_or(0, |&at| at as u32);

@@ -1,7 +1,7 @@
-//! Holographic radiance cascades: the GPU's `methods/holographic` of the library.
+//! Holographic radiance cascades (Freeman, Sannikov and Margel 2025).
 //!
 //! Quadrant after quadrant, chunk after chunk ([`lattice`]): trace the first level of intervals, extend
-//! them level by level, merge cones down, and let the pixels of the chunk look at them.
+//! them level by level, merge cones down, and let the pixels of the chunk gather from them.
 
 mod lattice;
 pub mod paper;
@@ -10,304 +10,322 @@ pub mod sweep;
 mod tables;
 mod tiles;
 mod traffic;
+mod work;
 
-use crate::Result;
-use crate::kernel::{Bound, Dispatch, Kernels, Slot};
-use crate::lighting::Stage;
-use crate::shaders;
-use crate::site::{ONE, Run, Site, view, whole};
+use crate::error::Result;
+use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
+use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::programs;
+use crate::stage::Stage;
 use crate::stages::convergence::Convergence;
 use lamplight::Bounces;
-use lamplight::methods::holographic::ways::Look;
-use lamplight::methods::holographic::{CLOSED, FRACTION, GLOWING, MATTER, REACH};
+use lamplight::methods::holographic::lattice::GatherGeometry;
+use lamplight::methods::holographic::{EMISSIVE, MATTER, MEDIUM, OPAQUE_TRANSMITTANCE, REACH};
 use lamplight::stages::transmittance::LOG_OF_ZERO;
-use lattice::Lattice;
-use quadrant::{Axis, Quadrant, Step, Work};
+use lattice::{Lattice, Packed};
+use quadrant::{Axis, PlannedWork, Quadrant};
 use sweep::Sweeps;
-use tables::Ways;
+use tables::Footprints;
 use tiles::Tiles;
 use wgpu::{Buffer, BufferUsages, Device};
+use work::Work;
 
-/// Bytes of light in a lattice, and on a face.
-const PACKED: u64 = 8;
-/// Bytes of a quadrant that are held a cell, of a grid filled up to a power of two, for each word of an
-/// interval; less means more dispatches.
-const MOST_HELD: u64 = 58;
+/// Bytes of a quadrant that are stored per cell, of a grid padded to a power of two, and per word of an
+/// interval. Lower: more dispatches.
+const MAX_HELD: u64 = 58;
 /// Bytes that are not worth a dispatch.
 const LITTLE: u64 = 16 << 20;
-/// Rows of a workgroup that traces or looks.
-const TILE: u32 = 64;
+/// Faces of a cell; a medium uses the first.
+const FACES: u64 = 4;
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct Holographic {
-    slabs: Kernels,
-    /// Where no matter tints, and where some does.
-    intervals: [Intervals; 2],
-    hop: Kernels,
-    onto: Kernels,
-    reflect: Kernels,
-    /// Where light bounces until it has converged, with what sends it on then.
-    convergence: Option<(Convergence, Kernels)>,
+    slabs: ComputePipelines,
+    /// Without tint, and with tint.
+    intervals: [IntervalPipelines; 2],
+    gather: ComputePipelines,
+    gather_faces: ComputePipelines,
+    faces: ComputePipelines,
+    /// Set if light bounces until it has converged, with the pipeline that scatters light then.
+    convergence: Option<(Convergence, ComputePipelines)>,
 }
 
-/// Those that know how intervals are stored.
+/// The pipelines that depend on how intervals are stored.
 #[derive(Debug)]
-struct Intervals {
+struct IntervalPipelines {
     /// Words of an interval.
     words: u32,
     tiles: Tiles,
-    trace: Kernels,
-    extend: Kernels,
-    cones: Kernels,
+    trace: ComputePipelines,
+    extend: ComputePipelines,
+    merge: ComputePipelines,
 }
 
-impl Intervals {
+impl IntervalPipelines {
     fn new(device: &Device, words: u32) -> Self {
-        use Slot::{Read, Texture, Uniform, Write};
         let stored = ("WORDS", f64::from(words));
         let tiles = Tiles::new(device.limits().max_compute_workgroup_storage_size, words);
         let fused = |tile: u32, held: u32| [stored, ("TILE", tile.into()), ("HELD", held.into())];
-        let tracing = [CELLS, MARCH, &[stored]].concat();
-        let slots = [Uniform, Slot::Step, Read, Read, Texture, Texture, Read, Write];
-        let kernels = |shader, entries: &[&'static str], slots: &[_], constants: &[_]| {
-            Kernels::new(device, shader, entries, slots, constants)
-        };
+        let trace = [CELLS, MARCH, &[stored]].concat();
+        let extend = fused(tiles.extend, tiles.intervals() * words);
+        let merge = fused(tiles.merge, tiles.light());
         Self {
             words,
             tiles,
-            trace: kernels(&shaders::TRACE, &["main"], &slots, &tracing),
-            extend: kernels(
-                &shaders::EXTEND,
-                &["main"],
-                &[Uniform, Slot::Step, Write],
-                &fused(tiles.extend, tiles.intervals() * words),
-            ),
-            cones: kernels(
-                &shaders::CONES,
-                &["main", "finish"],
-                &[Uniform, Slot::Step, Read, Read, Write],
-                &fused(tiles.cones, tiles.light()),
-            ),
+            trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
+            extend: ComputePipelines::new(device, &programs::HOLOGRAPHIC_EXTEND, &extend),
+            merge: ComputePipelines::new(device, &programs::HOLOGRAPHIC_MERGE, &merge),
         }
     }
 }
 
-/// What runs are bound to.
+/// The lattices of both axes, as large as memory allows.
+struct MemoryLayout {
+    lattices: [Lattice; 2],
+    /// The most words of intervals, and values of light, of an axis.
+    intervals: u64,
+    radiance: u64,
+}
+
+impl MemoryLayout {
+    /// Lays out the grid in chunks that are halved until they fit into memory.
+    fn new(planner: &FramePlanner, level: u32, words: u32) -> Self {
+        let [width, height] = <[u32; 2]>::from(planner.size).map(|side| side as usize);
+        let sides = [[width, height], [height, width]];
+        let words = u64::from(words);
+        let lay_out = |halvings| {
+            let fused = planner.options.fused_levels;
+            let lattices = sides.map(|sides| Lattice::new(sides, level, words, fused, halvings));
+            let most = |of: fn(&Lattice) -> u64| of(&lattices[0]).max(of(&lattices[1]));
+            let (intervals, radiance) = (most(|l| l.intervals), most(|l| l.radiance));
+            Self { lattices, intervals, radiance }
+        };
+        // Chunks are smaller if much memory would be needed, or more than the device can bind.
+        let padded = sides.map(|[depth, rows]| (depth.next_power_of_two() * rows) as u64);
+        let enough = (padded.iter().sum::<u64>() / 2 * words * MAX_HELD).max(LITTLE);
+        let fits = |layout: &Self| {
+            let smallest = layout.lattices.iter().all(|l| l.chunk == l.first + 1);
+            let bytes = layout.bytes();
+            let bound = bytes.iter().all(|&bytes| bytes <= planner.max_buffer_bytes());
+            smallest || (bound && bytes.iter().sum::<u64>() <= enough)
+        };
+        let found = (0..u32::BITS).map(lay_out).find(fits);
+        found.unwrap_or_else(|| lay_out(u32::BITS))
+    }
+
+    /// Bytes of intervals and of light.
+    fn bytes(&self) -> [u64; 2] {
+        let (word, light) = (size_of::<u32>() as u64, size_of::<Packed>() as u64);
+        [self.intervals * word, self.radiance * light]
+    }
+}
+
+/// The buffers of a plan.
+struct Buffers {
+    footprints: Buffer,
+    cones: Buffer,
+    cell_bits: Buffer,
+    intervals: Buffer,
+    radiance: Buffer,
+    irradiance: Buffer,
+    outgoing: Buffer,
+}
+
+/// The bound resources of each program.
 struct Bindings {
-    slabs: Bound,
-    trace: Bound,
-    extend: Bound,
-    cones: Bound,
-    hop: Bound,
+    slabs: BoundResources,
+    trace: BoundResources,
+    extend: BoundResources,
+    merge: BoundResources,
+    gather: BoundResources,
 }
 
 impl Holographic {
     pub fn new(device: &Device, bounces: Bounces) -> Self {
-        use Slot::{Read, Texture, Uniform, Write};
-        let hop = |onto: bool| {
-            let slots = [
-                Uniform,
-                Slot::Step,
-                Read,
-                Read,
-                Texture,
-                Texture,
-                Read,
-                Read,
-                Read,
-                Write,
-                Write,
-                Texture,
-            ];
+        let gather = |faces: bool| {
             let own = [
-                ("CLOSED", f64::from(CLOSED)),
+                ("OPAQUE_TRANSMITTANCE", f64::from(OPAQUE_TRANSMITTANCE)),
                 ("REACH", REACH as f64),
-                ("ONTO", f64::from(u8::from(onto))),
+                ("FACES", f64::from(faces)),
             ];
             let constants = [CELLS, MARCH, &own].concat();
-            Kernels::new(device, &shaders::HOP, &["main"], &slots, &constants)
+            ComputePipelines::new(device, &programs::HOLOGRAPHIC_GATHER, &constants)
         };
-        let reflect = |entries: &[&'static str], more: &[_]| {
-            let slots = [&[Uniform, Texture, Texture, Read, Write, Write], more].concat();
-            Kernels::new(device, &shaders::REFLECT, entries, &slots, &[])
-        };
+        let compared = || ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
         let converges = bounces == Bounces::Converged;
         Self {
-            slabs: Kernels::new(
-                device,
-                &shaders::SLABS,
-                &["main"],
-                &[Uniform, Slot::Step, Texture, Texture, Read, Write, Write],
-                CELLS,
-            ),
-            intervals: [2, 3].map(|words| Intervals::new(device, words)),
-            hop: hop(false),
-            onto: hop(true),
-            reflect: reflect(&["send", "show"], &[]),
-            convergence: converges
-                .then(|| (Convergence::new(device), reflect(&["send_on"], &[Write, Slot::Step]))),
+            slabs: ComputePipelines::new(device, &programs::HOLOGRAPHIC_SLABS, CELLS),
+            intervals: [2, 3].map(|words| IntervalPipelines::new(device, words)),
+            gather: gather(false),
+            gather_faces: gather(true),
+            faces: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES, &[]),
+            convergence: converges.then(|| (Convergence::new(device), compared())),
         }
     }
 
-    pub fn plan(&self, site: &Site, light: &Buffer) -> Result<Run> {
-        let settings = &site.settings.holographic;
-        let look = Look::new(settings);
-        let intervals = &self.intervals[usize::from(site.known.tinted)];
-        let [width, height] = site.size.map(|side| side as usize);
-        let sides = [[width, height], [height, width]];
-        let words = u64::from(intervals.words);
-        let lay_out = |halvings| {
-            let lattices = sides.map(|sides| {
-                Lattice::new(sides, look.level, words, site.options.fused_levels, halvings)
-            });
-            let most = |of: fn(&Lattice) -> u64| of(&lattices[0]).max(of(&lattices[1]));
-            let bytes = [most(|l| l.intervals) * ONE, most(|l| l.radiance) * PACKED];
-            (lattices, bytes)
-        };
-        // In smaller chunks where much memory would be held, or more than the device can bind.
-        let filled_up = sides.map(|[depth, rows]| (depth.next_power_of_two() * rows) as u64);
-        let enough = (filled_up.iter().sum::<u64>() / 2 * words * MOST_HELD).max(LITTLE);
-        let fits = |(lattices, bytes): &([Lattice; 2], [u64; 2])| {
-            let smallest = lattices.iter().all(|l| l.chunk == l.first + 1);
-            let bound = bytes.iter().all(|&bytes| bytes <= site.most_bytes());
-            smallest || (bound && bytes.iter().sum::<u64>() <= enough)
-        };
-        let laid_out = (0..u32::BITS).map(lay_out).find(fits);
-        let (lattices, [interval_bytes, radiance_bytes]) =
-            laid_out.unwrap_or_else(|| lay_out(u32::BITS));
+    pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
+        let settings = &planner.settings.holographic;
+        let geometry = GatherGeometry::new(settings);
+        let intervals = &self.intervals[usize::from(planner.hints.tinted)];
+        let layout = MemoryLayout::new(planner, geometry.level, intervals.words);
+        let (interval_words, radiance) = (layout.intervals, layout.radiance);
 
-        let ways = Ways::new(look, settings.beams);
+        let footprints = Footprints::new(geometry, settings.bundle_rays);
         let mut cones: Vec<[f32; 4]> = Vec::new();
         let mut axes = Vec::new();
-        let mut bits = 0;
-        for (axis, lattice) in (0..).zip(lattices) {
-            let (mut begins, table) = tables::cones(look.level, lattice.end);
+        let mut cell_bits = 0;
+        for (axis, lattice) in (0..).zip(layout.lattices) {
+            let (mut begins, table) = tables::cones(geometry.level, lattice.end);
             begins.iter_mut().for_each(|begin| *begin += cones.len() as u32);
             cones.extend(table);
             let words = lattice.depth * lattice.rows.div_ceil(32);
-            axes.push(Axis { axis, lattice, cones: begins, bits });
-            bits += 3 * words as u32;
+            axes.push(Axis { axis, lattice, cones: begins, cell_bits });
+            cell_bits += 3 * words as u32;
         }
-        let tables = [
-            site.filled("ways", BufferUsages::STORAGE, bytemuck::cast_slice(&ways.words))?,
-            site.filled("cones", BufferUsages::STORAGE, bytemuck::cast_slice(&cones))?,
-        ];
-        let bits = site.buffer("kinds of cells", u64::from(bits) * ONE)?;
-        let held = site.buffer("intervals", interval_bytes)?;
-        let radiance = site.buffer("light of cones", radiance_bytes)?;
-        let faces = 4 * site.cells() * PACKED;
-        let received = site.buffer("received", faces)?;
-        let bounces = site.settings.bounces.limit();
-        let sent = site.buffer("sent", if bounces > 0 { faces } else { PACKED })?;
-
-        let mut quadrant =
-            Quadrant::new(look, &ways, settings.beams, intervals.tiles, intervals.words);
-        // Bounces after the first are all the same.
-        let bounced = [false, true].map(|sends| match bounces > u32::from(sends) {
-            true => quadrant.gather(&axes, sends, false),
-            false => Vec::new(),
-        });
-        let seen = quadrant.gather(&axes, bounces > 0, true);
-        let sweeps = Sweeps::new(site, quadrant.sweeps())?;
-        let told = || sweeps.binding();
-        let (emission, matter) = (&site.textures.emission, &site.textures.tint_opacity);
-        let [ways, cones] = &tables;
-        let bound = Bindings {
-            slabs: site.bind(
-                &self.slabs,
-                &[
-                    told(),
-                    view(emission),
-                    view(matter),
-                    whole(&sent),
-                    whole(&bits),
-                    whole(&received),
-                ],
-            ),
-            trace: site.bind(
-                &intervals.trace,
-                &[
-                    told(),
-                    whole(ways),
-                    whole(&bits),
-                    view(emission),
-                    view(matter),
-                    whole(&sent),
-                    whole(&held),
-                ],
-            ),
-            extend: site.bind(&intervals.extend, &[told(), whole(&held)]),
-            cones: site
-                .bind(&intervals.cones, &[told(), whole(cones), whole(&held), whole(&radiance)]),
-            hop: site.bind(
-                &self.hop,
-                &[
-                    told(),
-                    whole(ways),
-                    whole(&bits),
-                    view(emission),
-                    view(matter),
-                    whole(&sent),
-                    whole(cones),
-                    whole(&radiance),
-                    whole(light),
-                    whole(&received),
-                    view(&site.textures.albedo),
-                ],
-            ),
+        let storage = BufferUsages::STORAGE;
+        let faces = FACES * planner.cells();
+        let bounces = planner.settings.bounces.limit();
+        let buffers = Buffers {
+            footprints: planner.filled(
+                "footprints",
+                storage,
+                bytemuck::cast_slice(&footprints.words),
+            )?,
+            cones: planner.filled("cones", storage, bytemuck::cast_slice(&cones))?,
+            cell_bits: planner.buffer::<u32>("cell bits", cell_bits.into())?,
+            intervals: planner.buffer::<u32>("intervals", interval_words)?,
+            radiance: planner.buffer::<Packed>("light of cones", radiance)?,
+            irradiance: planner.buffer::<Packed>("irradiance", faces)?,
+            outgoing: planner.buffer::<Packed>("outgoing", if bounces > 0 { faces } else { 1 })?,
         };
+
+        let mut quadrant = Quadrant::new(
+            geometry,
+            &footprints,
+            settings.bundle_rays,
+            intervals.tiles,
+            intervals.words,
+        );
+        // Bounces after the first are all the same.
+        let [first, later] = [false, true].map(|indirect| {
+            if bounces > u32::from(indirect) {
+                quadrant.gather(&axes, indirect, false)
+            } else {
+                Vec::new()
+            }
+        });
+        let last = quadrant.gather(&axes, bounces > 0, true);
+        let sweeps = Sweeps::new(planner, quadrant.sweeps())?;
+        let bindings = self.bind(planner, intervals, &buffers, &sweeps, light);
+        let bound = |planned: &[PlannedWork]| -> Vec<_> {
+            planned.iter().map(|work| self.dispatch(intervals, &bindings, work)).collect()
+        };
+        let [mut first, mut later, last] = [first, later, last].map(|planned| bound(&planned));
+
         let resources = [
-            view(matter),
-            view(&site.textures.albedo),
-            whole(&received),
-            whole(&sent),
+            view(&planner.textures.tint_opacity),
+            view(&planner.textures.albedo),
+            whole(&buffers.irradiance),
+            whole(&buffers.outgoing),
             whole(light),
         ];
-        let faces = site.bind(&self.reflect, &resources);
-        let gather = |steps: &[Step]| -> Vec<_> {
-            steps.iter().map(|step| self.dispatch(intervals, &bound, step)).collect()
-        };
-        let gathers = bounced.each_ref().map(|steps| gather(steps));
+        let faces = planner.bind(&self.faces, &resources);
         let mut dispatches = Vec::new();
-        if let Some((convergence, send_on)) = &self.convergence {
-            let found = Convergence::found(site)?;
-            let more = [whole(&found), site.shared.step()];
-            let faces = site.bind(send_on, &[&resources[..], &more].concat());
-            let [mut first, mut later] = gathers;
-            first.push(site.over_cells(send_on, 0, &faces, Some(0)));
-            later.push(site.over_cells(send_on, 0, &faces, Some(1)));
-            dispatches = convergence.plan(site, &found, [first, later])?;
+        if let Some((convergence, compared)) = &self.convergence {
+            let changes = Convergence::changes(planner)?;
+            let more = [whole(&changes), planner.shared.step()];
+            let faces = planner.bind(compared, &[&resources[..], &more].concat());
+            first.push(planner.over_cells(compared, 0, &faces, Some(0)));
+            later.push(planner.over_cells(compared, 0, &faces, Some(1)));
+            dispatches = convergence.plan(planner, &changes, first, later)?;
         } else {
             for bounce in 0..bounces {
-                dispatches.extend_from_slice(&gathers[usize::from(bounce > 0)]);
-                dispatches.push(site.over_cells(&self.reflect, 0, &faces, None));
+                dispatches.extend_from_slice(if bounce == 0 { &first } else { &later });
+                dispatches.push(planner.over_cells(&self.faces, SCATTER, &faces, None));
             }
         }
-        dispatches.extend(gather(&seen));
-        dispatches.push(site.over_cells(&self.reflect, 1, &faces, None));
-        Ok(Run { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: None })
+        dispatches.extend(last);
+        dispatches.push(planner.over_cells(&self.faces, SHOW, &faces, None));
+        Ok(PassList { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: None })
     }
 
-    fn dispatch(&self, intervals: &Intervals, bound: &Bindings, step: &Step) -> Dispatch {
-        let (kernels, entry, bound) = match step.work {
-            Work::Slabs => (&self.slabs, 0, &bound.slabs),
-            Work::Trace => (&intervals.trace, 0, &bound.trace),
-            Work::Extend => (&intervals.extend, 0, &bound.extend),
-            Work::Cones => (&intervals.cones, 0, &bound.cones),
-            Work::Finish => (&intervals.cones, 1, &bound.cones),
-            Work::Hop => (&self.hop, 0, &bound.hop),
-            Work::Onto => (&self.onto, 0, &bound.hop),
+    fn bind(
+        &self,
+        planner: &FramePlanner,
+        intervals: &IntervalPipelines,
+        buffers: &Buffers,
+        sweeps: &Sweeps,
+        light: &Buffer,
+    ) -> Bindings {
+        let Buffers { footprints, cones, cell_bits, intervals: held, .. } = buffers;
+        let Buffers { radiance, irradiance, outgoing, .. } = buffers;
+        let emission = view(&planner.textures.emission);
+        let matter = view(&planner.textures.tint_opacity);
+        let slabs = [
+            sweeps.binding(),
+            emission.clone(),
+            matter.clone(),
+            whole(outgoing),
+            whole(cell_bits),
+            whole(irradiance),
+        ];
+        let rays = [
+            sweeps.binding(),
+            whole(footprints),
+            whole(cell_bits),
+            emission,
+            matter,
+            whole(outgoing),
+        ];
+        let merge = [sweeps.binding(), whole(cones), whole(held), whole(radiance)];
+        let gather = [
+            whole(cones),
+            whole(radiance),
+            whole(light),
+            whole(irradiance),
+            view(&planner.textures.albedo),
+        ];
+        Bindings {
+            slabs: planner.bind(&self.slabs, &slabs),
+            trace: planner.bind(&intervals.trace, &[&rays[..], &[whole(held)]].concat()),
+            extend: planner.bind(&intervals.extend, &[sweeps.binding(), whole(held)]),
+            merge: planner.bind(&intervals.merge, &merge),
+            gather: planner.bind(&self.gather, &[&rays[..], &gather].concat()),
+        }
+    }
+
+    fn dispatch(
+        &self,
+        intervals: &IntervalPipelines,
+        bindings: &Bindings,
+        planned: &PlannedWork,
+    ) -> Dispatch {
+        let (pipelines, entry, bound) = match planned.work {
+            Work::Slabs => (&self.slabs, 0, &bindings.slabs),
+            Work::Trace => (&intervals.trace, 0, &bindings.trace),
+            Work::Extend => (&intervals.extend, 0, &bindings.extend),
+            Work::Merge => (&intervals.merge, 0, &bindings.merge),
+            Work::Finish => (&intervals.merge, 1, &bindings.merge),
+            Work::Gather => (&self.gather, 0, &bindings.gather),
+            Work::Faces => (&self.gather_faces, 0, &bindings.gather),
         };
-        let mut run = Dispatch::new(&kernels.entries[entry], bound, Some(step.sweep), step.groups);
-        run.traffic = step.traffic;
-        run
+        let pipeline = &pipelines.entries[entry];
+        let mut dispatch = Dispatch::new(pipeline, bound, Some(planned.sweep), planned.groups);
+        dispatch.traffic = planned.traffic;
+        dispatch
     }
 }
 
+/// Entries of [`programs::HOLOGRAPHIC_FACES`].
+const SCATTER: usize = 0;
+const SHOW: usize = 1;
+
+/// The bits of cells.
 const CELLS: &[(&str, f64)] = &[
-    ("MATTER", MATTER.trailing_zeros() as f64),
-    ("FRACTION", FRACTION.trailing_zeros() as f64),
-    ("GLOWING", GLOWING.trailing_zeros() as f64),
+    ("OCCUPIED", MATTER.trailing_zeros() as f64),
+    ("MEDIUM", MEDIUM.trailing_zeros() as f64),
+    ("EMITTING", EMISSIVE.trailing_zeros() as f64),
 ];
-const MARCH: &[(&str, f64)] = &[("LOG_OF_ZERO", LOG_OF_ZERO as f64)];
+/// Constants of shaders/methods/holographic/footprint.wgsl beside them.
+const MARCH: &[(&str, f64)] = &[("MAX_OPTICAL_DEPTH", -LOG_OF_ZERO as f64)];

@@ -1,14 +1,13 @@
-//! The runs of a gather, in order: which kernel, over what, told what.
+//! The dispatches of a gather over all quadrants, in order.
 
-use super::TILE;
-use super::lattice::Lattice;
+use super::lattice::{Lattice, TILE};
 use super::sweep::Sweep;
-use super::tables::Ways;
+use super::tables::Footprints;
 use super::tiles::Tiles;
 use super::traffic::traffic;
-use crate::cost::Traffic;
-use lamplight::methods::holographic::planes;
-use lamplight::methods::holographic::ways::Look;
+use super::work::Work;
+use crate::traffic::Traffic;
+use lamplight::methods::holographic::lattice::{GatherGeometry, planes};
 
 /// The grid along an axis.
 #[derive(Debug)]
@@ -16,85 +15,83 @@ pub struct Axis {
     /// 0: slabs are columns; 1: rows.
     pub axis: u32,
     pub lattice: Lattice,
-    /// Where each level begins in the table of cones.
+    /// The first entry of each level in the table of cones.
     pub cones: Vec<u32>,
-    /// Where the bits of cells begin.
-    pub bits: u32,
+    /// The first word of the cell bits.
+    pub cell_bits: u32,
 }
 
-/// What a run does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Work {
-    Slabs,
-    Trace,
-    Extend,
-    Cones,
-    Finish,
-    Hop,
-    Onto,
-}
-
-/// A run: of what, told which sweep, in how many workgroups.
+/// A planned dispatch, before it is bound.
 #[derive(Debug)]
-pub struct Step {
+pub struct PlannedWork {
     pub work: Work,
+    /// The index of its sweep.
     pub sweep: u32,
     pub groups: [u32; 3],
     pub traffic: Traffic,
 }
 
-/// Plans gathers, and collects what their runs are told.
+/// Plans gathers, and collects the sweeps of their dispatches.
 #[derive(Debug)]
 pub struct Quadrant {
-    look: Look,
-    beams: u32,
+    geometry: GatherGeometry,
+    /// The first words of the footprints of bundles, and of views.
+    bundles: u32,
     views: u32,
+    /// Rays of a bundle.
     width: u32,
     tiles: Tiles,
     /// Words of an interval.
     words: u32,
     sweeps: Vec<Sweep>,
-    steps: Vec<Step>,
+    planned: Vec<PlannedWork>,
 }
 
 impl Quadrant {
-    pub fn new(look: Look, ways: &Ways, width: u32, tiles: Tiles, words: u32) -> Self {
-        let Ways { beams, views, .. } = *ways;
-        Self { look, beams, views, width, tiles, words, sweeps: Vec::new(), steps: Vec::new() }
+    pub fn new(
+        geometry: GatherGeometry,
+        footprints: &Footprints,
+        width: u32,
+        tiles: Tiles,
+        words: u32,
+    ) -> Self {
+        let Footprints { bundles, views, .. } = *footprints;
+        let (sweeps, planned) = (Vec::new(), Vec::new());
+        Self { geometry, bundles, views, width, tiles, words, sweeps, planned }
     }
 
-    /// What the runs are told.
+    /// The sweeps of all dispatches planned so far.
     pub fn sweeps(&self) -> &[Sweep] {
         &self.sweeps
     }
 
-    /// Gathers light from all sides: `sends`: with what surfaces send on; `all`: to all pixels, else to
-    /// surfaces only.
-    pub fn gather(&mut self, axes: &[Axis], sends: bool, all: bool) -> Vec<Step> {
+    /// Plans a gather of light from all sides. `indirect`: with outgoing radiance; `all`: for all pixels, else
+    /// for faces and media only.
+    pub fn gather(&mut self, axes: &[Axis], indirect: bool, all: bool) -> Vec<PlannedWork> {
         for axis in axes {
-            let sweep = self.sweep(axis, sends);
+            let sweep = self.sweep(axis, indirect);
             let Lattice { depth, rows, .. } = axis.lattice;
             self.push(Work::Slabs, sweep, [depth.div_ceil(64), rows.div_ceil(32), 1]);
         }
         for axis in axes {
             for reversed in [0, 1] {
-                let begins = u32::from(axis.axis == 0 && reversed == 0);
-                let sweep = Sweep { reversed, begins, ..self.sweep(axis, sends) };
+                let first_quadrant = u32::from(axis.axis == 0 && reversed == 0);
+                let sweep = Sweep { reversed, first_quadrant, ..self.sweep(axis, indirect) };
                 self.quadrant(axis, sweep, all);
             }
         }
-        std::mem::take(&mut self.steps)
+        std::mem::take(&mut self.planned)
     }
 
-    /// What all runs of an axis are told.
-    fn sweep(&self, axis: &Axis, sends: bool) -> Sweep {
+    /// The parameters that all dispatches of an axis share.
+    fn sweep(&self, axis: &Axis, indirect: bool) -> Sweep {
         Sweep {
             depth: axis.lattice.depth as u32,
             rows: axis.lattice.rows as u32,
             axis: axis.axis,
-            bits: axis.bits,
-            sends: u32::from(sends),
-            least: self.look.least as u32,
+            cell_bits: axis.cell_bits,
+            indirect: u32::from(indirect),
+            gather_length: self.geometry.min_length as u32,
             ..Sweep::default()
         }
     }
@@ -103,7 +100,8 @@ impl Quadrant {
         let groups = groups.map(|count| count as u32);
         if groups.iter().all(|&count| count > 0) {
             let traffic = traffic(work, &sweep, groups, self.words.into());
-            self.steps.push(Step { work, sweep: self.sweeps.len() as u32, groups, traffic });
+            let index = self.sweeps.len() as u32;
+            self.planned.push(PlannedWork { work, sweep: index, groups, traffic });
             self.sweeps.push(sweep);
         }
     }
@@ -116,11 +114,11 @@ impl Quadrant {
             self.extend(lattice, sweep, chunk);
             self.merge_chain(axis, sweep, chunk, &mut chain);
             self.merge(axis, sweep, chunk);
-            self.hop(axis, sweep, chunk, all);
+            self.final_gather(axis, sweep, chunk, all);
         }
     }
 
-    /// The first level: all planes of the chunk but the grid's first.
+    /// Plans the first level: all planes of the chunk except the grid's first.
     fn trace(&mut self, lattice: &Lattice, sweep: Sweep, chunk: usize) {
         let level = lattice.first;
         let all = 1 << (lattice.chunk - level);
@@ -133,14 +131,14 @@ impl Quadrant {
             odd_first: [first; 4],
             even: lattice.even(level),
             even_first: first,
-            ways: self.beams,
+            footprints: self.bundles,
             rays: self.width,
             ..sweep
         };
         self.push(Work::Trace, sweep, [lattice.rows.div_ceil(TILE as usize), planes.len(), 1]);
     }
 
-    /// The levels above: those within the chunk, and those that its near end completes.
+    /// Plans the levels above: those within the chunk, and those that its near end completes.
     fn extend(&mut self, lattice: &Lattice, sweep: Sweep, chunk: usize) {
         // Nothing needs what begins at the grid's near end.
         let top = if chunk == 0 { lattice.chunk - 1 } else { lattice.chunk };
@@ -187,7 +185,7 @@ impl Quadrant {
         self.push(Work::Extend, sweep, [tiles, 2 << level, planes.len()]);
     }
 
-    /// Light at the far end of the chunk, from that at the planes of higher levels behind it.
+    /// Plans light at the far end of the chunk, from that at the planes of higher levels behind it.
     fn merge_chain(&mut self, axis: &Axis, sweep: Sweep, chunk: usize, chain: &mut Chain) {
         let lattice = &axis.lattice;
         for (level, plane) in chain.missing(lattice, chunk + 1) {
@@ -207,12 +205,12 @@ impl Quadrant {
                 cones_top: axis.cones_from(level + 1)[0],
                 ..sweep
             };
-            let tiles = tiles(lattice.rows, 1 << level, self.tiles.cones as usize);
-            self.push(Work::Cones, sweep, [tiles, 2 << level, 1]);
+            let tiles = tiles(lattice.rows, 1 << level, self.tiles.merge as usize);
+            self.push(Work::Merge, sweep, [tiles, 2 << level, 1]);
         }
     }
 
-    /// Light at all planes of the chunk, down to the level that pixels look at.
+    /// Plans light at all planes of the chunk, down to the level that pixels gather from.
     fn merge(&mut self, axis: &Axis, sweep: Sweep, chunk: usize) {
         let lattice = &axis.lattice;
         let (first, depth) = (lattice.first, lattice.depth);
@@ -238,18 +236,18 @@ impl Quadrant {
                 ..sweep
             };
             let slant = ((1usize << levels) - 1) << level;
-            let tiles = tiles(lattice.rows, slant, self.tiles.cones as usize);
-            self.push(Work::Cones, sweep, [tiles, 2 << level, sources.len()]);
+            let tiles = tiles(lattice.rows, slant, self.tiles.merge as usize);
+            self.push(Work::Merge, sweep, [tiles, 2 << level, sources.len()]);
         }
         let all = 1 << (lattice.chunk - first - 1);
         let sources = range(chunk * all + 1, all, planes(depth, first) / 2 + 1, 1);
-        let sweep = Sweep { first: sources.start as u32, ..self.seen(axis, sweep, chunk) };
+        let sweep = Sweep { first: sources.start as u32, ..self.gathered(axis, sweep, chunk) };
         let rows = lattice.rows.div_ceil(TILE as usize);
         self.push(Work::Finish, sweep, [rows, 4 << first, sources.len()]);
     }
 
-    /// What runs that look at the first level are told.
-    fn seen(&self, axis: &Axis, sweep: Sweep, chunk: usize) -> Sweep {
+    /// The parameters of dispatches that gather from the first level.
+    fn gathered(&self, axis: &Axis, sweep: Sweep, chunk: usize) -> Sweep {
         let lattice = &axis.lattice;
         let level = lattice.first;
         Sweep {
@@ -263,43 +261,44 @@ impl Quadrant {
             below_far: ((chunk + 1) << (lattice.chunk - level)) as u32,
             cones: axis.cones_from(level),
             cones_top: axis.cones_from(level + 1)[0],
-            ways: self.views,
-            rays: self.look.rays,
+            footprints: self.views,
+            rays: self.geometry.rays,
             ..sweep
         }
     }
 
-    /// The pixels that look at planes of the chunk.
-    fn hop(&mut self, axis: &Axis, sweep: Sweep, chunk: usize, all: bool) {
+    /// Plans the final gather of the pixels whose plane lies in the chunk.
+    fn final_gather(&mut self, axis: &Axis, sweep: Sweep, chunk: usize, all: bool) {
         let lattice = &axis.lattice;
-        let near = |chunk: usize| (chunk << lattice.chunk).saturating_sub(self.look.least - 1);
+        let near =
+            |chunk: usize| (chunk << lattice.chunk).saturating_sub(self.geometry.min_length - 1);
         let from = if chunk == 0 { 0 } else { near(chunk) };
         let last = chunk + 1 == lattice.chunks();
         let to = if last { lattice.depth } else { near(chunk + 1) };
-        let sweep = Sweep { first: from as u32, ..self.seen(axis, sweep, chunk) };
+        let sweep = Sweep { first: from as u32, ..self.gathered(axis, sweep, chunk) };
         let groups = [lattice.rows.div_ceil(TILE as usize), to - from, 1];
         if all {
-            self.push(Work::Hop, sweep, groups);
+            self.push(Work::Gather, sweep, groups);
         }
-        self.push(Work::Onto, sweep, groups);
+        self.push(Work::Faces, sweep, groups);
     }
 }
 
 impl Axis {
-    /// Where four levels begin in the table of cones, from one on.
+    /// The first entries of four levels in the table of cones, from one on.
     fn cones_from(&self, level: u32) -> [u32; 4] {
         let first = (level - self.lattice.first) as usize;
         std::array::from_fn(|up| self.cones.get(first + up).copied().unwrap_or(0))
     }
 }
 
-/// Which plane of each level from a chunk's on holds light.
+/// The plane of each level, from a chunk's on, whose light is stored.
 struct Chain {
     held: Vec<Option<usize>>,
 }
 
 impl Chain {
-    /// The planes to make, from the top down, so that light is at a plane of the lowest level.
+    /// Returns the planes to make, from the top down, for the light at a plane of the lowest level.
     fn missing(&mut self, lattice: &Lattice, plane: usize) -> Vec<(u32, usize)> {
         let mut missing = Vec::new();
         for (level, held) in (lattice.chunk..).zip(&mut self.held) {
@@ -316,16 +315,16 @@ impl Chain {
     }
 }
 
-/// `count` planes from one on, but those under `least` and from `end` on.
-fn range(from: usize, count: usize, end: usize, least: usize) -> std::ops::Range<usize> {
-    let first = from.max(least);
+/// The range of `count` planes from one on, without those below `low` and from `end` on.
+fn range(from: usize, count: usize, end: usize, low: usize) -> std::ops::Range<usize> {
+    let first = from.max(low);
     first..(from + count).min(end).max(first)
 }
 
-/// Tiles that cover all rows of planes that lie aslant by up to so many rows.
+/// The number of tiles that cover all rows of planes that are slanted by up to `slant` rows.
 fn tiles(rows: usize, slant: usize, tile: usize) -> usize {
-    match slant {
-        0 => rows.div_ceil(tile),
-        _ => (rows + slant).div_ceil(tile) + 1,
+    if slant == 0 {
+        return rows.div_ceil(tile);
     }
+    (rows + slant).div_ceil(tile) + 1
 }

@@ -1,61 +1,62 @@
-//! What is the same for every frame: the ways of rays, and the cones.
+//! Tables that are the same for every frame: the footprints of rays, and the cones.
 
-use lamplight::methods::holographic::ways::{Crossing, Look, beam};
-use lamplight::methods::holographic::{angle, rays, slope};
+use lamplight::methods::holographic::lattice::{
+    Crossing, GatherGeometry, angle, bundle, rays, slope,
+};
 
 /// Rows to either side that a mask covers.
 const ASIDE: isize = 32;
 
-/// The ways of beams and of the last hop, as shaders/ways.wgsl reads them.
+/// The footprints of bundles and of the final gather, as footprint.wgsl reads them.
 #[derive(Debug, Default)]
-pub struct Ways {
+pub struct Footprints {
     pub words: Vec<u32>,
-    /// Where beams, and the list of views, begin.
-    pub beams: u32,
+    /// The first words of bundles, and of the list of views.
+    pub bundles: u32,
     pub views: u32,
 }
 
-impl Ways {
-    pub fn new(look: Look, width: u32) -> Self {
-        let mut ways = Self::default();
-        ways.beams(look.level, width);
-        ways.views(look);
-        ways
+impl Footprints {
+    pub fn new(geometry: GatherGeometry, width: u32) -> Self {
+        let mut footprints = Self::default();
+        footprints.bundles(geometry.level, width);
+        footprints.views(geometry);
+        footprints
     }
 
-    /// Beam by beam: a mask, then where the crossings of each ray begin and their number.
-    fn beams(&mut self, level: u32, width: u32) {
-        let beams: Vec<_> = (0..rays(level)).map(|ray| beam(level, ray, width)).collect();
+    /// Appends the bundles. Each has a mask, then the first crossing of each ray and the number of crossings.
+    fn bundles(&mut self, level: u32, width: u32) {
+        let bundles: Vec<_> = (0..rays(level)).map(|ray| bundle(level, ray, width)).collect();
         let mut records = Vec::new();
-        for rays in &beams {
+        for rays in &bundles {
             let cells = rays.iter().flatten().map(|crossing| (crossing.slab, crossing.row));
             records.extend(mask((1 << level) + 1, cells));
             for ray in rays {
                 records.extend([self.crossings(ray), ray.len() as u32]);
             }
         }
-        self.beams = self.words.len() as u32;
+        self.bundles = self.words.len() as u32;
         self.words.extend(records);
     }
 
-    /// For every distance to the plane its cones: angle, cosines; rays: crossings, end; a mask.
-    fn views(&mut self, look: Look) {
+    /// Appends, for every distance to the plane, its cones: angle, cosines; rays: crossings, end; a mask.
+    fn views(&mut self, geometry: GatherGeometry) {
         let mut begins = Vec::new();
-        for ahead in look.least..=look.most() {
+        for ahead in geometry.min_length..=geometry.max_length() {
             let mut records = Vec::new();
-            for cone in look.cones(ahead) {
+            for cone in geometry.cones(ahead) {
                 let [along, across] = cone.cosines;
                 records.extend([cone.angle, along, across, 0.0].map(f32::to_bits));
-                for way in &cone.ways {
-                    let first = self.crossings(&way.crossings);
-                    let count = way.crossings.len() as u32;
-                    let past = way.shares[1].to_bits();
-                    records.extend([first, count, way.row as i32 as u32, past]);
+                for ray in &cone.rays {
+                    let first = self.crossings(&ray.crossings);
+                    let count = ray.crossings.len() as u32;
+                    let past = ray.weights[1].to_bits();
+                    records.extend([first, count, ray.row as i32 as u32, past]);
                 }
-                let crossed = cone.ways.iter().flat_map(|way| &way.crossings);
+                let crossed = cone.rays.iter().flat_map(|ray| &ray.crossings);
                 let crossed = crossed.map(|crossing| (crossing.slab, crossing.row));
                 let ends =
-                    cone.ways.iter().flat_map(|way| [(ahead, way.row), (ahead, way.row + 1)]);
+                    cone.rays.iter().flat_map(|ray| [(ahead, ray.row), (ahead, ray.row + 1)]);
                 records.extend(mask(ahead + 1, crossed.chain(ends)));
             }
             begins.push(self.words.len() as u32);
@@ -65,7 +66,7 @@ impl Ways {
         self.words.extend(begins);
     }
 
-    /// Appends crossings; returns where they begin.
+    /// Appends crossings. Returns where they begin.
     fn crossings(&mut self, crossings: &[Crossing]) -> u32 {
         let first = self.words.len() as u32;
         for crossing in crossings {
@@ -77,7 +78,7 @@ impl Ways {
     }
 }
 
-/// Bits of cells by slab: rows from −32 to −1, and from 0 to 31.
+/// The mask of cells by slab: rows from −32 to −1, and from 0 to 31.
 fn mask(slabs: usize, cells: impl Iterator<Item = (usize, isize)>) -> Vec<u32> {
     let mut words = vec![0; 2 * slabs];
     for (slab, row) in cells {
@@ -87,9 +88,9 @@ fn mask(slabs: usize, cells: impl Iterator<Item = (usize, isize)>) -> Vec<u32> {
     words
 }
 
-/// Of each cone of levels `first` to `end`, level by level from where it is returned: ∫ dθ, ∫ |sin θ| dθ
-/// where the sine is negative, and where it is positive, ∫ cos θ dθ; as sums over the cones of the last
-/// level, as the CPU has them.
+/// Returns where each of the levels `first` to `end` begins, and for each of their cones: ∫ dθ, ∫ |sin θ| dθ
+/// where the sine is negative, and where it is positive, ∫ cos θ dθ. As on the CPU, they are sums over the
+/// cones of the last level.
 pub fn cones(first: u32, end: u32) -> (Vec<u32>, Vec<[f32; 4]>) {
     let top: Vec<[f64; 4]> = (0..2usize << end)
         .map(|cone| {

@@ -1,25 +1,26 @@
-//! What the runs of a quadrant move: everything that a run reads or writes, once.
+//! The traffic of the dispatches of a quadrant: everything that a dispatch reads or writes, once.
 
-use super::PACKED;
-use super::quadrant::Work;
+use super::lattice::Packed;
 use super::sweep::Sweep;
-use crate::cost::Traffic;
-use crate::site::FOUR;
-use lamplight::methods::holographic::planes;
+use super::work::Work;
+use crate::traffic::Traffic;
+use lamplight::methods::holographic::lattice::planes;
 
-/// Bytes of a word.
-const WORD: u64 = 4;
+/// Bytes of a word, of packed radiance, and of a texel or of light.
+const WORD: u64 = size_of::<u32>() as u64;
+const PACKED: u64 = size_of::<Packed>() as u64;
+const VEC4: u64 = size_of::<[f32; 4]>() as u64;
 
-/// What a run moves, with intervals of so many words.
+/// Returns the traffic of a dispatch, with intervals of `words`.
 pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traffic {
     let Sweep { level, levels, .. } = *sweep;
     let [rows, level_size] = [u64::from(sweep.rows), 1 << level];
     let [_, across, deep] = groups.map(u64::from);
     let interval = words * WORD;
-    // Bits of the cells near a row: 128 rows for a tile of 64, of three kinds, in some slabs.
+    // Bits of the cells near a row: 128 rows for a tile of 64, three bits each, in `slabs` slabs.
     let bits = |slabs: u64| 3 * slabs * rows * 2 / 8;
     match work {
-        Work::Slabs => Traffic { read: 2 * FOUR * rows, written: bits(1) / 2 },
+        Work::Slabs => Traffic { read: 2 * VEC4 * rows, written: bits(1) / 2 },
         Work::Trace => Traffic {
             read: across * bits(level_size + 2),
             written: across * (2 * level_size + 1) * rows * interval,
@@ -33,7 +34,7 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
                 [1 << levels, written].map(|rays| across * deep * rays * rows * interval);
             Traffic { read, written }
         }
-        Work::Cones => {
+        Work::Merge => {
             // Planes of odd index of all levels but the topmost.
             let near: u64 = (0..levels).map(|up| 1u64 << (levels - up - 1) << up).sum();
             let made = u64::from(sweep.below_planes.min(1 << levels));
@@ -43,18 +44,18 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
             let read = (PACKED << levels) * stored + near * interval * deep;
             Traffic { read: across * rows * read, written: across * rows * deep * made * PACKED }
         }
-        // Two cones go by each ray.
+        // Each ray serves two cones.
         Work::Finish => Traffic {
             read: across * deep * rows * (PACKED + interval / 2),
             written: across * deep * rows * PACKED,
         },
-        Work::Hop => {
+        Work::Gather => {
             let cones = 4 * level_size;
             Traffic {
-                read: across * (bits(2 * level_size) + rows * (cones * PACKED + FOUR)),
-                written: across * rows * FOUR,
+                read: across * (bits(2 * level_size) + rows * (cones * PACKED + VEC4)),
+                written: across * rows * VEC4,
             }
         }
-        Work::Onto => Traffic { read: across * bits(2 * level_size), written: 0 },
+        Work::Faces => Traffic { read: across * bits(2 * level_size), written: 0 },
     }
 }

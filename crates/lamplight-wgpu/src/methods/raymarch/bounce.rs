@@ -1,21 +1,21 @@
-//! Light sent on by faces of walls and fog: a number of times, until it has converged, or once more
-//! each frame.
+//! Bounces: a number of them, until light has converged, or one per frame.
 
-use super::{Buffers, FOUR, Gather, Raymarch};
-use crate::Result;
-use crate::kernel::Dispatch;
-use crate::site::Site;
+use super::gather::{Gather, GatherBuffers, Gathered};
+use crate::error::Result;
+use crate::pipeline::Dispatch;
+use crate::planner::FramePlanner;
 use crate::stages::compare::Compare;
 use crate::stages::convergence::Convergence;
 use crate::stages::feedback::Feedback;
+use crate::stages::medium_grid::MediumGridPipelines;
 use lamplight::Settings;
 use lamplight::settings::{BounceBy, Bounces};
 use wgpu::{Buffer, Device};
 
-/// Faces of a cell; fog sends on by the first.
+/// Faces of a cell; a medium uses the first.
 const FACES: u64 = 4;
 
-/// How light bounces.
+/// The way in which light bounces.
 #[derive(Debug)]
 pub enum Bounce {
     Times(u32),
@@ -35,68 +35,72 @@ impl Bounce {
         }
     }
 
-    /// Whether fog that sends light on is crossed cell by cell from the start. It saves finding squares
-    /// anew in each of many rounds, most of which are recorded in vain; once fog is lit its cells differ
+    /// Returns whether media that scatter are crossed cell by cell from the start. It saves finding squares
+    /// again in each of many bounces, most of which are recorded in vain; once a medium is lit its cells differ
     /// anyway.
-    pub fn keeps_fog_apart(&self) -> bool {
+    pub fn keeps_media_apart(&self) -> bool {
         matches!(self, Self::Converged(..))
     }
 
-    /// What surfaces send on, before and after a bounce; next to nothing where light does not bounce.
-    pub fn buffers(&self, site: &Site) -> Result<[Buffer; 2]> {
-        let bytes = match self {
-            Self::Times(0) => FOUR,
-            _ => site.cells() * FACES * FOUR,
+    /// Creates the buffers of outgoing radiance before and after a bounce; of a single value if light does not
+    /// bounce.
+    pub fn buffers(&self, planner: &FramePlanner) -> Result<[Buffer; 2]> {
+        let count = match self {
+            Self::Times(0) => 1,
+            _ => planner.cells() * FACES,
         };
         let after = match self {
-            Self::Feedback(_) => site.kept("sent", bytes)?,
-            _ => site.buffer("sent", bytes)?,
+            Self::Feedback(_) => planner.history::<[f32; 4]>("outgoing", count)?,
+            _ => planner.buffer::<[f32; 4]>("outgoing", count)?,
         };
-        Ok([site.buffer("sent", bytes)?, after])
+        Ok([planner.buffer::<[f32; 4]>("outgoing", count)?, after])
     }
-}
 
-impl Raymarch {
-    /// All bounces, and what is sent after the last; `find` is repeated where fog sends other light.
-    pub(super) fn bounce(
+    /// Plans all bounces. Returns the outgoing radiance after the last. `find_squares` is repeated whenever
+    /// media scatter other light.
+    pub fn plan(
         &self,
-        site: &Site,
-        buffers: &Buffers,
-        sent: &[Buffer; 2],
-        find: &[Dispatch],
+        planner: &FramePlanner,
+        medium_grid: &MediumGridPipelines,
+        gather: &Gather,
+        buffers: &GatherBuffers,
+        outgoing: &[Buffer; 2],
+        find_squares: &[Dispatch],
     ) -> Result<(Vec<Dispatch>, Buffer)> {
-        let [one, other] = sent;
-        let gather = |step, from, to| self.gather(site, Gather::Sent, buffers, step, [from, to]);
-        let follow = |sent: &Buffer| {
-            let mut dispatches = vec![self.optics.light_fog(site, &buffers.seen, sent)];
-            dispatches.extend_from_slice(find);
+        let [one, other] = outgoing;
+        let gather =
+            |step, from, to| gather.plan(planner, Gathered::Outgoing, buffers, step, from, to);
+        let light_media = |outgoing: &Buffer| {
+            let lit = medium_grid.light_media(planner, &buffers.grid, outgoing);
+            let mut dispatches = vec![lit];
+            dispatches.extend_from_slice(find_squares);
             dispatches
         };
-        let dispatches = match &self.bounce {
-            Bounce::Times(times) => {
+        let dispatches = match self {
+            Self::Times(times) => {
                 let mut dispatches = Vec::new();
                 let (mut from, mut to) = (one, other);
                 for bounce in 0..*times {
                     dispatches.push(gather(bounce.min(1), from, to));
-                    dispatches.extend(follow(to));
+                    dispatches.extend(light_media(to));
                     (from, to) = (to, from);
                 }
                 return Ok((dispatches, from.clone()));
             }
-            Bounce::Converged(convergence, compare) => {
-                let found = Convergence::found(site)?;
-                let rounds = [0, 1].map(|step| {
-                    let compare = compare.run(site, [one, other], &found, step);
-                    let gathered = vec![gather(step, other, one), compare];
-                    gathered.into_iter().chain(follow(other)).collect()
+            Self::Converged(convergence, compare) => {
+                let changes = Convergence::changes(planner)?;
+                let [first, later] = [0, 1].map(|step| {
+                    let compare = compare.plan(planner, one, other, &changes, step);
+                    let gathered = [gather(step, other, one), compare];
+                    gathered.into_iter().chain(light_media(other)).collect()
                 });
-                convergence.plan(site, &found, rounds)?
+                convergence.plan(planner, &changes, first, later)?
             }
-            Bounce::Feedback(feedback) => {
-                let mut dispatches = vec![feedback.take_over(site, &buffers.seen, other, one)];
-                dispatches.extend(follow(one));
+            Self::Feedback(feedback) => {
+                let mut dispatches = vec![feedback.plan(planner, &buffers.grid, other, one)];
+                dispatches.extend(light_media(one));
                 dispatches.push(gather(1, one, other));
-                dispatches.extend(follow(other));
+                dispatches.extend(light_media(other));
                 dispatches
             }
         };

@@ -1,22 +1,29 @@
-//! Where light is wanted: at the centres of cells and on the faces of walls.
+//! The gather of the nearest cascade: at the centres of cells and on the faces of walls.
 
 use super::ladder::cosine;
-use super::merge::{Caster, Points};
+use super::merge::{ProbeTracer, ReceiverPoints};
+use crate::grid::packet::LANES;
+use crate::simd::dispatch;
 use crate::stages::bounce::{Faces, NORMALS, Surfaces};
-use crate::stages::packet::LANES;
 use crate::{Cells, Rgb};
-use fearless_simd::{Level, dispatch, f32x16, prelude::*};
+use fearless_simd::{Level, f32x16, prelude::*};
 use rayon::prelude::*;
 
-/// px before a face from which its rays start, so that they start in the open.
+/// Distance from a face at which its rays start, px, so that they start in the open.
 pub const BEFORE: f32 = 1.0 / 64.0;
 
-/// Adds what arrives at every open cell in one cone of the nearest cascade to the mean over the
-/// circle.
-pub fn add_to_cells(level: Level, caster: &Caster, cells: &Cells, cone: u32, light: &mut [Rgb]) {
+/// Adds the light that arrives at every open cell in one cone of the nearest cascade to the mean over
+/// the circle.
+pub fn add_to_cells(
+    level: Level,
+    tracer: &ProbeTracer,
+    cells: &Cells,
+    cone: u32,
+    light: &mut [Rgb],
+) {
     let w = cells.width() as usize;
-    let (ray, share) = ([caster.ray(cone)], 1.0 / caster.cascade.rays as f32);
-    let in_row = caster.far.is_some_and(|far| far.cascade.lattice.spacing == 2.0);
+    let (ray, weight) = ([tracer.ray(cone)], 1.0 / tracer.cascade.rays as f32);
+    let in_row = tracer.farther.is_some_and(|farther| farther.cascade.lattice.spacing == 2.0);
     light.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
         for (packet, row) in row.chunks_mut(LANES).enumerate() {
             let x = packet * LANES;
@@ -26,56 +33,57 @@ pub fn add_to_cells(level: Level, caster: &Caster, cells: &Cells, cone: u32, lig
             dispatch!(level, simd => {
                 let at = |l: usize| (x + l) as f32 + 0.5;
                 let at = [f32x16::from_fn(simd, at), f32x16::splat(simd, y as f32 + 0.5)];
-                add(caster.see(simd, Points { at, in_row, normal: None }, &ray), share, row);
+                let points = ReceiverPoints { at, in_row, normal: None };
+                add(tracer.radiance(simd, points, &ray), weight, row);
             });
         }
     });
 }
 
-/// Adds what arrives at some cells in one cone, as [`add_to_cells`] does.
-pub fn add_to_some(
+/// Adds the light that arrives at the cells of `selected` in one cone, like [`add_to_cells`].
+pub fn add_to_selected(
     level: Level,
-    caster: &Caster,
+    tracer: &ProbeTracer,
     cells: &Cells,
-    some: &[u32],
+    selected: &[u32],
     cone: u32,
     light: &mut [Rgb],
 ) {
-    let (ray, share) = ([caster.ray(cone)], 1.0 / caster.cascade.rays as f32);
-    light.par_chunks_mut(LANES).zip(some.par_chunks(LANES)).for_each(|(light, some)| {
+    let (ray, weight) = ([tracer.ray(cone)], 1.0 / tracer.cascade.rays as f32);
+    light.par_chunks_mut(LANES).zip(selected.par_chunks(LANES)).for_each(|(light, selected)| {
         dispatch!(level, simd => {
-            let place = |l: usize| some[l.min(some.len() - 1)];
+            let cell = |l: usize| selected[l.min(selected.len() - 1)];
             let at = [
-                f32x16::from_fn(simd, |l| (place(l) % cells.width()) as f32 + 0.5),
-                f32x16::from_fn(simd, |l| (place(l) / cells.width()) as f32 + 0.5),
+                f32x16::from_fn(simd, |l| (cell(l) % cells.width()) as f32 + 0.5),
+                f32x16::from_fn(simd, |l| (cell(l) / cells.width()) as f32 + 0.5),
             ];
-            let points = Points { at, in_row: false, normal: None };
-            add(caster.see(simd, points, &ray), share, light);
+            let points = ReceiverPoints { at, in_row: false, normal: None };
+            add(tracer.radiance(simd, points, &ray), weight, light);
         });
     });
 }
 
 #[inline(always)]
-fn add<S: Simd>(seen: [f32x16<S>; 3], weight: f32, light: &mut [Rgb]) {
-    let seen = [seen[0] * weight, seen[1] * weight, seen[2] * weight];
-    let seen = [seen[0].to_array(), seen[1].to_array(), seen[2].to_array()];
+fn add<S: Simd>(radiance: [f32x16<S>; 3], weight: f32, light: &mut [Rgb]) {
+    let radiance = [radiance[0] * weight, radiance[1] * weight, radiance[2] * weight];
+    let radiance = [radiance[0].to_array(), radiance[1].to_array(), radiance[2].to_array()];
     for (l, light) in light.iter_mut().enumerate() {
-        (0..3).for_each(|c| light[c] += seen[c][l]);
+        (0..3).for_each(|c| light[c] += radiance[c][l]);
     }
 }
 
-/// The exposed faces of walls, side by side, and what they receive.
+/// The exposed faces of walls, grouped by normal, and their irradiance.
 #[derive(Debug, Default)]
-pub struct OnFaces {
-    /// By the order of [`NORMALS`]: slot of the wall.
+pub struct FaceGather {
+    /// By the order of [`NORMALS`]: slots of the walls.
     slots: [Vec<u32>; 4],
     light: [Vec<Rgb>; 4],
-    /// The same, wall by wall.
+    /// The irradiance wall by wall.
     pub walls: Vec<Faces>,
 }
 
-impl OnFaces {
-    /// Finds the faces.
+impl FaceGather {
+    /// Finds the exposed faces.
     pub fn collect(&mut self, surfaces: &Surfaces) {
         for (face, slots) in self.slots.iter_mut().enumerate() {
             slots.clear();
@@ -84,21 +92,21 @@ impl OnFaces {
         }
     }
 
-    /// Forgets what they received.
-    pub fn darken(&mut self) {
+    /// Resets the irradiance to 0.
+    pub fn clear(&mut self) {
         for (slots, light) in self.slots.iter().zip(&mut self.light) {
             light.clear();
             light.resize(slots.len(), Rgb::default());
         }
     }
 
-    /// Adds what arrives in one cone of the nearest cascade: `B = ½∫L cosθ dθ`, from the middle of
-    /// each face.
-    pub fn add(&mut self, level: Level, caster: &Caster, cells: &Cells, cone: u32) {
-        let ray = [caster.ray(cone)];
-        let walls = &caster.field.surfaces.walls;
+    /// Adds the light that arrives in one cone of the nearest cascade, `½∫L cosθ dθ` (half of the
+    /// irradiance), from the middle of each face.
+    pub fn add(&mut self, level: Level, tracer: &ProbeTracer, cells: &Cells, cone: u32) {
+        let ray = [tracer.ray(cone)];
+        let walls = &tracer.scene.surfaces.walls;
         for (face, (slots, light)) in self.slots.iter().zip(&mut self.light).enumerate() {
-            let weight = cosine(face, cone, caster.cascade.rays);
+            let weight = cosine(face, cone, tracer.cascade.rays);
             if weight <= 0.0 {
                 continue;
             }
@@ -111,14 +119,14 @@ impl OnFaces {
                         f32x16::from_fn(simd, |l| (cell(l) / cells.width()) as f32 + before[1]),
                     ];
                     let normal = Some(NORMALS[face].map(|n| n as f32));
-                    let points = Points { at, in_row: false, normal };
-                    add(caster.see(simd, points, &ray), weight, light);
+                    let points = ReceiverPoints { at, in_row: false, normal };
+                    add(tracer.radiance(simd, points, &ray), weight, light);
                 });
             });
         }
     }
 
-    /// Puts what the faces received wall by wall.
+    /// Sorts the irradiance by wall.
     pub fn sort(&mut self, surfaces: &Surfaces) {
         self.walls.clear();
         self.walls.resize(surfaces.walls.len(), Faces::default());

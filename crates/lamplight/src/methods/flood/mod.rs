@@ -1,30 +1,35 @@
-//! `flood`: rays drawn into a grid of energy, a bounce, many blurs; energy is kept between frames
+//! `flood`: rays drawn into a grid of energy, one bounce, many blurs; energy is kept between frames
 //! (tmpvar 2019, "Blur Based 2D Realtime Radiosity").
 //!
-//! Each frame every cell loses a little light; each light draws its rays into the cells that they
-//! cross; a ray that meets a wall sends a few more on from before it; then neighbours are mixed, so
-//! that light flows between the rays and round corners. Nothing is cleared: light that moved leaves
-//! a trail that fades.
+//! Each frame every cell loses a little light (`decay`). Each light draws its rays into the cells that
+//! they cross. A ray that meets a wall is reflected as a few more, from the cell before the wall. Then
+//! neighbours are mixed, `c ← c + Σ w·(n − c)`, so that light flows between the rays and round corners.
+//! The light is not cleared between frames: moving lights leave a fading trail.
 //!
-//! It is a look, not physics: what a cell holds is the brightest ray through it, not the sum. What
-//! holds is that no light gets through a wall, that it never brightens by itself, and that it comes
-//! to rest on a still scene.
+//! It is a visual style, not physics: a cell holds the brightest ray through it, not the sum. Three properties
+//! hold: light does not cross walls, it never brightens by itself, and it comes to rest on a still
+//! scene.
 //!
-//! Beyond the source: any size, lamps with their range, falloff and cone, glowing matter and the sky,
-//! and mixing that favours no direction. Bounced rays start before the wall that was met, so that
-//! none comes out on its other side.
+//! Beyond the source: any size, lamps with range, falloff and cone, emissive matter and the sky, and
+//! mixing that favours no direction. Reflected rays start before the wall, so that none comes out on
+//! its other side.
 //!
-//! Cost: rounds × cells, and rays × lights × px. Known failures: fingers where rays lie farther apart
-//! than the blur reaches (about √(2·rounds) px); light weaker than the decay does not last.
+//! Settings: `rays`, `matter_rays` and `bounce_rays`, `rounds` and `sweeps` of the blur, `decay`,
+//! `fade`.
+//!
+//! Cost: rounds × cells, and rays × lights × px. Known failures: streaks if rays lie farther apart than
+//! the blur reaches (about √(2·rounds) px); light weaker than the decay does not last.
 
 mod blur;
 
 use crate::clock::Clock;
-use crate::settings::{Fade, Flood as Settings, Sweeps};
+use crate::grid::cast::RayHit;
+use crate::grid::class::CellClass;
+use crate::grid::medium_grid::{MediumGrid, Reading};
+use crate::math::circle;
+use crate::math::transmittance::transmittance;
+use crate::settings::{Fade, Flood, Sweeps};
 use crate::stages::bounce::NORMALS;
-use crate::stages::circle;
-use crate::stages::ground::{Ground, Hit, Kind};
-use crate::stages::transmittance::exp_negative;
 use crate::{Cells, Lamp, Rgb};
 use blur::{Energy, Links};
 use fearless_simd::Level;
@@ -35,7 +40,7 @@ pub const STEEPNESS: f32 = 0.75;
 /// and a ray ends where it falls under this.
 pub const FAINTEST: f32 = 0.01;
 
-/// px that rays go by the source's rule, in a grid whose longer side is `diameter` px:
+/// Returns the length of rays by the source's rule, px, in a grid whose longer side is `diameter` px:
 /// `1/(1 + STEEPNESS·reach²/D) = FAINTEST`.
 pub fn reach(diameter: f32) -> f32 {
     ((1.0 / FAINTEST - 1.0) * diameter / STEEPNESS).sqrt()
@@ -43,33 +48,33 @@ pub fn reach(diameter: f32) -> f32 {
 
 /// The method, its buffers and the energy of the frames before.
 #[derive(Debug)]
-pub struct Flood {
+pub struct FloodSolver {
     level: Level,
     size: [u32; 2],
-    ground: Ground,
+    grid: MediumGrid,
     links: Links,
     energy: Energy,
     scratch: Energy,
 }
 
-impl Default for Flood {
+impl Default for FloodSolver {
     fn default() -> Self {
         Self::on(Level::new())
     }
 }
 
-/// A ray on its way: colour × energy is what it leaves in the cells that it crosses.
+/// A ray on its way: it leaves colour × energy in the cells that it crosses.
 #[derive(Clone, Copy)]
-struct Ray {
+struct LightRay {
     from: [f32; 2],
     direction: [f32; 2],
     color: Rgb,
     energy: f32,
-    /// Whether it starts in what glows, and so may leave a wall.
+    /// True if it starts in emissive matter: it may leave a wall.
     inside: bool,
 }
 
-/// How rays fade with distance, and how far they go.
+/// The fading of rays with distance, and their length.
 #[derive(Clone, Copy)]
 struct Fading<'a> {
     lamp: Option<&'a Lamp>,
@@ -79,12 +84,12 @@ struct Fading<'a> {
 }
 
 impl<'a> Fading<'a> {
-    /// By the source's rule.
+    /// Fades by the source's rule.
     fn seed(diameter: f32) -> Self {
         Self { lamp: None, diameter, reach: reach(diameter) }
     }
 
-    /// Of a lamp.
+    /// Fades as the rays of a lamp.
     fn of(lamp: &'a Lamp, fade: Fade, diameter: f32) -> Self {
         let seed = Self::seed(diameter);
         match fade {
@@ -102,37 +107,37 @@ impl<'a> Fading<'a> {
     }
 }
 
-impl Flood {
-    /// On these vector units; which ones makes no difference but to the time.
+impl FloodSolver {
+    /// Runs at the given SIMD level. The result is identical at every level.
     fn on(level: Level) -> Self {
         Self {
             level,
             size: [0; 2],
-            ground: Ground::default(),
+            grid: MediumGrid::default(),
             links: Links::default(),
             energy: Energy::default(),
             scratch: Energy::default(),
         }
     }
 
-    /// Goes on by a frame; lamps are not drawn into the cells.
+    /// Advances by a frame; lamps are not drawn into the cells.
     pub(crate) fn solve(
         &mut self,
         cells: &Cells,
-        settings: &Settings,
+        settings: &Flood,
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
         let size = [cells.width(), cells.height()];
-        self.ground.prepare(cells, true);
-        let (kinds, stride) = (self.ground.kinds(), self.ground.stride());
-        self.links.prepare(kinds, stride);
+        self.grid.read(cells, Reading::default());
+        self.links.prepare(&self.grid);
+        let frame = self.links.frame();
         if self.size != size {
             self.size = size;
-            self.energy.clear(kinds.len());
-            self.scratch.clear(kinds.len());
+            self.energy.clear(frame.cells());
+            self.scratch.clear(frame.cells());
         }
-        self.energy.decay(kinds, settings.decay);
+        self.energy.decay(&self.grid, frame, settings.decay);
         clock.lap("decay");
 
         self.cast_lamps(cells, settings);
@@ -148,7 +153,7 @@ impl Flood {
             };
             for vertical in [false, true] {
                 match settings.sweeps {
-                    // What two sweeps of a half each do in the open, both ways alike.
+                    // The effect of two sweeps of a half each in the open, the same both ways.
                     Sweeps::Even => pass(vertical, [0.25, 0.25]),
                     Sweeps::Seed => {
                         pass(vertical, [0.0, 0.5]);
@@ -161,7 +166,7 @@ impl Flood {
         clock.lap("flood");
     }
 
-    fn cast_lamps(&mut self, cells: &Cells, settings: &Settings) {
+    fn cast_lamps(&mut self, cells: &Cells, settings: &Flood) {
         for lamp in cells.lamps().iter().filter(|lamp| !lamp.is_off()) {
             let fading = Fading::of(lamp, settings.fade, self.diameter());
             let color = lamp.color.map(|c| c * lamp.intensity);
@@ -169,54 +174,50 @@ impl Flood {
             for (angle, direction) in circle(settings.rays) {
                 let energy = share(angle);
                 if energy > 0.0 {
-                    let ray = Ray { from: lamp.position, direction, color, energy, inside: false };
+                    let ray =
+                        LightRay { from: lamp.position, direction, color, energy, inside: false };
                     self.cast(cells, settings, ray, fading);
                 }
             }
         }
     }
 
-    /// Matter that glows: walls with a face or a corner in the open, fog by the share it stops.
-    fn cast_matter(&mut self, cells: &Cells, settings: &Settings) {
+    /// Casts emissive matter: walls with a face or a corner in the open, media by `1 − T`.
+    fn cast_matter(&mut self, cells: &Cells, settings: &Flood) {
         let fading = Fading::seed(self.diameter());
-        let width = cells.width() as usize;
         for (i, &emission) in cells.emission().iter().enumerate() {
             if emission == [0.0; 3] {
                 continue;
             }
-            let (x, y) = (i % width, i / width);
-            let index = self.ground.index([x, y]);
-            let color = match self.ground.kinds()[index] {
-                Kind::Wall if self.is_buried(index) => continue,
-                Kind::Wall => emission,
-                Kind::Medium => {
-                    let log = self.ground.log(index);
-                    std::array::from_fn(|c| emission[c] * (1.0 - exp_negative(log[c])))
+            let cell = self.grid.cell(i);
+            let color = match self.grid.classes[i] {
+                CellClass::Solid if self.is_buried(cell) => continue,
+                CellClass::Solid => emission,
+                CellClass::Medium => {
+                    let extinction = self.grid.extinction[i];
+                    std::array::from_fn(|c| emission[c] * (1.0 - transmittance(extinction[c])))
                 }
-                Kind::Clear | Kind::Outside => continue,
+                CellClass::Empty | CellClass::Outside => continue,
             };
-            let from = [x as f32 + 0.5, y as f32 + 0.5];
+            let from = cell.map(|v| v as f32 + 0.5);
             for (_, direction) in circle(settings.matter_rays) {
                 self.cast(
                     cells,
                     settings,
-                    Ray { from, direction, color, energy: 1.0, inside: true },
+                    LightRay { from, direction, color, energy: 1.0, inside: true },
                     fading,
                 );
             }
         }
     }
 
-    /// Whether a cell has only walls round it.
-    fn is_buried(&self, index: usize) -> bool {
-        let (kinds, stride) = (self.ground.kinds(), self.ground.stride());
-        [index - stride, index, index + stride].into_iter().all(|row| {
-            kinds[row - 1..=row + 1].iter().all(|&kind| matches!(kind, Kind::Wall | Kind::Outside))
-        })
+    /// Returns whether a cell has no open cell round it.
+    fn is_buried(&self, [x, y]: [i32; 2]) -> bool {
+        (y - 1..=y + 1).all(|y| (x - 1..=x + 1).all(|x| !self.grid.class([x, y]).is_open()))
     }
 
-    /// The sky: rays from the middle of every side of a cell at the border.
-    fn cast_sky(&mut self, cells: &Cells, settings: &Settings) {
+    /// Casts the sky: rays from the middle of every side of a cell at the border.
+    fn cast_sky(&mut self, cells: &Cells, settings: &Flood) {
         let sky = cells.sky();
         if sky.is_black() {
             return;
@@ -227,7 +228,7 @@ impl Flood {
             for (_, direction) in circle(settings.matter_rays) {
                 if direction[0] * normal[0] + direction[1] * normal[1] > 0.0 {
                     let color = sky.radiance(-direction[1]);
-                    let ray = Ray { from, direction, color, energy: 1.0, inside: false };
+                    let ray = LightRay { from, direction, color, energy: 1.0, inside: false };
                     self.cast(cells, settings, ray, fading);
                 }
             }
@@ -242,69 +243,69 @@ impl Flood {
         }
     }
 
-    /// Draws a ray, and those that are sent on from where it ends.
-    fn cast(&mut self, cells: &Cells, settings: &Settings, ray: Ray, fading: Fading) {
+    /// Draws a ray, and those that are reflected where it ends.
+    fn cast(&mut self, cells: &Cells, settings: &Flood, ray: LightRay, fading: Fading) {
         let Some((bounced, hit)) = self.draw(ray, fading) else { return };
         if settings.bounce_rays == 0 {
             return;
         }
-        let [x, y] = self.ground.place(hit);
-        let albedo = cells.albedo()[y * cells.width() as usize + x];
+        let albedo = cells.albedo()[hit];
         if albedo == [0.0; 3] {
             return;
         }
         let color = std::array::from_fn(|c| bounced.color[c] * albedo[c]);
         for (_, direction) in circle(settings.bounce_rays) {
-            self.draw(Ray { direction, color, ..bounced }, fading);
+            self.draw(LightRay { direction, color, ..bounced }, fading);
         }
     }
 
-    /// Draws a ray into the cells that it crosses. Where it meets a wall: the ray as it starts anew
-    /// from the cell before, and the wall's index in the frame.
-    fn draw(&mut self, mut ray: Ray, fading: Fading) -> Option<(Ray, usize)> {
-        let (ground, cells) = (&self.ground, &mut self.energy);
+    /// Draws a ray into the cells that it crosses. If it meets a wall, returns the ray as it starts
+    /// again from the cell before, and the index of the wall.
+    fn draw(&mut self, mut ray: LightRay, fading: Fading) -> Option<(LightRay, usize)> {
+        let (grid, frame, energy) = (&self.grid, self.links.frame(), &mut self.energy);
         let mut last = None;
-        let Ray { from, direction, inside, .. } = ray;
-        let hit = ground.walk(from, direction, fading.reach, inside, |[enter, leave], cell| {
-            cells.deposit(cell, ray.color, ray.energy * fading.at(0.5 * (enter + leave)));
-            if ground.kinds()[cell] == Kind::Medium {
-                let log = ground.log(cell);
+        let LightRay { from, direction, inside, .. } = ray;
+        let hit = grid.cast(from, direction, fading.reach, inside, |step, cell| {
+            let [enter, leave] = step.span;
+            let left = ray.energy * fading.at(0.5 * (enter + leave));
+            energy.deposit(frame.index(step.cell), ray.color, left);
+            if grid.classes[cell] == CellClass::Medium {
+                let extinction = grid.extinction[cell];
                 for c in 0..3 {
-                    ray.color[c] *= exp_negative(log[c] * (leave - enter));
+                    ray.color[c] *= transmittance(extinction[c] * (leave - enter));
                 }
             }
-            last = Some(cell);
+            last = Some(step.cell);
         });
-        if hit == Hit::NONE {
+        if hit == RayHit::NONE {
             return None;
         }
         let energy = ray.energy * fading.at(hit.length);
-        let from = ground.place(last?).map(|v| v as f32 + 0.5);
-        Some((Ray { from, energy, inside: false, ..ray }, hit.cell as usize))
+        let from = last?.map(|v| v as f32 + 0.5);
+        Some((LightRay { from, energy, inside: false, ..ray }, hit.cell as usize))
     }
 
     fn diameter(&self) -> f32 {
         self.size[0].max(self.size[1]) as f32
     }
 
-    /// What every cell holds; in solid cells, which hold nothing, the mean of what lies before their
-    /// faces.
+    /// Writes the light of every cell; in solid cells, which hold none, the mean of the cells before
+    /// their faces.
     fn write(&self, cells: &Cells, light: &mut Vec<Rgb>) {
         light.resize(cells.len(), [0.0; 3]);
-        let (ground, kinds) = (&self.ground, self.ground.kinds());
-        let stride = ground.stride() as isize;
+        let (grid, frame) = (&self.grid, self.links.frame());
         light.par_chunks_mut(cells.width() as usize).enumerate().for_each(|(y, row)| {
             for (x, rgb) in row.iter_mut().enumerate() {
-                let index = ground.index([x, y]);
-                if kinds[index] != Kind::Wall {
-                    *rgb = self.energy.color(index);
+                let [x, y] = [x as i32, y as i32];
+                if grid.class([x, y]).is_open() {
+                    *rgb = self.energy.color(frame.index([x, y]));
                     continue;
                 }
                 let (mut sum, mut faces) = ([0.0; 3], 0.0);
                 for [dx, dy] in NORMALS {
-                    let n = index.wrapping_add_signed(dx as isize + dy as isize * stride);
-                    if matches!(kinds[n], Kind::Clear | Kind::Medium) {
-                        let color = self.energy.color(n);
+                    let before = [x + dx, y + dy];
+                    if grid.class(before).is_open() {
+                        let color = self.energy.color(frame.index(before));
                         (0..3).for_each(|c| sum[c] += color[c]);
                         faces += 1.0;
                     }
@@ -314,16 +315,16 @@ impl Flood {
         });
     }
 
-    /// The source's energy of every cell, in row order: as the light, without colour.
+    /// Writes the energy of every cell in row order: like the light, without colour.
     pub(crate) fn energy(&self, energy: &mut Vec<f32>) {
         energy.clear();
-        let [w, h] = self.size.map(|v| v as usize);
-        let cells = (0..h).flat_map(|y| (0..w).map(move |x| [x, y]));
-        energy.extend(cells.map(|cell| self.energy.energy(self.ground.index(cell))));
+        let frame = self.links.frame();
+        let cells = (0..self.grid.classes.len()).map(|i| self.grid.cell(i));
+        energy.extend(cells.map(|cell| self.energy.energy(frame.index(cell))));
     }
 }
 
-/// Angles and unit directions evenly round the circle, the first along +x.
+/// Returns angles and unit directions evenly round the circle, the first along +x.
 fn circle(rays: u32) -> impl Iterator<Item = (f32, [f32; 2])> {
     (0..rays).map(move |i| (circle::angle(i, rays), circle::direction(i, rays)))
 }
@@ -338,7 +339,12 @@ mod tests {
         let cells = cells();
         agree(0.0, |level| {
             let mut light = Vec::new();
-            Flood::on(level).solve(&cells, &Settings::default(), &mut light, &mut Clock::default());
+            FloodSolver::on(level).solve(
+                &cells,
+                &Flood::default(),
+                &mut light,
+                &mut Clock::default(),
+            );
             light
         });
     }

@@ -1,58 +1,60 @@
-//! `holographic`: rays made from shorter rays, no noise (Freeman, Sannikov and Margel 2025).
+//! `holographic`: long rays composed of shorter rays, without noise (Freeman, Sannikov and Margel
+//! 2025).
 //!
 //! The light of a quarter of the circle, within 45° of an axis, is found in three steps:
 //!
-//! 1. **Intervals** ([`pyramid`]): what rays from plane to plane add to light and let through; the
-//!    shortest are traced, each longer level is made from the one before.
-//! 2. **Cones** ([`cones`]): light through cones, merged from the far end of the grid to the near.
-//! 3. **The last hop** ([`hop`]): pixels trace the few px to the next plane themselves.
+//! 1. **Extend** ([`extend`]): intervals, the radiance and transmittance of rays from plane to plane.
+//!    The shortest are traced ([`trace`]), each longer level is composed of the one before.
+//! 2. **Merge** ([`merge`]): light through cones, from the far end of the grid to the near end.
+//! 3. **Final gather** ([`gather`]): pixels trace the few px to the next plane themselves.
 //!
-//! Four quadrants make the fluence: `φ = Σ ∫ L dω / 2π`. On every face of a wall the same rays give
-//! `B = ½ ∫ L cosθ dω`, shaded by the steps of the wall itself ([`onto`]).
+//! Four quadrants make the mean radiance: `J = Σ ∫ L dω / 2π`. On every face of a wall the same rays
+//! make the irradiance `½ ∫ L cosθ dω`, shaded by the steps of the wall itself ([`faces`]).
 //!
-//! What is better than published ([`paper`], which `variant = "paper"` runs): dense directions
-//! instead of even ones, which also do away with the checkerboard; beams instead of single rays;
-//! planes of even index taken over exactly; and the last hop, which takes away the stars round
-//! small lights. Lights of 1 to 6 px: 2.5 % of error instead of 15 %.
+//! Differences from the published method ([`paper`], which `variant = "paper"` runs): dense directions
+//! instead of even ones, which also remove the checkerboard; bundles instead of single rays; planes of
+//! even index taken over exactly; and the final gather, which removes the stars around small lights.
+//! The error for lights of 1 to 6 px is 2.5 % instead of 15 %.
 //!
-//! A bounce solves the quadrants for the surfaces only, with what they sent the time before.
+//! A bounce solves the quadrants for the surfaces only, with the radiance that they reflected the time
+//! before.
 //!
 //! All of it is one sweep over the planes from the far end of the grid to the near one, so that no
 //! level is ever held whole.
 //!
-//! Cost: about N² log N for an N×N grid, less where space is empty; memory some hundred bytes a
-//! cell. Known failures: up to 7 % of error at the worst angle of a ring round a light, faint
-//! stripes far from small lights; where a plane of the lattice cuts a light, its two halves together
-//! look up to a third of a px too wide.
+//! Settings: [`crate::settings::Holographic`].
+//!
+//! Cost: about N² log N for an N×N grid, less where space is empty; memory some hundred bytes per
+//! cell.
+//!
+//! Known failures: up to 7 % of error at the worst angle of a ring around a light; faint stripes far
+//! from small lights; where a plane of the lattice cuts a light, its two halves together look up to a
+//! third of a px too wide.
 
-mod cones;
-mod fronts;
-mod hop;
-mod inside;
+mod axis_sweep;
+mod debug_view;
+mod extend;
+mod faces;
+mod gather;
 mod interval;
-mod march;
-mod onto;
-mod pair;
+pub mod lattice;
+mod merge;
 pub mod paper;
 mod published;
-mod pyramid;
 mod slabs;
-mod stencil;
-pub mod ways;
+mod trace;
 
-pub use cones::{angle, slope};
-pub use hop::CLOSED;
-pub use onto::REACH;
-pub use pyramid::{levels, planes, rays};
-pub use slabs::{FRACTION, GLOWING, MATTER};
+pub use faces::REACH;
+pub use gather::OPAQUE_TRANSMITTANCE;
+pub use slabs::{EMISSIVE, MATTER, MEDIUM};
 
 use crate::clock::Clock;
 use crate::settings::{Bounces, Settings, Variant};
-use crate::stages::bounce::{CONVERGED, Faces, Surfaces, Wall, mean_over_faces};
+use crate::stages::bounce::{Faces, Surfaces, Wall, mean_over_faces, solve_bounces};
 use crate::{Cells, Rgb};
+use axis_sweep::{AxisSweep, SweepInput};
+use faces::{Receivers, cell_in_front};
 use fearless_simd::Level;
-use fronts::{Fronts, front};
-use pair::{Pair, Scene};
 use published::Published;
 use rayon::prelude::*;
 use slabs::Axis;
@@ -63,10 +65,11 @@ use std::f32::consts::TAU;
 pub struct Holographic {
     level: Level,
     surfaces: Surfaces,
-    fronts: Fronts,
-    pairs: [Pair; 2],
-    /// What walls and fog receive.
-    received: (Vec<Faces>, Vec<Rgb>),
+    receivers: Receivers,
+    sweeps: [AxisSweep; 2],
+    /// The light at surfaces: irradiance of the faces of walls, mean radiance in media.
+    wall_light: Vec<Faces>,
+    medium_light: Vec<Rgb>,
     published: Published,
 }
 
@@ -77,14 +80,15 @@ impl Default for Holographic {
 }
 
 impl Holographic {
-    /// On these vector units; which ones makes no difference but to the time.
+    /// Creates the method for a vector unit. Units differ in time, not in light.
     fn on(level: Level) -> Self {
         Self {
             level,
             surfaces: Surfaces::default(),
-            fronts: Fronts::default(),
-            pairs: [Axis::X, Axis::Y].map(Pair::new),
-            received: Default::default(),
+            receivers: Receivers::default(),
+            sweeps: [Axis::X, Axis::Y].map(AxisSweep::new),
+            wall_light: Vec::new(),
+            medium_light: Vec::new(),
             published: Published::default(),
         }
     }
@@ -102,80 +106,83 @@ impl Holographic {
             clock.lap("holographic");
             return;
         }
-        let Self { surfaces, fronts, .. } = self;
-        rayon::join(|| surfaces.collect(cells, 0.0), || fronts.clear(cells));
-        fronts.collect(cells, surfaces);
+        let Self { surfaces, receivers, .. } = self;
+        rayon::join(|| surfaces.collect(cells, 0.0), || receivers.read_open(cells));
+        receivers.add_surfaces(cells, surfaces);
         clock.lap("surfaces");
-        let mut sends = false;
+        let mut reflected = false;
         if settings.bounces != Bounces::Count(0) && self.surfaces.reflect() {
-            for _ in 0..settings.bounces.limit() {
-                self.quadrants(cells, settings, sends, false);
-                sends = true;
-                let change = self.send_on(cells);
-                if settings.bounces == Bounces::Converged && change < CONVERGED {
-                    break;
-                }
-            }
+            solve_bounces(settings.bounces, || {
+                self.sweep(cells, settings, reflected, false);
+                reflected = true;
+                self.bounce(cells)
+            });
             clock.lap("bounce");
         }
-        self.quadrants(cells, settings, sends, true);
+        self.sweep(cells, settings, reflected, true);
         clock.lap("holographic");
-        self.gather(cells, light);
+        self.write(cells, light);
         clock.lap("gather");
     }
 
-    /// Light from all four quadrants; `sends`: with what surfaces send on; `all`: to every pixel.
-    fn quadrants(&mut self, cells: &Cells, settings: &Settings, sends: bool, all: bool) {
-        let surfaces = sends.then_some(&self.surfaces);
-        let scene =
-            Scene { cells, surfaces, fronts: &self.fronts, all, settings: &settings.holographic };
-        let [x, y] = &mut self.pairs;
+    /// Finds the light of all four quadrants. `reflected`: with the radiance that surfaces reflect;
+    /// `all`: in all open cells, not only those whose light surfaces need.
+    fn sweep(&mut self, cells: &Cells, settings: &Settings, reflected: bool, all: bool) {
+        let input = SweepInput {
+            cells,
+            surfaces: reflected.then_some(&self.surfaces),
+            receivers: &self.receivers,
+            all,
+            settings: &settings.holographic,
+        };
+        let [x, y] = &mut self.sweeps;
         let level = self.level;
-        rayon::join(|| x.solve(level, scene), || y.solve(level, scene));
+        rayon::join(|| x.solve(level, input), || y.solve(level, input));
     }
 
-    fn fluence(&self, x: usize, y: usize) -> Rgb {
-        let [a, b] = [self.pairs[0].fluence(x, y), self.pairs[1].fluence(x, y)];
+    /// Returns the mean radiance at a cell.
+    fn mean_radiance(&self, x: usize, y: usize) -> Rgb {
+        let [a, b] = [self.sweeps[0].light(x, y), self.sweeps[1].light(x, y)];
         [a[0] + b[0], a[1] + b[1], a[2] + b[2]].map(|v| v * (1.0 / TAU))
     }
 
-    /// Light that the exposed faces of a wall receive.
-    fn faces(&self, wall: usize, exposed: [bool; 4], width: usize) -> Faces {
+    /// Returns the irradiance of the exposed faces of a wall.
+    fn irradiance(&self, wall: usize, exposed: [bool; 4], width: usize) -> Faces {
         std::array::from_fn(|face| {
             if !exposed[face] {
                 return [0.0; 3];
             }
-            let slot = self.fronts.slot(front(wall, face, width));
-            let [a, b] = self.pairs.each_ref().map(|pair| pair.onto(slot, face));
+            let slot = self.receivers.slot(cell_in_front(wall, face, width));
+            let [a, b] = self.sweeps.each_ref().map(|sweep| sweep.face(slot, face));
             std::array::from_fn(|c| 0.5 * (a[c] + b[c]))
         })
     }
 
-    /// What pixels show: fluence in open cells, on walls the mean over their faces.
-    fn gather(&self, cells: &Cells, light: &mut Vec<Rgb>) {
+    /// Writes the light of all cells: mean radiance in open ones, in walls the mean over their faces.
+    fn write(&self, cells: &Cells, light: &mut Vec<Rgb>) {
         let w = cells.width() as usize;
         light.resize(cells.len(), [0.0; 3]);
-        // Block by block, as one pair of quadrants holds columns and the other rows.
+        // Block by block: one sweep holds columns and the other rows.
         light.par_chunks_mut(BLOCK * w).enumerate().for_each(|(block, light)| {
             let top = block * BLOCK;
-            let [columns, rows] = &self.pairs;
+            let [columns, rows] = &self.sweeps;
             for from in (0..w).step_by(BLOCK) {
                 let size = BLOCK.min(w - from);
-                let mut turned = [[[0.0; 3]; BLOCK]; BLOCK];
+                let mut transposed = [[[0.0; 3]; BLOCK]; BLOCK];
                 for c in 0..3 {
                     for x in 0..size {
-                        let fluence = &columns.slab(c, from + x)[top..][..BLOCK];
-                        for (row, fluence) in turned.iter_mut().zip(fluence) {
-                            row[x][c] = *fluence;
+                        let column = &columns.slab(c, from + x)[top..][..BLOCK];
+                        for (row, sum) in transposed.iter_mut().zip(column) {
+                            row[x][c] = *sum;
                         }
                     }
                 }
                 for (row, light) in light.chunks_exact_mut(w).enumerate() {
-                    let fluence = [0, 1, 2].map(|c| &rows.slab(c, top + row)[from..][..size]);
+                    let sums = [0, 1, 2].map(|c| &rows.slab(c, top + row)[from..][..size]);
                     let light = &mut light[from..][..size];
-                    for (x, (light, turned)) in light.iter_mut().zip(turned[row]).enumerate() {
+                    for (x, (light, column)) in light.iter_mut().zip(transposed[row]).enumerate() {
                         for c in 0..3 {
-                            light[c] = (turned[c] + fluence[c][x]) * (1.0 / TAU);
+                            light[c] = (column[c] + sums[c][x]) * (1.0 / TAU);
                         }
                     }
                 }
@@ -183,29 +190,30 @@ impl Holographic {
         });
         for wall in &self.surfaces.walls {
             let cell = wall.cell as usize;
-            light[cell] = mean_over_faces(wall, &self.faces(cell, wall.exposed, w));
+            light[cell] = mean_over_faces(wall, &self.irradiance(cell, wall.exposed, w));
         }
     }
 
-    /// Turns what surfaces receive into what they send out; returns the largest change relative to
-    /// the mean.
-    fn send_on(&mut self, cells: &Cells) -> f32 {
+    /// Turns the light at surfaces into the radiance that they reflect or scatter. Returns
+    /// the largest change relative to the mean.
+    fn bounce(&mut self, cells: &Cells) -> f32 {
         let w = cells.width() as usize;
-        let mut received = std::mem::take(&mut self.received);
+        let mut wall_light = std::mem::take(&mut self.wall_light);
+        let mut medium_light = std::mem::take(&mut self.medium_light);
         let Surfaces { walls, fog, .. } = &self.surfaces;
-        let faces = |wall: &Wall| self.faces(wall.cell as usize, wall.exposed, w);
-        let fluence = |&i: &u32| self.fluence(i as usize % w, i as usize / w);
-        received.0.clear();
-        received.0.extend(walls.iter().map(faces));
-        received.1.clear();
-        received.1.extend(fog.iter().map(fluence));
-        let change = self.surfaces.send_on(cells, received.0.iter(), received.1.iter());
-        self.received = received;
+        let irradiance = |wall: &Wall| self.irradiance(wall.cell as usize, wall.exposed, w);
+        let mean_radiance = |&i: &u32| self.mean_radiance(i as usize % w, i as usize / w);
+        wall_light.clear();
+        wall_light.extend(walls.iter().map(irradiance));
+        medium_light.clear();
+        medium_light.extend(fog.iter().map(mean_radiance));
+        let change = self.surfaces.send_on(cells, wall_light.iter(), medium_light.iter());
+        (self.wall_light, self.medium_light) = (wall_light, medium_light);
         change
     }
 }
 
-/// Side of the blocks in which light is gathered, px: a few lines of the cache.
+/// Side of the blocks in which light is written, px: a few cache lines.
 const BLOCK: usize = 16;
 
 #[cfg(all(test, target_arch = "x86_64"))]
@@ -213,7 +221,7 @@ mod tests {
     use super::super::vector_units::{agree, cells};
     use super::*;
 
-    /// Some units multiply and add with one rounding, others with two.
+    /// Units with a fused multiply-add round once, the others twice.
     const ROUNDING: f32 = 1e-4;
 
     #[test]

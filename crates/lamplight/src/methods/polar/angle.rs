@@ -30,9 +30,10 @@ pub fn atan2<S: Simd>(y: f32x16<S>, x: f32x16<S>) -> f32x16<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fearless_simd::{Level, dispatch};
+    use crate::simd::dispatch;
+    use fearless_simd::Level;
 
-    /// What the polynomial and f32 leave over, radians.
+    /// The error of the polynomial and of f32, radians.
     const TOLERANCE: f32 = 4e-7;
 
     fn lanes(y: [f32; 16], x: [f32; 16]) -> [f32; 16] {

@@ -1,65 +1,69 @@
-//! `polar`: a fan of rays from every lamp, then every pixel looks its ray up (Griffis, "Polar-Ray
-//! Traced Lighting").
+//! `polar`: a one-dimensional polar shadow map per lamp, looked up by every pixel (Griffis,
+//! "Polar-Ray Traced Lighting").
 //!
-//! Pass A ([`fan`]): a lamp that reaches R px sends `⌈2πR⌉` rays, each of which keeps how far it
-//! comes. Pass B ([`canvas`]): a pixel within R finds its ray from atan2 and is lit if it is nearer
-//! than the ray comes, by `color · intensity · falloff(d)`.
+//! Pass A ([`shadow_map`]): a lamp that reaches R px casts `⌈2πR⌉` rays and keeps the length of each.
+//! Pass B ([`gather`]): a pixel within R finds its ray by atan2. If the pixel is nearer than the ray is
+//! long, it receives `color · intensity · falloff(d)`.
 //!
-//! Beyond the seed: exact ray lengths, edges that are linear between rays or as soft as the lamp's
-//! size makes them, fog and glass that darken and tint, cones, blend modes, and lit walls.
+//! Beyond the source: exact ray lengths, edges that are linear between rays or as soft as the lamp's
+//! size makes them, media that absorb and tint ([`transmittance_curve`]), cones, blend modes, and lit
+//! walls.
 //!
-//! Cost: `2πR` walks of at most R px and `πR²` look-ups a lamp, whatever the scene holds. Known
-//! failures: glowing matter, the sky and bounces are not seen; a lamp inside a wall lights nothing;
-//! what stands behind a nearer wall throws no penumbra of its own.
+//! Settings: `density` (rays per px of the circle), `walk`, `edges`, `translucent`, `blend`, `falloff`.
+//!
+//! Cost: per lamp `2πR` rays of at most R px and `πR²` lookups, for any scene. Known
+//! failures: it finds no light from emissive matter, the sky or bounces; a lamp inside a wall lights
+//! nothing; walls behind the nearest one throw no penumbra of their own.
 
 mod angle;
-mod canvas;
-mod fan;
-mod inside;
-mod knots;
+mod debug_view;
+mod gather;
+mod sampling;
+mod shadow_map;
+mod transmittance_curve;
 
-pub use fan::{NARROWEST, NEAREST, WIDEST, rays};
-pub use knots::{APART, FINEST};
+pub use shadow_map::{NARROWEST, NEAREST, WIDEST, rays};
+pub use transmittance_curve::{APART, FINEST};
 
 use crate::clock::Clock;
-use crate::settings::Polar as Settings;
-use crate::stages::ground::Ground;
+use crate::grid::medium_grid::{MediumGrid, Reading};
+use crate::settings::Polar;
 use crate::{Cells, Rgb};
-use canvas::Canvas;
-use fan::Fan;
 use fearless_simd::Level;
+use gather::LightPlanes;
 use rayon::prelude::*;
+use shadow_map::ShadowMap;
 
-/// Lamps are taken in groups whose rays may need so much memory, bytes.
+/// Memory for the shadow maps of a group of lamps, bytes.
 const MOST_BYTES: usize = 128 << 20;
 
 /// The method with its buffers.
 #[derive(Debug)]
-pub struct Polar {
+pub struct PolarSolver {
     level: Level,
-    ground: Ground,
-    /// Rays of the lamps at hand; more than there are lamps when a frame before had more.
-    fans: Vec<Fan>,
-    /// How many of them are of the last group of the last frame.
+    grid: MediumGrid,
+    /// Shadow maps of a group of lamps; more than its lamps if a larger group came before.
+    shadow_maps: Vec<ShadowMap>,
+    /// The number of lamps in the last group of the last frame.
     last: usize,
-    canvas: Canvas,
+    planes: LightPlanes,
 }
 
-impl Default for Polar {
+impl Default for PolarSolver {
     fn default() -> Self {
         Self::on(Level::new())
     }
 }
 
-impl Polar {
-    /// On these vector units; which ones makes no difference but to the time.
+impl PolarSolver {
+    /// Runs at the given SIMD level. The result is identical at every level.
     fn on(level: Level) -> Self {
         Self {
             level,
-            ground: Ground::default(),
-            fans: Vec::new(),
+            grid: MediumGrid::default(),
+            shadow_maps: Vec::new(),
             last: 0,
-            canvas: Canvas::default(),
+            planes: LightPlanes::default(),
         }
     }
 
@@ -69,38 +73,38 @@ impl Polar {
         &mut self,
         cells: &Cells,
         distance: &[f32],
-        settings: &Settings,
+        settings: &Polar,
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
-        self.ground.prepare(cells, settings.translucent);
-        self.canvas.clear(cells);
+        self.grid.read(cells, Reading { translucent: settings.translucent, ..Reading::default() });
+        self.planes.clear(cells);
         clock.lap("ground");
         self.last = 0;
         let mut lamps = cells.lamps();
         while !lamps.is_empty() {
-            let (level, ground) = (self.level, &self.ground);
-            let bytes = |lamp| Fan::most_bytes(lamp, ground, settings);
+            let (level, grid) = (self.level, &self.grid);
+            let bytes = |lamp| ShadowMap::most_bytes(lamp, grid, settings);
             let mut sum = 0usize;
             let fit = lamps.iter().take_while(|&lamp| {
                 sum = sum.saturating_add(bytes(lamp));
                 sum <= MOST_BYTES
             });
             let (group, rest) = lamps.split_at(fit.count().max(1));
-            if self.fans.len() < group.len() {
-                self.fans.resize_with(group.len(), Fan::default);
+            if self.shadow_maps.len() < group.len() {
+                self.shadow_maps.resize_with(group.len(), ShadowMap::default);
             }
             self.last = group.len();
-            let fans = &mut self.fans[..group.len()];
-            fans.par_iter_mut().zip(group).for_each(|(fan, lamp)| {
-                fan.trace(level, lamp, ground, distance, settings);
+            let shadow_maps = &mut self.shadow_maps[..group.len()];
+            shadow_maps.par_iter_mut().zip(group).for_each(|(shadow_map, lamp)| {
+                shadow_map.trace(level, lamp, grid, distance, settings);
             });
             clock.lap("rays");
-            self.canvas.light(level, ground, fans, settings);
+            self.planes.light(level, grid, shadow_maps, settings);
             clock.lap("polar");
             lamps = rest;
         }
-        self.canvas.write(light);
+        self.planes.write(light);
         clock.lap("polar");
     }
 }
@@ -112,10 +116,10 @@ mod tests {
 
     #[test]
     fn every_vector_unit_gives_the_same_bytes() {
-        let (cells, settings) = (cells(), Settings::default());
+        let (cells, settings) = (cells(), Polar::default());
         agree(0.0, |level| {
             let mut light = Vec::new();
-            Polar::on(level).solve(&cells, &[], &settings, &mut light, &mut Clock::default());
+            PolarSolver::on(level).solve(&cells, &[], &settings, &mut light, &mut Clock::default());
             light
         });
     }

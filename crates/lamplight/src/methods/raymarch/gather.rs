@@ -1,35 +1,37 @@
-//! Means over rays: the fluence at a cell's centre, and what the faces of a wall receive.
+//! Means over rays: the mean radiance at a cell's center, and the irradiance of the faces of a wall.
 
-use super::march::{Field, Seen};
+use super::march::{RayScene, Seen};
 use crate::Rgb;
+use crate::grid::packet::{LANES, Lanes};
+use crate::grid::traverse::Ray;
+use crate::math::noise;
 use crate::settings::{Raymarch, Spacing};
+use crate::simd::dispatch;
 use crate::srgb::luminance;
 use crate::stages::bounce::{Faces, NORMALS, Wall};
-use crate::stages::noise;
-use crate::stages::packet::{LANES, Lanes, Ray};
-use fearless_simd::{Level, dispatch, f32x16, prelude::*};
+use fearless_simd::{Level, f32x16, prelude::*};
 use std::f32::consts::TAU;
 
-/// The golden angle as seed 1 writes it, radians.
+/// The golden angle as Bigos (2020) writes it, radians.
 const GOLDEN_ANGLE: f32 = std::f32::consts::PI * 0.763_932_02;
-/// The golden ratio's fraction: spreads ray origins along a face.
+/// The fraction of the golden ratio: spreads ray origins along a face.
 pub const GOLDEN_RATIO: f32 = 0.618_034;
 
-/// Rays whose noise is taken together; even, so that what is seen all over a sector cancels. Of 2 to
-/// 16, and all rays at once, the one with the least error over the example scenes at 32 rays (2 is
-/// as good there and worse at 128).
+/// The number of rays whose noise is estimated together; even, so that light from the whole sector
+/// cancels. Of 2 to 16, and all rays at once, the one with the least error over the example scenes at
+/// 32 rays (2 is as good there and worse at 128).
 pub const SECTOR: u32 = 4;
 
-/// Radians by which a pixel's rays may be turned before they are the same again: a gap between two
-/// where they are evenly spaced.
-pub fn gap(settings: &Raymarch) -> f32 {
+/// Returns the range of a pixel's rotation, radians: the angular stride from ray to ray if rays are
+/// evenly spaced, else the whole circle.
+pub fn stride(settings: &Raymarch) -> f32 {
     match settings.spacing {
         Spacing::Even => TAU / settings.rays as f32,
         Spacing::Golden => TAU,
     }
 }
 
-/// Directions of a pixel's rays before each pixel's own turn, unit vectors.
+/// Returns the directions of a pixel's rays before its rotation, unit vectors.
 pub fn directions(settings: &Raymarch) -> impl Iterator<Item = [f32; 2]> {
     let between = match settings.spacing {
         Spacing::Even => TAU / settings.rays as f32,
@@ -53,10 +55,10 @@ impl Directions {
     }
 }
 
-/// What stays the same during one gather.
+/// The constants of one gather.
 #[derive(Clone, Copy)]
 pub struct Gather<'a> {
-    pub field: Field<'a>,
+    pub scene: RayScene<'a>,
     pub directions: &'a Directions,
     pub frame: u32,
     pub seed: u64,
@@ -64,45 +66,45 @@ pub struct Gather<'a> {
 }
 
 impl Gather<'_> {
-    /// Fluence at the centres of up to sixteen cells, the mean radiance over all directions; cells
-    /// that lie side by side are faster.
+    /// Returns the mean radiance at the centers of up to sixteen cells; neighbouring cells are faster.
     #[inline]
-    pub fn fluence(&self, cells: &[u32]) -> Lanes<Mean> {
+    pub fn mean_radiance(&self, cells: &[u32]) -> Lanes<Mean> {
         dispatch!(self.level, simd => self.over_circle(simd, cells))
     }
 
-    /// Light that each exposed face of a wall receives; and whether anything it sees changed.
+    /// Returns the irradiance, ÷ 2, of each exposed face of a wall, and whether anything that it sees
+    /// changed.
     pub fn faces(&self, wall: &Wall) -> (Faces, [bool; 4]) {
-        let mut received = Faces::default();
+        let mut irradiance = Faces::default();
         let mut changed = [false; 4];
         for (face, exposed) in wall.exposed.into_iter().enumerate() {
             if exposed {
                 let seen = dispatch!(self.level, simd => self.over_face(simd, wall.cell, face));
-                received[face] = seen.light;
+                irradiance[face] = seen.light;
                 changed[face] = seen.changed;
             }
         }
-        (received, changed)
+        (irradiance, changed)
     }
 
     #[inline(always)]
     fn over_circle<S: Simd>(&self, simd: S, cells: &[u32]) -> Lanes<Mean> {
-        let settings = self.field.settings;
+        let settings = self.scene.settings;
         let place = |l: usize| self.place(cells[l.min(cells.len() - 1)]);
         let corner = |a: usize| f32x16::from_fn(simd, |l| place(l)[a] as f32);
         let cell = [corner(0), corner(1)];
-        let gap = gap(settings);
-        let turn: Lanes<f32> = std::array::from_fn(|l| {
+        let stride = stride(settings);
+        let rotation: Lanes<f32> = std::array::from_fn(|l| {
             let [x, y] = place(l);
-            self.start(x, y) * gap
+            self.jitter(x, y) * stride
         });
-        let cos = f32x16::from_fn(simd, |l| turn[l].cos());
-        let sin = f32x16::from_fn(simd, |l| turn[l].sin());
+        let cos = f32x16::from_fn(simd, |l| rotation[l].cos());
+        let sin = f32x16::from_fn(simd, |l| rotation[l].sin());
         let from = cell.map(|c| c + 0.5);
         let mut sums = [Sum::default(); LANES];
         for (ray, &[x, y]) in self.directions.0.iter().enumerate() {
             let direction = [cos * x - sin * y, sin * x + cos * y];
-            let seen = self.field.march(simd, Ray { from, cell, direction }, false);
+            let seen = self.scene.march(simd, Ray { from, cell, direction }, false);
             for (sum, seen) in sums.iter_mut().zip(&seen) {
                 sum.add(ray as u32, seen);
             }
@@ -110,15 +112,15 @@ impl Gather<'_> {
         sums.map(|sum| sum.mean(settings.rays))
     }
 
-    /// `B = ½∫L cosθ dθ` on a face: the mean over rays that start evenly along the face and leave
-    /// with a density of ½cosθ.
+    /// Returns `E/2 = ½∫L cosθ dθ` of a face: the mean over rays that start evenly along the face and
+    /// leave with a density of ½cosθ.
     #[inline(always)]
     fn over_face<S: Simd>(&self, simd: S, cell: u32, face: usize) -> Mean {
-        let rays = self.field.settings.rays;
+        let rays = self.scene.settings.rays;
         let [x, y] = self.place(cell);
-        let turn = self.start(x, y);
-        // Another place of the pattern for where the rays start.
-        let shift = self.start(x + 17 * (face as u32 + 1), y + 29);
+        let jitter = self.jitter(x, y);
+        // The origins take another part of the noise than the directions.
+        let shift = self.jitter(x + 17 * (face as u32 + 1), y + 29);
         let normal = NORMALS[face].map(|n| n as f32);
         let tangent = [-normal[1], normal[0]];
         let center = [x as f32 + 0.5 + 0.5 * normal[0], y as f32 + 0.5 + 0.5 * normal[1]];
@@ -127,7 +129,7 @@ impl Gather<'_> {
         let mut sum = Sum::default();
         for first in (0..rays).step_by(LANES) {
             let i = (lane + first as f32).min((rays - 1) as f32);
-            let sin = (i + turn) * (2.0 / rays as f32) - 1.0;
+            let sin = (i + jitter) * (2.0 / rays as f32) - 1.0;
             let cos = (-(sin * sin) + 1.0).max(0.0).sqrt();
             let along = (i * GOLDEN_RATIO + shift).fract() - 0.5;
             let ray = Ray {
@@ -136,7 +138,7 @@ impl Gather<'_> {
                 direction: std::array::from_fn(|a| cos * normal[a] + sin * tangent[a]),
             };
             let count = LANES.min((rays - first) as usize);
-            let seen = self.field.march(simd, ray, true);
+            let seen = self.scene.march(simd, ray, true);
             for (ray, seen) in (first..).zip(&seen[..count]) {
                 sum.add(ray, seen);
             }
@@ -146,13 +148,13 @@ impl Gather<'_> {
 
     #[inline(always)]
     fn place(&self, cell: u32) -> [u32; 2] {
-        let w = self.field.optics.width as u32;
+        let w = self.scene.grid.size[0] as u32;
         [cell % w, cell / w]
     }
 
     #[inline(always)]
-    fn start(&self, x: u32, y: u32) -> f32 {
-        noise::first_angle(self.field.settings.noise, x, y, self.frame, self.seed)
+    fn jitter(&self, x: u32, y: u32) -> f32 {
+        noise::jitter(self.scene.settings.noise, x, y, self.frame, self.seed)
     }
 }
 
@@ -164,7 +166,7 @@ pub struct Mean {
     /// A and B the sums over every other ray. Over the whole circle at once, two lights would cancel
     /// wherever an even ray meets one and an odd ray the other.
     pub variance: f32,
-    /// Whether any ray met matter that changed since the frame before.
+    /// True if any ray met matter that changed since the frame before.
     pub changed: bool,
 }
 
@@ -172,7 +174,7 @@ pub struct Mean {
 #[derive(Clone, Copy, Default)]
 struct Sum {
     light: Rgb,
-    /// Luminance of even rays less that of odd ones, over the sector at hand.
+    /// Luminance of even rays minus that of odd ones, over the current sector.
     alternating: f32,
     /// Sum of its squares over the sectors before.
     squares: f32,
@@ -194,10 +196,10 @@ impl Sum {
 
     #[inline(always)]
     fn mean(self, rays: u32) -> Mean {
-        let share = 1.0 / rays as f32;
+        let weight = 1.0 / rays as f32;
         Mean {
-            light: self.light.map(|v| v * share),
-            variance: (self.squares + self.alternating * self.alternating) * share * share,
+            light: self.light.map(|v| v * weight),
+            variance: (self.squares + self.alternating * self.alternating) * weight * weight,
             changed: self.changed,
         }
     }

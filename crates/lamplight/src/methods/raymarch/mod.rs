@@ -1,96 +1,112 @@
-//! `raymarch`: jump flood → distance field → rays from every pixel (Bigos 2020; Unity port 2023).
+//! `raymarch`: Monte Carlo rays from every pixel (Bigos 2020; Unity port 2023).
 //!
-//! Every open cell sends `rays` rays round the circle from its centre and takes the mean of what
-//! they meet: `φ = Σ L / rays`. By default a ray ends exactly at the edge of a solid cell, with fog
-//! and glass on the way by Beer–Lambert, so the result converges to the truth as rays are added;
-//! the error of one frame is noise of about 1/rays to 1/√rays.
+//! Every open cell casts `rays` rays round the circle from its center; its light is the mean radiance
+//! over them, `J = Σ L / rays`. By default a ray ends exactly at the edge of a solid cell, and media on
+//! the way absorb by Beer–Lambert, so the result converges to the truth as rays are added. The error of
+//! one frame is noise of about 1/rays to 1/√rays.
 //!
-//! Bounces gather over the surfaces ([`crate::stages::bounce`]) in the same way, either all inside
-//! one frame or one more each frame.
+//! Bounces gather over the surfaces ([`crate::stages::bounce`]) in the same way, either all in one
+//! frame or one more per frame.
 //!
-//! Cost: cells × rays × steps of a ray. Known failures: lamps far away and small are missed by most
-//! rays (noise, no bias); with `hit = "distance"` corners are round and fog ends rays.
+//! Settings: `rays` and `steps` (quality), `hit` (exact, or by the distance field as in the sources),
+//! `noise` and `spacing` (the look of the noise), `attenuation` and `emission_*` (Bigos' fading),
+//! `threshold`, `bounce`.
+//!
+//! Cost: cells × rays × steps of a ray. Known failures: most rays miss lamps that are small and far
+//! away (noise, no bias); with `hit = "distance"` corners are round and media end rays.
 
 mod gather;
 mod march;
 
 use crate::Cells;
 use crate::clock::Clock;
-use crate::settings::{BounceBy, Bounces, Hit, Settings};
-use crate::stages::bounce::{CONVERGED, Faces, Surfaces, mean_over_faces};
-use crate::stages::optics::{Optics, Reading};
-use crate::stages::packet::LANES;
-pub use crate::stages::packet::NEVER;
-use crate::stages::traced::Traced;
+use crate::filters::estimate::Estimate;
+use crate::grid::class::CellClass;
+use crate::grid::medium_grid::{MediumGrid, Reading};
+use crate::grid::packet::LANES;
+pub use crate::grid::packet::NEVER;
+use crate::settings::{self, BounceBy, Bounces, Hit, Settings};
+use crate::stages::bounce::{Faces, Surfaces, mean_over_faces, solve_bounces};
 use fearless_simd::Level;
 use gather::{Directions, Gather, Mean};
-pub use gather::{GOLDEN_RATIO, SECTOR, directions, gap};
-use march::Field;
+/// `gap` is the name under which `lamplight-wgpu` imports `stride`.
+pub use gather::{GOLDEN_RATIO, SECTOR, directions, stride, stride as gap};
+use march::RayScene;
 use rayon::prelude::*;
 
-/// The fields that rays march through, from the stages before.
+/// The fields that rays march through.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
     /// The grid, lamps drawn in.
     pub cells: &'a Cells,
-    /// px to the nearest occupied cell; may be empty unless `hit = "distance"`.
+    /// Distance to the nearest occupied cell, px; may be empty unless `hit = "distance"`.
     pub distance: &'a [f32],
     /// The nearest occupied cell; may be empty unless `hit = "distance"`.
     pub nearest: &'a [u32],
-    /// Cells that changed since the frame before; empty when nobody asks.
+    /// Cells that changed since the frame before; empty without history.
     pub changed: &'a [bool],
-    /// Number of the frame: each has its own noise.
+    /// The number of the frame: each has its own noise.
     pub frame: u32,
 }
 
 /// The method with its buffers.
 #[derive(Debug)]
-pub struct Raymarch {
+pub struct RaymarchSolver {
     level: Level,
     directions: Directions,
-    optics: Optics,
+    grid: MediumGrid,
+    /// Cells whose matter, or for media what they see, changed since the frame before.
+    changed: Vec<bool>,
     surfaces: Surfaces,
     before: Surfaces,
-    received: Received,
+    irradiance: Irradiance,
 }
 
-/// What surfaces receive in one gather.
+/// The irradiance of walls and the mean radiance in media, from one gather.
 #[derive(Debug, Default)]
-struct Received {
+struct Irradiance {
+    /// Irradiance ÷ 2 per face, and whether anything that the face sees changed.
     walls: Vec<(Faces, [bool; 4])>,
-    fog: Vec<Mean>,
+    /// Mean radiance in media.
+    media: Vec<Mean>,
 }
 
-impl Default for Raymarch {
+impl Default for RaymarchSolver {
     fn default() -> Self {
         Self::on(Level::new())
     }
 }
 
-impl Raymarch {
-    /// On these vector units; which ones makes no difference but to the time.
+impl RaymarchSolver {
+    /// Runs at the given SIMD level. The result is identical at every level.
     fn on(level: Level) -> Self {
         Self {
             level,
             directions: Directions::default(),
-            optics: Optics::default(),
+            grid: MediumGrid::default(),
+            changed: Vec::new(),
             surfaces: Surfaces::default(),
             before: Surfaces::default(),
-            received: Received::default(),
+            irradiance: Irradiance::default(),
         }
     }
 
-    /// Solves one frame into `traced`.
+    /// Solves one frame into `estimate`.
     pub(crate) fn solve(
         &mut self,
         input: Input,
         settings: &Settings,
-        traced: &mut Traced,
+        estimate: &mut Estimate,
         clock: &mut Clock,
     ) {
         let Input { cells, changed, .. } = input;
         self.directions.prepare(&settings.raymarch);
-        self.optics.prepare(cells, reading(settings), changed);
+        let settings::Raymarch { threshold, emission_multiplier, .. } = settings.raymarch;
+        self.grid.read(cells, Reading { threshold, ..Reading::default() });
+        self.grid.read_emission(cells, emission_multiplier);
+        self.changed.clear();
+        self.changed.extend_from_slice(changed);
+        self.measure_empty_space(settings);
         std::mem::swap(&mut self.surfaces, &mut self.before);
         self.surfaces.collect(cells, settings.raymarch.threshold);
         clock.lap("clearance");
@@ -100,91 +116,107 @@ impl Raymarch {
             clock.lap("bounce");
         }
 
-        self.gather(input, settings, traced);
-        // Leaps by the distance field pass over cells that changed and are empty now.
+        self.gather(input, settings, estimate);
+        // Steps by the distance field skip cells that changed and are empty now.
         if settings.raymarch.hit == Hit::Distance && changed.contains(&true) {
-            traced.stale.fill(true);
+            estimate.invalidated.fill(true);
         }
         clock.lap("raymarch");
     }
 
     /// Lets light bounce between the surfaces.
     fn bounce(&mut self, input: Input, settings: &Settings) {
-        let rounds = match settings.raymarch.bounce {
-            BounceBy::Frame => settings.bounces.limit(),
+        let bounces = match settings.raymarch.bounce {
+            BounceBy::Frame => settings.bounces,
             BounceBy::Feedback => {
                 self.surfaces.take_over(&self.before);
-                self.optics.light_fog(input.cells, reading(settings), &self.surfaces);
-                1
+                self.scatter(input.cells, settings);
+                Bounces::Count(1)
             }
         };
-        for _ in 0..rounds {
+        solve_bounces(bounces, || {
             self.receive(input, settings);
-            let change = self.send_on(input.cells, settings);
-            if settings.bounces == Bounces::Converged && change < CONVERGED {
-                break;
-            }
-        }
+            self.send_on(input.cells, settings)
+        });
     }
 
-    /// Gathers what the surfaces that reflect receive.
+    /// Gathers the irradiance of walls and the mean radiance in media.
     fn receive(&mut self, input: Input, settings: &Settings) {
-        let mut received = std::mem::take(&mut self.received);
+        let mut irradiance = std::mem::take(&mut self.irradiance);
         let Surfaces { walls, fog, .. } = &self.surfaces;
         let gather = self.gatherer(input, settings);
-        received.walls.resize(walls.len(), Default::default());
-        received.fog.resize(fog.len(), Default::default());
-        received.walls.par_iter_mut().zip(walls).for_each(|(received, wall)| {
+        irradiance.walls.resize(walls.len(), Default::default());
+        irradiance.media.resize(fog.len(), Default::default());
+        irradiance.walls.par_iter_mut().zip(walls).for_each(|(received, wall)| {
             if wall.reflects {
                 *received = gather.faces(wall);
             }
         });
-        received.fog.par_chunks_mut(LANES).zip(fog.par_chunks(LANES)).for_each(
+        irradiance.media.par_chunks_mut(LANES).zip(fog.par_chunks(LANES)).for_each(
             |(received, cells)| {
-                received.copy_from_slice(&gather.fluence(cells)[..cells.len()]);
+                received.copy_from_slice(&gather.mean_radiance(cells)[..cells.len()]);
             },
         );
-        self.received = received;
+        self.irradiance = irradiance;
     }
 
-    /// Turns what surfaces received into what they send out; returns the largest change relative
-    /// to the mean.
+    /// Turns irradiance into outgoing radiance; returns the largest change relative to the mean.
     fn send_on(&mut self, cells: &Cells, settings: &Settings) -> f32 {
-        let Received { walls, fog } = &self.received;
+        let Irradiance { walls, media } = &self.irradiance;
         let change = self.surfaces.send_on(
             cells,
             walls.iter().map(|(faces, _)| faces),
-            fog.iter().map(|seen| &seen.light),
+            media.iter().map(|mean| &mean.light),
         );
         let Surfaces { walls: surfaces, wall_changed, .. } = &mut self.surfaces;
         for ((wall, (_, changed)), before) in surfaces.iter().zip(walls).zip(wall_changed) {
             if wall.reflects {
-                // Face by face: one side of a wall does not know what the other sees.
+                // Face by face: one side of a wall sees nothing of the other.
                 (0..4).for_each(|face| before[face] |= changed[face]);
             }
         }
-        for (&i, _) in self.surfaces.fog.iter().zip(fog).filter(|(_, seen)| seen.changed) {
-            self.optics.mark_changed(i as usize);
+        for (&i, _) in self.surfaces.fog.iter().zip(media).filter(|(_, mean)| mean.changed) {
+            if let Some(changed) = self.changed.get_mut(i as usize) {
+                *changed = true;
+            }
         }
-        self.optics.light_fog(cells, reading(settings), &self.surfaces);
+        self.scatter(cells, settings);
         change
     }
 
-    /// The last gather: what every cell receives.
-    fn gather(&self, input: Input, settings: &Settings, traced: &mut Traced) {
+    /// Gives media the light that they scatter.
+    fn scatter(&mut self, cells: &Cells, settings: &Settings) {
+        let multiplier = settings.raymarch.emission_multiplier;
+        if self.surfaces.scatter_into(cells, multiplier, &mut self.grid) {
+            self.measure_empty_space(settings);
+        }
+    }
+
+    /// Lets packets of rays stop at solid cells, at cells that changed, and in media if light fades
+    /// with distance.
+    fn measure_empty_space(&mut self, settings: &Settings) {
+        let Self { grid, changed, .. } = self;
+        let fades = settings.raymarch.attenuation;
+        grid.measure_empty_space(|i, class| {
+            changed.get(i) == Some(&true) || (fades && class == CellClass::Medium)
+        });
+    }
+
+    /// Gathers the light of every cell.
+    fn gather(&self, input: Input, settings: &Settings, estimate: &mut Estimate) {
         let gather = self.gatherer(input, settings);
         let w = input.cells.width() as usize;
-        traced.resize(input.cells.len());
-        let Traced { light, variance, stale } = traced;
+        estimate.resize(input.cells.len());
+        let Estimate { light, variance, invalidated } = estimate;
         let rows = light
             .par_chunks_mut(w)
-            .zip(stale.par_chunks_mut(w))
+            .zip(invalidated.par_chunks_mut(w))
             .zip(variance.par_chunks_mut(w))
             .enumerate();
-        rows.for_each(|(y, ((light, stale), variance))| {
+        rows.for_each(|(y, ((light, invalidated), variance))| {
             let mut put = |i: u32, mean: Mean| {
                 let x = i as usize - y * w;
-                (light[x], stale[x], variance[x]) = (mean.light, mean.changed, mean.variance);
+                (light[x], invalidated[x], variance[x]) = (mean.light, mean.changed, mean.variance);
             };
             let (mut open, mut count) = ([0; LANES], 0);
             for i in (y * w) as u32..((y + 1) * w) as u32 {
@@ -195,18 +227,18 @@ impl Raymarch {
                 open[count] = i;
                 count += 1;
                 if count == LANES {
-                    gather.fluence(&open).into_iter().zip(open).for_each(|(s, i)| put(i, s));
+                    gather.mean_radiance(&open).into_iter().zip(open).for_each(|(s, i)| put(i, s));
                     count = 0;
                 }
             }
             if count > 0 {
-                let seen = gather.fluence(&open[..count]);
+                let seen = gather.mean_radiance(&open[..count]);
                 seen.into_iter().zip(&open[..count]).for_each(|(s, &i)| put(i, s));
             }
         });
     }
 
-    /// What a solid cell receives: the mean over its exposed faces, nothing inside a wall.
+    /// Returns the light of a solid cell: the mean over its exposed faces, 0 inside a wall.
     fn on_wall(&self, gather: &Gather, i: u32) -> Mean {
         let Some(slot) = self.surfaces.slot(i as usize) else { return Mean::default() };
         let wall = &self.surfaces.walls[slot];
@@ -217,9 +249,10 @@ impl Raymarch {
 
     fn gatherer<'a>(&'a self, input: Input<'a>, settings: &'a Settings) -> Gather<'a> {
         Gather {
-            field: Field {
+            scene: RayScene {
                 settings: &settings.raymarch,
-                optics: &self.optics,
+                grid: &self.grid,
+                changed: &self.changed,
                 surfaces: &self.surfaces,
                 distance: input.distance,
                 nearest: input.nearest,
@@ -232,21 +265,10 @@ impl Raymarch {
     }
 }
 
-impl Raymarch {
-    /// The clear squares of a quadrant, as the last frame measured them.
+impl RaymarchSolver {
+    /// Returns the empty squares of a quadrant, as the last frame measured them.
     pub(crate) fn squares(&self, quadrant: usize) -> &[u8] {
-        let count = self.optics.sites.len();
-        &self.optics.squares[quadrant * count..][..count]
-    }
-}
-
-/// How rays read the grid.
-fn reading(settings: &Settings) -> Reading {
-    let Settings { raymarch, .. } = settings;
-    Reading {
-        threshold: raymarch.threshold,
-        multiplier: raymarch.emission_multiplier,
-        fades: raymarch.attenuation,
+        self.grid.empty_space.plane(quadrant)
     }
 }
 
@@ -262,9 +284,9 @@ mod tests {
         agree(0.0, |level| {
             let input =
                 Input { cells: &cells, distance: &[], nearest: &[], changed: &[], frame: 0 };
-            let mut traced = Traced::default();
-            Raymarch::on(level).solve(input, &settings, &mut traced, &mut Clock::default());
-            traced.light
+            let mut estimate = Estimate::default();
+            RaymarchSolver::on(level).solve(input, &settings, &mut estimate, &mut Clock::default());
+            estimate.light
         });
     }
 }

@@ -1,15 +1,15 @@
-//! What is the same for every frame: the ways of rays that are traced, and the cones.
+//! Tables that are the same for every frame: the footprints of traced rays, and the cones.
 
-use lamplight::methods::holographic::paper::{Piece, cone, rays, ways};
+use lamplight::methods::holographic::paper::{Piece, cone, paths, rays};
 
-/// The ways of the rays of levels 0 to `traced`, as shaders/paper_trace.wgsl reads them, and where each
-/// level begins.
-pub fn traced_ways(traced: u32) -> (Vec<u32>, Vec<[i32; 4]>) {
+/// Returns where each of the levels 0 to `traced` begins, and the footprints of their rays, as trace.wgsl reads
+/// them.
+pub fn traced_footprints(traced: u32) -> (Vec<u32>, Vec<[i32; 4]>) {
     let heads: usize = (0..=traced).map(rays).sum();
     let (mut begins, mut table, mut pieces) = (Vec::new(), Vec::new(), Vec::<[i32; 4]>::new());
     for level in 0..=traced {
         begins.push(table.len() as u32);
-        for way in ways(level) {
+        for way in paths(level) {
             let first = pieces.len();
             for piece in way {
                 match piece {
@@ -31,7 +31,7 @@ pub fn traced_ways(traced: u32) -> (Vec<u32>, Vec<[i32; 4]>) {
     (begins, table)
 }
 
-/// Of each cone of levels 1 to `end`, level by level from where it is returned: ∫ dθ, ∫ |sin θ| dθ where
+/// Returns where each of the levels 1 to `end` begins, and for each of their cones: ∫ dθ, ∫ |sin θ| dθ where
 /// the sine is negative, and where it is positive, ∫ cos θ dθ.
 pub fn cones(end: u32) -> (Vec<u32>, Vec<[f32; 4]>) {
     let (mut begins, mut cones) = (Vec::new(), Vec::new());
@@ -39,7 +39,7 @@ pub fn cones(end: u32) -> (Vec<u32>, Vec<[f32; 4]>) {
         begins.push(cones.len() as u32);
         for j in 0..1 << level {
             let [angle, up, down] = cone(level, j, 0);
-            // A quarter on, the cosine is the sine.
+            // A quarter turn further, the cosine is the sine.
             let [_, _, along] = cone(level, j, 1);
             cones.push([angle, up, down, along].map(|part| part as f32));
         }

@@ -1,26 +1,26 @@
-//! What a stretch of a ray adds, and what it lets through.
+//! Intervals of rays: the radiance that an interval adds, and its transmittance.
 
 use crate::Rgb;
 use std::fmt::Debug;
 
-/// Share of light that gets through, the same for all channels (`f32`) or one each ([`Rgb`]), which
-/// costs half as much memory again and is needed only where something tints.
-pub trait Through: Copy + Debug + PartialEq + Send + Sync {
-    /// Everything gets through.
+/// A transmittance: the same for all channels (`f32`) or one per channel ([`Rgb`]), which takes half as
+/// much memory again and is needed only if something tints.
+pub trait Transmittance: Copy + Debug + PartialEq + Send + Sync {
+    /// Full transmittance.
     const ALL: Self;
-    /// Nothing does.
+    /// None.
     const NONE: Self;
-    /// The share by channel.
+    /// Returns the transmittance by channel.
     fn rgb(self) -> Rgb;
-    /// From shares by channel; where only one is kept, the first.
+    /// Creates it from one per channel; if only one is stored, the first.
     fn from_rgb(rgb: Rgb) -> Self;
-    /// Both one after the other.
+    /// Returns that of two intervals one after the other.
     fn times(self, behind: Self) -> Self;
-    /// The mean of two.
+    /// Returns the mean of two.
     fn mean(self, other: Self) -> Self;
 }
 
-impl Through for f32 {
+impl Transmittance for f32 {
     const ALL: Self = 1.0;
     const NONE: Self = 0.0;
 
@@ -45,7 +45,7 @@ impl Through for f32 {
     }
 }
 
-impl Through for Rgb {
+impl Transmittance for Rgb {
     const ALL: Self = [1.0; 3];
     const NONE: Self = [0.0; 3];
 
@@ -70,40 +70,43 @@ impl Through for Rgb {
     }
 }
 
-/// A stretch of a ray, ⟨r, t⟩.
+/// An interval of a ray, ⟨r, t⟩.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval<T> {
-    /// r: radiance that the stretch sends to its near end.
+    /// r: radiance of the interval at its near end.
     pub light: Rgb,
-    /// t: share of what comes in at its far end that reaches the near one.
-    pub through: T,
+    /// t: transmittance from its far end to its near one.
+    pub transmittance: T,
 }
 
-impl<T: Through> Interval<T> {
+impl<T: Transmittance> Interval<T> {
     /// Empty space, ⟨0, 1⟩.
-    pub const EMPTY: Self = Self { light: [0.0; 3], through: T::ALL };
+    pub const EMPTY: Self = Self { light: [0.0; 3], transmittance: T::ALL };
 
-    /// ⊕, front to back: `⟨r_a + t_a·r_b, t_a·t_b⟩`.
+    /// Returns ⊕, front to back: `⟨r_a + t_a·r_b, t_a·t_b⟩`.
     #[inline]
     #[must_use]
     pub fn then(self, behind: Self) -> Self {
-        Self { light: self.before(behind.light), through: self.through.times(behind.through) }
+        Self {
+            light: self.before(behind.light),
+            transmittance: self.transmittance.times(behind.transmittance),
+        }
     }
 
-    /// What arrives when `light` comes in at the far end: `r + t·light`.
+    /// Returns the radiance at the near end if `light` enters at the far end: `r + t·light`.
     #[inline]
     pub fn before(self, light: Rgb) -> Rgb {
-        let through = self.through.rgb();
-        std::array::from_fn(|c| self.light[c] + through[c] * light[c])
+        let transmittance = self.transmittance.rgb();
+        std::array::from_fn(|c| self.light[c] + transmittance[c] * light[c])
     }
 
-    /// The mean of two, r and t apart.
+    /// Returns the mean of two, of r and t separately.
     #[inline]
     #[must_use]
     pub fn mean(self, other: Self) -> Self {
         Self {
             light: std::array::from_fn(|c| self.light[c].mean(other.light[c])),
-            through: self.through.mean(other.through),
+            transmittance: self.transmittance.mean(other.transmittance),
         }
     }
 }

@@ -1,16 +1,16 @@
 //! One quarter of the circle: intervals traced and extended, cones merged.
 
-use super::grid::{Grid, Piece, pieces};
-use super::interval::{Interval, Through};
+use super::grid::{Piece, RotatedGrid, pieces};
+use super::interval::{Interval, Transmittance};
 use crate::{Cells, Rgb, Sky};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The grid turned so that light arrives from +x, between −45° and +45°; and the intervals `T_n` in
-/// it. Level n has planes at x = j·2ⁿ, and from each cell of a plane the rays
+/// The grid, rotated so that light arrives from +x, between −45° and +45°; and its intervals `T_n`.
+/// Level n has planes at x = j·2ⁿ, and from each cell of a plane the rays
 /// `v_n(k) = (2ⁿ, 2k − 2ⁿ)`, k = 0 … 2ⁿ.
 #[derive(Debug, Default)]
 pub struct Quadrant<T> {
-    grid: Grid,
+    grid: RotatedGrid,
     turn: u32,
     sky: Sky,
     /// Planes × rays × rows, for each level.
@@ -19,28 +19,28 @@ pub struct Quadrant<T> {
     cones: [Vec<Rgb>; 2],
 }
 
-impl<T: Through> Quadrant<T> {
-    /// N: rays of this level reach through the whole grid.
+impl<T: Transmittance> Quadrant<T> {
+    /// Returns N, the level whose rays reach through the whole grid.
     pub fn top(&self) -> u32 {
         self.grid.width.next_power_of_two().ilog2()
     }
 
-    /// Planes of a level.
+    /// Returns the number of planes of a level.
     pub fn planes(&self, level: u32) -> usize {
         self.grid.width.div_ceil(1 << level)
     }
 
-    /// Rows of the turned grid.
+    /// Returns the number of rows of the rotated grid.
     pub fn rows(&self) -> usize {
         self.grid.height
     }
 
-    /// Index in the grid as it was of the cell at (x, y) here.
+    /// Returns the index in the original grid of the cell at (x, y) here.
     pub fn cell(&self, x: usize, y: usize) -> usize {
         self.grid.cell(x, y)
     }
 
-    /// Reads the cells turned by `turn` quarters (0 to 3, from +x towards +y) and makes all
+    /// Reads the cells, rotated by `turn` quarters (0 to 3, from +x towards +y), and makes all
     /// intervals, those up to level `traced` by tracing.
     pub fn prepare(&mut self, cells: &Cells, turn: u32, traced: u32) {
         self.grid.read(cells, turn);
@@ -58,19 +58,19 @@ impl<T: Through> Quadrant<T> {
         }
     }
 
-    /// `T_n(p, k)` with p in row y of a plane. ⟨0, 1⟩ outside the grid.
+    /// Returns `T_n(p, k)` with p in row y of a plane; ⟨0, 1⟩ outside the grid.
     pub fn interval(&self, level: u32, plane: usize, y: isize, k: usize) -> Interval<T> {
         at(self.ray(level, plane, k), y).unwrap_or(Interval::EMPTY)
     }
 
-    /// `R_n(p, i)` of a level, planes × 2ⁿ cones × rows.
+    /// Returns `R_n(p, i)` of a level, planes × 2ⁿ cones × rows.
     pub fn cones(&mut self, level: u32) -> &[Rgb] {
         self.merge_down_to(level);
         &self.cones[0]
     }
 
     /// Adds `R_0` of each cell, the light that arrives from this quarter of the circle times its
-    /// angle, to the cells of the grid as it was.
+    /// angle, to the cells of the original grid.
     pub fn add_light(&mut self, sum: &mut [Rgb]) {
         self.merge_down_to(0);
         for (x, rows) in self.cones[0].chunks_exact(self.rows()).enumerate() {
@@ -81,7 +81,7 @@ impl<T: Through> Quadrant<T> {
         }
     }
 
-    /// All rows of one ray of one plane; none outside the grid.
+    /// Returns all rows of one ray of one plane; none outside the grid.
     fn ray(&self, level: u32, plane: usize, k: usize) -> &[Interval<T>] {
         let count = if plane < self.planes(level) { self.rows() } else { 0 };
         let from = (plane * rays(level) + k) * count;
@@ -89,17 +89,17 @@ impl<T: Through> Quadrant<T> {
     }
 
     fn trace(&self, level: u32, made: &mut Vec<Interval<T>>) {
-        let ways = ways(level);
+        let paths = paths(level);
         for plane in 0..self.planes(level) {
-            for way in &ways {
-                let row = |y| self.grid.trace(plane << level, y, way);
+            for path in &paths {
+                let row = |y| self.grid.trace(plane << level, y, path);
                 made.extend((0..self.rows()).map(row));
             }
         }
     }
 
-    /// `T_{n+1}(p, 2k) = T_n(p, k) ⊕ T_n(p + v_n(k), k)`, and between two such the mean of both
-    /// bends: `T_n(p, k) ⊕ T_n(p + v_n(k), k+1)` and `T_n(p, k+1) ⊕ T_n(p + v_n(k+1), k)`.
+    /// Composes `T_{n+1}(p, 2k) = T_n(p, k) ⊕ T_n(p + v_n(k), k)`, and between two such the mean of both
+    /// bent paths: `T_n(p, k) ⊕ T_n(p + v_n(k), k+1)` and `T_n(p, k+1) ⊕ T_n(p + v_n(k+1), k)`.
     fn extend(&self, level: u32, made: &mut Vec<Interval<T>>) {
         let half = level - 1;
         for plane in 0..self.planes(level) {
@@ -134,28 +134,28 @@ impl<T: Through> Quadrant<T> {
         self.cones = [made, above];
     }
 
-    /// `R_n` from `R_{n+1}`, with s ∈ {0, 1}, j = 2i + s, k = i + s:
+    /// Merges `R_n` from `R_{n+1}`, with s ∈ {0, 1}, j = 2i + s, k = i + s:
     /// - planes of odd index, and the top level:
     ///   `Σ_s [A_{n+1}(j)·r(T_n(p, k)) + t(T_n(p, k))·R_{n+1}(p + v_n(k), j)]`;
     /// - planes of even index: the mean of `Σ_s R_{n+1}(p, j)` and of
     ///   `Σ_s [A_{n+1}(j)·r(U) + t(U)·R_{n+1}(p + 2v_n(k), j)]`, `U = T_{n+1}(p, 2k)`.
     ///
-    /// Outside the grid, and beyond the top level, there is sky.
+    /// Outside the grid and beyond the top level lies the sky.
     fn merge(&self, level: u32, above: &[Rgb], made: &mut Vec<Rgb>) {
         let rows = self.rows();
         let cones_above = 2 << level;
         let angle: Vec<f32> = (0..cones_above).map(|j| angle(level + 1, j) as f32).collect();
         let sky: Vec<Rgb> = (0..cones_above).map(|j| self.sky_in(level + 1, j)).collect();
         let planes_above = if level == self.top() { 0 } else { self.planes(level + 1) };
-        // All rows of one cone of the level above; none outside the grid.
+        // Returns all rows of one cone of the level above; none outside the grid.
         let cone = |plane: usize, j: usize| -> &[Rgb] {
             let count = if plane < planes_above { rows } else { 0 };
             &above[(plane * cones_above + j) * count..][..count]
         };
-        // What a ray brings that meets an interval and then looks into cone j of another plane.
+        // Returns the light through an interval and then from cone j of another plane.
         let arrives = |met: &Interval<T>, j: usize, behind: &[Rgb], y: isize| -> Rgb {
-            let (through, behind) = (met.through.rgb(), at(behind, y).unwrap_or(sky[j]));
-            std::array::from_fn(|c| angle[j] * met.light[c] + through[c] * behind[c])
+            let (t, behind) = (met.transmittance.rgb(), at(behind, y).unwrap_or(sky[j]));
+            std::array::from_fn(|c| angle[j] * met.light[c] + t[c] * behind[c])
         };
         for plane in 0..self.planes(level) {
             for i in 0..1 << level {
@@ -185,7 +185,7 @@ impl<T: Through> Quadrant<T> {
         }
     }
 
-    /// The sky's radiance over cone j of a level, integrated over its angle.
+    /// Returns the radiance of the sky in cone j of a level, integrated over its angle.
     fn sky_in(&self, level: u32, j: usize) -> Rgb {
         match self.sky {
             Sky::Uniform(rgb) => rgb.map(|v| (f64::from(v) * angle(level, j)) as f32),
@@ -202,13 +202,14 @@ impl<T: Through> Quadrant<T> {
     }
 }
 
-/// The ways of all rays of a level, from any cell.
-pub fn ways(level: u32) -> Vec<Vec<Piece>> {
+/// Returns the paths of all rays of a level, from any cell.
+pub fn paths(level: u32) -> Vec<Vec<Piece>> {
     (0..rays(level)).map(|k| pieces([1 << level, rise(level, k) as i32])).collect()
 }
 
-/// Of cone j of a level, in the quadrant turned by so many quarters: `∫ dθ`, `∫ max(−sin θ, 0) dθ`
-/// (up) and `∫ max(sin θ, 0) dθ` (down). Both sines weigh what a sky has overhead and underfoot.
+/// Returns, for cone j of a level in the quadrant rotated by `turn` quarters, `∫ dθ`,
+/// `∫ max(−sin θ, 0) dθ` (up) and `∫ max(sin θ, 0) dθ` (down). Both sines weight the zenith and the
+/// ground of a sky.
 pub fn cone(level: u32, j: usize, turn: u32) -> [f64; 3] {
     let [from, to] = [j, j + 1].map(|k| {
         let (y, x) = (rise(level, k) as f64, f64::from(1u32 << level));
@@ -218,27 +219,28 @@ pub fn cone(level: u32, j: usize, turn: u32) -> [f64; 3] {
     [angle(level, j), up, down]
 }
 
-/// Rays of a level from one cell.
+/// Returns the number of rays of a level from one cell.
 pub fn rays(level: u32) -> usize {
     (1 << level) + 1
 }
 
-/// Rows from one end of `v_n(k)` to the other.
+/// Returns the rows from one end of `v_n(k)` to the other.
 fn rise(level: u32, k: usize) -> isize {
     2 * k as isize - (1 << level)
 }
 
-/// `A_n(i)`: the angle of cone i, between the rays i and i + 1.
+/// Returns `A_n(i)`, the angle of cone i, between the rays i and i + 1.
 fn angle(level: u32, i: usize) -> f64 {
     let [a, b] = [i, i + 1].map(|k| rise(level, k) as f64);
     let x = f64::from(1u32 << level);
-    // From the cross and the dot product of the two, so that mirrored cones are equal to the bit.
+    // From the cross and the dot product, so that mirrored cones are equal to the bit.
     (x * (b - a)).atan2(x * x + a * b)
 }
 
-/// `∫ max(−sin θ, 0) dθ` (up) and `∫ max(sin θ, 0) dθ` (down) between two angles under π/2 apart.
+/// Returns `∫ max(−sin θ, 0) dθ` (up) and `∫ max(sin θ, 0) dθ` (down) between two angles less than π/2
+/// apart.
 fn sines(from: f64, to: f64) -> (f64, f64) {
-    // Where the sine changes its sign between them, if it does.
+    // The angle between them at which the sine changes its sign, if any.
     let zero = ((from + to) / 2.0 / PI).round() * PI;
     let zero = zero.clamp(from, to);
     let part = |a: f64, b: f64| a.cos() - b.cos();
@@ -247,10 +249,10 @@ fn sines(from: f64, to: f64) -> (f64, f64) {
     (sum(-1.0), sum(1.0))
 }
 
-/// What a row holds; nothing outside the grid.
+/// Returns the value of a row; none outside the grid.
 #[inline]
 fn at<V: Copy>(rows: &[V], y: isize) -> Option<V> {
-    // Rows above the grid wrap round to indices far beyond it.
+    // Rows above the grid wrap around to indices far beyond it.
     rows.get(y as usize).copied()
 }
 

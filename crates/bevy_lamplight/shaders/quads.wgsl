@@ -1,0 +1,180 @@
+// Quads of matter, drawn on the lit grid and, if they emit light, on the screen.
+
+const CIRCLE: u32 = 1u;
+const CAPSULE: u32 = 2u;
+const TRIANGLE: u32 = 3u;
+const LAMP: u32 = 4u;
+
+// `TargetTransform` in src/render/pipelines.rs: from cells to the render target.
+struct TargetTransform {
+    x_axis: vec2f,
+    y_axis: vec2f,
+    origin: vec2f,
+    // Pixels of the target.
+    size: vec2f,
+    // World units per cell.
+    cell: f32,
+}
+
+// `Quad` in src/quads/quad.rs, on the grid: cells, y down.
+struct Quad {
+    x_axis: vec2f,
+    y_axis: vec2f,
+    origin: vec2f,
+    texels_x: vec2f,
+    texels_y: vec2f,
+    texels_origin: vec2f,
+    color: vec4f,
+    material: u32,
+    shape: u32,
+    layer: u32,
+    param: f32,
+}
+
+// `QuadMaterial` in src/quads/material.rs.
+struct Material {
+    emission: vec3f,
+    opacity: f32,
+    tint: vec3f,
+    glow: f32,
+    albedo: vec3f,
+}
+
+@group(0) @binding(0) var<uniform> target_transform: TargetTransform;
+@group(0) @binding(1) var<storage, read> quads: array<Quad>;
+@group(0) @binding(2) var<storage, read> materials: array<Material>;
+@group(1) @binding(0) var image: texture_2d_array<f32>;
+@group(1) @binding(1) var image_sampler: sampler;
+
+struct VertexOut {
+    @builtin(position) position: vec4f,
+    // Place in the unit square.
+    @location(0) unit: vec2f,
+    @location(1) @interpolate(flat) index: u32,
+    // Centre and radius of a lamp, in pixels of the target.
+    @location(2) @interpolate(flat) disc: vec3f,
+}
+
+fn clip(cell: vec2f) -> vec2f {
+    let to = target_transform;
+    return cell.x * to.x_axis + cell.y * to.y_axis + to.origin;
+}
+
+fn pixel(cell: vec2f) -> vec2f {
+    return (clip(cell) * vec2f(0.5, -0.5) + 0.5) * target_transform.size;
+}
+
+// Two triangles that cover the unit square. For a triangle, the second one is degenerate.
+@vertex
+fn place(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u32) -> VertexOut {
+    let corners = array(
+        vec2f(0.0, 0.0), vec2f(1.0, 0.0), vec2f(0.0, 1.0),
+        vec2f(1.0, 0.0), vec2f(1.0, 1.0), vec2f(0.0, 1.0),
+    );
+    let quad = quads[index];
+    var unit = corners[vertex];
+    var disc = vec3f(0.0);
+    if quad.shape == TRIANGLE && vertex >= 3u {
+        unit = vec2f(0.0);
+    }
+    if quad.shape == LAMP {
+        let middle = pixel(quad.origin + 0.5 * (quad.x_axis + quad.y_axis));
+        disc = vec3f(middle, 0.5 * distance(pixel(quad.origin), pixel(quad.origin + quad.x_axis)));
+        // Covers every pixel that the disc touches, not only those whose centre it contains.
+        unit += (unit - 0.5) * 1.5 / max(disc.z, 1e-3);
+    }
+    let at = quad.origin + unit.x * quad.x_axis + unit.y * quad.y_axis;
+    return VertexOut(vec4f(clip(at), 0.0, 1.0), unit, index, disc);
+}
+
+// The half chord of a disc, integrated from its centre: ∫₀ᵗ √(r² − s²) ds.
+fn integral(t: f32, r: f32) -> f32 {
+    return 0.5 * (t * sqrt(max(r * r - t * t, 0.0)) + r * r * asin(clamp(t / r, -1.0, 1.0)));
+}
+
+// The area of a disc around the origin to the left of x and above y; the counterpart of
+// `coverage.rs` in `lamplight`.
+fn corner_area(place: vec2f, r: f32) -> f32 {
+    let at = clamp(place, vec2f(-r), vec2f(r));
+    let a = vec2f(integral(at.x, r), integral(at.y, r));
+    let quarter = 0.7853981634 * r * r;
+    if dot(at, at) < r * r {
+        return quarter + at.x * at.y + a.x + a.y;
+    }
+    if at.x >= 0.0 {
+        return select(2.0 * (quarter + a.y), 2.0 * (a.x + a.y), at.y >= 0.0);
+    }
+    return select(0.0, 2.0 * (quarter + a.x), at.y >= 0.0);
+}
+
+// Fractions closer to 0 or 1 than this are rounding errors.
+const ROUNDING: f32 = 1e-4;
+
+// The fraction of a pixel that a disc covers.
+fn disc_coverage(disc: vec3f, center: vec2f) -> f32 {
+    let low = center - 0.5 - disc.xy;
+    let high = low + 1.0;
+    let area = corner_area(high, disc.z) - corner_area(vec2f(low.x, high.y), disc.z)
+        - corner_area(vec2f(high.x, low.y), disc.z) + corner_area(low, disc.z);
+    return select(select(area, 1.0, area > 1.0 - ROUNDING), 0.0, area < ROUNDING);
+}
+
+// The colour of a quad; alpha is the fraction of the pixel that it covers.
+fn color_at(in: VertexOut) -> vec4f {
+    let quad = quads[in.index];
+    let texel = quad.texels_origin + in.unit.x * quad.texels_x + in.unit.y * quad.texels_y;
+    var color = textureSampleLevel(image, image_sampler, texel, quad.layer, 0.0) * quad.color;
+    let from_center = in.unit - 0.5;
+    if quad.shape == CIRCLE {
+        color.a *= f32(dot(from_center, from_center) <= 0.25);
+    } else if quad.shape == CAPSULE {
+        let across = 2.0 * abs(from_center) * vec2f(quad.param, 1.0);
+        let past = vec2f(across.x, max(across.y - (1.0 - quad.param), 0.0));
+        color.a *= f32(length(past) <= quad.param);
+    } else if quad.shape == LAMP {
+        color.a *= disc_coverage(in.disc, in.position.xy);
+    } else if quad.param < 0.0 {
+        color.a = 1.0;
+    } else if quad.param > 0.0 {
+        color.a = f32(color.a >= quad.param);
+    }
+    return clamp(color, vec4f(0.0), vec4f(65504.0, 65504.0, 65504.0, 1.0));
+}
+
+// Sums over everything in a cell, composited from bottom to top. Emission and albedo are weighted by
+// opacity, as in `Matter::over` of `lamplight`.
+struct Matter {
+    @location(0) emission: vec4f,
+    @location(1) albedo: vec4f,
+    @location(2) tint: vec4f,
+    @location(3) opacity: vec4f,
+}
+
+@fragment
+fn matter(in: VertexOut) -> Matter {
+    let color = color_at(in);
+    let material = materials[quads[in.index].material];
+    let coverage = color.a;
+    if coverage <= 0.0 {
+        discard;
+    }
+    // Per cell instead of per world unit.
+    let cell = target_transform.cell;
+    let transmittance = 1.0 - material.opacity;
+    let opacity = coverage * (1.0 - select(0.0, pow(transmittance, cell), transmittance > 0.0));
+    let tint = select(vec3f(0.0), pow(material.tint, vec3f(cell)), material.tint > vec3f(0.0));
+    return Matter(
+        vec4f(material.emission * color.rgb * opacity, coverage),
+        vec4f(material.albedo * min(color.rgb, vec3f(1.0)) * opacity, coverage),
+        vec4f(tint * coverage, coverage),
+        vec4f(opacity, 0.0, 0.0, coverage),
+    );
+}
+
+// The emitted radiance of a quad on the screen, which is added to the light that it reflects.
+@fragment
+fn glow(in: VertexOut) -> @location(0) vec4f {
+    let coverage = color_at(in).a;
+    let material = materials[quads[in.index].material];
+    return vec4f(material.emission * (material.glow * coverage), coverage);
+}

@@ -1,0 +1,68 @@
+//! Images bound for shaders. Every image is bound as an array of layers, so that sprites and tilesets
+//! share a pipeline.
+
+use super::pipelines::Pipelines;
+use bevy::asset::AssetId;
+use bevy::image::Image;
+use bevy::platform::collections::HashMap;
+use bevy::prelude::Resource;
+use bevy::render::render_asset::RenderAssets;
+use bevy::render::render_resource::{TextureId, TextureViewDescriptor};
+use bevy::render::texture::GpuImage;
+use lamplight_wgpu::wgpu::{
+    BindGroup, Device, TextureDimension, TextureSampleType, TextureUsages, TextureViewDimension,
+};
+
+/// Bind groups of images.
+#[derive(Resource, Default)]
+pub struct ImageBindings(HashMap<AssetId<Image>, BoundImage>);
+
+struct BoundImage {
+    texture: TextureId,
+    /// `None` if shaders cannot read it.
+    group: Option<BindGroup>,
+}
+
+impl ImageBindings {
+    /// Drops the bind groups of images that were removed or replaced.
+    pub fn sweep(&mut self, images: &RenderAssets<GpuImage>) {
+        self.0.retain(|&id, bound| {
+            images.get(id).is_some_and(|image| image.texture.id() == bound.texture)
+        });
+    }
+
+    /// Binds an image if it is loaded.
+    pub fn bind(
+        &mut self,
+        device: &Device,
+        pipelines: &Pipelines,
+        id: AssetId<Image>,
+        images: &RenderAssets<GpuImage>,
+    ) {
+        let Some(image) = images.get(id) else { return };
+        self.0.entry(id).or_insert_with(|| BoundImage {
+            texture: image.texture.id(),
+            group: is_filterable(device, image).then(|| {
+                let view = image.texture.create_view(&TextureViewDescriptor {
+                    dimension: Some(TextureViewDimension::D2Array),
+                    ..TextureViewDescriptor::default()
+                });
+                pipelines.bind_image(device, &view, &image.sampler)
+            }),
+        });
+    }
+
+    /// The bind group of an image.
+    pub fn get(&self, id: AssetId<Image>) -> Option<&BindGroup> {
+        self.0.get(&id)?.group.as_ref()
+    }
+}
+
+/// Returns whether shaders can sample an image with a filter.
+fn is_filterable(device: &Device, image: &GpuImage) -> bool {
+    let sampled = image.texture.format().sample_type(None, Some(device.features()));
+    image.texture.dimension() == TextureDimension::D2
+        && image.texture.sample_count() == 1
+        && image.texture.usage().contains(TextureUsages::TEXTURE_BINDING)
+        && sampled == Some(TextureSampleType::Float { filterable: true })
+}

@@ -1,0 +1,206 @@
+//! The render pipelines: matter on the grid, and what glows on the screen.
+
+use bevy::prelude::Resource;
+use bytemuck::{Pod, Zeroable};
+use lamplight_wgpu::wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
+    BindGroupLayoutEntry, BindingResource, BindingType, BlendComponent, BlendFactor,
+    BlendOperation, BlendState, BufferBindingType, ColorTargetState, ColorWrites, Device,
+    FragmentState, PipelineLayoutDescriptor, RenderPipeline, RenderPipelineDescriptor, Sampler,
+    SamplerBindingType, ShaderModule, ShaderModuleDescriptor, ShaderSource, ShaderStages,
+    TextureFormat, TextureSampleType, TextureView, TextureViewDimension, VertexState,
+};
+use std::borrow::Cow;
+
+/// The map from cells to a render target; `TargetTransform` of shaders/quads.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct TargetTransform {
+    pub x_axis: [f32; 2],
+    pub y_axis: [f32; 2],
+    pub origin: [f32; 2],
+    /// Pixels of the target.
+    pub size: [f32; 2],
+    /// World units per cell.
+    pub cell: f32,
+    /// Padding to WGSL's alignment.
+    pub unused: f32,
+}
+
+/// Formats of the sums over everything in a cell: emission, albedo, tint, opacity.
+pub const SUMS: [TextureFormat; 4] = [
+    TextureFormat::Rgba16Float,
+    TextureFormat::Rgba16Float,
+    TextureFormat::Rgba16Float,
+    TextureFormat::R16Float,
+];
+/// Formats of matter: emission, tint and opacity, albedo. See [`lamplight_wgpu::Textures`].
+pub const MATTER: [TextureFormat; 3] = [TextureFormat::Rgba16Float; 3];
+/// Format of the texture of what glows on the screen.
+pub const GLOW: TextureFormat = TextureFormat::Rgba16Float;
+
+/// Pipelines and bind group layouts, compiled once.
+#[derive(Resource)]
+pub struct Pipelines {
+    pub quads_layout: BindGroupLayout,
+    image_layout: BindGroupLayout,
+    sums_layout: BindGroupLayout,
+    pub matter: RenderPipeline,
+    pub glow: RenderPipeline,
+    pub resolve: RenderPipeline,
+}
+
+impl Pipelines {
+    /// Compiles everything.
+    pub fn new(device: &Device) -> Self {
+        let buffer =
+            |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let texture = |filterable, view_dimension| BindingType::Texture {
+            sample_type: TextureSampleType::Float { filterable },
+            view_dimension,
+            multisampled: false,
+        };
+        let list = buffer(BufferBindingType::Storage { read_only: true });
+        let quads_layout = layout(
+            device,
+            "lamplight quads",
+            ShaderStages::VERTEX_FRAGMENT,
+            &[buffer(BufferBindingType::Uniform), list, list],
+        );
+        let image_layout = layout(
+            device,
+            "lamplight image",
+            ShaderStages::FRAGMENT,
+            &[
+                texture(true, TextureViewDimension::D2Array),
+                BindingType::Sampler(SamplerBindingType::Filtering),
+            ],
+        );
+        let sums = [texture(false, TextureViewDimension::D2); 4];
+        let sums_layout = layout(device, "lamplight sums", ShaderStages::FRAGMENT, &sums);
+
+        let quads = module(device, "quads", include_str!("../../shaders/quads.wgsl"));
+        let resolve = module(device, "resolve", include_str!("../../shaders/resolve.wgsl"));
+        let of_quads = [&quads_layout, &image_layout];
+        let sums = SUMS.map(|format| color_target(format, Some(OVER)));
+        let matter = MATTER.map(|format| color_target(format, None));
+        let glow = [color_target(GLOW, Some(OVER))];
+        let pipeline = |label, layouts: &[&BindGroupLayout], module, entries, targets: &[_]| {
+            pipeline(device, label, layouts, module, entries, targets)
+        };
+        Self {
+            matter: pipeline("lamplight matter", &of_quads, &quads, ["place", "matter"], &sums),
+            glow: pipeline("lamplight glow", &of_quads, &quads, ["place", "glow"], &glow),
+            resolve: pipeline(
+                "lamplight resolve",
+                &[&sums_layout],
+                &resolve,
+                ["cover", "resolve"],
+                &matter,
+            ),
+            quads_layout,
+            image_layout,
+            sums_layout,
+        }
+    }
+
+    /// Binds the sums.
+    pub fn bind_sums(&self, device: &Device, sums: &[TextureView; 4]) -> BindGroup {
+        let sums = sums.each_ref().map(BindingResource::TextureView);
+        bind(device, "lamplight sums", &self.sums_layout, sums)
+    }
+
+    /// Binds an image.
+    pub fn bind_image(&self, device: &Device, view: &TextureView, sampler: &Sampler) -> BindGroup {
+        let image = [BindingResource::TextureView(view), BindingResource::Sampler(sampler)];
+        bind(device, "lamplight image", &self.image_layout, image)
+    }
+}
+
+/// Binds resources in the order of their layout.
+pub fn bind<'a>(
+    device: &Device,
+    label: &str,
+    layout: &BindGroupLayout,
+    resources: impl IntoIterator<Item = BindingResource<'a>>,
+) -> BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| BindGroupEntry { binding, resource })
+        .collect();
+    device.create_bind_group(&BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}
+
+/// The over operator with premultiplied alpha.
+const OVER: BlendState = {
+    let component = BlendComponent {
+        src_factor: BlendFactor::One,
+        dst_factor: BlendFactor::OneMinusSrcAlpha,
+        operation: BlendOperation::Add,
+    };
+    BlendState { color: component, alpha: component }
+};
+
+fn color_target(format: TextureFormat, blend: Option<BlendState>) -> Option<ColorTargetState> {
+    Some(ColorTargetState { format, blend, write_mask: ColorWrites::ALL })
+}
+
+fn module(device: &Device, label: &str, text: &'static str) -> ShaderModule {
+    device.create_shader_module(ShaderModuleDescriptor {
+        label: Some(label),
+        source: ShaderSource::Wgsl(Cow::Borrowed(text)),
+    })
+}
+
+fn layout(
+    device: &Device,
+    label: &str,
+    visibility: ShaderStages,
+    bindings: &[BindingType],
+) -> BindGroupLayout {
+    let entries: Vec<_> = (0..)
+        .zip(bindings)
+        .map(|(binding, &ty)| BindGroupLayoutEntry { binding, visibility, ty, count: None })
+        .collect();
+    device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+        label: Some(label),
+        entries: &entries,
+    })
+}
+
+fn pipeline(
+    device: &Device,
+    label: &str,
+    layouts: &[&BindGroupLayout],
+    module: &ShaderModule,
+    [vertex, fragment]: [&str; 2],
+    targets: &[Option<ColorTargetState>],
+) -> RenderPipeline {
+    let layouts: Vec<_> = layouts.iter().copied().map(Some).collect();
+    let layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &layouts,
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&RenderPipelineDescriptor {
+        label: Some(label),
+        layout: Some(&layout),
+        vertex: VertexState {
+            module,
+            entry_point: Some(vertex),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: Default::default(),
+            targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

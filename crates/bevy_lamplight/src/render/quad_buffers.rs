@@ -1,0 +1,139 @@
+//! The quads of a camera on the GPU.
+
+use super::draw::DrawList;
+use super::image_bindings::ImageBindings;
+use super::pipelines::{Pipelines, TargetTransform, bind};
+use lamplight_wgpu::Error;
+use lamplight_wgpu::error::DeviceError;
+use lamplight_wgpu::wgpu::{
+    BindGroup, Buffer, BufferDescriptor, BufferUsages, Device, Queue, RenderPass, RenderPipeline,
+};
+
+/// Quads and materials in buffers, bound for both render targets.
+#[derive(Default)]
+pub struct QuadBuffers {
+    lists: Option<QuadLists>,
+    transforms: [Option<Buffer>; 2],
+    groups: [Option<BindGroup>; 2],
+}
+
+struct QuadLists {
+    quads: Buffer,
+    materials: Buffer,
+}
+
+/// A render target of quads.
+#[derive(Clone, Copy)]
+pub enum QuadTarget {
+    /// The lit grid.
+    Grid = 0,
+    /// The camera's part of the screen.
+    Screen = 1,
+}
+
+impl QuadBuffers {
+    /// Uploads the quads and the transforms to the grid and to the screen, in this order. Buffers grow
+    /// by half and never shrink.
+    ///
+    /// # Errors
+    /// If the device cannot bind a buffer of the size needed.
+    pub fn write(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        pipelines: &Pipelines,
+        draw: &DrawList,
+        transforms: [TargetTransform; 2],
+    ) -> Result<(), Error> {
+        let lists = [bytemuck::cast_slice(&draw.quads), bytemuck::cast_slice(&draw.materials)];
+        let fits = |buffers: &QuadLists| {
+            [&buffers.quads, &buffers.materials]
+                .iter()
+                .zip(lists)
+                .all(|(buffer, list)| buffer.size() >= list.len() as u64)
+        };
+        if !self.lists.as_ref().is_some_and(fits) {
+            let limits = device.limits();
+            let max = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+            let list = |label, bytes: &[u8]| {
+                let needed = bytes.len() as u64;
+                let size = buffer_size(needed, max).ok_or_else(|| {
+                    let reason = format!("{label} take {needed} bytes, and it binds {max}");
+                    Error::Device(DeviceError(reason))
+                })?;
+                Ok::<_, Error>(buffer(device, label, size, BufferUsages::STORAGE))
+            };
+            self.lists = Some(QuadLists {
+                quads: list("lamplight quads", lists[0])?,
+                materials: list("lamplight materials", lists[1])?,
+            });
+            self.groups = [None, None];
+        }
+        let Some(buffers) = &self.lists else { return Ok(()) };
+        queue.write_buffer(&buffers.quads, 0, lists[0]);
+        queue.write_buffer(&buffers.materials, 0, lists[1]);
+        let own = self.transforms.iter_mut().zip(&mut self.groups);
+        for ((own, group), transform) in own.zip(transforms) {
+            let own = own.get_or_insert_with(|| {
+                let size = size_of::<TargetTransform>() as u64;
+                buffer(device, "lamplight transform", size, BufferUsages::UNIFORM)
+            });
+            queue.write_buffer(own, 0, bytemuck::bytes_of(&transform));
+            group.get_or_insert_with(|| {
+                let list = [&*own, &buffers.quads, &buffers.materials];
+                let list = list.map(|buffer| buffer.as_entire_binding());
+                bind(device, "lamplight quads", &pipelines.quads_layout, list)
+            });
+        }
+        Ok(())
+    }
+
+    /// Draws every batch whose image is loaded; on the screen only what Bevy draws there.
+    pub fn draw(
+        &self,
+        pass: &mut RenderPass,
+        pipeline: &RenderPipeline,
+        draw: &DrawList,
+        images: &ImageBindings,
+        target: QuadTarget,
+    ) {
+        let Some(group) = &self.groups[target as usize] else { return };
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, group, &[]);
+        let is_on_grid = matches!(target, QuadTarget::Grid);
+        for batch in draw.batches.iter().filter(|batch| batch.is_drawn || is_on_grid) {
+            let Some(image) = images.get(batch.image) else { continue };
+            pass.set_bind_group(1, image, &[]);
+            pass.draw(0..6, batch.quads.clone());
+        }
+    }
+}
+
+/// The size of a buffer for `needed` bytes, with room to grow; `None` above `max`.
+fn buffer_size(needed: u64, max: u64) -> Option<u64> {
+    const MIN: u64 = 1 << 12;
+    let ample = (needed * 3 / 2).next_multiple_of(MIN).max(MIN);
+    (needed <= max).then(|| ample.min(max))
+}
+
+fn buffer(device: &Device, label: &str, size: u64, usage: BufferUsages) -> Buffer {
+    device.create_buffer(&BufferDescriptor {
+        label: Some(label),
+        size,
+        usage: usage | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buffers_grow_up_to_the_devices_limit() {
+        assert_eq!(buffer_size(0, 1 << 20), Some(1 << 12));
+        assert_eq!(buffer_size(8192, 1 << 20), Some(12_288));
+        assert_eq!(buffer_size(900_000, 1 << 20), Some(1 << 20));
+        assert_eq!(buffer_size((1 << 20) + 1, 1 << 20), None);
+    }
+}

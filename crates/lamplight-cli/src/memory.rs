@@ -1,0 +1,141 @@
+//! Memory: an estimate of what lighting a scene takes, and the most that this process can get.
+//!
+//! An allocation that fails ends a Rust program at once. So the need is estimated before anything
+//! that grows with the scene is allocated, and a scene that cannot fit is rejected with both figures.
+
+use crate::args::{Backend, Renderer};
+use crate::error::{CliError, Result};
+use lamplight::settings::Variant;
+use lamplight::{Bounces, Method, Settings};
+use std::fs;
+
+/// Bytes that do not grow with the scene: the program, its threads and tables.
+const BASE: u64 = 48 << 20;
+/// Bytes per cell of what the GPU does not hold: the scene, its copies, the light and the picture.
+const SCENE: u64 = 185;
+/// Bytes per cell of the light of a row, kept until all rows are compared.
+const ROW: u64 = 16;
+/// Bytes per cell of FLIP.
+const FLIP: u64 = 80;
+
+/// The number of bytes that lighting `cells` cells takes in main memory, rounded up.
+pub fn estimate(cells: u64, renderer: Renderer, settings: &Settings, backend: Backend) -> u64 {
+    let per_cell = match renderer {
+        Renderer::Method(_) if backend == Backend::Gpu => SCENE,
+        Renderer::Method(method) => of_method(method, settings),
+        Renderer::Reference => SCENE,
+    };
+    BASE + cells.saturating_mul(per_cell)
+}
+
+/// The number of bytes that a comparison of some rows needs in addition to lighting.
+pub fn estimate_rows(cells: u64, rows: usize) -> u64 {
+    cells.saturating_mul(FLIP + ROW * (1 + rows as u64))
+}
+
+/// The number of bytes that a picture with `scale` × `scale` pixels per cell takes, and its file.
+pub fn estimate_picture(cells: u64, scale: u32) -> u64 {
+    if scale == 1 { 0 } else { cells.saturating_mul(6 * u64::from(scale).pow(2)) }
+}
+
+/// Bytes per cell of lighting by a method on the CPU: the peak of `render` at 1024×768 (resident
+/// memory), and a tenth more. `tests/cli/memory.rs` checks that they are not far too large.
+fn of_method(method: Method, settings: &Settings) -> u64 {
+    let bounces = settings.bounces != Bounces::Count(0);
+    match method {
+        Method::Raymarch => {
+            let history = if settings.temporal.history_length > 1 { 80 } else { 0 };
+            let denoised = if settings.denoise.passes > 0 { 45 } else { 0 };
+            245 + history + denoised
+        }
+        Method::Flood => 245,
+        Method::Polar => 215,
+        Method::Cascades => 225,
+        Method::Holographic if settings.holographic.variant == Variant::Paper => 1200,
+        Method::Holographic => 400 + if bounces { 120 } else { 0 },
+    }
+}
+
+/// Refuses work that takes more memory than this process can get.
+pub fn check(needed: u64, what: impl std::fmt::Display) -> Result {
+    match available() {
+        Some(available) if needed > available => Err(CliError::failed(format_args!(
+            "{what} takes about {} of memory, and {} can be had",
+            in_words(needed),
+            in_words(available)
+        ))
+        .hint("light a smaller scene, or raise the limit (`ulimit -v`)")),
+        _ => Ok(()),
+    }
+}
+
+/// The number of bytes that this process can still allocate, if the system reports it.
+fn available() -> Option<u64> {
+    [address_space(), physical(), container()].into_iter().flatten().min()
+}
+
+/// Returns the bytes that remain under the limit on the address space (`ulimit -v`), if there is one.
+fn address_space() -> Option<u64> {
+    #[cfg(unix)]
+    {
+        let limit = rustix::process::getrlimit(rustix::process::Resource::As).current?;
+        let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+        Some(limit.saturating_sub(kilobytes(&status, "VmSize:").unwrap_or(0)))
+    }
+    #[cfg(not(unix))]
+    None
+}
+
+/// Free memory of the machine (Linux).
+fn physical() -> Option<u64> {
+    let info = fs::read_to_string("/proc/meminfo").ok()?;
+    Some(kilobytes(&info, "MemAvailable:")? + kilobytes(&info, "SwapFree:").unwrap_or(0))
+}
+
+/// The limit of the container (Linux, cgroup 2).
+fn container() -> Option<u64> {
+    fs::read_to_string("/sys/fs/cgroup/memory.max").ok()?.trim().parse().ok()
+}
+
+/// The bytes of a line such as `VmSize:  1234 kB`.
+fn kilobytes(text: &str, key: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
+    let number: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(number * 1024)
+}
+
+/// A number of bytes in MB or GB.
+fn in_words(bytes: u64) -> String {
+    match bytes as f64 / 1e6 {
+        mb if mb < 1000.0 => format!("{mb:.0} MB"),
+        mb => format!("{:.1} GB", mb / 1000.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_proc_are_read() {
+        let text = "VmPeak:\t    10 kB\nVmSize:\t  2048 kB\nHugePages_Free: 3\n";
+        assert_eq!(kilobytes(text, "VmSize:"), Some(2048 * 1024));
+        assert_eq!(kilobytes(text, "VmSwap:"), None);
+        assert_eq!(kilobytes(text, "HugePages_Free:"), None, "it is no size");
+    }
+
+    #[test]
+    fn bytes_are_worded_for_people() {
+        assert_eq!(in_words(52_000_000), "52 MB");
+        assert_eq!(in_words(5_230_000_000), "5.2 GB");
+    }
+
+    #[test]
+    fn what_cannot_fit_is_refused_with_both_figures() {
+        assert!(check(0, "nothing").is_ok());
+        if available().is_some() {
+            let error = format!("{:?}", check(1 << 60, "this").unwrap_err());
+            assert!(error.contains("this takes about 1152921504.6 GB of memory, and "), "{error}");
+        }
+    }
+}

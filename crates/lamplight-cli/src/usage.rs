@@ -1,0 +1,57 @@
+//! The command line as typed, with hints for what users often try.
+
+use crate::commands::Cli;
+use crate::error::{CliError, Result};
+use clap::Parser;
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+
+/// Parses the command line. Help, versions and most errors are printed by clap, which ends the
+/// program.
+pub fn parse() -> Result<Cli> {
+    Cli::try_parse().or_else(|error| {
+        let typed: Vec<String> = std::env::args().skip(1).collect();
+        match explain(error, &typed) {
+            Explained::Ours(error) => Err(error),
+            Explained::Clap(error) => error.exit(),
+        }
+    })
+}
+
+enum Explained {
+    Ours(CliError),
+    Clap(Error),
+}
+
+/// An error of clap with a better hint, or an error of ours in its place.
+fn explain(mut error: Error, typed: &[String]) -> Explained {
+    let unknown = match (error.kind(), error.get(ContextKind::InvalidArg)) {
+        (ErrorKind::UnknownArgument, Some(ContextValue::String(argument))) => argument.clone(),
+        _ => return Explained::Clap(error),
+    };
+    let command = typed.first().map_or("", String::as_str);
+    // clap names `-5` of `-5,-5`.
+    if let ("probe", Some(point)) = (command, typed.iter().find(|text| is_negative_point(text))) {
+        let outside = format_args!("the point {point} lies outside the scene");
+        return Explained::Ours(CliError::bad_input(outside).hint("x and y start at 0"));
+    }
+    let hint = match (command, unknown.as_str()) {
+        (_, "--preset") => {
+            "use '--quality fast', or a preset of a method: '--set holographic.preset=fast'"
+        }
+        ("probe", "--exposure" | "--tonemap") => {
+            "probe prints linear light, to which neither exposure nor tone map applies"
+        }
+        ("render" | "stages" | "compare", argument) if !argument.starts_with('-') => {
+            "one scene at a time: run the command once for each"
+        }
+        _ => return Explained::Clap(error),
+    };
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
+    Explained::Clap(error)
+}
+
+/// True for two numbers with a comma between them, the first of them negative.
+fn is_negative_point(text: &str) -> bool {
+    let number = |text: &str| text.trim().parse::<f32>().is_ok();
+    text.starts_with('-') && text.split_once(',').is_some_and(|(x, y)| number(x) && number(y))
+}

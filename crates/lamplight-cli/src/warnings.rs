@@ -1,0 +1,100 @@
+//! Warnings about valid input that has no effect or is ignored.
+
+use crate::args::{DisplayArgs, LightingArgs, Renderer};
+use crate::output::Format;
+use crate::stage::Stage;
+use lamplight::{Bounces, Cells, Method, Settings};
+
+/// Flags that have no effect on `renderer`, one sentence each.
+pub fn idle_lighting_flags(flags: &LightingArgs, renderer: Renderer) -> Vec<String> {
+    let name = renderer.name();
+    let mut idle = Vec::new();
+    for text in &flags.settings.set {
+        let key = text.strip_prefix("light.").unwrap_or(text);
+        let table = key.split(['.', '=']).next().unwrap_or_default().trim();
+        if table != name && Method::ALL.iter().any(|method| method.name() == table) {
+            idle.push(format!("`--set {text}` changes nothing: light is found by {name}"));
+        } else if table == "denoise" && renderer != Renderer::Method(Method::Raymarch) {
+            idle.push(format!("`--set {text}` changes nothing: {name} has no noise to remove"));
+        } else if table == "temporal" && flags.frames == 1 {
+            idle.push(format!("`--set {text}` changes nothing without `--frames`"));
+        }
+    }
+    if flags.samples.is_some() && renderer != Renderer::Reference {
+        idle.push(format!("`--samples` changes nothing: it is for the reference, not {name}"));
+    }
+    if flags.frames > 1 && !has_history(renderer) {
+        let why = "every frame is the same as the first";
+        idle.push(format!("`--frames` changes nothing: with {name} {why}"));
+    }
+    if flags.settings.seed.is_some() && !is_random(renderer) {
+        idle.push(format!("`--seed` changes nothing: {name} uses no random numbers"));
+    }
+    if flags.settings.quality.is_some() && renderer == Renderer::Reference {
+        idle.push("`--quality` changes nothing: the reference has `--samples`".into());
+    }
+    let bounces = flags.settings.bounces.is_some_and(|bounces| bounces != Bounces::Count(0));
+    if bounces && renderer == Renderer::Method(Method::Flood) {
+        let why = "flood lights by a rule of its own";
+        idle.push(format!("`--bounces` changes nothing: {why}"));
+    }
+    idle
+}
+
+/// Returns true if frames after the first may differ from it.
+fn has_history(renderer: Renderer) -> bool {
+    matches!(renderer, Renderer::Method(method) if !method.repeats())
+}
+
+/// Returns true if the seed changes the result.
+fn is_random(renderer: Renderer) -> bool {
+    matches!(renderer, Renderer::Reference | Renderer::Method(Method::Raymarch))
+}
+
+/// Display flags that have no effect on a file, one sentence each.
+pub fn idle_display_flags(flags: &DisplayArgs, stage: Stage, format: Format) -> Vec<String> {
+    let (tone_mapped, exposed) = match (format, stage) {
+        (Format::Png, Stage::Emission | Stage::Light | Stage::Final) => (true, true),
+        (Format::Exr, Stage::Final) => (false, true),
+        _ => (false, false),
+    };
+    let why = match format {
+        Format::Png => format!("the stage {} shows no light", stage.name()),
+        Format::Exr if exposed => "an .exr holds linear light".into(),
+        Format::Exr => format!("an .exr of the stage {} holds plain values", stage.name()),
+    };
+    let mut idle = Vec::new();
+    if flags.tonemap.is_some() && !tone_mapped {
+        idle.push(format!("`--tonemap` changes nothing: {why}"));
+    }
+    if flags.exposure.is_some() && !exposed {
+        idle.push(format!("`--exposure` changes nothing: {why}"));
+    }
+    idle
+}
+
+/// The parts of a scene that `renderer` leaves out, as one sentence.
+pub fn left_out(renderer: Renderer, cells: &Cells, settings: &Settings) -> Option<String> {
+    if renderer != Renderer::Method(Method::Polar) {
+        return None;
+    }
+    let mut parts = Vec::new();
+    if cells.emission().iter().flatten().any(|&e| e > 0.0) {
+        parts.push("glowing matter".to_owned());
+    }
+    if !cells.sky().is_black() {
+        parts.push("the sky".to_owned());
+    }
+    match settings.bounces {
+        Bounces::Count(0) => {}
+        Bounces::Count(1) => parts.push("the bounce".to_owned()),
+        Bounces::Count(count) => parts.push(format!("the {count} bounces")),
+        Bounces::Converged => parts.push("all bounces".to_owned()),
+    }
+    let (last, others) = parts.split_last()?;
+    let parts = match others {
+        [] => last.clone(),
+        others => format!("{} and {last}", others.join(", ")),
+    };
+    Some(format!("polar lights by lamps only: it leaves out {parts}"))
+}

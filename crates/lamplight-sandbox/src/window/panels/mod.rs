@@ -1,6 +1,0 @@
-//! What stands round the picture.
-
-pub mod settings;
-pub mod timings;
-pub mod tools;
-pub mod view;

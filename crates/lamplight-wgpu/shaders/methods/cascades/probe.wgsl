@@ -1,0 +1,115 @@
+// The radiance that a probe sees along a ray (docs/cascades.md): its own interval, then what the probes of
+// the next cascade have gathered, `L = r + T·L_next`.
+
+#import methods/cascades/interval
+#import shared/sky
+#import shared/uniforms
+
+// True if a ray leads to each of the four probes around, so that every path is unbroken.
+override BILINEAR_FIX: bool;
+
+// `Path` in src/methods/cascades/ladder.rs, field by field.
+struct Path {
+    start: vec2f,
+    // From its start to its end.
+    step: vec2f,
+    direction: vec2f,
+    length: f32,
+    // The sine by which it sees the sky.
+    sine: f32,
+}
+
+// `Layer` in src/methods/cascades/ladder.rs, field by field: one cascade in one batch, and the next cascade.
+struct Layer {
+    count: vec2u,
+    spacing: f32,
+    // The first of its paths.
+    path: u32,
+    far_count: vec2u,
+    // 0 if the sky takes the place of a next cascade.
+    far_spacing: f32,
+    // Cones of the nearest cascade in this batch, and the first of them.
+    cones: u32,
+    cone: u32,
+    // Rays of the nearest cascade.
+    rays: u32,
+}
+
+@group(0) @binding(1) var<storage, read> paths: array<Path>;
+@group(0) @binding(2) var<storage, read> far: array<vec4f>;
+@group(0) @binding(8) var<uniform> layer: Layer;
+
+// The position of a probe. The lattice of probes is centred on the grid.
+fn position(probe: vec2f, count: vec2u, spacing: f32) -> vec2f {
+    return (probe - 0.5 * vec2f(count - 1u)) * spacing + 0.5 * vec2f(frame.size);
+}
+
+// The four probes of the next cascade around a point: the first, its index, and the weights of all.
+struct Around {
+    before: vec2f,
+    first: u32,
+    weight: vec4f,
+}
+
+fn around(at: vec2f) -> Around {
+    if layer.far_spacing == 0.0 {
+        return Around();
+    }
+    let last = vec2f(layer.far_count - 1u);
+    let place = (at - 0.5 * vec2f(frame.size)) * (1.0 / layer.far_spacing) + 0.5 * last;
+    let before = clamp(floor(place), vec2f(0.0), last - 1.0);
+    let past = place - before;
+    let left = 1.0 - past;
+    let weight = vec4f(left.x * left.y, past.x * left.y, left.x * past.y, past.x * past.y);
+    let first = vec2u(before);
+    return Around(before, first.y * layer.far_count.x + first.x, weight);
+}
+
+// Radiance that arrives at a point by ray `ray` of the layer. `normal` is that of the face if the point lies
+// on one, else 0: with the bilinear fix, rays that would run into the face itself are left out.
+fn see(at: vec2f, around: Around, ray: u32, normal: vec2f) -> vec3f {
+    let path = paths[layer.path + ray];
+    let start = at + path.start;
+    if layer.far_spacing == 0.0 {
+        let near = trace(start, path.direction, path.length);
+        return near.light + near.transmittance * sky(path.sine);
+    }
+    let probes = layer.far_count.x * layer.far_count.y;
+    let first = ray * probes + around.first;
+    let on_face = any(normal != vec2f(0.0));
+    var reach = max(abs(path.step.x), abs(path.step.y));
+    if BILINEAR_FIX {
+        reach += layer.far_spacing;
+    }
+    let clear = is_clear(start, reach);
+    let traced = BILINEAR_FIX && !clear;
+    var seen = vec3f(0.0);
+    var weights = 0.0;
+    for (var corner = 0u; corner < 4u; corner++) {
+        let offset = vec2u(corner & 1u, corner >> 1u);
+        var weight = around.weight[corner];
+        var light = far[first + offset.y * layer.far_count.x + offset.x].rgb;
+        if traced {
+            let probe = around.before + vec2f(offset);
+            let shift = position(probe, layer.far_count, layer.far_spacing) - at;
+            let step = shift + path.step;
+            if on_face && dot(step, normal) <= 0.0 {
+                continue;
+            }
+            let length = max(sqrt(dot(step, step)), 1e-30);
+            let near = trace(start, step / length, length);
+            light = near.light + near.transmittance * light;
+        }
+        weights += weight;
+        seen += weight * light;
+    }
+    if traced && on_face {
+        // At least one of the four probes lies in the direction of the ray, so the weights are not all 0.
+        return seen / weights;
+    }
+    if !BILINEAR_FIX && !clear {
+        let near = trace(start, path.direction, path.length);
+        return near.light + near.transmittance * seen;
+    }
+    return seen;
+}

@@ -1,0 +1,88 @@
+// The faces of solid cells, and media: `scatter` turns irradiance into outgoing radiance (`scatter_compared`
+// also measures the change), `show` shows the mean over its faces on each solid cell.
+
+#import methods/holographic/packed_rgb
+#import shared/change
+#import shared/normal
+#import shared/solid
+#import shared/uniforms
+
+@group(0) @binding(2) var albedo: texture_2d<f32>;
+@group(0) @binding(3) var<storage, read> irradiance: array<vec2u>;
+@group(0) @binding(4) var<storage, read_write> outgoing: array<vec2u>;
+@group(0) @binding(5) var<storage, read_write> light: array<vec4f>;
+// Bound if light bounces until it has converged.
+@group(0) @binding(6) var<storage, read_write> changes: array<Change>;
+@group(0) @binding(7) var<uniform> step: u32;
+
+// Returns whether a face (left, right, top, bottom) looks at a cell of the grid that is not solid.
+fn exposed(at: vec2u, face: u32) -> bool {
+    let front = vec2i(at) + normal(face);
+    return inside(front) && !solid(front);
+}
+
+// The light that a face scatters, E/2, or a medium with its first face; in `w` 1 if it exists.
+fn incoming(at: vec2u, face: u32, tint_opacity: vec4f) -> vec4f {
+    let slot = 4u * index(at) + face;
+    if tint_opacity.a >= 1.0 {
+        if exposed(at, face) {
+            return vec4f(0.5 * unpack_rgb(irradiance[slot]), 1.0);
+        }
+    } else if face == 0u && any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)) {
+        return vec4f(unpack_rgb(irradiance[slot]), 1.0);
+    }
+    return vec4f(0.0);
+}
+
+@compute @workgroup_size(8, 8)
+fn scatter(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let own_albedo = textureLoad(albedo, id.xy, 0).rgb;
+    let tint_opacity = textureLoad(matter, id.xy, 0);
+    for (var face = 0u; face < 4u; face++) {
+        let radiance = own_albedo * incoming(id.xy, face, tint_opacity).rgb;
+        outgoing[4u * index(id.xy) + face] = pack_rgb(radiance);
+    }
+}
+
+// Both sides of the comparison are read as they are stored, so that what stays the same is no change, however
+// bright it is.
+@compute @workgroup_size(SIDE, SIDE)
+fn scatter_compared(thread: TileThread) {
+    let id = thread.id;
+    var own: Change;
+    if !outside(id.xy) {
+        let own_albedo = textureLoad(albedo, id.xy, 0).rgb;
+        let scatters = any(own_albedo != vec3f(0.0));
+        let tint_opacity = textureLoad(matter, id.xy, 0);
+        for (var face = 0u; face < 4u; face++) {
+            let slot = 4u * index(id.xy) + face;
+            let light = incoming(id.xy, face, tint_opacity);
+            let now = pack_rgb(own_albedo * light.rgb);
+            // Before the first bounce there is no outgoing radiance.
+            let old = select(outgoing[slot], vec2u(0u), step == 0u);
+            outgoing[slot] = now;
+            if scatters && light.w > 0.0 {
+                own = both(own, change_of(unpack_rgb(old), unpack_rgb(now)));
+            }
+        }
+    }
+    let all = over_group(own, thread.lane);
+    if thread.lane == 0u {
+        changes[tile_index(thread.tile)] = all;
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn show(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) || !solid(vec2i(id.xy)) {
+        return;
+    }
+    var sum = vec4f(0.0);
+    for (var face = 0u; face < 4u; face++) {
+        sum += incoming(id.xy, face, vec4f(1.0));
+    }
+    light[index(id.xy)] = vec4f(sum.rgb / max(sum.a, 1.0), 1.0);
+}

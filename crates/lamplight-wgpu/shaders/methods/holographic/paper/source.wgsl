@@ -1,0 +1,76 @@
+// The grid as the published cascades read it: emitted radiance, and in `w` the class of each cell. `bounce`
+// adds what they scatter of the light of the solve before; `bounce_compared` also measures the change.
+
+#import shared/change
+#import shared/class
+#import shared/normal
+#import shared/uniforms
+
+@group(0) @binding(1) var emission: texture_2d<f32>;
+@group(0) @binding(2) var albedo: texture_2d<f32>;
+@group(0) @binding(3) var matter: texture_2d<f32>;
+@group(0) @binding(4) var<storage, read> light: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> source: array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> changes: array<Change>;
+
+fn classify(at: vec2u) -> u32 {
+    let tint_opacity = textureLoad(matter, at, 0);
+    if tint_opacity.a >= 1.0 {
+        return SOLID;
+    }
+    return select(EMPTY, MEDIUM, any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)));
+}
+
+fn put(at: vec2u, added: vec3f) {
+    source[index(at)] = vec4f(textureLoad(emission, at, 0).rgb + added, f32(classify(at)));
+}
+
+fn scattered(at: vec2u) -> vec3f {
+    return textureLoad(albedo, at, 0).rgb * light[index(at)].rgb;
+}
+
+// Returns whether a cell scatters light; of solid cells, whether it has an open face.
+fn scatters(at: vec2u) -> bool {
+    if classify(at) == MEDIUM {
+        return any(textureLoad(albedo, at, 0).rgb != vec3f(0.0));
+    }
+    var seen = false;
+    for (var face = 0u; face < 4u; face++) {
+        let front = vec2i(at) + normal(face);
+        seen = seen || (inside(front) && classify(vec2u(front)) != SOLID);
+    }
+    return seen && classify(at) == SOLID;
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if !outside(id.xy) {
+        put(id.xy, vec3f(0.0));
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn bounce(@builtin(global_invocation_id) id: vec3u) {
+    if !outside(id.xy) {
+        put(id.xy, scattered(id.xy));
+    }
+}
+
+// The change, and the sum, is that of all matter, with its emission; the mean is over scatterers.
+@compute @workgroup_size(SIDE, SIDE)
+fn bounce_compared(thread: TileThread) {
+    let id = thread.id;
+    var own: Change;
+    if !outside(id.xy) {
+        let old = source[index(id.xy)];
+        put(id.xy, scattered(id.xy));
+        if class_of(old) != EMPTY {
+            own = change_of(old.rgb, source[index(id.xy)].rgb);
+            own.count = select(0.0, 3.0, scatters(id.xy));
+        }
+    }
+    let all = over_group(own, thread.lane);
+    if thread.lane == 0u {
+        changes[tile_index(thread.tile)] = all;
+    }
+}

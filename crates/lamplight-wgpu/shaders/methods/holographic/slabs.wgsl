@@ -1,0 +1,54 @@
+// The cells as quadrants read them: three bits per cell, slab by slab along both axes, 32 rows per word. The
+// irradiance of the gather before is cleared.
+
+#import methods/holographic/packed_rgb
+#import methods/holographic/sweep
+#import shared/uniforms
+
+// The bits: anything but empty space; a medium; emission, or outgoing radiance.
+override OCCUPIED: u32;
+override MEDIUM: u32;
+override EMITTING: u32;
+
+@group(0) @binding(2) var emission: texture_2d<f32>;
+@group(0) @binding(3) var matter: texture_2d<f32>;
+@group(0) @binding(4) var<storage, read> outgoing: array<vec2u>;
+@group(0) @binding(5) var<storage, read_write> cell_bits: array<u32>;
+@group(0) @binding(6) var<storage, read_write> irradiance: array<vec2u>;
+
+fn emits(at: vec2u) -> bool {
+    if any(textureLoad(emission, at, 0).rgb != vec3f(0.0)) {
+        return true;
+    }
+    var emits = false;
+    for (var face = 0u; face < 4u && sweep.indirect == 1u; face++) {
+        emits = emits || any(unpack_rgb(outgoing[4u * index(at) + face]) != vec3f(0.0));
+    }
+    return emits;
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let slab = id.x;
+    let words = (sweep.rows + 31u) / 32u;
+    if slab >= sweep.depth || id.y >= words {
+        return;
+    }
+    var bits = vec3u(0u);
+    for (var bit = 0u; bit < 32u && 32u * id.y + bit < sweep.rows; bit++) {
+        let at = cell_of(slab, 32u * id.y + bit);
+        let tint_opacity = textureLoad(matter, at, 0);
+        if any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)) {
+            bits |= vec3u(1u, u32(tint_opacity.a < 1.0), u32(emits(at))) << vec3u(bit);
+        }
+        if sweep.axis == 0u {
+            for (var face = 0u; face < 4u; face++) {
+                irradiance[4u * index(at) + face] = vec2u(0u);
+            }
+        }
+    }
+    let place = sweep.cell_bits + slab * words + id.y;
+    cell_bits[place + OCCUPIED * sweep.depth * words] = bits.x;
+    cell_bits[place + MEDIUM * sweep.depth * words] = bits.y;
+    cell_bits[place + EMITTING * sweep.depth * words] = bits.z;
+}

@@ -1,0 +1,76 @@
+// One quadrant of holographic cascades: the grid as light from ahead crosses it, slab after slab, and where
+// intervals and cones lie in memory.
+
+#import shared/uniforms
+
+// `Sweep` in src/methods/holographic/sweep.rs, field by field.
+struct Sweep {
+    // Slabs, and rows of a slab.
+    depth: u32,
+    rows: u32,
+    // 0: slabs are columns of the grid; 1: rows.
+    axis: u32,
+    // 1: light comes from lower slabs.
+    reversed: u32,
+    // The lowest level of a group of levels, and the number of further levels in the group.
+    level: u32,
+    levels: u32,
+    // The first plane of the topmost level, or the first slab, of this dispatch.
+    first: u32,
+    // The plane of the topmost level at the far end.
+    far: u32,
+    // The first word of planes of odd index, of the four lowest levels and of the topmost, and half the index
+    // of the first of them.
+    odd: vec4u,
+    odd_first: vec4u,
+    odd_top: u32,
+    odd_top_first: u32,
+    // Likewise for planes of even index, of the lowest level and of the topmost.
+    even: u32,
+    even_first: u32,
+    even_top: u32,
+    even_top_first: u32,
+    // The first entry of the topmost level in the table of cones; `cones` for the four lowest.
+    cones_top: u32,
+    // 1 in the first quadrant, which overwrites light.
+    first_quadrant: u32,
+    cones: vec4u,
+    // The first entry of the light of the topmost and of the lowest level; of the lowest, the plane that is
+    // stored first, and the number of planes before it.
+    above: u32,
+    below: u32,
+    below_far: u32,
+    below_planes: u32,
+    // The first word of the cell bits of this axis.
+    cell_bits: u32,
+    // 1 if outgoing radiance is added to emission.
+    indirect: u32,
+    // Minimum distance in px from a pixel to the plane that it gathers from. Planes lie 2^level px apart.
+    gather_length: u32,
+    // The first word of the footprints.
+    footprints: u32,
+    // Rays of a bundle, or through a cone that contains an emitter.
+    rays: u32,
+}
+
+@group(0) @binding(1) var<uniform> sweep: Sweep;
+
+// The number of planes of a level.
+fn planes(level: u32) -> u32 {
+    return (sweep.depth + (1u << level) - 1u) >> level;
+}
+
+// The cell of the grid in a row of a slab.
+fn cell_of(slab: u32, row: u32) -> vec2u {
+    let along = select(slab, sweep.depth - 1u - slab, sweep.reversed == 1u);
+    return select(vec2u(row, along), vec2u(along, row), sweep.axis == 0u);
+}
+
+// The sky's light in a cone: ∫ dθ, ∫ |sin θ| dθ up and down the rows, ∫ cos θ dθ.
+fn sky_in(cone: vec4f) -> vec3f {
+    if sweep.axis == 0u {
+        return frame.horizon * (cone.x - cone.y - cone.z) + frame.zenith * cone.y + frame.ground * cone.z;
+    }
+    let ahead = select(frame.ground, frame.zenith, sweep.reversed == 1u);
+    return frame.horizon * (cone.x - cone.w) + ahead * cone.w;
+}

@@ -1,0 +1,116 @@
+// Lights every pixel in reach of a lamp from the lamp's shadow map (`gather.rs` of the library).
+//
+// A workgroup is a tile. It takes the lamps 256 at a time: each thread tests whether one of them reaches the
+// tile, then all pixels go through those that do, in the lamps' order, so that blending does not depend on
+// how the work was divided.
+
+#import methods/polar/lookup
+#import shared/class
+#import shared/class_at
+#import shared/normal
+#import shared/uniforms
+
+override BLEND: u32;
+const ADD: u32 = 0u;
+const MAX: u32 = 1u;
+const PI: f32 = 3.1415927;
+const TILE: u32 = 16u;
+
+@group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
+
+var<workgroup> reaching: array<atomic<u32>, 8>;
+
+// Returns whether any pixel of a tile may be in reach of a lamp. The reach is one px larger on all sides, and
+// another for the faces of solid cells.
+fn reaches(lamp: u32, tile: vec2u) -> bool {
+    let start = vec2f(tile * TILE);
+    let position = lamps.list[lamp].position;
+    let away = position - clamp(position, start, start + f32(TILE));
+    let reach = lamps.list[lamp].reach + 2.0;
+    return dot(away, away) <= reach * reach;
+}
+
+fn blend(sum: vec3f, more: vec3f) -> vec3f {
+    if BLEND == ADD {
+        return sum + more;
+    }
+    if BLEND == MAX {
+        return max(sum, more);
+    }
+    let capped = min(more, vec3f(1.0));
+    return sum + capped - sum * capped;
+}
+
+// The faces of a solid cell that look at open cells, a bit each: left, right, top, bottom.
+fn exposed(cell: vec2i) -> u32 {
+    var faces = 0u;
+    for (var face = 0u; face < 4u; face++) {
+        faces |= select(0u, 1u << face, open(cell + normal(face)));
+    }
+    return faces;
+}
+
+// The light of a lamp at a cell: of an open cell at its centre; of a solid one (with `faces`) the mean
+// irradiance of its exposed faces. Light of mean radiance J from one direction is `E/2 = ½∫L cosθ dθ =
+// π·J·cosθ` on a face. Visibility is tested at the centre of the open cell before the face: every ray ends
+// at the face itself.
+fn light_of(lamp: Lamp, off: vec2f, faces: u32) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var face = 0u; face < select(4u, 1u, faces == 0u); face++) {
+        var place = off;
+        var weight = 0.0;
+        if faces == 0u {
+            weight = falloff(lamp, length_of(off));
+        } else if ((faces >> face) & 1u) == 1u {
+            let normal = vec2f(normal(face));
+            let on_face = off + 0.5 * normal;
+            let away = length_of(on_face);
+            weight = PI * -dot(normal, on_face) / max(away, MIN_POSITIVE) * falloff(lamp, away);
+            place += normal;
+        }
+        if weight > 0.0 {
+            sum += weight * arriving(lamp, place, length_of(place));
+        }
+    }
+    return lamp.strength * sum / f32(max(countOneBits(faces), 1u));
+}
+
+@compute @workgroup_size(16, 16)
+fn main(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(workgroup_id) tile: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let cell = vec2i(id.xy);
+    var faces = 0u;
+    if class_at(cell) == SOLID {
+        faces = exposed(cell);
+    }
+    let lit = open(cell) || faces != 0u;
+    var sum = vec3f(0.0);
+    for (var first = 0u; first < lamps.count; first += 256u) {
+        if lane < 8u {
+            atomicStore(&reaching[lane], 0u);
+        }
+        workgroupBarrier();
+        if first + lane < lamps.count && reaches(first + lane, tile.xy) {
+            atomicOr(&reaching[lane / 32u], 1u << (lane % 32u));
+        }
+        workgroupBarrier();
+        for (var word = 0u; word < 8u; word++) {
+            var left = atomicLoad(&reaching[word]);
+            while left != 0u {
+                let lamp = lamps.list[first + 32u * word + firstTrailingBit(left)];
+                left &= left - 1u;
+                let off = vec2f(id.xy) + 0.5 - lamp.position;
+                if lit {
+                    sum = blend(sum, light_of(lamp, off, faces));
+                }
+            }
+        }
+        workgroupBarrier();
+    }
+    if !outside(id.xy) {
+        light[index(id.xy)] = vec4f(sum, 1.0);
+    }
+}

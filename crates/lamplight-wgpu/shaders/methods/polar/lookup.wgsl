@@ -1,0 +1,225 @@
+// The light of a lamp at a pixel, read from its shadow map (`shadow_map.rs` of the library derives it).
+//
+// Loops avoid inlining the same call twice: compilers inline everything, and a grid traversal needs many
+// registers.
+
+#import methods/polar/shadow_ray
+
+override EDGES: u32;
+const NEAREST_RAY: u32 = 2u;
+override NARROWEST: f32;
+override WIDEST: f32;
+
+// As shadow_bounds.wgsl makes them.
+@group(0) @binding(5) var<storage, read> bounds: array<vec4u>;
+// The first corner of each ray, and their number.
+@group(0) @binding(6) var<storage, read> curves: array<vec2u>;
+@group(0) @binding(7) var<storage, read> corners: array<vec4f>;
+@group(0) @binding(8) var<storage, read> used: u32;
+
+const JOINED: u32 = 256u;
+
+// The fraction of a lamp's light that arrives at a place `off` from it.
+fn arriving(lamp: Lamp, off: vec2f, distance: f32) -> vec3f {
+    var at = angle(off) * lamp.per_radian;
+    at += select(0.0, f32(lamp.count), at < 0.0);
+    let bound = bounds[lamp.first + wrapped(lamp, u32(at + 0.5))];
+    var fraction = 1.0;
+    if distance >= bitcast<f32>(bound.x) {
+        if distance >= bitcast<f32>(bound.y) {
+            return vec3f(0.0);
+        }
+        fraction = visible_fraction(lamp, off, at);
+    }
+    if fraction > 0.0 && lamp.cone.y >= 0.0 {
+        fraction *= cone_at(lamp, at);
+    }
+    if fraction <= 0.0 {
+        return vec3f(0.0);
+    }
+    if TRANSLUCENT && used > 0u {
+        return fraction * transmittance_at(lamp, at, distance);
+    }
+    return vec3f(fraction);
+}
+
+fn length_of(off: vec2f) -> f32 {
+    return sqrt(off.x * off.x + off.y * off.y);
+}
+
+fn wrapped(lamp: Lamp, ray: u32) -> u32 {
+    return ray - select(0u, lamp.count, ray >= lamp.count);
+}
+
+fn cone_at(lamp: Lamp, at: f32) -> f32 {
+    if EDGES == NEAREST_RAY {
+        return in_cone(lamp, wrapped(lamp, u32(at + 0.5)), lamp.count);
+    }
+    let first = u32(at);
+    let a = in_cone(lamp, wrapped(lamp, first), lamp.count);
+    let b = in_cone(lamp, wrapped(lamp, first + 1u), lamp.count);
+    return a + (b - a) * (at - f32(first));
+}
+
+// The fraction of the lamp that a pixel in the penumbra sees.
+fn visible_fraction(lamp: Lamp, off: vec2f, at: f32) -> f32 {
+    let nearest = u32(at + 0.5);
+    let own = wrapped(lamp, nearest);
+    let inverse = 1.0 / length_of(off);
+    let beside_ray = f32(nearest) - at;
+    let bound = bounds[lamp.first + own];
+    let shadowed = bitcast<f32>(bound.z) > inverse;
+    let window = bound.w & (JOINED - 1u);
+    var seen = 0.0;
+    for (var side = 0u; side < 2u; side++) {
+        let forward = side == 0u;
+        // The part β of the lamp up to which visibility is settled.
+        var done = 0.0;
+        var wall = false;
+        var i = own;
+        var before_joined = false;
+        for (var k = 0u; k <= window + 1u; k++) {
+            let ray = bounds[lamp.first + i];
+            let joined = (ray.w & JOINED) != 0u;
+            let above = bitcast<f32>(ray.z) - inverse;
+            let width = clamp(lamp.spread * above, NARROWEST, WIDEST);
+            let middle = select(-beside_ray, beside_ray, forward) + f32(k);
+            let last_gap = k > window;
+            let blocks = above > 0.0 && !last_gap;
+            if last_gap || (blocks && !(wall && select(joined, before_joined, forward))) {
+                let to = select((middle - 0.5) / width, 1.0, last_gap);
+                seen += gap(lamp, off, done, to, shadowed, forward);
+            }
+            if blocks {
+                done = max(done, (middle + 0.5) / width);
+                if done >= 1.0 {
+                    break;
+                }
+            }
+            wall = blocks;
+            before_joined = joined;
+            if forward {
+                i = wrapped(lamp, i + 1u);
+            } else {
+                i = select(i, lamp.count, i == 0u) - 1u;
+            }
+        }
+    }
+    return 0.5 * seen;
+}
+
+// The visible part of the lamp between two β. A point that is occluded from the lamp's centre may still see
+// part of the disc past the occluder, unless a second occluder, which the centre cannot see, covers it.
+fn gap(lamp: Lamp, off: vec2f, low: f32, high: f32, shadowed: bool, forward: bool) -> f32 {
+    let width = min(high, 1.0) - low;
+    if width > 0.0 && (!shadowed || arrives(lamp, off, low + 0.5 * width, forward)) {
+        return width;
+    }
+    return 0.0;
+}
+
+// Returns whether nothing lies between a pixel's side and the part β of the lamp, nor between that part and
+// the lamp's centre.
+fn arrives(lamp: Lamp, off: vec2f, part: f32, forward: bool) -> bool {
+    let turn = select(-1.0, 1.0, forward) / length_of(off);
+    let aside = vec2f(-off.y, off.x) * turn;
+    let size = part * lamp.spread / lamp.per_radian;
+    let lamp_part = lamp.position + size * aside;
+    // Half a px aside is within the pixel, whatever the direction.
+    let here = lamp.position + off + 0.5 * aside;
+    let around_the_grid = within(lamp.position) && !within(lamp_part);
+    if around_the_grid {
+        return false;
+    }
+    for (var i = 0u; i < 2u; i++) {
+        if !sees(select(here, lamp.position, i == 1u), lamp_part) {
+            return false;
+        }
+    }
+    return true;
+}
+
+fn within(at: vec2f) -> bool {
+    return all(at >= vec2f(0.0)) && all(at < vec2f(frame.size));
+}
+
+fn sees(start: vec2f, end: vec2f) -> bool {
+    let off = end - start;
+    let length = length_of(off);
+    let along = off / max(length, MIN_POSITIVE);
+    let sign = select(vec2f(1.0), vec2f(-1.0), along < vec2f(0.0));
+    return traverse(start, direction(abs(along), sign), length, false, false).cell == NO_CELL;
+}
+
+// The transmittance of media between the lamp and a pixel.
+fn transmittance_at(lamp: Lamp, at: f32, distance: f32) -> vec3f {
+    let first = select(u32(at), u32(at + 0.5), EDGES == NEAREST_RAY);
+    let rays = select(2u, 1u, EDGES == NEAREST_RAY);
+    var transmittance: array<vec3f, 2>;
+    for (var i = 0u; i < rays; i++) {
+        transmittance[i] = along_ray(lamp, wrapped(lamp, first + i), distance);
+    }
+    if rays == 1u {
+        return transmittance[0];
+    }
+    return transmittance[0] + (transmittance[1] - transmittance[0]) * (at - f32(first));
+}
+
+fn along_ray(lamp: Lamp, ray: u32, distance: f32) -> vec3f {
+    let curve = curves[lamp.first + ray];
+    if curve.y == 0u {
+        return vec3f(1.0);
+    }
+    if curve.x >= arrayLength(&corners) {
+        return traced_again(lamp, ray, distance);
+    }
+    // Binary search for the first corner that is not nearer than the pixel.
+    let end = curve.x + curve.y;
+    var low = curve.x;
+    var high = end;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if corners[middle].w < distance {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    if low == curve.x {
+        return vec3f(1.0);
+    }
+    let near = corners[low - 1u];
+    if low == end {
+        return exp(-near.xyz);
+    }
+    return exp(-between(near, corners[low], distance));
+}
+
+var<private> wanted: f32;
+var<private> nearer: Corner;
+var<private> found: bool;
+
+fn keep(corner: Corner, number: u32) {
+    if found {
+        return;
+    }
+    if corner.w < wanted {
+        nearer = corner;
+        return;
+    }
+    found = true;
+    if number > 0u {
+        nearer = Corner(between(nearer, corner, wanted), wanted);
+    }
+}
+
+// The transmittance along a ray whose curve found no room in the store.
+fn traced_again(lamp: Lamp, ray: u32, distance: f32) -> vec3f {
+    wanted = distance;
+    nearer = Corner(0.0);
+    found = false;
+    begin_curve(lamp);
+    _ = trace(lamp, ray);
+    end_curve();
+    return exp(-nearer.xyz);
+}

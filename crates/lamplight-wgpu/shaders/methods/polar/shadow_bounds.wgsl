@@ -1,0 +1,113 @@
+// The bounds of each ray of the shadow maps, once all rays are traced: the distances between which a pixel
+// near the ray is in its penumbra, and the rays to either side that it has to read (`shadow_map.rs` of the
+// library).
+//
+// A workgroup takes 64 rays of one lamp and the rays whose penumbra may reach them.
+
+#import shared/hit
+#import shared/lamps
+#import shared/uniforms
+
+override NEAREST: f32;
+override NARROWEST: f32;
+override WIDEST: f32;
+// True if only the nearest ray counts.
+override CRISP: bool;
+
+@group(0) @binding(2) var<storage, read> hits: array<vec2u>;
+// For each ray: the distance up to which pixels are lit, the one from which they are dark, 1/length (0 without
+// a hit), and the window, plus 256 if the solid cells of this ray and the next one touch.
+@group(0) @binding(3) var<storage, read_write> bounds: array<vec4u>;
+
+// WIDEST plus one.
+const HALO: u32 = 65u;
+const RAYS: u32 = 64u + 2u * HALO;
+
+var<workgroup> lengths: array<f32, RAYS>;
+var<workgroup> cells: array<u32, RAYS>;
+// Half the width of the penumbra, in rays, where it is widest; negative without a hit.
+var<workgroup> widest: array<f32, RAYS>;
+var<workgroup> most: atomic<u32>;
+
+fn inverse_of(length: f32) -> f32 {
+    return select(1.0 / max(length, NEAREST), 0.0, length == FAR);
+}
+
+fn touch(a: u32, b: u32) -> bool {
+    let apart = abs(vec2i(unpacked(a)) - vec2i(unpacked(b)));
+    return a != NO_CELL && b != NO_CELL && all(apart <= vec2i(1));
+}
+
+// The distance from which a pixel near a ray sees nothing of the lamp: solid cells without a gap to either
+// side, as far as its penumbra reaches.
+fn dark_from(own: u32) -> f32 {
+    var far = 0.0;
+    for (var side = 0u; side < 2u; side++) {
+        for (var k = 0u; k < HALO; k++) {
+            let i = select(own - k, own + k, side == 0u);
+            if widest[i] < 0.0 {
+                return FAR;
+            }
+            far = max(far, lengths[i]);
+            if f32(k) >= widest[i] {
+                break;
+            }
+            if !touch(cells[i], cells[select(i - 1u, i + 1u, side == 0u)]) {
+                return FAR;
+            }
+        }
+    }
+    return far;
+}
+
+@compute @workgroup_size(64)
+fn main(thread: RayThread) {
+    let start = first_ray(thread);
+    if start >= lamps.rays {
+        return;
+    }
+    let lane = thread.lane;
+    let lamp = lamps.list[lamp_of(start)];
+    let n = lamp.count;
+    let own = start - lamp.first + lane;
+    // A penumbra covers no ray twice.
+    let half_circle = (n - 1u) / 2u;
+    for (var i = lane; i < RAYS; i += 64u) {
+        let ray = (start - lamp.first + i + HALO * (n - 1u)) % n;
+        let hit = hits[lamp.first + ray];
+        let length = bitcast<f32>(hit.x);
+        lengths[i] = length;
+        cells[i] = hit.y;
+        widest[i] = -1.0;
+        if length != FAR {
+            let wide = lamp.spread * (inverse_of(length) - 1.0 / lamp.reach);
+            widest[i] = clamp(wide, NARROWEST, WIDEST);
+            atomicMax(&most, min(u32(widest[i] + 1.0), half_circle));
+        }
+    }
+    workgroupBarrier();
+    if own >= n {
+        return;
+    }
+    let here = lane + HALO;
+    let length = lengths[here];
+    var lit = length;
+    var dark = length;
+    var window = 0u;
+    if !CRISP {
+        let reach = atomicLoad(&most);
+        for (var k = 1u; k <= reach; k++) {
+            for (var side = 0u; side < 2u; side++) {
+                let i = select(here - k, here + k, side == 0u);
+                if widest[i] >= 0.0 && min(u32(widest[i] + 1.0), half_circle) >= k {
+                    lit = min(lit, lengths[i]);
+                    window = k;
+                }
+            }
+        }
+        dark = dark_from(here);
+    }
+    let joined = select(0u, 256u, touch(cells[here], cells[here + 1u]));
+    bounds[start + lane] =
+        vec4u(bitcast<u32>(lit), bitcast<u32>(dark), bitcast<u32>(inverse_of(length)), window | joined);
+}

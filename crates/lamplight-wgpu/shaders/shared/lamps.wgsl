@@ -1,0 +1,125 @@
+// The lamps of a frame, as src/lamps.rs writes them.
+
+#import shared/angle
+
+struct Lamp {
+    position: vec2f,
+    // Length of its rays within the grid, px.
+    reach: f32,
+    range: f32,
+    // Colour times intensity.
+    strength: vec3f,
+    size: f32,
+    falloff: u32,
+    // Its first ray among those of all lamps, and their number.
+    first: u32,
+    count: u32,
+    per_radian: f32,
+    // Direction of the cone, half its angle (negative without a cone), and the soft part of that half.
+    cone: vec3f,
+    // Radius of the lamp in rays × px, 0 for hard edges.
+    spread: f32,
+}
+
+struct Lamps {
+    count: u32,
+    // Rays of all lamps, each lamp padded to whole workgroups.
+    rays: u32,
+    list: array<Lamp>,
+}
+
+@group(0) @binding(1) var<storage, read> lamps: Lamps;
+
+const TURN: f32 = 6.2831855;
+const LINEAR: u32 = 0u;
+const SMOOTH: u32 = 1u;
+
+// The lamp of a ray.
+fn lamp_of(ray: u32) -> u32 {
+    var low = 0u;
+    var high = lamps.count;
+    while high - low > 1u {
+        let middle = (low + high) / 2u;
+        if lamps.list[middle].first <= ray {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// A thread of a kernel that runs over rays, 64 per workgroup.
+struct RayThread {
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+}
+
+// The number of the first ray of a thread's workgroup.
+fn first_ray(thread: RayThread) -> u32 {
+    return (thread.group.y * thread.groups.x + thread.group.x) * 64u;
+}
+
+// A ray: its index among those of all lamps, its lamp, and its number among that lamp's.
+struct LampRay {
+    index: u32,
+    lamp: u32,
+    number: u32,
+    // False for padding behind the last ray of a lamp, and of all.
+    exists: bool,
+}
+
+// The ray of a thread.
+fn ray_of(thread: RayThread) -> LampRay {
+    let ray = first_ray(thread) + thread.lane;
+    if ray >= lamps.rays {
+        return LampRay();
+    }
+    let lamp = lamp_of(ray);
+    let number = ray - lamps.list[lamp].first;
+    return LampRay(ray, lamp, number, number < lamps.list[lamp].count);
+}
+
+// The fraction of a lamp's light that arrives at an unoccluded distance: linear; smooth; or that of a
+// disc, `asin(size/d)/π`, under the window of Karis (2013).
+fn falloff(lamp: Lamp, distance: f32) -> f32 {
+    let u = distance / lamp.range;
+    let square = u * u;
+    switch lamp.falloff {
+        case LINEAR: {
+            return max(1.0 - u, 0.0);
+        }
+        case SMOOTH: {
+            let v = max(1.0 - square, 0.0);
+            return v * v;
+        }
+        default: {
+            let window = max(1.0 - square * square, 0.0);
+            let sine = lamp.size / max(distance, lamp.size);
+            let seen = angle(vec2f(sqrt(max(1.0 - sine * sine, 0.0)), sine)) * 0.31830989;
+            return seen * window * window;
+        }
+    }
+}
+
+// The fraction of a lamp's light that leaves along ray `i` of `n`: smoothstep over the soft edge.
+fn in_cone(lamp: Lamp, i: u32, n: u32) -> f32 {
+    if lamp.cone.y < 0.0 {
+        return 1.0;
+    }
+    var rotated = TURN * (f32(i) / f32(n)) - lamp.cone.x;
+    // The direction is at most a little over one turn to either side.
+    rotated += select(0.0, TURN, rotated < 0.0);
+    rotated += select(0.0, TURN, rotated < 0.0);
+    rotated -= select(0.0, TURN, rotated >= TURN);
+    let within = lamp.cone.y - min(rotated, TURN - rotated);
+    if within < 0.0 {
+        return 0.0;
+    }
+    if within >= lamp.cone.z {
+        return 1.0;
+    }
+    let t = within / lamp.cone.z;
+    return t * t * (3.0 - 2.0 * t);
+}

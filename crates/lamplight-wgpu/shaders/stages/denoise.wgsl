@@ -1,0 +1,150 @@
+// The à-trous wavelet transform (Dammertz et al. 2010), whose range of light follows the variance of the
+// noise (Schied et al. 2017). The library's `denoise.rs` derives it.
+
+#import shared/luminance
+#import shared/uniforms
+
+override MAX_SKIP: u32;
+override MARGIN: f32;
+// B-spline weights, by distance in taps.
+override KERNEL_0: f32;
+override KERNEL_1: f32;
+override KERNEL_2: f32;
+// The range of light, in standard deviations of the noise.
+override DEVIATIONS: f32;
+// The weight of a difference in opacity.
+override OPACITY: f32;
+// True if `near` holds distances instead of squares of empty space.
+override BY_DISTANCE: bool;
+
+// Keeps a range above 0: the smallest positive normal number.
+const MIN_POSITIVE: f32 = 1.17549435e-38;
+
+@group(0) @binding(1) var<uniform> step: u32;
+@group(0) @binding(2) var matter: texture_2d<f32>;
+@group(0) @binding(3) var<storage, read> near: array<u32>;
+@group(0) @binding(4) var<storage, read> traced: array<vec2f>;
+// Light and the variance of its luminance.
+@group(0) @binding(5) var<storage, read> before: array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> after: array<vec4f>;
+@group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
+
+fn opacity(at: vec2i) -> f32 {
+    return textureLoad(matter, at, 0).a;
+}
+
+fn open(at: vec2i) -> bool {
+    return opacity(at) < 1.0;
+}
+
+// Returns whether the line between two centres lies in space that is known to be empty.
+fn skips(at: vec2i, offset: vec2i) -> bool {
+    let field = near[index(vec2u(at))];
+    if BY_DISTANCE {
+        return length(vec2f(offset)) < bitcast<f32>(field) - MARGIN;
+    }
+    let shift = select(0u, 8u, offset.x < 0) + select(0u, 16u, offset.y < 0);
+    return u32(max(abs(offset.x), abs(offset.y))) < ((field >> shift) & MAX_SKIP);
+}
+
+// Returns whether the line between the centres of two cells meets no solid cell. A corner between two solid
+// cells blocks it.
+fn sees(start: vec2i, offset: vec2i) -> bool {
+    if skips(start, offset) {
+        return true;
+    }
+    let count = abs(offset);
+    let towards = sign(offset);
+    var at = start;
+    var done = vec2i(0);
+    while any(done != count) {
+        let next = (1 + 2 * done.x) * count.y - (1 + 2 * done.y) * count.x;
+        if next == 0 && !open(at + vec2i(towards.x, 0)) && !open(at + vec2i(0, towards.y)) {
+            return false;
+        }
+        let steps = vec2i(vec2<bool>(next <= 0, next >= 0));
+        at += towards * steps;
+        done += steps;
+        if !open(at) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// The weight of a tap by its position; 0 if it lies outside or is not visible.
+fn tap(at: vec2i, place: vec2i, spread: i32) -> f32 {
+    let offset = place * spread;
+    if !inside(at + offset) || !sees(at, offset) {
+        return 0.0;
+    }
+    let weights = vec3f(KERNEL_0, KERNEL_1, KERNEL_2);
+    return weights[abs(place.x)] * weights[abs(place.y)];
+}
+
+// Smooths the variance, itself an estimate from few rays, over the visible taps.
+@compute @workgroup_size(8, 8)
+fn begin(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let at = vec2i(id.xy);
+    let i = index(id.xy);
+    var sum = 0.0;
+    var weight = MIN_POSITIVE;
+    if open(at) {
+        for (var y = -2; y <= 2; y++) {
+            for (var x = -2; x <= 2; x++) {
+                let w = tap(at, vec2i(x, y), 1);
+                if w > 0.0 {
+                    sum += w * traced[index(vec2u(at + vec2i(x, y)))].x;
+                    weight += w;
+                }
+            }
+        }
+    }
+    after[i] = vec4f(light[i].rgb, sum / weight);
+}
+
+@compute @workgroup_size(8, 8)
+fn blur(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let at = vec2i(id.xy);
+    let i = index(id.xy);
+    let here = before[i];
+    if !open(at) {
+        after[i] = here;
+        return;
+    }
+    let spread = 1i << (step - 1u);
+    let range = DEVIATIONS * sqrt(here.w) + MIN_POSITIVE;
+    var sum = vec4f(0.0);
+    var weight = 0.0;
+    for (var y = -2; y <= 2; y++) {
+        for (var x = -2; x <= 2; x++) {
+            let kernel = tap(at, vec2i(x, y), spread);
+            if kernel == 0.0 {
+                continue;
+            }
+            let other = at + vec2i(x, y) * spread;
+            let there = before[index(vec2u(other))];
+            let difference = abs(luminance(there.rgb) - luminance(here.rgb)) / range
+                + OPACITY * abs(opacity(other) - opacity(at));
+            let w = kernel * exp(-difference);
+            sum += vec4f(w, w, w, w * w) * there;
+            weight += w;
+        }
+    }
+    after[i] = sum / vec4f(weight, weight, weight, weight * weight);
+}
+
+@compute @workgroup_size(8, 8)
+fn finish(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let i = index(id.xy);
+    light[i] = vec4f(before[i].rgb, 1.0);
+}

@@ -1,0 +1,27 @@
+// The outgoing radiance of the frame before, where the same scatterer is still there.
+
+#import shared/class
+#import shared/scatter
+#import shared/uniforms
+
+@group(0) @binding(1) var albedo: texture_2d<f32>;
+@group(0) @binding(2) var<storage, read> source: array<vec4f>;
+@group(0) @binding(3) var<storage, read> before: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> outgoing: array<vec4f>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let i = index(id.xy);
+    let scatters = frame.history != HISTORY_NONE && any(textureLoad(albedo, id.xy, 0).rgb != vec3f(0.0));
+    let cell_class = class_of(source[i]);
+    for (var face = 0u; face < 4u; face++) {
+        let old = before[4u * i + face];
+        let kind = old.w % INVALIDATED;
+        let same = (kind == FACE && cell_class == SOLID) || (kind == VOLUME && cell_class == MEDIUM);
+        // A face that is covered now is invisible, and the gather that follows drops it.
+        outgoing[4u * i + face] = select(vec4f(0.0), vec4f(old.rgb, kind), scatters && same);
+    }
+}

@@ -1,0 +1,74 @@
+//! The input of a frame.
+
+use crate::matter::Textures;
+use lamplight::{Cells, Lamp, Settings, Sky};
+use wgpu::TextureView;
+
+/// The input of a frame, for [`crate::Lighting::prepare`].
+///
+/// ```no_run
+/// # use lamplight::{Lamp, Settings, Sky};
+/// # use lamplight_wgpu::{FrameInput, Lighting, Textures};
+/// # fn frame(lighting: &mut Lighting, settings: &Settings, textures: &Textures, lamps: &[Lamp],
+/// #     camera: [i32; 2]) -> Result<(), lamplight_wgpu::Error> {
+/// let input = FrameInput::of_textures(settings, textures, lamps, Sky::BLACK);
+/// lighting.prepare(&FrameInput { origin: camera, ..input })?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct FrameInput<'a> {
+    /// The settings of the solver.
+    pub settings: &'a Settings,
+    /// The scene to be lit.
+    pub scene: SceneInput<'a>,
+    /// The cell of the host's world that is the grid's left and top one
+    /// ([`crate::GridPlacement::origin`]). Noise, and with it light, stays with the world when the grid moves
+    /// over it. What remains is rounding: one cell in ten thousand has a ray that passes a corner within a
+    /// millionth of a px, on the other side. History moves along; cells that come into the grid have none.
+    pub origin: [i32; 2],
+    /// A texture that the light is written to, linear RGB and 1: of the format `Rgba16Float`, with the usage
+    /// `STORAGE_BINDING`, as large as the grid.
+    pub output: Option<&'a TextureView>,
+    /// True to record the seed map, the jump flood and the distance field too
+    /// ([`crate::Stage::Distance`]). A method that needs them makes its own.
+    pub distance_field: bool,
+}
+
+/// The scene of a frame.
+#[derive(Clone, Copy, Debug)]
+pub enum SceneInput<'a> {
+    /// Cells, which are uploaded, with their lamps and their sky.
+    Cells(&'a Cells),
+    /// The host's textures.
+    Textures {
+        /// The matter.
+        textures: &'a Textures,
+        /// Lamps for the methods that light them by rule (`flood` and `polar`). For the other methods a lamp is
+        /// emission in the textures.
+        lamps: &'a [Lamp],
+        /// The radiance beyond the grid.
+        sky: Sky,
+    },
+}
+
+impl<'a> FrameInput<'a> {
+    /// The input that lights cells, at the origin of the world.
+    pub fn of_cells(settings: &'a Settings, cells: &'a Cells) -> Self {
+        Self::new(settings, SceneInput::Cells(cells))
+    }
+
+    /// The input that lights the host's textures, at the origin of the world.
+    pub fn of_textures(
+        settings: &'a Settings,
+        textures: &'a Textures,
+        lamps: &'a [Lamp],
+        sky: Sky,
+    ) -> Self {
+        Self::new(settings, SceneInput::Textures { textures, lamps, sky })
+    }
+
+    fn new(settings: &'a Settings, scene: SceneInput<'a>) -> Self {
+        Self { settings, scene, origin: [0; 2], output: None, distance_field: false }
+    }
+}

@@ -1,0 +1,16 @@
+//! The kinds of dispatches of a quadrant.
+
+/// The work of a dispatch, one of the programs of `holographic`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    Slabs,
+    Trace,
+    Extend,
+    Merge,
+    /// The last merge, down to the level that pixels gather from.
+    Finish,
+    /// The final gather of the light of pixels.
+    Gather,
+    /// The final gather of the irradiance of faces.
+    Faces,
+}

@@ -1,0 +1,51 @@
+//! A cache of compiled pipelines. Switching back to recently used or precompiled settings does not compile
+//! again.
+
+use crate::error::DeviceError;
+use crate::error_scope::with_error_scope;
+use crate::methods::Method;
+use lamplight::Settings;
+use std::sync::Arc;
+use wgpu::{Device, Queue};
+
+/// The number of cached methods. A slider that is dragged adds one at every stop.
+const CAPACITY: usize = 16;
+
+/// The methods used last, the latest at the end.
+#[derive(Debug, Default)]
+pub struct PipelineCache(Vec<(Settings, Arc<Method>)>);
+
+impl PipelineCache {
+    /// Returns the compiled method of settings, which have been checked.
+    pub fn method(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        settings: &Settings,
+    ) -> Result<Arc<Method>, DeviceError> {
+        let key = key(settings);
+        let known = self.0.iter().position(|(known, _)| *known == key);
+        let method = match known {
+            Some(known) => self.0.remove(known).1,
+            None => {
+                let compile = || Ok(Method::new(device, queue, settings));
+                Arc::new(with_error_scope(device, compile)?)
+            }
+        };
+        if self.0.len() == CAPACITY {
+            self.0.remove(0);
+        }
+        self.0.push((key, method.clone()));
+        Ok(method)
+    }
+}
+
+/// Returns whether settings share their pipelines.
+pub fn share_pipelines(a: &Settings, b: &Settings) -> bool {
+    key(a) == key(b)
+}
+
+/// Settings without those that do not affect pipelines.
+fn key(settings: &Settings) -> Settings {
+    Settings { seed: 0, wall_depth: 0.0, ..settings.clone() }
+}

@@ -1,0 +1,247 @@
+//! The planner of a frame: makes the buffers for a grid and binds them to pipelines.
+
+use crate::error::Result;
+use crate::grid_size::GridSize;
+use crate::hints::SceneHints;
+use crate::lamps::{Capacity, LampList, RAY_BYTES};
+use crate::matter::Textures;
+use crate::options::LightingOptions;
+use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
+use crate::shared::{Shared, filled};
+use crate::stage::Stage;
+use lamplight::Settings;
+use std::cell::{Cell, RefCell};
+use wgpu::{BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView};
+
+/// The grid that stages and methods are planned for.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid<'a> {
+    pub size: GridSize,
+    pub textures: &'a Textures,
+    pub hints: SceneHints,
+}
+
+/// A grid, and the buffers made for it so far.
+#[derive(Debug)]
+pub struct FramePlanner<'a> {
+    pub device: &'a Device,
+    pub shared: &'a Shared,
+    pub settings: &'a Settings,
+    pub options: LightingOptions,
+    pub size: GridSize,
+    pub textures: &'a Textures,
+    pub hints: SceneHints,
+    /// Capacity for lamps of methods that light them by rule.
+    pub capacity: Capacity,
+    /// Bytes of the buffers made so far.
+    memory: Cell<u64>,
+    /// History of the plan before, for a grid of this size.
+    before: &'a [HistoryBuffer],
+    history: RefCell<Vec<HistoryBuffer>>,
+}
+
+/// A labelled buffer that persists across frames.
+#[derive(Clone, Debug)]
+pub struct HistoryBuffer {
+    pub label: &'static str,
+    pub buffer: Buffer,
+}
+
+/// The dispatches of a frame, in order, and their results.
+#[derive(Debug)]
+pub struct PassList {
+    pub dispatches: Vec<Dispatch>,
+    /// Buffers that can be read back.
+    pub stages: Vec<(Stage, Buffer)>,
+    /// The buffer for lamps that are lit by rule, written before each frame.
+    pub lamps: Option<Buffer>,
+}
+
+impl<'a> FramePlanner<'a> {
+    /// Creates a planner without capacity for lamps and without history.
+    pub fn new(
+        shared: &'a Shared,
+        settings: &'a Settings,
+        options: LightingOptions,
+        Grid { size, textures, hints }: Grid<'a>,
+    ) -> Self {
+        Self {
+            device: &shared.device,
+            shared,
+            settings,
+            options,
+            size,
+            textures,
+            hints,
+            capacity: Capacity::default(),
+            memory: Cell::default(),
+            before: &[],
+            history: RefCell::default(),
+        }
+    }
+
+    /// Adds capacity for lamps: `present`, or more if that is needed.
+    ///
+    /// # Errors
+    /// If the device cannot hold that many lamps.
+    pub fn with_capacity(self, present: Capacity, needed: Capacity) -> Result<Self> {
+        let bytes = self.max_buffer_bytes();
+        let most = Capacity { lamps: LampList::max_lamps(bytes), rays: bytes / RAY_BYTES };
+        if !most.holds(needed) {
+            let wanted = LampList::bytes(needed.lamps).max(needed.rays * RAY_BYTES);
+            return Err(self.size.too_large("bytes for the rays of its lamps", wanted, bytes));
+        }
+        Ok(Self { capacity: present.grown(needed, most), ..self })
+    }
+
+    /// Continues the history of frames of the same size.
+    pub fn after(self, before: &'a [HistoryBuffer]) -> Self {
+        Self { before, ..self }
+    }
+
+    /// Splits a count of workgroups into rows that the device allows.
+    pub fn groups(&self, count: u64) -> [u32; 3] {
+        let most = u64::from(self.device.limits().max_compute_workgroups_per_dimension);
+        let rows = count.div_ceil(most).max(1);
+        // Both fit: no buffer holds more rays than 2³² bytes do.
+        [count.div_ceil(rows) as u32, rows as u32, 1]
+    }
+
+    /// The number of cells of the grid.
+    pub fn cells(&self) -> u64 {
+        self.size.cells()
+    }
+
+    /// The largest size of a buffer, in bytes.
+    pub fn max_buffer_bytes(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
+    /// Creates a buffer of `count` values.
+    ///
+    /// # Errors
+    /// If the device cannot hold it. The same goes for all functions here that create buffers.
+    pub fn buffer<T>(&self, label: &str, count: u64) -> Result<Buffer> {
+        self.buffer_of_bytes(label, count * size_of::<T>() as u64)
+    }
+
+    /// Creates a buffer of a number of bytes.
+    pub fn buffer_of_bytes(&self, label: &str, bytes: u64) -> Result<Buffer> {
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        self.buffer_for(label, bytes, usage)
+    }
+
+    /// Creates a buffer with a usage of its own.
+    pub fn buffer_for(&self, label: &str, bytes: u64, usage: BufferUsages) -> Result<Buffer> {
+        self.check_bytes(bytes)?;
+        self.memory.set(self.memory.get() + bytes);
+        Ok(self.device.create_buffer(&BufferDescriptor {
+            label: Some(label),
+            size: bytes,
+            usage,
+            mapped_at_creation: false,
+        }))
+    }
+
+    /// Counts a buffer that exists already among those made.
+    pub fn counted(&self, buffer: Buffer) -> Buffer {
+        self.memory.set(self.memory.get() + buffer.size());
+        buffer
+    }
+
+    /// Creates a history buffer of `count` values, or continues the one of that label. Each frame finds it as
+    /// the frame before left it, even after the host's textures changed; it is all 0 at first.
+    pub fn history<T>(&self, label: &'static str, count: u64) -> Result<Buffer> {
+        let bytes = count * size_of::<T>() as u64;
+        let known = self.before.iter().find(|known| known.label == label);
+        let buffer = match known {
+            Some(known) if known.buffer.size() == bytes => self.counted(known.buffer.clone()),
+            _ => self.buffer_of_bytes(label, bytes)?,
+        };
+        self.history.borrow_mut().push(HistoryBuffer { label, buffer: buffer.clone() });
+        Ok(buffer)
+    }
+
+    /// Returns the history for the next plan.
+    pub fn into_history(self) -> Vec<HistoryBuffer> {
+        self.history.into_inner()
+    }
+
+    /// Creates a buffer with contents, which shaders only read.
+    pub fn filled(&self, label: &str, usage: BufferUsages, contents: &[u8]) -> Result<Buffer> {
+        let bytes = contents.len() as u64;
+        self.check_bytes(bytes)?;
+        self.memory.set(self.memory.get() + bytes);
+        Ok(filled(self.device, &self.shared.queue, label, usage, contents))
+    }
+
+    /// Rejects a buffer that the device cannot hold.
+    pub fn check_bytes(&self, bytes: u64) -> Result<()> {
+        let most = self.max_buffer_bytes();
+        if bytes > most {
+            return Err(self.size.too_large("bytes a buffer", bytes, most));
+        }
+        Ok(())
+    }
+
+    /// Creates the two buffers of a ping-pong.
+    pub fn pair<T>(&self, label: &str, count: u64) -> Result<[Buffer; 2]> {
+        Ok([self.buffer::<T>(label, count)?, self.buffer::<T>(label, count)?])
+    }
+
+    /// Bytes of the buffers made so far.
+    pub fn memory(&self) -> u64 {
+        self.memory.get()
+    }
+
+    /// Binds the frame's uniforms and these resources.
+    pub fn bind(
+        &self,
+        pipelines: &ComputePipelines,
+        resources: &[BindingResource],
+    ) -> BoundResources {
+        let mut all = vec![self.shared.frame.as_entire_binding()];
+        all.extend_from_slice(resources);
+        pipelines.bind(self.device, &all)
+    }
+
+    /// Dispatches a thread per cell.
+    pub fn over_cells(
+        &self,
+        pipelines: &ComputePipelines,
+        entry: usize,
+        bound: &BoundResources,
+        step: Option<u32>,
+    ) -> Dispatch {
+        Dispatch::over(self.size.into(), &pipelines.entries[entry], bound, step)
+    }
+
+    /// Dispatches that alternate between two buffers, bound by which they write: entry 0 writes the first,
+    /// entry 1 runs `times` times, entry 2 comes last. Their step counts them.
+    pub fn ping_pong(
+        &self,
+        pipelines: &ComputePipelines,
+        halves: [BoundResources; 2],
+        times: u32,
+    ) -> Vec<Dispatch> {
+        let entry = |step: u32| match step {
+            0 => 0,
+            step if step <= times => 1,
+            _ => 2,
+        };
+        let dispatch =
+            |step| self.over_cells(pipelines, entry(step), &halves[step as usize % 2], Some(step));
+        (0..times + 2).map(dispatch).collect()
+    }
+}
+
+/// Binds a whole buffer.
+pub fn whole(buffer: &Buffer) -> BindingResource<'_> {
+    buffer.as_entire_binding()
+}
+
+/// Binds a texture.
+pub fn view(view: &TextureView) -> BindingResource<'_> {
+    BindingResource::TextureView(view)
+}

@@ -1,0 +1,308 @@
+//! The programs that run on the GPU: per shader its entry points, and the resource of each slot.
+//!
+//! Bind-group layouts are made from these declarations, and a test compares them with the shaders.
+
+use wgpu::{
+    BindGroupLayoutEntry, BindingType, BufferBindingType, ShaderStages, StorageTextureAccess,
+    TextureFormat, TextureSampleType, TextureViewDimension,
+};
+
+/// A resource that is bound to a slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Binding {
+    /// A uniform buffer.
+    Uniform,
+    /// An entry of a uniform buffer, selected by each dispatch.
+    Step,
+    /// A texture that is read texel by texel.
+    Texture,
+    /// A texture of half floats that is written.
+    Output,
+    /// A storage buffer that is read.
+    Read,
+    /// A storage buffer that is read and written.
+    Write,
+}
+
+impl Binding {
+    /// The entry of a bind-group layout.
+    pub fn entry(self, slot: u32, visibility: ShaderStages) -> BindGroupLayoutEntry {
+        let buffer = |ty, has_dynamic_offset| BindingType::Buffer {
+            ty,
+            has_dynamic_offset,
+            min_binding_size: None,
+        };
+        let ty = match self {
+            Self::Uniform => buffer(BufferBindingType::Uniform, false),
+            Self::Step => buffer(BufferBindingType::Uniform, true),
+            Self::Read => buffer(BufferBindingType::Storage { read_only: true }, false),
+            Self::Write => buffer(BufferBindingType::Storage { read_only: false }, false),
+            Self::Output => BindingType::StorageTexture {
+                access: StorageTextureAccess::WriteOnly,
+                format: TextureFormat::Rgba16Float,
+                view_dimension: TextureViewDimension::D2,
+            },
+            Self::Texture => BindingType::Texture {
+                sample_type: TextureSampleType::Float { filterable: false },
+                view_dimension: TextureViewDimension::D2,
+                multisampled: false,
+            },
+        };
+        BindGroupLayoutEntry { binding: slot, visibility, ty, count: None }
+    }
+}
+
+/// Entry points of a shader that share their bindings.
+#[derive(Clone, Copy, Debug)]
+pub struct Program {
+    /// The shader's path.
+    pub shader: &'static str,
+    pub entries: &'static [&'static str],
+    /// The variable of each slot, from 0 on, and its resource.
+    pub bindings: &'static [(&'static str, Binding)],
+}
+
+/// Declares programs. Slot 0 of each is `frame`; the others follow in order.
+macro_rules! programs {
+    ($($name:ident: $shader:literal, $entries:expr, { $($variable:ident: $binding:ident),* $(,)? })*) => {
+        $(pub const $name: Program = Program {
+            shader: $shader,
+            entries: &$entries,
+            bindings: &[
+                ("frame", Binding::Uniform),
+                $((stringify!($variable), Binding::$binding)),*
+            ],
+        };)*
+
+        /// All programs.
+        pub const ALL: &[Program] = &[$($name),*];
+    };
+}
+
+programs! {
+    SEED: "stages/seed", ["main"], { matter: Texture, seeds: Write }
+    JUMP_FLOOD: "stages/jump_flood", ["main"], { step: Step, before: Read, nearest: Write }
+    DISTANCE: "stages/distance", ["main"], { nearest: Read, distance: Write }
+    MEDIUM_GRID: "stages/medium_grid", ["main", "light_media"], {
+        emission: Texture, matter: Texture, source: Write, extinction: Write, outgoing: Read,
+        albedo: Texture,
+    }
+    CLASS: "stages/class", ["main"], { matter: Texture, classes: Write, used: Write }
+    EMPTY_SPACE: "stages/empty_space", ["begin", "double", "finish"], {
+        step: Step, source: Read, extinction: Read, before: Read, after: Write,
+    }
+    INVALIDATE: "stages/invalidate", ["begin", "main"], {
+        emission: Texture, matter: Texture, albedo: Texture, hashes: Write, extinction: Write,
+        any_changed: Write,
+    }
+    FEEDBACK: "stages/feedback", ["main"], {
+        albedo: Texture, source: Read, before: Read, outgoing: Write,
+    }
+    COMPARE: "stages/compare", ["main"], {
+        step: Step, next: Read, outgoing: Write, changes: Write,
+    }
+    CONVERGENCE: "stages/convergence", ["begin", "decide"], {
+        changes: Read, table: Read, groups: Write,
+    }
+    TEMPORAL: "stages/temporal", ["spread", "accumulate"], {
+        light: Write, traced: Write, history: Write, rejected: Write, columns: Write,
+        any_changed: Read,
+    }
+    DENOISE: "stages/denoise", ["begin", "blur", "finish"], {
+        step: Step, matter: Texture, near: Read, traced: Read, before: Read, after: Write,
+        light: Write,
+    }
+    WALLS: "stages/walls", ["begin", "sink", "finish"], {
+        matter: Texture, step: Step, emission: Texture, before: Read, after: Write, light: Write,
+    }
+    REPROJECT: "stages/reproject", ["aside", "back"], { words: Step, before: Read, after: Write }
+    OUTPUT: "stages/output", ["main"], { light: Read, picture: Output }
+    DISPLAY: "stages/display", ["cover", "show"], {
+        params: Uniform, light: Read, emission: Texture, matter: Texture, color: Texture,
+        color_emission: Texture, more: Texture,
+    }
+
+    RAYMARCH: "methods/raymarch/march", ["main", "receive"], {
+        blue: Read, directions: Read, source: Read, extinction: Read, squares: Read,
+        outgoing: Read, step: Step, albedo: Texture, light: Write, traced: Write,
+    }
+    RAYMARCH_DISTANCE: "methods/raymarch/march_distance", ["main", "receive"], {
+        blue: Read, directions: Read, source: Read, nearest: Read, distance: Read,
+        outgoing: Read, step: Step, albedo: Texture, light: Write, traced: Write,
+    }
+
+    CASCADES_MERGE: "methods/cascades/merge", ["main"], {
+        paths: Read, far: Read, source: Read, extinction: Read, squares: Read, outgoing: Read,
+        step: Uniform, layer: Step, near: Write,
+    }
+    CASCADES_GATHER: "methods/cascades/gather", ["main", "receive"], {
+        paths: Read, far: Read, source: Read, extinction: Read, squares: Read, outgoing: Read,
+        step: Uniform, layer: Step, light: Write, albedo: Texture, cosines: Read,
+    }
+
+    FLOOD_RAYS: "methods/flood/rays", ["lamp_rays", "matter_rays", "sky_rays"], {
+        lamps: Read, matter: Texture, classes: Read, emission: Texture, albedo: Texture,
+        directions: Read, cells: Write,
+    }
+    FLOOD_BLUR: "methods/flood/blur", ["decay", "mix_neighbours", "show"], {
+        step: Step, before: Read, classes: Read, after: Write, light: Write,
+    }
+
+    POLAR_SHADOW_MAP: "methods/polar/shadow_map", ["main"], {
+        lamps: Read, matter: Texture, classes: Read, distance_field: Read, hits: Write,
+        curves: Write, corners: Write, used: Write,
+    }
+    POLAR_SHADOW_BOUNDS: "methods/polar/shadow_bounds", ["main"], {
+        lamps: Read, hits: Read, bounds: Write,
+    }
+    POLAR_GATHER: "methods/polar/gather", ["main"], {
+        lamps: Read, matter: Texture, classes: Read, distance_field: Read, bounds: Read,
+        curves: Read, corners: Read, used: Read, light: Write,
+    }
+
+    HOLOGRAPHIC_SLABS: "methods/holographic/slabs", ["main"], {
+        sweep: Step, emission: Texture, matter: Texture, outgoing: Read, cell_bits: Write,
+        irradiance: Write,
+    }
+    HOLOGRAPHIC_TRACE: "methods/holographic/trace", ["main"], {
+        sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
+        outgoing: Read, intervals: Write,
+    }
+    HOLOGRAPHIC_EXTEND: "methods/holographic/extend", ["main"], { sweep: Step, intervals: Write }
+    HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "finish"], {
+        sweep: Step, cones: Read, intervals: Read, radiance: Write,
+    }
+    HOLOGRAPHIC_GATHER: "methods/holographic/gather", ["main"], {
+        sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
+        outgoing: Read, cones: Read, radiance: Read, light: Write, irradiance: Write,
+        albedo: Texture,
+    }
+    HOLOGRAPHIC_FACES: "methods/holographic/faces", ["scatter", "show"], {
+        matter: Texture, albedo: Texture, irradiance: Read, outgoing: Write, light: Write,
+    }
+    HOLOGRAPHIC_FACES_COMPARED: "methods/holographic/faces", ["scatter_compared"], {
+        matter: Texture, albedo: Texture, irradiance: Read, outgoing: Write, light: Write,
+        changes: Write, step: Step,
+    }
+
+    PAPER_SOURCE: "methods/holographic/paper/source", ["main", "bounce"], {
+        emission: Texture, albedo: Texture, matter: Texture, light: Read, source: Write,
+    }
+    PAPER_SOURCE_COMPARED: "methods/holographic/paper/source", ["bounce_compared"], {
+        emission: Texture, albedo: Texture, matter: Texture, light: Read, source: Write,
+        changes: Write,
+    }
+    PAPER_TRACE: "methods/holographic/paper/trace", ["main"], {
+        sweep: Step, made: Write, source: Read, matter: Texture, footprints: Read,
+    }
+    PAPER_EXTEND: "methods/holographic/paper/extend", ["main"], {
+        sweep: Step, made: Write, shorter: Read,
+    }
+    PAPER_MERGE: "methods/holographic/paper/merge", ["main", "last"], {
+        sweep: Step, made: Write, near: Read, longer: Read, above: Read, cones: Read,
+    }
+    PAPER_GATHER: "methods/holographic/paper/gather", ["main"], {
+        matter: Texture, total: Read, light: Write,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shaders;
+    use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+    use naga::{AddressSpace, GlobalVariable, ImageClass, Module, StorageAccess, TypeInner};
+
+    /// The resource that a variable of a shader stands for. A step is a uniform in the shader.
+    fn kind(module: &Module, variable: &GlobalVariable) -> Option<Binding> {
+        match (variable.space, &module.types[variable.ty].inner) {
+            (AddressSpace::Uniform, _) => Some(Binding::Uniform),
+            (AddressSpace::Storage { access }, _) if access.contains(StorageAccess::STORE) => {
+                Some(Binding::Write)
+            }
+            (AddressSpace::Storage { .. }, _) => Some(Binding::Read),
+            (_, TypeInner::Image { class: ImageClass::Storage { .. }, .. }) => {
+                Some(Binding::Output)
+            }
+            (_, TypeInner::Image { class: ImageClass::Sampled { .. }, .. }) => {
+                Some(Binding::Texture)
+            }
+            _ => None,
+        }
+    }
+
+    fn parsed(shader: &str) -> (Module, ModuleInfo) {
+        let module = naga::front::wgsl::parse_str(&shaders::text(shader)).unwrap();
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        let info = validator.validate(&module).unwrap();
+        (module, info)
+    }
+
+    /// The differences between a declaration and its shader.
+    fn differences(program: &Program) -> Vec<String> {
+        let (module, info) = parsed(program.shader);
+        let mut found = Vec::new();
+        for &entry in program.entries {
+            let Some(i) = module.entry_points.iter().position(|e| e.name == entry) else {
+                found.push(format!("no entry point `{entry}`"));
+                continue;
+            };
+            for (handle, variable) in module.global_variables.iter() {
+                let Some(binding) = &variable.binding else { continue };
+                let declared =
+                    binding.group == 0 && (binding.binding as usize) < program.bindings.len();
+                if !declared && !info.get_entry_point(i)[handle].is_empty() {
+                    let name = variable.name.as_deref().unwrap_or_default();
+                    found.push(format!("`{entry}` uses `{name}`, which is not declared"));
+                }
+            }
+        }
+        for (slot, &(name, binding)) in (0u32..).zip(program.bindings) {
+            let read = module.global_variables.iter().find_map(|(_, variable)| {
+                let at = variable.binding.as_ref()?;
+                let name = variable.name.as_deref()?;
+                (at.group == 0 && at.binding == slot).then(|| (name, kind(&module, variable)))
+            });
+            let declared = if binding == Binding::Step { Binding::Uniform } else { binding };
+            if read != Some((name, Some(declared))) {
+                found.push(format!("slot {slot} is `{name}: {binding:?}`, in the shader {read:?}"));
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn every_binding_is_that_of_the_shader() {
+        for program in ALL {
+            assert_eq!(differences(program), [""; 0], "{}", program.shader);
+        }
+    }
+
+    #[test]
+    fn every_entry_point_belongs_to_a_program() {
+        for program in ALL {
+            let (module, _) = parsed(program.shader);
+            for entry in &module.entry_points {
+                let mut all = ALL.iter().filter(|other| other.shader == program.shader);
+                let known = all.any(|other| other.entries.contains(&entry.name.as_str()));
+                assert!(known, "{} of {}", entry.name, program.shader);
+            }
+        }
+    }
+
+    #[test]
+    fn a_wrong_slot_is_named() {
+        const FRAME: (&str, Binding) = ("frame", Binding::Uniform);
+        let bindings = &[FRAME, ("seeds", Binding::Write), ("matter", Binding::Texture)];
+        let found = differences(&Program { bindings, ..SEED });
+        assert_eq!(found.len(), 2);
+        assert!(found[0].starts_with("slot 1 is `seeds: Write`, in the shader"), "{found:?}");
+        let found = differences(&Program { bindings: &[FRAME], ..SEED });
+        assert_eq!(found.len(), 2);
+        assert!(found[0].contains("`main` uses `"), "{found:?}");
+        let bindings = &[FRAME, ("matter", Binding::Texture), ("seeds", Binding::Read)];
+        assert_eq!(differences(&Program { bindings, ..SEED }).len(), 1);
+        let found = differences(&Program { entries: &["begin"], ..SEED });
+        assert_eq!(found, ["no entry point `begin`"]);
+    }
+}

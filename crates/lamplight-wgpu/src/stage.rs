@@ -1,0 +1,17 @@
+//! Buffers that hosts can read back.
+
+/// A buffer that can be read back ([`crate::read_back`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The seed map, one `u32` per cell; made by [`crate::Lighting::record_fields`].
+    Seeds,
+    /// The Voronoi map, one `u32` per cell; made by [`crate::Lighting::record_fields`].
+    Nearest,
+    /// The distance field, one `f32` per cell, `f32::MAX` in a grid without matter; made by
+    /// [`crate::Lighting::record_fields`].
+    Distance,
+    /// The squares of empty space of `raymarch` and `cascades`, four bytes per cell, one per quadrant.
+    EmptySpace,
+    /// The light, four `f32` per cell: linear RGB and 1.
+    Light,
+}

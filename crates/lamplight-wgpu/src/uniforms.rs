@@ -1,0 +1,115 @@
+//! The uniforms of a frame, which every shader reads.
+
+use crate::gpu_struct::gpu_struct;
+use lamplight::methods::raymarch::gap;
+use lamplight::settings::{Noise, Raymarch};
+use lamplight::stages::noise::fold;
+use lamplight::{Method, Settings, Sky};
+
+gpu_struct! {
+    /// `FrameUniforms` of shaders/shared/uniforms.wgsl, where the fields are explained.
+    pub struct FrameUniforms {
+        size: [u32; 2],
+        number: u32,
+        seed: u32,
+        zenith: [f32; 3],
+        threshold: f32,
+        horizon: [f32; 3],
+        emission_multiplier: f32,
+        ground: [f32; 3],
+        wall_depth: f32,
+        rays: u32,
+        steps: u32,
+        noise: u32,
+        stride: f32,
+        hit_distance: f32,
+        min_step: f32,
+        fade_range: f32,
+        fade_dropoff: f32,
+        origin: [i32; 2],
+        moved: [i32; 2],
+        history: u32,
+        /// Uniforms end at a multiple of 16 bytes.
+        padding: [u32; 3],
+    }
+}
+
+/// The data that a frame takes from the frames before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum History {
+    None,
+    /// Outgoing radiance, but neither light nor matter: the sky has changed.
+    IndirectOnly,
+    Full,
+}
+
+/// The position of a grid in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct GridPosition {
+    pub size: [u32; 2],
+    /// The cell of the world that is the grid's left and top one.
+    pub origin: [i32; 2],
+    /// The change of `origin` since the frame before, in cells.
+    pub moved: [i32; 2],
+}
+
+impl FrameUniforms {
+    /// The uniforms of frame `number`.
+    pub fn new(
+        position: GridPosition,
+        sky: Sky,
+        settings: &Settings,
+        number: u32,
+        history: History,
+    ) -> Self {
+        let [zenith, horizon, ground] = match sky {
+            Sky::Uniform(radiance) => [radiance; 3],
+            Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
+        };
+        // Only `raymarch` uses these settings; `cascades`, which shares its shaders, gets neutral values.
+        let neutral = Raymarch {
+            threshold: 0.0,
+            emission_multiplier: 1.0,
+            attenuation: false,
+            ..settings.raymarch
+        };
+        let raymarch =
+            if settings.method == Method::Cascades { &neutral } else { &settings.raymarch };
+        let fade_range = if raymarch.attenuation {
+            raymarch.emission_range * position.size[1] as f32
+        } else {
+            0.0
+        };
+        Self {
+            size: position.size,
+            number,
+            seed: fold(settings.seed),
+            zenith,
+            threshold: raymarch.threshold,
+            horizon,
+            emission_multiplier: raymarch.emission_multiplier,
+            ground,
+            wall_depth: settings.wall_depth,
+            rays: raymarch.rays,
+            steps: raymarch.steps,
+            noise: match raymarch.noise {
+                Noise::White => 0,
+                Noise::Blue => 1,
+                Noise::Golden => 2,
+            },
+            stride: gap(raymarch),
+            hit_distance: raymarch.hit_distance,
+            min_step: raymarch.least_step,
+            fade_range,
+            fade_dropoff: raymarch.emission_dropoff,
+            origin: position.origin,
+            moved: position.moved,
+            history: match history {
+                History::None => 0,
+                History::IndirectOnly => 1,
+                History::Full => 2,
+            },
+            padding: [0; 3],
+        }
+    }
+}

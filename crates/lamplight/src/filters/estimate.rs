@@ -1,0 +1,23 @@
+//! The noisy light that a method finds with random rays, one entry per cell.
+
+use crate::Rgb;
+
+/// Light, how noisy it is, and whether its history is still valid.
+#[derive(Debug, Default)]
+pub struct Estimate {
+    /// Mean radiance in open cells, the mean over the faces of walls, 0 inside them.
+    pub light: Vec<Rgb>,
+    /// Variance of the noise of the light's luminance; 0 in walls.
+    pub variance: Vec<f32>,
+    /// True if anything that the cell sees changed since the frame before.
+    pub invalidated: Vec<bool>,
+}
+
+impl Estimate {
+    /// Makes room for a number of cells.
+    pub fn resize(&mut self, cells: usize) {
+        self.light.resize(cells, Rgb::default());
+        self.variance.resize(cells, 0.0);
+        self.invalidated.resize(cells, false);
+    }
+}

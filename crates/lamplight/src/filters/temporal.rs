@@ -1,0 +1,108 @@
+//! Mean over frames, with history dropped where what a cell sees has changed.
+//!
+//! A cell's light is the mean of its last frames, at most `frames` of them:
+//! `mean += (light − mean) / min(age, frames)`. A still picture loses noise as 1/√frames or faster.
+//!
+//! History is rejected where the scene changed, not where the light looks different:
+//! [`TemporalMean::mark`] compares the matter of every cell with the frame before, and the method reports
+//! which cells see changed matter, or surfaces that see it. A lamp that goes out leaves no
+//! trail, and cells that cannot see it keep their history. Rays are few and may miss a small lamp, so
+//! a change that one cell sees counts for all cells within [`REACH`] px.
+
+use super::estimate::Estimate;
+use crate::settings;
+use crate::{Cells, Rgb};
+
+/// The distance from a cell that sees a change within which history is rejected, px.
+pub const REACH: usize = 8;
+
+/// The number of frames for which history is rejected if bounces feed back: an albedo of ½ leaves
+/// 0.4 %.
+pub const FEEDBACK: u8 = 8;
+
+/// History, and its rejection.
+#[derive(Debug, Default)]
+pub struct TemporalMean {
+    before: Option<Cells>,
+    changed: Vec<bool>,
+    mean: Vec<Rgb>,
+    age: Vec<u32>,
+    /// The number of frames for which history is still rejected.
+    rejected: Vec<u8>,
+    columns: Vec<bool>,
+}
+
+impl TemporalMean {
+    /// Returns the cells whose matter changed since the frame before; empty if rejection is off or no
+    /// frame came before.
+    pub fn mark(&mut self, settings: &settings::Temporal, cells: &Cells) -> &[bool] {
+        self.changed.clear();
+        let Some(before) = self.before.as_mut() else {
+            self.before = Some(cells.clone());
+            return &self.changed;
+        };
+        let size = |c: &Cells| (c.width(), c.height());
+        if size(before) != size(cells) || (settings.reject && before.sky() != cells.sky()) {
+            self.age.clear();
+        } else if settings.reject {
+            self.changed.extend((0..cells.len()).map(|i| before.matter(i) != cells.matter(i)));
+        }
+        before.clone_from(cells);
+        &self.changed
+    }
+
+    /// Replaces the light by its mean over frames, and the variance by that of the mean.
+    pub fn accumulate(
+        &mut self,
+        settings: &settings::Temporal,
+        width: u32,
+        feedback: bool,
+        estimate: &mut Estimate,
+    ) {
+        let Estimate { light, variance, invalidated } = estimate;
+        if self.age.len() != light.len() {
+            self.age.clear();
+            self.mean.resize(light.len(), Rgb::default());
+            self.rejected.clear();
+        }
+        self.age.resize(light.len(), 0);
+        self.rejected.resize(light.len(), 0);
+        if invalidated.contains(&true) {
+            self.end_history(width as usize, invalidated, if feedback { FEEDBACK } else { 1 });
+        }
+        for (i, light) in light.iter_mut().enumerate() {
+            if self.rejected[i] > 0 {
+                self.rejected[i] -= 1;
+                self.age[i] = 0;
+            }
+            self.age[i] = (self.age[i] + 1).min(settings.history_length);
+            let weight = 1.0 / self.age[i] as f32;
+            let mean = &mut self.mean[i];
+            if self.age[i] == 1 {
+                // Not by way of the old mean: its rounding is too coarse if it was bright.
+                *mean = *light;
+            }
+            (0..3).for_each(|c| mean[c] += (light[c] - mean[c]) * weight);
+            *light = *mean;
+            variance[i] *= weight;
+        }
+    }
+
+    /// Spreads `invalidated` over a box of [`REACH`] px, column by column and then row by row.
+    fn end_history(&mut self, width: usize, invalidated: &[bool], frames: u8) {
+        let height = invalidated.len() / width;
+        self.columns.clear();
+        self.columns.resize(invalidated.len(), false);
+        for (i, _) in invalidated.iter().enumerate().filter(|(_, cell)| **cell) {
+            let (x, y) = (i % width, i / width);
+            for y in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
+                self.columns[y * width + x] = true;
+            }
+        }
+        for (i, _) in self.columns.iter().enumerate().filter(|(_, cell)| **cell) {
+            let (x, row) = (i % width, i - i % width);
+            let reached = x.saturating_sub(REACH)..(x + REACH + 1).min(width);
+            self.rejected[row..][reached].fill(frames);
+        }
+    }
+}

@@ -1,0 +1,330 @@
+//! The final gather: from pixels to the plane ahead, exactly.
+//!
+//! Next to small lights the lattice of planes and rays is too coarse, and its steps would show as
+//! stars and crosses. So merging stops at level m, and every pixel gathers from the next plane
+//! itself: through each cone it sends a ray, traced exactly over the L px to the plane, and adds
+//! `A·r + t·R_m(X, y + L·slope)`, with R_m linear between the two rows.
+//!
+//! If one of these rows is in matter and the ray is not, its light is the outgoing radiance of the
+//! matter, which would look up to a px too wide. So rows count by the transmittance of their cells.
+
+use super::interval::{LANES, RowIntervals};
+use super::lattice::{ConeRays, GatherGeometry, GatherRay};
+use super::merge::{ConeLight, MergedLight};
+use super::slabs::Slabs;
+use super::trace::{
+    BundleRays, BundleSet, CellBits, CellStep, SolidRays, TILE, Tile, TileClasses, TileLight,
+    VECTORS, VectorClasses, any_in_vector, classes_at, classes_of, march, march_solid, mask,
+    read_cells, whole_vectors,
+};
+use fearless_simd::{f32x16, prelude::*, u8x64};
+use std::ops::Range;
+
+/// Transmittance under which a cell counts as opaque.
+pub const OPAQUE_TRANSMITTANCE: f32 = 1e-6;
+
+/// The end of a ray on the plane.
+#[derive(Clone, Copy, Debug)]
+struct RayEnd {
+    /// Rows from the start to the row before the end.
+    row: isize,
+    /// Weights of that row and of the next in the light there.
+    weights: [f32; 2],
+    /// Index of that row's cell in [`BundleSet::cells`]; the next row's follows.
+    cell: usize,
+}
+
+impl RayEnd {
+    /// Returns, for the 64 rows from `first` on, the bit of the row from which the ray ends on one side
+    /// of the grid's edge but takes part of its light from the other, and the index of the weight to
+    /// drop. Such a ray has left the grid, perhaps over the end of a wall, and must not re-enter.
+    #[inline(always)]
+    fn at_edge(&self, rows: usize, first: usize) -> (u64, usize) {
+        let (row, dropped) = if self.weights[1] < 0.5 {
+            (-1 - self.row, 1)
+        } else {
+            (rows as isize - 1 - self.row, 0)
+        };
+        match row - first as isize {
+            row @ 0..64 => (1 << row, dropped),
+            _ => (0, dropped),
+        }
+    }
+}
+
+/// A cone of the final gather.
+#[derive(Debug)]
+pub struct GatherCone {
+    number: usize,
+    /// Angle, radians.
+    pub angle: f32,
+    /// Cosines between its middle and the axis, and the direction of higher rows.
+    pub cosines: [f32; 2],
+    /// The ends of its rays: first that along the middle, then those that replace it where something
+    /// emits light.
+    ends: Vec<RayEnd>,
+}
+
+impl GatherCone {
+    /// Returns the rays to send: several if something in the cone emits light, otherwise one.
+    #[inline(always)]
+    fn rays(&self, emissive: bool) -> Range<usize> {
+        if emissive { 1..self.ends.len() } else { 0..1 }
+    }
+}
+
+/// The cones of pixels at one distance from the plane.
+#[derive(Debug, Default)]
+struct GatherTable {
+    cones: Vec<GatherCone>,
+    /// A bundle per cone, with the cells of the plane that rays take light from.
+    bundles: BundleSet,
+}
+
+impl GatherTable {
+    /// Makes the table of pixels `distance` slabs before a plane, for slabs that are `stride` apart.
+    fn new(geometry: GatherGeometry, distance: usize, stride: isize) -> Self {
+        let cones = geometry.cones(distance);
+        let end_offset = |ray: &GatherRay| distance as isize * stride + ray.row;
+        let rays = |cone: &ConeRays| BundleRays {
+            footprints: cone.rays.iter().map(|ray| ray.crossings.clone()).collect(),
+            others: cone
+                .rays
+                .iter()
+                .flat_map(|ray| [end_offset(ray), end_offset(ray) + 1])
+                .collect(),
+        };
+        let bundles = BundleSet::new(&cones.iter().map(rays).collect::<Vec<_>>(), stride);
+        let end = |ray: &GatherRay| RayEnd {
+            row: ray.row,
+            weights: ray.weights,
+            cell: bundles.index(end_offset(ray)),
+        };
+        let cone = |(number, cone): (usize, &ConeRays)| GatherCone {
+            number,
+            angle: cone.angle,
+            cosines: cone.cosines,
+            ends: cone.rays.iter().map(end).collect(),
+        };
+        Self { cones: cones.iter().enumerate().map(cone).collect(), bundles }
+    }
+}
+
+/// The pixels of a gather: 64 rows of a slab.
+#[derive(Clone, Copy)]
+pub struct GatherTile {
+    pub slab: usize,
+    pub row: usize,
+    /// The plane to gather from.
+    pub plane: usize,
+    /// Bit masks of the pixels to light, and of those with irradiance on faces to find
+    /// ([`FinalGather::sums`]).
+    pub lit: u64,
+    pub faces: u64,
+}
+
+/// The rays of pixels, for every distance to the plane.
+#[derive(Debug, Default)]
+pub struct FinalGather {
+    geometry: GatherGeometry,
+    stride: isize,
+    /// For slabs in order and in reverse, by distance from the minimum on.
+    tables: [Vec<GatherTable>; 2],
+    /// The cells that the rays of a tile cross.
+    cells: Vec<CellBits>,
+    /// Light of a tile through all cones up to one, cone by cone, by channel.
+    sums: Vec<[[f32; TILE]; 3]>,
+}
+
+impl FinalGather {
+    /// Prepares the rays for both orders of the slabs.
+    pub fn prepare(&mut self, slabs: &Slabs, geometry: GatherGeometry) {
+        let stride = slabs.stride as isize;
+        if (self.geometry, self.stride) != (geometry, stride) {
+            (self.geometry, self.stride) = (geometry, stride);
+            self.tables = [stride, -stride].map(|stride| {
+                (geometry.min_length..=geometry.max_length())
+                    .map(|distance| GatherTable::new(geometry, distance, stride))
+                    .collect()
+            });
+            let cells = self.tables.iter().flatten().map(|table| table.bundles.cells.len());
+            self.cells.resize(cells.max().unwrap_or(0), CellBits::default());
+            self.sums.resize(4 << geometry.level, [[0.0; TILE]; 3]);
+        }
+    }
+
+    /// Returns ∫ L dω of 64 pixels over the quadrant.
+    #[inline(always)]
+    pub fn light<S: Simd, const K: usize>(
+        &mut self,
+        simd: S,
+        slabs: &Slabs,
+        plane_light: &MergedLight,
+        pixels: GatherTile,
+    ) -> TileLight<S> {
+        let GatherTile { slab, row, plane, lit, faces } = pixels;
+        let mut sum = [[f32x16::splat(simd, 0.0); VECTORS]; 3];
+        let distance = (plane << self.geometry.level) - slab;
+        let start = slabs.start(slab) + row;
+        let near = classes_ahead(simd, slabs, start, distance);
+        let GatherTable { cones, bundles } =
+            &self.tables[slabs.reversed as usize][distance - self.geometry.min_length];
+        let cells = &mut self.cells[..bundles.cells.len()];
+        // Far from the edges no ray leaves the grid.
+        let reach = self.geometry.max_length() + 2;
+        let inside = row >= reach && row + TILE + reach <= slabs.rows;
+        if near.matter == 0 && !inside {
+            cells.fill(CellBits::default());
+        } else if near.matter != 0 && near.medium == 0 {
+            read_cells(simd, &slabs.classes, start, &bundles.cells, cells);
+        }
+        let tile = Tile { row, start, cells };
+        let pad = plane_light.pad();
+        for (i, (cone, sums)) in cones.iter().zip(&mut self.sums).enumerate() {
+            let bundle = &bundles.bundles[i];
+            let far = plane_light.cone(cone.number);
+            let [middle, ..] = &cone.ends[..] else { continue };
+            let crossed = match (near.matter, near.medium) {
+                (0, _) => TileClasses::EMPTY,
+                (_, 0) => classes_of(tile.cells, &bundle.cells),
+                _ => classes_at(simd, &slabs.classes, start, bundles.offsets(i)),
+            };
+            let at_edge = if inside { 0 } else { middle.at_edge(slabs.rows, row).0 };
+            let busy = whole_vectors(crossed.matter & lit | at_edge);
+            let at = (pad + row).wrapping_add_signed(middle.row);
+            far.add(simd, at, &middle.weights, !busy, &mut sum);
+            // Decided per pixel, so that the light of one does not depend on its neighbours.
+            let busy = busy & lit;
+            let groups = [(false, busy & !crossed.emissive), (true, busy & crossed.emissive)];
+            for (emissive, lit) in groups.into_iter().filter(|(_, lit)| *lit != 0) {
+                let rays = cone.rays(emissive);
+                let weight = 1.0 / rays.len() as f32;
+                let angle = cone.angle;
+                for (end, steps) in cone.ends[rays.clone()].iter().zip(&bundle.rays[rays]) {
+                    let behind = Behind { end, weight, angle, pad, light: &far };
+                    if near.medium == 0 {
+                        let rays =
+                            SolidRays { open: lit, weight: emissive.then_some(weight * angle) };
+                        gather_solid(simd, slabs, tile, &steps[1..], rays, behind, &mut sum);
+                        continue;
+                    }
+                    for v in (0..VECTORS).filter(|v| any_in_vector(lit, v * LANES)) {
+                        let first = v * LANES;
+                        let classes = crossed.of_vector(first).unwrap_or(VectorClasses::NONE);
+                        let near = march::<S, K>(simd, slabs, start + first, steps, classes);
+                        let offset = bundles.cells[end.cell];
+                        let one = gather_medium(simd, slabs, tile, v, near, offset, behind);
+                        let weight = mask(simd, lit, v)
+                            .select(f32x16::splat(simd, weight), f32x16::splat(simd, 0.0));
+                        for c in 0..3 {
+                            sum[c][v] = one[c].mul_add(weight, sum[c][v]);
+                        }
+                    }
+                }
+            }
+            for v in (0..VECTORS).filter(|v| any_in_vector(faces, v * LANES)) {
+                for c in 0..3 {
+                    sum[c][v].store_slice(&mut sums[c][v * LANES..][..LANES]);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Returns the cones of the tile that [`Self::light`] lit last, each with the light of its pixels
+    /// through all cones up to that one. Their angles are the same at any distance.
+    pub fn sums(&self) -> impl Iterator<Item = (&GatherCone, &[[f32; TILE]; 3])> {
+        self.tables[0][0].cones.iter().zip(&self.sums)
+    }
+}
+
+/// The light behind a ray, on the plane.
+#[derive(Clone, Copy)]
+struct Behind<'a> {
+    end: &'a RayEnd,
+    /// Weight of the ray's light.
+    weight: f32,
+    /// Angle of its cone.
+    angle: f32,
+    /// Rows of `light` before those of the grid.
+    pad: usize,
+    light: &'a ConeLight<'a>,
+}
+
+/// Adds the light along a ray of a tile through solids.
+#[inline(always)]
+fn gather_solid<S: Simd>(
+    simd: S,
+    slabs: &Slabs,
+    tile: Tile,
+    steps: &[CellStep],
+    rays: SolidRays,
+    behind: Behind,
+    light: &mut TileLight<S>,
+) {
+    let open = march_solid(simd, slabs, tile, steps, rays, light);
+    if open == 0 {
+        return;
+    }
+    let Behind { end, weight, pad, light: far, .. } = behind;
+    let (at_edge, dropped) = end.at_edge(slabs.rows, tile.row);
+    let solid = [tile.cells[end.cell].solid, tile.cells[end.cell + 1].solid];
+    let mut rows = [open & !solid[0], open & !solid[1]];
+    rows[dropped] &= !at_edge;
+    let at = (pad + tile.row).wrapping_add_signed(end.row);
+    far.add_open(simd, at, &end.weights, rows, weight, light);
+}
+
+/// Returns the light along a ray from the sixteen pixels of a vector, as if the ray filled its cone.
+/// `near` are its intervals, `offset` that of the cell at its end.
+#[inline(always)]
+fn gather_medium<S: Simd, const K: usize>(
+    simd: S,
+    slabs: &Slabs,
+    tile: Tile,
+    vector: usize,
+    near: RowIntervals<S, K>,
+    offset: isize,
+    behind: Behind,
+) -> [f32x16<S>; 3] {
+    let zero = f32x16::splat(simd, 0.0);
+    let Behind { end, angle, pad, light: far, .. } = behind;
+    let first = vector * LANES;
+    let transmittance = &slabs.transmittance[0][(tile.start + first).wrapping_add_signed(offset)..];
+    let at = (pad + tile.row + first).wrapping_add_signed(end.row);
+    let (at_edge, dropped) = end.at_edge(slabs.rows, tile.row);
+    let (mut sum, mut far_light) = (f32x16::splat(simd, OPAQUE_TRANSMITTANCE), [zero; 3]);
+    for (i, &weight) in end.weights.iter().enumerate() {
+        let mut weight = f32x16::from_slice(simd, &transmittance[i..][..LANES]) * weight;
+        if i == dropped {
+            weight = mask(simd, at_edge, vector).select(zero, weight);
+        }
+        let light = far.load(simd, at + i);
+        for c in 0..3 {
+            far_light[c] = weight.mul_add(light[c], far_light[c]);
+        }
+        sum += weight;
+    }
+    let norm = f32x16::splat(simd, 1.0) / sum;
+    let mut light = near.light;
+    for c in 0..3 {
+        let far = near.transmittance[c % K] * (far_light[c] * norm);
+        light[c] = near.light[c].mul_add(angle, far);
+    }
+    light
+}
+
+/// Returns a superset of the classes between 64 pixels and the plane: which of the pixels they belong
+/// to is not resolved.
+#[inline(always)]
+fn classes_ahead<S: Simd>(simd: S, slabs: &Slabs, start: usize, distance: usize) -> TileClasses {
+    let mut bits = u8x64::splat(simd, 0);
+    for slab in 0..=distance {
+        let start = start.wrapping_add_signed(slab as isize * slabs.step());
+        // Two words of a tile cover all rows that rays of up to 31 px can rise to.
+        let around = &slabs.classes[start - distance - 1..start + TILE + distance + 1];
+        bits |= u8x64::from_slice(simd, &around[..TILE]);
+        bits |= u8x64::from_slice(simd, &around[around.len() - TILE..]);
+    }
+    TileClasses::from_bits(bits)
+}

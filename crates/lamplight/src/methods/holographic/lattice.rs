@@ -1,0 +1,229 @@
+//! The lattice of a quadrant: its levels, planes and directions, and the cells that its rays cross.
+//!
+//! Planes of level n lie 2ⁿ slabs apart. From each row of a plane the rays `v_n(k) = (2ⁿ, k − 2ⁿ)`,
+//! k = 0 … 2ⁿ⁺¹, lead to the next plane ("dense" directions: their far ends are 1 px apart). Cone i of
+//! a level lies between the rays i and i + 1.
+//!
+//! From every row of a slab a ray of one direction crosses the same cells relative to its start, over
+//! the same lengths, so they are found once for all rows.
+
+use crate::grid::traverse::{Ray, traverse};
+use crate::settings;
+use std::ops::{ControlFlow, Range};
+
+/// Width over which the rays of a bundle are spread, px. Slightly less than 1: a ray through the
+/// corner of cells would have to choose a side.
+pub(super) const BUNDLE_WIDTH: f64 = 0.999;
+
+/// Returns the number of planes of a level in a grid `depth` slabs deep.
+pub fn planes(depth: usize, level: u32) -> usize {
+    depth.div_ceil(1 << level)
+}
+
+/// Returns the number of rays from each row of a plane of a level.
+pub const fn rays(level: u32) -> usize {
+    (2 << level) + 1
+}
+
+/// Returns the first level of which one ray spans the grid; at least one level is below it.
+pub fn levels(depth: usize, first: u32) -> u32 {
+    depth.next_power_of_two().trailing_zeros().max(first + 1)
+}
+
+/// Returns the slope of the lower edge of a cone of a level.
+pub fn slope(level: u32, cone: usize) -> f64 {
+    cone as f64 / f64::from(1u32 << level) - 1.0
+}
+
+/// Returns the angle of a cone of a level, radians.
+pub fn angle(level: u32, cone: usize) -> f64 {
+    slope(level, cone + 1).atan() - slope(level, cone).atan()
+}
+
+/// The face by which a ray of the quadrant enters a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Face {
+    /// From the slab before.
+    Front,
+    /// From the row before, towards higher rows.
+    Low,
+    /// From the row after, towards lower rows.
+    High,
+}
+
+/// A cell that a ray crosses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Slabs from the start.
+    pub slab: usize,
+    /// Rows from the start.
+    pub row: isize,
+    /// Length of the ray within the cell, px.
+    pub length: f32,
+    /// The face by which the ray enters.
+    pub face: Face,
+}
+
+impl Crossing {
+    /// Returns the offset of the cell from the first one, if `stride` is that from slab to slab.
+    pub(super) fn offset(&self, stride: isize) -> isize {
+        self.slab as isize * stride + self.row
+    }
+}
+
+/// Returns the cells that a ray crosses, in order. It leads from the centre of a slab, `offset` px
+/// from the centre of a row, to the centre of the slab `slabs` further on; `slope` is in rows per slab.
+///
+/// Callers keep rays off the corners of cells.
+pub fn footprint(slabs: usize, slope: f64, offset: f64) -> Vec<Crossing> {
+    let px_per_slab = slope.hypot(1.0);
+    let from = [0.5, offset + 0.5];
+    let ray = Ray { from, cell: [0, from[1].floor() as i32], direction: [1.0, slope] };
+    let mut crossings = Vec::new();
+    let _ = traverse(ray, [0.0, slabs as f64], |step| {
+        let face = match step.along {
+            [false, true] if slope > 0.0 => Face::Low,
+            [false, true] => Face::High,
+            _ => Face::Front,
+        };
+        let length = ((step.span[1] - step.span[0]) * px_per_slab) as f32;
+        let [slab, row] = step.cell;
+        crossings.push(Crossing { slab: slab as usize, row: row as isize, length, face });
+        ControlFlow::<()>::Continue(())
+    });
+    crossings
+}
+
+/// Returns the footprints of a bundle: ray `ray` of a level as `width` parallel rays, spread over the
+/// px across it.
+pub fn bundle(level: u32, ray: usize, width: u32) -> Vec<Vec<Crossing>> {
+    let length = 1usize << level;
+    let slope = ray as f64 / length as f64 - 1.0;
+    let across = |i: u32| BUNDLE_WIDTH * ((f64::from(i) + 0.5) / f64::from(width) - 0.5);
+    (0..width).map(|i| footprint(length, slope, across(i))).collect()
+}
+
+/// The geometry of the final gather.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GatherGeometry {
+    /// Planes that pixels gather from lie `2^level` px apart.
+    pub level: u32,
+    /// The minimum distance from a pixel to its plane, px; the maximum is `2^level − 1` more.
+    pub min_length: usize,
+    /// Rays per cone where something in it emits light.
+    pub rays: u32,
+}
+
+impl GatherGeometry {
+    /// Returns the geometry that settings ask for.
+    pub fn new(settings: &settings::Holographic) -> Self {
+        let min_length = settings.gather_length.min(1 << settings.gather_level) as usize;
+        Self { level: settings.gather_level, min_length, rays: settings.gather_rays }
+    }
+
+    /// Returns the maximum distance from a pixel to its plane, px.
+    pub fn max_length(&self) -> usize {
+        (1 << self.level) + self.min_length - 1
+    }
+
+    /// Returns the slabs whose pixels gather from a plane.
+    pub fn slabs(&self, plane: usize, depth: usize) -> Range<usize> {
+        let at = plane << self.level;
+        at.saturating_sub(self.max_length())..(at + 1).saturating_sub(self.min_length).min(depth)
+    }
+
+    /// Returns the farthest plane that any slab gathers from.
+    pub fn last_plane(&self, depth: usize) -> usize {
+        (depth - 1 + self.max_length()) >> self.level
+    }
+
+    /// Returns the cones through which pixels gather from a plane `distance` slabs ahead.
+    pub fn cones(&self, distance: usize) -> Vec<ConeRays> {
+        let fine = self.level + 1;
+        let cone = |number| {
+            let (from, angle) = (slope(fine, number).atan(), angle(fine, number));
+            let spread = (0..self.rays).map(|i| (f64::from(i) + 0.5) / f64::from(self.rays));
+            let places = std::iter::once(0.5).chain(spread);
+            let ray = |place: f64| GatherRay::new(distance, (from + place * angle).tan());
+            let middle = from + 0.5 * angle;
+            let cosines = [middle.cos() as f32, middle.sin() as f32];
+            ConeRays { angle: angle as f32, cosines, rays: places.map(ray).collect() }
+        };
+        (0..2usize << fine).map(cone).collect()
+    }
+}
+
+/// The rays that a pixel sends through one cone.
+#[derive(Clone, Debug)]
+pub struct ConeRays {
+    /// Angle of the cone, radians.
+    pub angle: f32,
+    /// Cosines between the middle of the cone and the axis, and the direction of higher rows.
+    pub cosines: [f32; 2],
+    /// The ray along the middle, then those that replace it where something emits light.
+    pub rays: Vec<GatherRay>,
+}
+
+/// A ray from a pixel to the plane.
+#[derive(Clone, Debug)]
+pub struct GatherRay {
+    /// The cells that it crosses.
+    pub crossings: Vec<Crossing>,
+    /// Rows from the start to the row before its end on the plane.
+    pub row: isize,
+    /// Weights of that row and of the next in the light there.
+    pub weights: [f32; 2],
+}
+
+impl GatherRay {
+    fn new(distance: usize, slope: f64) -> Self {
+        let rise = slope * distance as f64;
+        let past = (rise - rise.floor()) as f32;
+        let crossings = footprint(distance, slope, 0.0);
+        Self { crossings, row: rise.floor() as isize, weights: [1.0 - past, past] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cones_of_a_level_fill_the_quadrant() {
+        for level in 0..10 {
+            let sum: f64 = (0..2 << level).map(|cone| angle(level, cone)).sum();
+            assert!((sum - std::f64::consts::FRAC_PI_2).abs() < 1e-12, "level {level}: {sum}");
+        }
+    }
+
+    #[test]
+    fn a_footprint_is_the_cells_under_the_ray_in_order() {
+        for (slabs, slope, offset) in
+            [(1, 0.0, 0.0), (3, 0.31, 0.0), (8, -0.97, 0.44), (8, 0.999, -0.49), (5, -0.125, 0.061)]
+        {
+            let crossings = footprint(slabs, slope, offset);
+            let stretch = slope.hypot(1.0);
+            let mut along = 0.0;
+            for crossing in &crossings {
+                let length = f64::from(crossing.length);
+                let middle = (along + 0.5 * length) / stretch;
+                along += length;
+                assert_eq!((middle + 0.5).floor() as usize, crossing.slab);
+                assert_eq!((offset + slope * middle + 0.5).floor() as isize, crossing.row);
+            }
+            assert!((along - slabs as f64 * stretch).abs() < 1e-5, "{along} px of {slabs}");
+            assert_eq!(crossings[0].face, Face::Front);
+            for pair in crossings.windows(2) {
+                let step = (pair[1].slab - pair[0].slab, pair[1].row - pair[0].row);
+                let face = match step {
+                    (1, 0) => Face::Front,
+                    (0, 1) => Face::Low,
+                    (0, -1) => Face::High,
+                    _ => panic!("a ray jumps by {step:?}"),
+                };
+                assert_eq!(pair[1].face, face);
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Pass B: every pixel in reach of a lamp looks up its ray in the shadow map.
+//!
+//! The picture is cut into bands of rows. A band adds the lamps one after the other, in order, so no
+//! two threads write the same pixel and the sum does not depend on their number.
+
+use super::angle::atan2;
+use super::shadow_map::ShadowMap;
+use crate::grid::cast::LANES;
+use crate::grid::medium_grid::MediumGrid;
+use crate::settings::{Blend, Edges, Polar};
+use crate::simd::dispatch;
+use crate::stages::bounce::{NORMALS, Surfaces, Wall};
+use crate::{Cells, Falloff, Lamp, Rgb};
+use fearless_simd::{Level, f32x16, i32x16, prelude::*};
+use rayon::prelude::*;
+use std::f32::consts::{FRAC_1_PI, PI};
+use std::ops::Range;
+
+/// Rows of a band.
+const BAND: usize = 16;
+
+/// The light found so far: one plane per channel, rows padded to whole vectors. Open cells hold their
+/// mean radiance, solid cells the mean over their faces.
+#[derive(Debug, Default)]
+pub struct LightPlanes {
+    width: usize,
+    stride: usize,
+    planes: [Vec<f32>; 3],
+    /// 1 in open cells, 0 in solid ones and in the padding.
+    open: Vec<f32>,
+    /// Solid cells with a face in the open.
+    surfaces: Surfaces,
+}
+
+/// A band of rows.
+struct Band<'a> {
+    rows: Range<usize>,
+    planes: [&'a mut [f32]; 3],
+    open: &'a [f32],
+    walls: &'a [Wall],
+    grid: &'a MediumGrid,
+    width: usize,
+    stride: usize,
+}
+
+impl LightPlanes {
+    /// Sets all light to 0, for these cells.
+    pub fn clear(&mut self, cells: &Cells) {
+        self.width = cells.width() as usize;
+        self.stride = self.width.next_multiple_of(LANES);
+        let n = self.stride * cells.height() as usize;
+        for plane in &mut self.planes {
+            plane.clear();
+            plane.resize(n, 0.0);
+        }
+        self.open.resize(n, 0.0);
+        let w = self.width;
+        self.open.par_chunks_mut(self.stride).enumerate().for_each(|(y, row)| {
+            row[w..].fill(0.0);
+            for (x, open) in row[..w].iter_mut().enumerate() {
+                *open = f32::from(!cells.is_solid(y * w + x));
+            }
+        });
+        self.surfaces.collect(cells, 0.0);
+    }
+
+    /// Adds lamps.
+    pub fn light(
+        &mut self,
+        level: Level,
+        grid: &MediumGrid,
+        shadow_maps: &[ShadowMap],
+        settings: &Polar,
+    ) {
+        let (width, stride) = (self.width, self.stride);
+        let [red, green, blue] = &mut self.planes;
+        let walls = &self.surfaces.walls;
+        let bands = red
+            .par_chunks_mut(BAND * stride)
+            .zip(green.par_chunks_mut(BAND * stride))
+            .zip(blue.par_chunks_mut(BAND * stride))
+            .zip(self.open.par_chunks(BAND * stride))
+            .enumerate();
+        bands.for_each(|(band, (((red, green), blue), open))| {
+            let rows = band * BAND..band * BAND + open.len() / stride;
+            let wall = |y: usize| walls.partition_point(|wall| (wall.cell as usize) < y * width);
+            let walls = &walls[wall(rows.start)..wall(rows.end)];
+            let mut band =
+                Band { rows, planes: [red, green, blue], open, walls, width, stride, grid };
+            for shadow_map in shadow_maps {
+                dispatch!(level, simd => band.add(simd, shadow_map, settings));
+                band.add_to_walls(shadow_map, settings);
+            }
+        });
+    }
+
+    /// Writes the light in row order.
+    pub fn write(&self, light: &mut Vec<Rgb>) {
+        let rows = self.open.len() / self.stride;
+        light.resize(rows * self.width, [0.0; 3]);
+        light.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| {
+            let [red, green, blue] = self.planes.each_ref().map(|plane| &plane[y * self.stride..]);
+            for (x, rgb) in row.iter_mut().enumerate() {
+                *rgb = [red[x], green[x], blue[x]];
+            }
+        });
+    }
+}
+
+impl Band<'_> {
+    /// Adds a lamp to the open cells.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, shadow_map: &ShadowMap, settings: &Polar) {
+        let [x, y] = shadow_map.lamp.position;
+        let reach = shadow_map.reach;
+        let rows = self.rows.clone();
+        let lane = f32x16::from_fn(simd, |l| l as f32);
+        // A px more on all sides: rounding must not cut the rim.
+        let from = (y - reach - 1.5).max(rows.start as f32) as usize;
+        let to = ((y + reach + 1.5).max(0.0) as usize).min(rows.end);
+        for row in from..to {
+            let dy = row as f32 + 0.5 - y;
+            let half = (reach * reach - dy * dy).max(0.0).sqrt() + 1.5;
+            let first = (x - half).max(0.0) as usize / LANES * LANES;
+            let last = ((x + half).max(0.0) as usize).min(self.width);
+            for chunk in (first..last).step_by(LANES) {
+                let place = (row - rows.start) * self.stride + chunk;
+                let open = f32x16::from_slice(simd, &self.open[place..place + LANES]);
+                if open.simd_gt(0.0).to_bitmask() != 0 {
+                    let dx = lane + (chunk as f32 + 0.5 - x);
+                    let off = [dx, f32x16::splat(simd, dy)];
+                    self.add_chunk(simd, shadow_map, settings, place, off, open);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_chunk<S: Simd>(
+        &mut self,
+        simd: S,
+        shadow_map: &ShadowMap,
+        settings: &Polar,
+        place: usize,
+        [dx, dy]: [f32x16<S>; 2],
+        open: f32x16<S>,
+    ) {
+        let distance = (dx * dx + dy * dy).sqrt();
+        let mut weight = falloff(&shadow_map.lamp, distance) * open;
+        if weight.simd_gt(0.0).to_bitmask() == 0 {
+            return;
+        }
+        let at = atan2(dy, dx) * shadow_map.per_radian();
+        let at = at.simd_lt(0.0).select(at + shadow_map.count as f32, at);
+        let nearest = (at + 0.5).to_int::<i32x16<S>>().to_array();
+        let mut bounds = [[0.0; LANES]; 2];
+        for l in 0..LANES {
+            [bounds[0][l], bounds[1][l]] = shadow_map.bounds[nearest[l] as usize];
+        }
+        let [lit, dark] = bounds.map(|b| f32x16::load_array(simd, b));
+        let (lit, dark) = (distance.simd_lt(lit), distance.simd_ge(dark));
+        let mut partly = (weight.simd_gt(0.0) & !lit & !dark).to_bitmask();
+        weight = (!lit & dark).select(open * 0.0, weight);
+        if partly != 0 {
+            let mut weights = weight.to_array();
+            while partly != 0 {
+                let l = partly.trailing_zeros() as usize;
+                partly &= partly - 1;
+                weights[l] *= shadow_map.partly_seen(self.grid, [dx[l], dy[l]], at[l]);
+            }
+            weight = f32x16::load_array(simd, weights);
+        }
+        let left = weight.simd_gt(0.0).to_bitmask();
+        if left == 0 {
+            return;
+        }
+        if !shadow_map.cone.is_empty() {
+            weight *= f32x16::from_fn(simd, |l| shadow_map.in_cone(at[l], settings.edges));
+        }
+        let mut through = [weight; 3];
+        if !shadow_map.curves.is_empty() {
+            let mut lanes = through.map(|v| v.to_array());
+            for l in (0..LANES).filter(|l| left >> l & 1 == 1) {
+                let t = shadow_map.transmittance(at[l], distance[l], settings.edges);
+                (0..3).for_each(|c| lanes[c][l] *= t[c]);
+            }
+            through = lanes.map(|v| f32x16::load_array(simd, v));
+        }
+        for c in 0..3 {
+            let plane = &mut self.planes[c][place..place + LANES];
+            let old = f32x16::from_slice(simd, plane);
+            let new = through[c] * (shadow_map.lamp.color[c] * shadow_map.lamp.intensity);
+            let sum = match settings.blend {
+                Blend::Add => old + new,
+                Blend::Max => old.max(new),
+                Blend::Screen => {
+                    let new = new.min(1.0);
+                    old + new - old * new
+                }
+            };
+            sum.store_slice(plane);
+        }
+    }
+
+    /// Adds a lamp to the solid cells whose faces it lights.
+    fn add_to_walls(&mut self, shadow_map: &ShadowMap, settings: &Polar) {
+        let [x, y] = shadow_map.lamp.position;
+        // A face lies up to a px from its cell's center, and so does the cell before it.
+        let reach = shadow_map.reach + 1.0;
+        let row = |y: f32| {
+            self.walls.partition_point(|wall| ((wall.cell as usize / self.width) as f32) < y)
+        };
+        for wall in &self.walls[row(y - reach - 1.0)..row(y + reach + 1.0)] {
+            let cell = wall.cell as usize;
+            let (column, row) = (cell % self.width, cell / self.width);
+            let off = [column as f32 + 0.5 - x, row as f32 + 0.5 - y];
+            if off[0].abs() > reach || off[0] * off[0] + off[1] * off[1] > reach * reach {
+                continue;
+            }
+            let new = on_wall(shadow_map, self.grid, wall, off, settings.edges);
+            let place = (row - self.rows.start) * self.stride + column;
+            for c in 0..3 {
+                let value = &mut self.planes[c][place];
+                *value = match settings.blend {
+                    Blend::Add => *value + new[c],
+                    Blend::Max => value.max(new[c]),
+                    Blend::Screen => *value + new[c].min(1.0) * (1.0 - *value),
+                };
+            }
+        }
+    }
+}
+
+/// Returns the mean irradiance, ÷ 2, of the exposed faces of a wall from a lamp.
+///
+/// Light of mean radiance J from one direction gives a face `½∫L cosθ dθ = π·J·cosθ`. Visibility is
+/// looked up at the center of the open cell before the face: at the face itself every ray ends.
+fn on_wall(
+    shadow_map: &ShadowMap,
+    grid: &MediumGrid,
+    wall: &Wall,
+    off: [f32; 2],
+    edges: Edges,
+) -> Rgb {
+    let (mut sum, mut faces) = ([0.0; 3], 0.0);
+    for (normal, _) in NORMALS.iter().zip(wall.exposed).filter(|(_, exposed)| *exposed) {
+        faces += 1.0;
+        let normal = normal.map(|n| n as f32);
+        let face: [f32; 2] = std::array::from_fn(|a| off[a] + 0.5 * normal[a]);
+        let before: [f32; 2] = std::array::from_fn(|a| off[a] + normal[a]);
+        let distance = face[0].hypot(face[1]);
+        let cos = -(normal[0] * face[0] + normal[1] * face[1]) / distance.max(f32::MIN_POSITIVE);
+        let arrives = PI * cos * shadow_map.lamp.falloff.at(distance, &shadow_map.lamp);
+        if arrives <= 0.0 {
+            continue;
+        }
+        let (at, distance) = (shadow_map.at(before), before[0].hypot(before[1]));
+        let weight = arrives * shadow_map.seen(grid, before, at) * shadow_map.in_cone(at, edges);
+        if weight > 0.0 {
+            let through = if shadow_map.curves.is_empty() {
+                [1.0; 3]
+            } else {
+                shadow_map.transmittance(at, distance, edges)
+            };
+            (0..3).for_each(|c| sum[c] += weight * through[c]);
+        }
+    }
+    let strength = shadow_map.lamp.intensity / faces;
+    std::array::from_fn(|c| sum[c] * strength * shadow_map.lamp.color[c])
+}
+
+/// [`Falloff::at`] for sixteen distances.
+#[inline(always)]
+fn falloff<S: Simd>(lamp: &Lamp, distance: f32x16<S>) -> f32x16<S> {
+    let u = distance * (1.0 / lamp.range);
+    match lamp.falloff {
+        Falloff::Linear => (-u + 1.0).max(0.0),
+        Falloff::Smooth => {
+            let v = (-(u * u) + 1.0).max(0.0);
+            v * v
+        }
+        Falloff::Inverse => {
+            let square = u * u;
+            let window = (-(square * square) + 1.0).max(0.0);
+            let simd = distance.token();
+            let sine = f32x16::splat(simd, lamp.size) / distance.max(lamp.size);
+            let seen = atan2(sine, (-(sine * sine) + 1.0).max(0.0).sqrt()) * FRAC_1_PI;
+            seen * window * window
+        }
+    }
+}

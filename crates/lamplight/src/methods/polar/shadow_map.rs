@@ -1,0 +1,358 @@
+//! Pass A: the polar shadow map of one lamp, and its lookup by pixels.
+//!
+//! Ray i leaves at the angle 2πi/count; the map keeps its length ℓ to the first wall. A pixel at
+//! distance d is lit by a ray longer than d. For soft edges the neighbours of the ray count too: in
+//! the plane of angle and 1/r the lines from a pixel to the points of a lamp of radius s are straight,
+//! so a wall at distance ℓ, Δ radians beside the pixel, hides the point at
+//! `β = Δ / (s·(1/ℓ − 1/d))`, as a fraction of the way from the lamp's center to its rim (small
+//! angles: sin Δ ≈ Δ). The fraction of β from −1 to 1 that no ray hides is the visible fraction of the
+//! lamp.
+//!
+//! Known failure: walls behind the nearest one throw no penumbra of their own.
+
+use super::sampling::{clear_px, sample};
+use super::transmittance_curve::TransmittanceCurves;
+use crate::grid::cast::{LANES, RayHit};
+use crate::grid::class::CellClass;
+use crate::grid::medium_grid::MediumGrid;
+use crate::math::circle;
+use crate::settings::{Edges, Polar, Walk};
+use crate::simd::dispatch;
+use crate::{Lamp, Rgb};
+use fearless_simd::Level;
+use rayon::prelude::*;
+use std::f32::consts::TAU;
+
+/// Fewest rays of a lamp.
+const FEWEST: f32 = 8.0;
+/// Most rays of a lamp: reached by ranges over 40 000 px only.
+const MOST: f32 = (1 << 18) as f32;
+/// The largest half width of a penumbra, in rays: it bounds the cost of a pixel.
+pub const WIDEST: f32 = 64.0;
+/// The smallest half width of a penumbra, in rays: it makes edges linear between two rays.
+pub const NARROWEST: f32 = 0.5;
+/// The smallest distance of a wall, px, so that 1/length is finite.
+pub const NEAREST: f32 = 1e-3;
+/// Rays that a thread casts at a time.
+const TOGETHER: usize = 128;
+
+/// The shadow map of one lamp.
+#[derive(Debug, Default)]
+pub struct ShadowMap {
+    pub lamp: Lamp,
+    /// The length of its rays, px: its range, within the grid.
+    pub reach: f32,
+    pub count: usize,
+    /// The hits of rays that were cast together; `None` for those that have to be cast alone.
+    together: Vec<Option<RayHit>>,
+    hits: Vec<RayHit>,
+    /// 1/length of each ray, 0 if it hits nothing.
+    inverse: Vec<f32>,
+    /// True if the cells that this ray and the next hit touch: one wall, without a gap.
+    joined: Vec<bool>,
+    /// The distance up to which a pixel is fully lit, and that from which it is fully dark. The
+    /// first ray is repeated at the end.
+    pub bounds: Vec<[f32; 2]>,
+    /// The number of rays to either side that matter between the bounds.
+    window: Vec<u8>,
+    /// Intensity of the lamp's cone at each ray, with two rays more; empty without a cone.
+    pub cone: Vec<f32>,
+    pub curves: TransmittanceCurves,
+    /// Rays per radian.
+    per_radian: f32,
+    /// Radius of the lamp in rays × px, 0 unless edges are soft.
+    spread: f32,
+}
+
+/// Returns the length of a lamp's rays in a grid of columns and rows, px, and their number.
+pub fn rays(lamp: &Lamp, [width, height]: [u32; 2], settings: &Polar) -> (f32, usize) {
+    let [x, y] = lamp.position;
+    let farthest =
+        x.abs().max((width as f32 - x).abs()).hypot(y.abs().max((height as f32 - y).abs()));
+    // A px more: the circle has to reach past the farthest corner's centre.
+    let reach = lamp.range.min(farthest + 1.0);
+    let count = (TAU * reach * settings.density).ceil().clamp(FEWEST, MOST);
+    (reach, count as usize)
+}
+
+/// Returns the neighbour of one of n rays round the circle, forwards or backwards.
+#[inline(always)]
+fn beside(ray: usize, n: usize, forward: bool) -> usize {
+    if forward {
+        if ray + 1 == n { 0 } else { ray + 1 }
+    } else if ray == 0 {
+        n - 1
+    } else {
+        ray - 1
+    }
+}
+
+impl ShadowMap {
+    /// Returns the length of a ray, px.
+    pub fn length(&self, ray: usize) -> f32 {
+        self.hits[ray].length
+    }
+
+    /// Returns the bytes that the map of a lamp may take.
+    pub fn most_bytes(lamp: &Lamp, grid: &MediumGrid, settings: &Polar) -> usize {
+        const RAY: usize = size_of::<RayHit>()
+            + size_of::<Option<RayHit>>()
+            + size_of::<[f32; 4]>()
+            + size_of::<[u8; 2]>();
+        let (reach, count) = rays(lamp, grid.size.map(|side| side as u32), settings);
+        let media = if grid.has_media() { TransmittanceCurves::most_bytes(reach) } else { 0 };
+        count.saturating_mul(RAY + media)
+    }
+
+    /// Casts the rays of a lamp.
+    pub fn trace(
+        &mut self,
+        level: Level,
+        lamp: &Lamp,
+        grid: &MediumGrid,
+        distance: &[f32],
+        settings: &Polar,
+    ) {
+        self.lamp = Lamp { falloff: settings.falloff.unwrap_or(lamp.falloff), ..*lamp };
+        (self.reach, self.count) = rays(lamp, grid.size.map(|side| side as u32), settings);
+        self.per_radian = self.count as f32 / TAU;
+        let size = if settings.edges == Edges::Soft { lamp.size } else { 0.0 };
+        self.spread = size * self.per_radian;
+        let (count, reach) = (self.count, self.reach);
+        let angle = |ray: usize| circle::angle(ray as u32, count as u32);
+        let direction = |ray: usize| circle::direction(ray as u32, count as u32);
+
+        self.cone.clear();
+        if let Some(cone) = lamp.cone {
+            self.cone.extend((0..count + 2).map(|ray| cone.share(angle(ray % count))));
+        }
+        let cone = &self.cone;
+        let dark = |ray: usize| cone.get(ray) == Some(&0.0);
+        self.together.resize(count, None);
+        let by_edges = settings.walk == Walk::Edge;
+        self.together.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, hits)| {
+            let first = chunk * TOGETHER;
+            for (i, hits) in hits.chunks_mut(LANES).enumerate() {
+                let first = first + i * LANES;
+                if !by_edges {
+                    hits.fill(None);
+                } else if !(first..first + hits.len()).all(dark) {
+                    let directions = std::array::from_fn(|l| direction(first + l));
+                    let cast = dispatch!(level, simd => {
+                        grid.cast_lanes(simd, lamp.position, &directions, reach)
+                    });
+                    hits.copy_from_slice(&cast[..hits.len()]);
+                }
+            }
+        });
+        self.curves.clear(reach);
+        self.hits.clear();
+        for (ray, together) in self.together.iter().enumerate() {
+            self.curves.next_ray();
+            let (from, way, curves) = (lamp.position, direction(ray), &mut self.curves);
+            let mut medium = |span, cell: usize| {
+                if grid.classes[cell] == CellClass::Medium {
+                    curves.medium(span, grid.extinction[cell]);
+                }
+            };
+            self.hits.push(match (together, settings.walk) {
+                _ if dark(ray) => RayHit::NONE,
+                (Some(hit), _) => *hit,
+                (None, Walk::Edge) => {
+                    grid.cast(from, way, reach, false, |step, cell| medium(step.span, cell))
+                }
+                (None, Walk::Step) => sample(grid, from, way, reach, |_| 1.0, medium),
+                (None, Walk::Distance) => {
+                    sample(grid, from, way, reach, |cell| clear_px(distance[cell]), medium)
+                }
+            });
+        }
+        self.curves.next_ray();
+        self.inverse.clear();
+        self.inverse.extend(self.hits.iter().map(|hit| 1.0 / hit.length.max(NEAREST)));
+        self.bound(grid, settings.edges);
+    }
+
+    /// Finds the distances between which a pixel on each ray lies in a penumbra.
+    fn bound(&mut self, grid: &MediumGrid, edges: Edges) {
+        let n = self.count;
+        self.bounds.clear();
+        self.bounds.extend(self.hits.iter().map(|hit| [hit.length; 2]));
+        if edges != Edges::Nearest {
+            self.joined.clear();
+            let cell = |ray: usize| self.hits[ray].cell;
+            self.joined.extend((0..n).map(|i| grid.touch(cell(i), cell(beside(i, n, true)))));
+            self.window.clear();
+            self.window.resize(n, 0);
+            for ray in 0..n {
+                if self.inverse[ray] > 0.0 {
+                    self.shade(ray);
+                }
+                self.bounds[ray][1] = self.dark_from(ray);
+            }
+        }
+        self.bounds.push(self.bounds[0]);
+    }
+
+    /// Returns the half width, in rays, of the penumbra that a ray's wall throws at 1/d.
+    #[inline(always)]
+    fn width(&self, ray: usize, inverse: f32) -> f32 {
+        (self.spread * (self.inverse[ray] - inverse)).clamp(NARROWEST, WIDEST)
+    }
+
+    /// Returns the largest half width of the penumbra of a ray's wall.
+    fn widest(&self, ray: usize) -> f32 {
+        self.width(ray, 1.0 / self.reach)
+    }
+
+    /// Propagates a ray's hit to its neighbours.
+    fn shade(&mut self, ray: usize) {
+        let n = self.count;
+        // Half a ray for the pixel beside its ray, half for the width of the ray itself.
+        let reach = ((self.widest(ray) + 1.0) as usize).min((n - 1) / 2);
+        let length = self.hits[ray].length;
+        let mut i = (ray + n - reach) % n;
+        for k in 0..=2 * reach {
+            self.bounds[i][0] = self.bounds[i][0].min(length);
+            self.window[i] = self.window[i].max(k.abs_diff(reach) as u8);
+            i = beside(i, n, true);
+        }
+    }
+
+    /// Returns the distance from which a pixel on a ray sees nothing of the lamp: walls without a gap
+    /// to either side, as far as the penumbra reaches.
+    fn dark_from(&self, ray: usize) -> f32 {
+        let n = self.count;
+        let mut far = self.hits[ray].length;
+        for forward in [true, false] {
+            let mut i = ray;
+            for k in 0.. {
+                if self.inverse[i] == 0.0 {
+                    return f32::INFINITY;
+                }
+                far = far.max(self.hits[i].length);
+                if k as f32 >= self.widest(i) {
+                    break;
+                }
+                let next = beside(i, n, forward);
+                if !self.joined[if forward { i } else { next }] {
+                    return f32::INFINITY;
+                }
+                i = next;
+            }
+        }
+        far
+    }
+
+    /// Returns the visible fraction of the lamp for a pixel at `off` from it, `at` its angle in rays,
+    /// 0 to `count`.
+    pub fn seen(&self, grid: &MediumGrid, off: [f32; 2], at: f32) -> f32 {
+        let distance = off[0].hypot(off[1]);
+        let [lit, dark] = self.bounds[(at + 0.5) as usize];
+        if distance < lit {
+            1.0
+        } else if distance >= dark {
+            0.0
+        } else {
+            self.partly_seen(grid, off, at)
+        }
+    }
+
+    /// Like [`Self::seen`], for a pixel between the bounds of its ray.
+    pub fn partly_seen(&self, grid: &MediumGrid, off: [f32; 2], at: f32) -> f32 {
+        let n = self.count;
+        let nearest = (at + 0.5) as usize;
+        let own = if nearest >= n { nearest - n } else { nearest };
+        let inverse = 1.0 / off[0].hypot(off[1]);
+        let beside_ray = nearest as f32 - at;
+        let shadowed = self.inverse[own] > inverse;
+        let mut seen = 0.0;
+        for forward in [true, false] {
+            let mut gap = |from: f32, to: f32| {
+                let width = to.min(1.0) - from;
+                // A pixel in the shadow of the lamp's center may still see part of the disc past the
+                // wall: check for a second wall, which the center cannot see.
+                if width > 0.0
+                    && (!shadowed || self.arrives(grid, off, from + 0.5 * width, forward))
+                {
+                    seen += width;
+                }
+            };
+            // β up to which the fraction is known.
+            let mut done = 0.0f32;
+            let mut wall = false;
+            let (mut i, mut before) = (own, own);
+            for k in 0..=self.window[own] {
+                let link = if forward { before } else { i };
+                if self.inverse[i] > inverse {
+                    let width = self.width(i, inverse);
+                    let middle = if forward { beside_ray } else { -beside_ray } + f32::from(k);
+                    if !(wall && self.joined[link]) {
+                        gap(done, (middle - 0.5) / width);
+                    }
+                    done = done.max((middle + 0.5) / width);
+                    if done >= 1.0 {
+                        break;
+                    }
+                    wall = true;
+                } else {
+                    wall = false;
+                }
+                (before, i) = (i, beside(i, n, forward));
+            }
+            gap(done, 1.0);
+        }
+        0.5 * seen
+    }
+
+    /// Returns whether no wall stands between a pixel's side and the part β of the lamp, or between
+    /// that part and the lamp's center: a lamp reaches neither through the wall that it stands at nor
+    /// round the grid.
+    fn arrives(&self, grid: &MediumGrid, off: [f32; 2], part: f32, forward: bool) -> bool {
+        let sign = if forward { 1.0 } else { -1.0 } / off[0].hypot(off[1]);
+        let aside = [-off[1] * sign, off[0] * sign];
+        let center = self.lamp.position;
+        let part = part * self.spread / self.per_radian;
+        let part = std::array::from_fn(|a| center[a] + part * aside[a]);
+        // Half a px to the side is within the pixel in every direction.
+        let from = std::array::from_fn(|a| center[a] + off[a] + 0.5 * aside[a]);
+        let round = grid.contains(center) && !grid.contains(part);
+        !round && grid.sees(from, part) && grid.sees(center, part)
+    }
+
+    /// Returns the transmittance of media up to a pixel.
+    pub fn transmittance(&self, at: f32, distance: f32, edges: Edges) -> Rgb {
+        let ray = |i: usize| {
+            self.curves.transmittance(if i >= self.count { i - self.count } else { i }, distance)
+        };
+        if edges == Edges::Nearest {
+            return ray((at + 0.5) as usize);
+        }
+        let first = at as usize;
+        let (a, b, weight) = (ray(first), ray(first + 1), at - first as f32);
+        std::array::from_fn(|c| a[c] + (b[c] - a[c]) * weight)
+    }
+
+    /// Returns the intensity of the cone at a pixel.
+    pub fn in_cone(&self, at: f32, edges: Edges) -> f32 {
+        if self.cone.is_empty() {
+            return 1.0;
+        }
+        if edges == Edges::Nearest {
+            return self.cone[(at + 0.5) as usize];
+        }
+        let first = at as usize;
+        self.cone[first] + (self.cone[first + 1] - self.cone[first]) * (at - first as f32)
+    }
+
+    /// Returns the angle of an offset from the lamp, in rays, 0 to `count`.
+    pub fn at(&self, [dx, dy]: [f32; 2]) -> f32 {
+        let at = dy.atan2(dx) * self.per_radian;
+        if at < 0.0 { at + self.count as f32 } else { at }
+    }
+
+    /// Returns the number of rays per radian.
+    pub fn per_radian(&self) -> f32 {
+        self.per_radian
+    }
+}

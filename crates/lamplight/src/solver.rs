@@ -1,0 +1,246 @@
+//! One frame, from cells to light, top to bottom.
+
+use crate::clock::Clock;
+use crate::filters::denoise::Denoiser;
+use crate::filters::estimate::Estimate;
+use crate::filters::temporal::TemporalMean;
+use crate::methods::cascades::Cascades;
+use crate::methods::flood::FloodSolver;
+use crate::methods::holographic::Holographic;
+use crate::methods::polar::PolarSolver;
+use crate::methods::raymarch::{Input, RaymarchSolver};
+use crate::settings::{BounceBy, Bounces, Hit, Method, Walk};
+use crate::stages::walls::Walls;
+use crate::stages::{distance::distance, jump_flood, seed::seed};
+use crate::{Cells, Light, Result, Settings};
+use std::time::Duration;
+
+/// A method with its buffers and its history.
+///
+/// Solving again with the same size does not allocate. A solver runs on the rayon pool in which it is
+/// called.
+#[derive(Debug)]
+pub struct Solver {
+    pub(crate) settings: Settings,
+    frame: u32,
+    pub(crate) cells: Cells,
+    fields: Fields,
+    pub(crate) raymarch: RaymarchSolver,
+    flood: FloodSolver,
+    pub(crate) polar: PolarSolver,
+    pub(crate) cascades: Cascades,
+    pub(crate) holographic: Holographic,
+    estimate: Estimate,
+    temporal: TemporalMean,
+    denoise: Denoiser,
+    walls: Walls,
+    light: Light,
+    clock: Clock,
+}
+
+/// The fields that the stages before the methods compute.
+#[derive(Debug, Default)]
+struct Fields {
+    seeds: Vec<u32>,
+    nearest: Vec<u32>,
+    scratch: Vec<u32>,
+    distance: Vec<f32>,
+    energy: Vec<f32>,
+    /// True if the fields belong to the cells of the last frame.
+    measured: bool,
+}
+
+/// The intermediates of the last frame, with one entry per cell in row order.
+#[derive(Clone, Copy, Debug)]
+pub struct Stages<'a> {
+    /// The grid that the method read: with lamps drawn in, except for `polar` and `flood`.
+    pub cells: &'a Cells,
+    /// Seed map: the position of each occupied cell as `y << 16 | x`, and `u32::MAX` in empty cells.
+    pub seeds: &'a [u32],
+    /// Voronoi map: the position of the nearest occupied cell, packed in the same way.
+    pub nearest: &'a [u32],
+    /// Distance in px to the nearest occupied cell.
+    pub distance: &'a [f32],
+    /// The colourless energy of `flood`; empty for other methods.
+    pub energy: &'a [f32],
+}
+
+impl Solver {
+    /// Creates a solver.
+    ///
+    /// # Errors
+    /// Fails if a setting is out of its range.
+    pub fn new(settings: Settings) -> Result<Self> {
+        settings.check()?;
+        Ok(Self {
+            settings,
+            frame: 0,
+            cells: Cells::new(1, 1)?,
+            fields: Fields::default(),
+            raymarch: RaymarchSolver::default(),
+            flood: FloodSolver::default(),
+            polar: PolarSolver::default(),
+            cascades: Cascades::default(),
+            holographic: Holographic::default(),
+            estimate: Estimate::default(),
+            temporal: TemporalMean::default(),
+            denoise: Denoiser::default(),
+            walls: Walls::default(),
+            light: Light::default(),
+            clock: Clock::default(),
+        })
+    }
+
+    /// The current settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Changes the settings from the next frame on. Buffers are kept; history is reset if anything
+    /// but the seed changes, because it was computed with other settings.
+    ///
+    /// # Errors
+    /// Fails, and changes nothing, if a setting is out of its range.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
+        settings.check()?;
+        let seed = settings.seed;
+        if settings != (Settings { seed, ..self.settings.clone() }) {
+            self.reset();
+        }
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// Solves one frame. Each call is the next frame: noise advances, history and feedback
+    /// accumulate.
+    ///
+    /// # Errors
+    /// Fails if a cell, a lamp or the sky is invalid, or if the method cannot light the scene
+    /// (`polar` without lamps). The light of the last frame then stays.
+    pub fn solve(&mut self, cells: &Cells) -> Result<&Light> {
+        self.clock.start();
+        cells.check()?;
+        self.settings.method.suits(cells)?;
+        self.cells.clone_from(cells);
+        if !self.settings.method.lights_lamps() {
+            self.cells.draw_lamps();
+        }
+        self.fields.measured = false;
+        self.clock.lap("cells");
+
+        match self.settings.method {
+            Method::Raymarch => self.raymarch(),
+            Method::Flood => self.flood(),
+            Method::Polar => self.polar(),
+            Method::Cascades => {
+                let Self { cells, settings, light, clock, .. } = self;
+                self.cascades.solve(cells, settings, &mut light.rgb, clock);
+            }
+            Method::Holographic => self.holographic.solve(
+                &self.cells,
+                &self.settings,
+                &mut self.light.rgb,
+                &mut self.clock,
+            ),
+        }
+
+        self.light.width = self.cells.width();
+        self.light.height = self.cells.height();
+        self.light.solid.clear();
+        self.light.solid.extend(self.cells.opacity().iter().map(|&opacity| opacity >= 1.0));
+        self.walls.sink(&self.cells, self.settings.wall_depth, &mut self.light.rgb);
+        self.clock.lap("walls");
+        self.frame = self.frame.wrapping_add(1);
+        Ok(&self.light)
+    }
+
+    fn raymarch(&mut self) {
+        if self.settings.raymarch.hit == Hit::Distance {
+            self.measure();
+        }
+        let settings = &self.settings;
+        let accumulates = settings.temporal.history_length > 1;
+        let changed =
+            if accumulates { self.temporal.mark(&settings.temporal, &self.cells) } else { &[] };
+        let input = Input {
+            cells: &self.cells,
+            distance: &self.fields.distance,
+            nearest: &self.fields.nearest,
+            changed,
+            frame: self.frame,
+        };
+        self.raymarch.solve(input, settings, &mut self.estimate, &mut self.clock);
+
+        if accumulates {
+            let feedback = settings.bounces != Bounces::Count(0)
+                && settings.raymarch.bounce == BounceBy::Feedback;
+            let width = self.cells.width();
+            self.temporal.accumulate(&settings.temporal, width, feedback, &mut self.estimate);
+            self.clock.lap("temporal");
+        }
+        if settings.denoise.passes > 0 {
+            self.denoise.denoise(&settings.denoise, &self.cells, &mut self.estimate);
+            self.clock.lap("denoise");
+        }
+        self.light.rgb.clone_from(&self.estimate.light);
+    }
+
+    fn flood(&mut self) {
+        self.flood.solve(&self.cells, &self.settings.flood, &mut self.light.rgb, &mut self.clock);
+    }
+
+    fn polar(&mut self) {
+        if self.settings.polar.walk == Walk::Distance {
+            self.measure();
+        }
+        let (fields, settings) = (&self.fields, &self.settings.polar);
+        let rgb = &mut self.light.rgb;
+        self.polar.solve(&self.cells, &fields.distance, settings, rgb, &mut self.clock);
+    }
+
+    /// Seed map, jump flood, distance field.
+    fn measure(&mut self) {
+        let (cells, fields) = (&self.cells, &mut self.fields);
+        let (w, h) = (cells.width(), cells.height());
+        seed(cells, self.settings.raymarch.threshold, &mut fields.seeds);
+        self.clock.lap("seed");
+        fields.nearest.clone_from(&fields.seeds);
+        jump_flood::jump_flood(w, h, 0, &mut fields.nearest, &mut fields.scratch);
+        jump_flood::settle(w, h, &mut fields.nearest, &mut fields.scratch);
+        self.clock.lap("jump_flood");
+        distance(w, &fields.nearest, &mut fields.distance);
+        self.clock.lap("distance");
+        fields.measured = true;
+    }
+
+    /// The light of the last frame; empty before the first one.
+    pub fn light(&self) -> &Light {
+        &self.light
+    }
+
+    /// The intermediates of the last frame. Those that the frame did not need are computed now.
+    pub fn stages(&mut self) -> Stages<'_> {
+        if !self.fields.measured {
+            self.measure();
+        }
+        self.fields.energy.clear();
+        if self.settings.method == Method::Flood {
+            self.flood.energy(&mut self.fields.energy);
+        }
+        let Fields { seeds, nearest, distance, energy, .. } = &self.fields;
+        Stages { cells: &self.cells, seeds, nearest, distance, energy }
+    }
+
+    /// The time that each stage of the last frame took, in order.
+    pub fn timings(&self) -> &[(&'static str, Duration)] {
+        &self.clock.laps
+    }
+
+    /// Discards all history, as after a cut or a jump of the camera.
+    pub fn reset(&mut self) {
+        self.frame = 0;
+        self.raymarch = RaymarchSolver::default();
+        self.flood = FloodSolver::default();
+        self.temporal = TemporalMean::default();
+    }
+}

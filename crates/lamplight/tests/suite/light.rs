@@ -1,0 +1,216 @@
+//! Questions about light, and what is seen of walls.
+
+use crate::common::*;
+use lamplight::{Cells, Light, Matter, Rgb, Sky};
+
+/// Sums of a few f32 in another order.
+const ROUNDING: f32 = 1e-6;
+
+/// 4×3 cells; light `[x, y, 1]` in cell (x, y), and a wall at (2, 1).
+fn ramp() -> Light {
+    let cells = grid(4, 3, |x, y| if [x, y] == [2, 1] { WALL } else { Matter::EMPTY });
+    let rgb = (0..12).map(|i| [(i % 4) as f32, (i / 4) as f32, 1.0]).collect();
+    Light::from_pixels(&cells, rgb).unwrap()
+}
+
+#[track_caller]
+fn near(a: Rgb, b: Rgb) {
+    let off = (0..3).any(|c| (a[c] - b[c]).abs() > ROUNDING * b[c].abs().max(1.0));
+    assert!(!off, "{a:?} is not {b:?}");
+}
+
+#[test]
+fn at_reads_cells_and_is_black_outside() {
+    let light = ramp();
+    assert_eq!((light.width(), light.height()), (4, 3));
+    assert_eq!(light.at(3, 2), [3.0, 2.0, 1.0]);
+    assert_eq!(light.at(2, 1), [2.0, 1.0, 1.0]);
+    for (x, y) in [(4, 0), (0, 3), (u32::MAX, u32::MAX)] {
+        assert_eq!(light.at(x, y), [0.0; 3]);
+    }
+}
+
+#[test]
+fn sample_is_linear_between_centres() {
+    let light = ramp();
+    assert_eq!(light.sample([0.5, 0.5]), [0.0, 0.0, 1.0]);
+    near(light.sample([1.25, 0.5]), [0.75, 0.0, 1.0]);
+    near(light.sample([1.0, 1.75]), [0.5, 1.25, 1.0]);
+}
+
+#[test]
+fn sample_reads_only_open_cells_outside_walls_and_only_walls_inside() {
+    let light = ramp();
+    // Between (1, 1) and the wall (2, 1): only the open cell counts.
+    near(light.sample([1.9, 1.5]), [1.0, 1.0, 1.0]);
+    // Between four cells, the wall one of them: the mean of three.
+    near(light.sample([2.0, 1.0 - 1e-6]), [4.0 / 3.0, 1.0 / 3.0, 1.0]);
+    for inside in [[2.1, 1.1], [2.9, 1.5], [2.5, 1.99]] {
+        near(light.sample(inside), [2.0, 1.0, 1.0]);
+    }
+}
+
+#[test]
+fn sample_does_not_look_past_the_corner_where_two_walls_touch() {
+    for wall in [0, 1] {
+        let cells = grid(2, 2, |x, y| if (x + y) % 2 == wall { WALL } else { Matter::EMPTY });
+        let rgb = (0..4).map(|i| [i as f32; 3]).collect();
+        let light = Light::from_pixels(&cells, rgb).unwrap();
+        for cell in 0..4u32 {
+            let [x, y] = [cell % 2, cell / 2];
+            let beside_corner = [x as f32 * 0.02 + 0.99, y as f32 * 0.02 + 0.99];
+            assert_eq!(light.sample(beside_corner), light.at(x, y), "cell {cell}");
+        }
+    }
+}
+
+#[test]
+fn sample_outside_is_the_border_and_takes_any_number() {
+    let light = ramp();
+    assert_eq!(light.sample([-5.0, -1.0]), [0.0, 0.0, 1.0]);
+    assert_eq!(light.sample([1e9, 99.0]), [3.0, 2.0, 1.0]);
+    assert_eq!(light.sample([f32::MAX, f32::MAX]), [3.0, 2.0, 1.0]);
+    assert_eq!(light.sample([f32::MIN, f32::MAX]), [0.0, 2.0, 1.0]);
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        assert_eq!(light.sample([bad, 1.0]), [0.0; 3]);
+        assert_eq!(light.sample([1.0, bad]), [0.0; 3]);
+    }
+    assert_eq!(Light::default().sample([0.5, 0.5]), [0.0; 3]);
+}
+
+#[test]
+fn over_is_the_mean_by_area_of_open_cells() {
+    let light = ramp();
+    near(light.over([0.0, 0.0], [1.0, 1.0]), [0.0, 0.0, 1.0]);
+    near(light.over([0.0, 0.0], [2.0, 1.0]), [0.5, 0.0, 1.0]);
+    // A quarter of one cell, three quarters of the next.
+    near(light.over([0.75, 0.0], [1.75, 1.0]), [0.75, 0.0, 1.0]);
+    // The wall and one open cell.
+    near(light.over([1.0, 1.0], [3.0, 2.0]), [1.0, 1.0, 1.0]);
+    // All of it, the wall left out, also from far outside.
+    let all = [16.0 / 11.0, 11.0 / 11.0, 1.0];
+    near(light.over([0.0, 0.0], [4.0, 3.0]), all);
+    near(light.over([f32::NEG_INFINITY; 2], [f32::INFINITY; 2]), all);
+}
+
+#[test]
+fn over_is_black_without_open_cells() {
+    let light = ramp();
+    let nothing = [
+        ([2.0, 1.0], [3.0, 2.0]),
+        ([1.0, 1.0], [1.0, 1.0]),
+        ([3.0, 2.0], [1.0, 1.0]),
+        ([-9.0, -9.0], [-1.0, -1.0]),
+        ([4.0, 3.0], [9.0, 9.0]),
+        ([1e30, 1e30], [f32::MAX, f32::MAX]),
+        ([0.0, 0.0], [f32::NAN, f32::NAN]),
+    ];
+    for (min, max) in nothing {
+        assert_eq!(light.over(min, max), [0.0; 3], "{min:?} to {max:?}");
+    }
+    // NaN is not a radius; it must not panic.
+    light.over([f32::NAN; 2], [2.0, 2.0]);
+    assert_eq!(Light::default().over([0.0; 2], [9.0; 2]), [0.0; 3]);
+}
+
+#[test]
+fn from_pixels_rejects_a_wrong_number_of_pixels() {
+    let cells = grid(4, 3, |_, _| Matter::EMPTY);
+    assert!(Light::from_pixels(&cells, vec![[0.0; 3]; 11]).is_err());
+    assert!(Light::from_pixels(&cells, vec![[0.0; 3]; 12]).is_ok());
+}
+
+/// A block of 11×11 solid cells under a sky of 0.5; `x` cells deep is cell (5 + x, 10).
+fn block(wall: Matter, depth: f32) -> Light {
+    let mut cells = grid(21, 21, |x, y| {
+        let solid = (5..16).contains(&x) && (5..16).contains(&y);
+        if solid { wall } else { Matter::EMPTY }
+    });
+    cells.set_sky(Sky::Uniform([0.5; 3]));
+    solve(&settings(|s| s.wall_depth = depth), &cells)
+}
+
+#[test]
+fn walls_show_their_faces_only_when_the_depth_is_0() {
+    let light = block(WALL, 0.0);
+    assert_eq!(light.at(5, 10), [0.5; 3]);
+    assert_eq!(light.at(10, 15), [0.5; 3]);
+    for (x, y) in (6..15).flat_map(|x| (6..15).map(move |y| (x, y))) {
+        assert_eq!(light.at(x, y), [0.0; 3], "({x}, {y})");
+    }
+}
+
+#[test]
+fn light_fades_into_walls_by_the_depth() {
+    for (depth, deepest) in [(0.5, 1), (1.0, 1), (3.0, 3), (64.0, 5)] {
+        let light = block(WALL, depth);
+        assert_eq!(light.at(5, 10), [0.5; 3], "the faces themselves do not change");
+        for k in 1..=5 {
+            let (before, here) = (light.at(4 + k, 10)[0], light.at(5 + k, 10)[0]);
+            if k <= deepest {
+                // Uniform light: what is left is the fade alone.
+                let fade = 1.0 - k as f32 / (depth + 1.0);
+                near([here; 3], [0.5 * fade; 3]);
+                assert!(here < before);
+            } else {
+                assert_eq!(here, 0.0, "depth {depth}, {k} px in");
+            }
+        }
+    }
+}
+
+#[test]
+fn emission_is_added_to_the_light_on_walls() {
+    let glow = Matter { emission: [0.0, 0.25, 8.0], ..WALL };
+    for depth in [0.0, 3.0] {
+        let (dark, light) = (block(WALL, depth), block(glow, depth));
+        for i in (0..21 * 21).filter(|&i| dark.solid()[i]) {
+            let mut expected = dark.pixels()[i];
+            (expected[1], expected[2]) = (expected[1] + 0.25, expected[2] + 8.0);
+            assert_eq!(light.pixels()[i], expected, "cell {i}");
+        }
+    }
+}
+
+#[test]
+fn a_grid_full_of_walls_shows_its_emission() {
+    let cells = grid(5, 4, |x, y| Matter { emission: [x as f32, y as f32, 0.0], ..WALL });
+    let light = solve(&settings(|s| s.wall_depth = 8.0), &cells);
+    for (x, y) in (0..5).flat_map(|x| (0..4).map(move |y| (x, y))) {
+        assert_eq!(light.at(x, y), [x as f32, y as f32, 0.0]);
+    }
+}
+
+#[test]
+fn nearest_open_light_of_a_wall() {
+    // A wall of 3×3 cells in a grid of 7×5, and light that names its cell.
+    let mut cells = Cells::new(7, 5).unwrap();
+    for (x, y) in (2..5).flat_map(|x| (1..4).map(move |y| (x, y))) {
+        cells.set(x, y, Matter { opacity: 1.0, ..Matter::EMPTY });
+    }
+    let rgb = (0..cells.len()).map(|i| [i as f32 + 1.0; 3]).collect();
+    let light = Light::from_pixels(&cells, rgb).unwrap();
+    let cell = |x: u32, y: u32| Some(light.at(x, y));
+    assert_eq!(light.sample_open([2.2, 2.5]), cell(1, 2), "left of the wall");
+    assert_eq!(light.sample_open([4.9, 2.5]), cell(5, 2), "right of the wall");
+    assert_eq!(light.sample_open([3.5, 1.2]), cell(3, 0), "above the wall");
+    assert_eq!(light.sample_open([1.5, 2.5]), Some(light.sample([1.5, 2.5])), "in the open");
+    assert_eq!(light.sample_open([f32::NAN, 0.0]), None);
+    // By brute force, from points all over the wall.
+    for k in 0..100 {
+        let at = [2.01 + 2.98 * (k % 10) as f32 / 9.0, 1.01 + 2.98 * (k / 10) as f32 / 9.0];
+        let distance = |&i: &usize| {
+            let centre = [(i % 7) as f32 + 0.5, (i / 7) as f32 + 0.5];
+            (0..2).map(|a| (centre[a] - at[a]).powi(2)).sum::<f32>()
+        };
+        let open = (0..cells.len()).filter(|&i| !cells.is_solid(i));
+        let least = open.map(|i| distance(&i)).fold(f32::MAX, f32::min);
+        let found = light.sample_open(at).unwrap()[0] as usize - 1;
+        assert!(!cells.is_solid(found) && distance(&found) == least, "{at:?}: cell {found}");
+    }
+    for x in 0..7 {
+        (0..5).for_each(|y| cells.set(x, y, Matter { opacity: 1.0, ..Matter::EMPTY }));
+    }
+    let shut = Light::from_pixels(&cells, vec![[1.0; 3]; 35]).unwrap();
+    assert_eq!(shut.sample_open([3.5, 2.5]), None, "no open cell");
+}

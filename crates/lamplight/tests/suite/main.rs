@@ -1,0 +1,25 @@
+//! The tests of the crate's public interface, in one program, which is linked once.
+//!
+//! Tests that count allocations have programs of their own.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cascades;
+mod debug_views;
+mod denoise;
+mod draw;
+mod flood;
+mod invariants;
+mod jump_flood;
+mod lamp;
+mod light;
+mod methods;
+mod polar;
+mod scene_coverage;
+mod scene_file;
+mod scene_fuzz;
+mod scene_images;
+mod settings;
+mod temporal;
+mod tightness;

@@ -1,0 +1,224 @@
+//! No light ever crosses a solid cell.
+//!
+//! A room of random shape with a bright light in it is closed by a wall one cell thick. Every open
+//! cell outside stays 0 to the bit, whatever the settings, also where the wall holds together by
+//! the corners of its cells only (`methods/raymarch/march.rs`: two solid cells that touch by
+//! a corner hold light back).
+
+use crate::common::*;
+use lamplight::settings::{BounceBy, Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
+use lamplight::{Bounces, Cells, Matter, Method, Rgb, Settings, Solver};
+use proptest::prelude::*;
+
+const BRIGHT: Rgb = [1000.0, 800.0, 1e6];
+
+/// The room, its light and what stands round it: fog, glass and mirrors that would show a leak.
+fn world(sealed: &Sealed, size: [u32; 2], random: &mut Random) -> Cells {
+    let mut cells = Cells::new(size[0], size[1]).unwrap();
+    for i in 0..cells.len() {
+        let albedo = random.rgb();
+        let kind = random.unit();
+        cells.set_matter(
+            i,
+            match kind {
+                _ if sealed.wall[i] => Matter { albedo, ..WALL },
+                k if k < 0.1 && !sealed.inside[i] => Matter { albedo, ..WALL },
+                k if k < 0.2 => Matter { opacity: random.unit() * 0.9, albedo, ..Matter::EMPTY },
+                k if k < 0.25 => Matter { tint: random.rgb(), albedo, ..Matter::EMPTY },
+                _ => Matter::EMPTY,
+            },
+        );
+    }
+    let room = sealed.room();
+    let lamp = room[random.below(room.len())];
+    let opacity = if random.unit() < 0.5 { 1.0 } else { 0.7 };
+    // Cells beside it see it under every rule.
+    for beside in around(size[0], size[1], lamp, Contact::Sides).filter(|&i| sealed.inside[i]) {
+        cells.set_matter(beside, Matter::EMPTY);
+    }
+    cells.set_matter(lamp, Matter { emission: BRIGHT, opacity, ..Matter::EMPTY });
+    cells
+}
+
+/// Light after a few frames: feedback and history have had their chance.
+fn frames(settings: &Settings, cells: &Cells) -> Vec<Rgb> {
+    let mut solver = Solver::new(settings.clone()).unwrap();
+    for _ in 0..if settings.raymarch.bounce == BounceBy::Feedback { 3 } else { 2 } {
+        solver.solve(cells).unwrap();
+    }
+    solver.light().pixels().to_vec()
+}
+
+/// Open cells outside that are lit, and open cells inside that are.
+fn lit(sealed: &Sealed, cells: &Cells, light: &[Rgb]) -> (Vec<usize>, usize) {
+    let lit = |&i: &usize| !cells.is_solid(i) && light[i].map(f32::to_bits) != [0; 3];
+    let outside = (0..cells.len()).filter(|&i| sealed.is_outside(i)).filter(lit).collect();
+    (outside, sealed.room().into_iter().filter(lit).count())
+}
+
+fn marches() -> impl Strategy<Value = Raymarch> {
+    let preset = prop::sample::select(Raymarch::PRESETS.to_vec());
+    let noise = prop::sample::select(vec![Noise::White, Noise::Blue, Noise::Golden]);
+    let spacing = prop::sample::select(vec![Spacing::Even, Spacing::Golden]);
+    let hit = prop::sample::select(vec![Hit::Edge, Hit::Distance]);
+    let own = (noise, spacing, hit, 1..40u32, 0.1..8.0f32, 0.01..4.0f32).prop_map(
+        |(noise, spacing, hit, rays, least_step, hit_distance)| Raymarch {
+            noise,
+            spacing,
+            hit,
+            rays,
+            least_step,
+            hit_distance,
+            ..Raymarch::default()
+        },
+    );
+    prop_oneof![own, preset.prop_map(|name| Raymarch::preset(name).unwrap())]
+}
+
+fn any_settings() -> impl Strategy<Value = Settings> {
+    (marches(), prop::bool::ANY, prop::bool::ANY, prop::bool::ANY).prop_map(
+        |(raymarch, bounces, denoise, temporal)| {
+            settings(|s| {
+                s.raymarch = raymarch;
+                s.bounces = Bounces::Count(if bounces { 2 } else { 0 });
+                s.denoise.passes = if denoise { 5 } else { 0 };
+                s.temporal =
+                    Temporal { history_length: if temporal { 8 } else { 0 }, reject: true };
+            })
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 192,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn a_sealed_room_stays_dark_outside(
+        size in prop::array::uniform2(1..98u32).prop_map(|[w, h]| [w, h.min(61)]),
+        share in 0.0..0.6f32,
+        seed: u64,
+        corners: bool,
+        settings in any_settings(),
+    ) {
+        let random = &mut Random::new(seed);
+        let contact = if corners { Contact::Corners } else { Contact::Sides };
+        let room = 2 + (share * share * (size[0] * size[1]) as f32) as usize;
+        let sealed = Sealed::new(random, size, room, contact);
+        let cells = world(&sealed, size, random);
+        let light = frames(&settings, &cells);
+        let (leaks, _) = lit(&sealed, &cells, &light);
+        let places: Vec<_> = leaks
+            .iter()
+            .take(5)
+            .map(|&i| ((i as u32 % size[0], i as u32 / size[0]), light[i]))
+            .collect();
+        prop_assert!(leaks.is_empty(), "{} cells lit outside: {places:?}", leaks.len());
+    }
+}
+
+/// Every setting on the same rooms.
+fn every_setting() -> Vec<Settings> {
+    let mut all = Vec::new();
+    for preset in Raymarch::PRESETS {
+        for hit in [Hit::Edge, Hit::Distance] {
+            for noise in [Noise::White, Noise::Blue, Noise::Golden] {
+                for spacing in [Spacing::Even, Spacing::Golden] {
+                    for bounces in [0, 2] {
+                        all.push(settings(|s| {
+                            let preset = Raymarch::preset(preset).unwrap();
+                            s.raymarch = Raymarch { hit, noise, spacing, ..preset };
+                            s.bounces = Bounces::Count(bounces);
+                        }));
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn every_setting_lights_only_the_inside() {
+    let random = &mut Random::fresh();
+    for contact in [Contact::Sides, Contact::Corners] {
+        for settings in every_setting() {
+            let sealed = Sealed::new(random, [23, 17], 60, contact);
+            let cells = world(&sealed, [23, 17], random);
+            let (leaks, inside) = lit(&sealed, &cells, &frames(&settings, &cells));
+            assert!(leaks.is_empty(), "{contact:?}, {settings:?}: lit outside: {leaks:?}");
+            assert!(inside > 0, "{contact:?}, {settings:?}: dark inside");
+        }
+    }
+}
+
+#[test]
+fn no_preset_of_holographic_lets_light_out() {
+    let random = &mut Random::fresh();
+    for contact in [Contact::Sides, Contact::Corners] {
+        for preset in ["default", "fast", "quality"] {
+            for bounces in [0, 2] {
+                for _ in 0..8 {
+                    let holographic = Holographic::preset(preset).unwrap();
+                    let settings = Settings {
+                        bounces: Bounces::Count(bounces),
+                        method: Method::Holographic,
+                        holographic,
+                        ..Settings::default()
+                    };
+                    let sealed = Sealed::new(random, [71, 37], 300, contact);
+                    let cells = world(&sealed, [71, 37], random);
+                    let (leaks, inside) = lit(&sealed, &cells, &frames(&settings, &cells));
+                    assert!(leaks.is_empty(), "{contact:?}, {preset}: lit outside: {leaks:?}");
+                    assert!(inside > 0, "{contact:?}, {preset}: dark inside");
+                }
+            }
+        }
+    }
+}
+
+/// A diamond of walls that touch by their corners only; `gap` opens one of them.
+fn diamond(gap: bool) -> Cells {
+    grid(31, 31, |x, y| match x.abs_diff(15) + y.abs_diff(15) {
+        0 => Matter { emission: BRIGHT, ..WALL },
+        8 if !(gap && x == 23) => Matter { albedo: [0.5; 3], ..WALL },
+        _ => Matter::EMPTY,
+    })
+}
+
+#[test]
+fn one_open_cell_lets_light_out() {
+    for mut settings in every_setting() {
+        // Fewer rays miss a gap of one cell if all of them belong to one frame.
+        if settings.raymarch.bounce == BounceBy::Frame {
+            settings.raymarch.rays = settings.raymarch.rays.max(32);
+        }
+        for gap in [false, true] {
+            let cells = diamond(gap);
+            let light = frames(&settings, &cells);
+            let out = (0..cells.len()).any(|i| {
+                let (x, y) = (i as u32 % 31, i as u32 / 31);
+                x.abs_diff(15) + y.abs_diff(15) > 8 && light[i] != [0.0; 3]
+            });
+            assert_eq!(out, gap, "{settings:?}");
+        }
+    }
+}
+
+#[test]
+fn inside_every_open_cell_that_sees_the_light_is_lit() {
+    // A convex room: all of it sees the light, and 64 rays cannot miss 3×3 cells from 8 px away.
+    let mut cells = room(17, 13, WALL);
+    for (x, y) in (7..10).flat_map(|x| (5..8).map(move |y| (x, y))) {
+        cells.set(x, y, Matter { emission: BRIGHT, ..WALL });
+    }
+    for hit in [Hit::Edge, Hit::Distance] {
+        let settings = settings(|s| s.raymarch = Raymarch { hit, rays: 64, ..s.raymarch.clone() });
+        let light = solve(&settings, &cells);
+        let dark = |&i: &usize| !light.solid()[i] && light.pixels()[i][0] <= 0.0;
+        assert_eq!((0..cells.len()).find(dark), None, "{hit:?}");
+    }
+}

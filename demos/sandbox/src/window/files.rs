@@ -1,0 +1,154 @@
+//! Files that are dropped on the window.
+
+use crate::platform::Dropped;
+use crate::window::subject::Subject;
+use anyhow::{Context, Result, bail};
+use lamplight::Scene;
+use lamplight_sandbox::canvas::{As, Canvas};
+use lamplight_sandbox::look::Look;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// Files that arrive within this many seconds of each other belong to one drop, because browsers read them
+/// one by one.
+const TOGETHER: f64 = 1.0;
+
+/// Dropped files that wait to be opened, and the files of the last drop.
+pub struct Inbox {
+    sender: Sender<Result<Dropped>>,
+    waiting: Receiver<Result<Dropped>>,
+    /// Files of the last drop that arrived as bytes, with their names.
+    files: Vec<(String, Vec<u8>)>,
+    /// Time of the last one, s.
+    at: f64,
+}
+
+impl Default for Inbox {
+    fn default() -> Self {
+        let (sender, waiting) = channel();
+        Self { sender, waiting, files: Vec::new(), at: 0.0 }
+    }
+}
+
+impl Inbox {
+    /// The channel for files, or errors in reading them.
+    pub fn sender(&self) -> Sender<Result<Dropped>> {
+        self.sender.clone()
+    }
+
+    /// Adds a file.
+    pub fn receive(&self, file: Dropped) {
+        // The receiver is a field of this struct, so it is there.
+        let _ = self.sender.send(Ok(file));
+    }
+
+    /// The next file that waits.
+    pub fn next(&self) -> Option<Result<Dropped>> {
+        self.waiting.try_recv().ok()
+    }
+
+    /// Opens a scene as a canvas, or paints an image on the current canvas. Returns a message.
+    pub fn open(
+        &mut self,
+        file: Dropped,
+        now: f64,
+        kind: As,
+        subject: &mut Subject,
+    ) -> Result<Option<String>> {
+        match file.bytes {
+            None => open(&file.path, kind, subject),
+            Some(bytes) => {
+                let name = file.path.display().to_string();
+                self.take_bytes(name, bytes, now, kind, subject)
+            }
+        }
+    }
+
+    fn take_bytes(
+        &mut self,
+        name: String,
+        bytes: Vec<u8>,
+        now: f64,
+        kind: As,
+        subject: &mut Subject,
+    ) -> Result<Option<String>> {
+        if now - self.at > TOGETHER {
+            self.files.clear();
+        }
+        self.at = now;
+        check_length(&name, bytes.len() as u64)?;
+        let is_picture = FileKind::of(Path::new(&name)) == FileKind::Picture;
+        self.files.push((name.clone(), bytes));
+        // A scene and its images may arrive in any order.
+        let is_scene = |name: &str| FileKind::of(Path::new(name)) == FileKind::Scene;
+        if let Some((scene, text)) = self.files.iter().find(|(name, _)| is_scene(name)) {
+            let text = std::str::from_utf8(text).with_context(|| format!("cannot read {scene}"))?;
+            let canvas = Canvas::from_scene(text, &self.files).with_context(|| {
+                format!("{scene} (a scene is dropped together with its images)")
+            })?;
+            *subject = Subject::Canvas(Box::new(canvas));
+            return Ok(None);
+        }
+        match self.files.last() {
+            Some((_, png)) if is_picture => lay(png, kind, subject),
+            _ => bail!("{name} {NEITHER}"),
+        }
+    }
+}
+
+const NEITHER: &str = "is neither a picture (.png) nor a scene (.toml, .json)";
+
+/// The kind of a file, by its extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FileKind {
+    Scene,
+    Picture,
+    Neither,
+}
+
+impl FileKind {
+    fn of(name: &Path) -> Self {
+        let ending = name.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+        match ending.as_str() {
+            "toml" | "json" => Self::Scene,
+            "png" => Self::Picture,
+            _ => Self::Neither,
+        }
+    }
+}
+
+/// Opens a file on disk. A scene is opened with its images.
+fn open(path: &Path, kind: As, subject: &mut Subject) -> Result<Option<String>> {
+    check_length(path.display(), std::fs::metadata(path).map_or(0, |about| about.len()))?;
+    match FileKind::of(path) {
+        FileKind::Scene => {
+            let scene = Scene::load(path)?;
+            let look = Look::of(&scene.resolve_settings()?, scene.display);
+            *subject = Subject::Canvas(Box::new(Canvas::of(scene.cells()?, look)?));
+            Ok(None)
+        }
+        FileKind::Picture => {
+            let png = std::fs::read(path);
+            lay(&png.with_context(|| format!("cannot read {}", path.display()))?, kind, subject)
+        }
+        FileKind::Neither => bail!("{} {NEITHER}", path.display()),
+    }
+}
+
+fn check_length(name: impl std::fmt::Display, bytes: u64) -> Result<()> {
+    if bytes > Canvas::MAX_BYTES as u64 {
+        bail!("{name} has {bytes} bytes; at most {} are read", Canvas::MAX_BYTES);
+    }
+    Ok(())
+}
+
+/// Paints an image on the current canvas or on a new one.
+fn lay(png: &[u8], kind: As, subject: &mut Subject) -> Result<Option<String>> {
+    let mut canvas = match subject {
+        Subject::Canvas(canvas) => canvas.clone(),
+        Subject::World(playing) => Box::new(Canvas::new(playing.world.size())?),
+    };
+    let said = canvas.place_image(png, kind)?;
+    *subject = Subject::Canvas(canvas);
+    Ok(said)
+}

@@ -1,0 +1,183 @@
+//! The GPU backend: light is submitted before the window is drawn, and composed in its render pass.
+
+use super::Shown;
+use anyhow::Result;
+use eframe::egui::{PaintCallbackInfo, Painter, Rect};
+use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};
+use lamplight::{Cells, Light, Rgb, Settings};
+use lamplight_wgpu::read_back::FetchLight;
+use lamplight_wgpu::wgpu::{
+    Device, Extent3d, Queue, RenderPass, TexelCopyBufferLayout, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages, TextureView,
+};
+use lamplight_wgpu::{
+    Color, Compose, ComposeParams, Filter, FrameInput, Lighting, LightingOptions, Timer,
+};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// Light computed on the device of the window.
+pub struct OnGpu {
+    name: String,
+    device: Device,
+    queue: Queue,
+    target: TextureFormat,
+    lighting: Lighting,
+    compose: Arc<Mutex<Compose>>,
+    timer: Option<Timer>,
+    colors: Option<Colors>,
+}
+
+/// The colours of cells as a texture.
+struct Colors {
+    size: [u32; 2],
+    view: TextureView,
+    texels: Vec<[f32; 4]>,
+}
+
+impl Colors {
+    fn new(device: &Device, size: [u32; 2]) -> Self {
+        let [width, height] = size;
+        let texture = device.create_texture(&TextureDescriptor {
+            label: Some("colours"),
+            size: Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::Rgba32Float,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        Self { size, view: texture.create_view(&Default::default()), texels: Vec::new() }
+    }
+
+    fn write(&mut self, queue: &Queue, colors: &[Rgb]) {
+        self.texels.clear();
+        self.texels.extend(colors.iter().map(|&[r, g, b]| [r, g, b, 1.0]));
+        let [width, height] = self.size;
+        let layout = TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(16 * width),
+            rows_per_image: None,
+        };
+        let extent = Extent3d { width, height, depth_or_array_layers: 1 };
+        let bytes = bytemuck::cast_slice(&self.texels);
+        queue.write_texture(self.view.texture().as_image_copy(), bytes, layout, extent);
+    }
+}
+
+/// Draws the light of the last frame where the window has its place for it.
+struct Draw(Arc<Mutex<Compose>>);
+
+impl CallbackTrait for Draw {
+    fn paint(&self, _: PaintCallbackInfo, pass: &mut RenderPass<'static>, _: &CallbackResources) {
+        // Before the first frame there is nothing to draw.
+        let _ = self.0.lock().unwrap_or_else(PoisonError::into_inner).draw(pass);
+    }
+}
+
+impl OnGpu {
+    pub fn new(state: &RenderState, settings: &Settings) -> Result<Self> {
+        // Browsers keep the name to themselves.
+        let name = Some(state.adapter.get_info().name).filter(|name| !name.is_empty());
+        let name = name.unwrap_or_else(|| "the GPU".to_owned());
+        Self::on(name, (state.device.clone(), state.queue.clone()), state.target_format, settings)
+    }
+
+    /// Another one on the same device.
+    pub fn beside(&self, settings: &Settings) -> Result<Self> {
+        Self::on(
+            self.name.clone(),
+            (self.device.clone(), self.queue.clone()),
+            self.target,
+            settings,
+        )
+    }
+
+    fn on(
+        name: String,
+        (device, queue): (Device, Queue),
+        target: TextureFormat,
+        settings: &Settings,
+    ) -> Result<Self> {
+        let mut lighting = Lighting::new(&device, &queue, &LightingOptions::default())?;
+        lighting.precompile(settings)?;
+        Ok(Self {
+            name,
+            target,
+            lighting,
+            compose: Arc::new(Mutex::new(Compose::new(&device, &queue)?)),
+            timer: Timer::new(&device, &queue),
+            colors: None,
+            device,
+            queue,
+        })
+    }
+
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub fn find(
+        &mut self,
+        cells: &Cells,
+        picture: &Cells,
+        settings: &Settings,
+        shown: Shown,
+    ) -> Result<()> {
+        let Self { device, queue, lighting, timer, .. } = self;
+        lighting.prepare(&FrameInput::of_cells(settings, cells))?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        match timer {
+            Some(timer) => lighting.record_timed(&mut encoder, timer)?,
+            None => lighting.record(&mut encoder)?,
+        }
+        queue.submit([encoder.finish()]);
+        self.prepare(cells, picture, shown)
+    }
+
+    /// Prepares the composition in the window.
+    fn prepare(&mut self, cells: &Cells, picture: &Cells, shown: Shown) -> Result<()> {
+        let size = [picture.width(), picture.height()];
+        let is_coarse = [cells.width(), cells.height()] != size;
+        let color = match picture.color().filter(|_| !shown.light_alone) {
+            None => Color::White,
+            Some(colors) => {
+                let known = self.colors.take().filter(|known| known.size == size);
+                let known =
+                    self.colors.insert(known.unwrap_or_else(|| Colors::new(&self.device, size)));
+                known.write(&self.queue, colors);
+                // Colours keep their own resolution.
+                if is_coarse { Color::View(&known.view) } else { Color::Cells(&known.view) }
+            }
+        };
+        let params = ComposeParams {
+            display: shown.display,
+            filter: if shown.smooth || is_coarse { Filter::Linear } else { Filter::Nearest },
+            color,
+            ..ComposeParams::default()
+        };
+        let mut compose = self.compose.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(compose.prepare(&self.lighting, self.target, &params)?)
+    }
+
+    pub fn draw(&self, painter: &Painter, place: Rect) {
+        painter.add(Callback::new_paint_callback(place, Draw(self.compose.clone())));
+    }
+
+    pub fn ask(&self, cells: &Cells) -> Result<FetchLight> {
+        Ok(FetchLight::new(&self.lighting, cells)?)
+    }
+
+    pub fn take(&self, asked: &FetchLight) -> Result<Option<Light>> {
+        Ok(asked.take()?)
+    }
+
+    pub fn stages(&mut self) -> &[(&'static str, Duration)] {
+        self.timer.as_mut().map_or(&[], Timer::read)
+    }
+
+    pub fn memory(&self) -> Option<u64> {
+        self.lighting.cost().map(|cost| cost.memory)
+    }
+}

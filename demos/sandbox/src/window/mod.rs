@@ -1,0 +1,19 @@
+//! The application window: contents and input.
+
+pub mod app;
+mod benchmark;
+mod files;
+mod folded;
+mod fonts;
+mod gpu_loss;
+mod halves;
+mod inspect;
+pub mod light;
+mod panels;
+mod probe;
+mod resolution;
+mod saving;
+pub mod script;
+pub mod start;
+mod subject;
+mod view;

@@ -1,0 +1,218 @@
+//! The tools of the pointer: brushes of a world, or tools of the canvas.
+
+use crate::window::view::Pointer;
+use eframe::egui::{Button, ComboBox, Slider, Ui, color_picker};
+use lamplight::{Lamp, Rgb};
+use lamplight_sandbox::canvas::{As, Brush, Canvas, Stuff, Tool};
+
+/// The kind of a brush.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum BrushKind {
+    Wall,
+    Glass,
+    Fog,
+    Glow,
+    Lamp,
+    Backdrop,
+    Erase,
+}
+
+impl BrushKind {
+    const ALL: [(Self, &str, &str); 7] = [
+        (Self::Wall, "Wall", "Blocks light and reflects its colour"),
+        (Self::Glass, "Glass", "Colours the light that passes through"),
+        (Self::Fog, "Fog", "Absorbs some light and scatters some"),
+        (Self::Glow, "Glow", "Solid matter that emits light"),
+        (Self::Lamp, "Lamp", "Click to add a lamp, drag to move it, right click to remove it"),
+        (Self::Backdrop, "Backdrop", "The colour behind open space"),
+        (Self::Erase, "Erase", "Removes matter"),
+    ];
+}
+
+/// The selected tool and its settings.
+pub struct Tools {
+    kind: BrushKind,
+    tool: Tool,
+    color: [f32; 3],
+    /// Multiplies the colour of glowing matter.
+    intensity: f32,
+    opacity: f32,
+    pub radius: f32,
+    /// The brush of a world.
+    pub brush: usize,
+    /// The lamp being dragged.
+    dragged: Option<usize>,
+}
+
+impl Default for Tools {
+    fn default() -> Self {
+        Self {
+            kind: BrushKind::Glow,
+            tool: Tool::Free,
+            color: [1.0, 0.55, 0.2],
+            intensity: 4.0,
+            opacity: 0.05,
+            radius: 3.0,
+            brush: 0,
+            dragged: None,
+        }
+    }
+}
+
+impl Tools {
+    /// Shows the tools of a canvas.
+    pub fn show_canvas(&mut self, ui: &mut Ui, canvas: &mut Canvas) {
+        for (kind, name, words) in BrushKind::ALL {
+            ui.selectable_value(&mut self.kind, kind, name).on_hover_text(words);
+        }
+        ui.separator();
+        if self.kind != BrushKind::Erase {
+            ui.label("Colour");
+            color_picker::color_edit_button_rgb(ui, &mut self.color);
+        }
+        if matches!(self.kind, BrushKind::Glow | BrushKind::Lamp) {
+            ui.label("Brightness");
+            ui.add(
+                Slider::new(&mut self.intensity, 0.1..=100.0).logarithmic(true).show_value(true),
+            );
+        }
+        if self.kind == BrushKind::Fog {
+            ui.label("Thickness");
+            ui.add(Slider::new(&mut self.opacity, 0.001..=0.9).logarithmic(true));
+        }
+        self.radius(ui);
+        if self.kind != BrushKind::Lamp {
+            let name = |tool| match tool {
+                Tool::Free => "Free hand",
+                Tool::Line => "Line",
+                Tool::Rectangle { filled: false } => "Rectangle",
+                Tool::Rectangle { filled: true } => "Filled rectangle",
+                Tool::Fill => "Fill",
+            };
+            ComboBox::from_id_salt("tool").selected_text(name(self.tool)).show_ui(ui, |ui| {
+                for tool in [
+                    Tool::Free,
+                    Tool::Line,
+                    Tool::Rectangle { filled: false },
+                    Tool::Rectangle { filled: true },
+                    Tool::Fill,
+                ] {
+                    ui.selectable_value(&mut self.tool, tool, name(tool));
+                }
+            });
+        }
+        ui.separator();
+        let [undo, redo] = canvas.history_depth();
+        ui.horizontal(|ui| {
+            if ui.add_enabled(undo > 0, Button::new("Undo")).clicked() {
+                canvas.undo();
+            }
+            if ui.add_enabled(redo > 0, Button::new("Redo")).clicked() {
+                canvas.redo();
+            }
+        });
+        if ui.button("Clear").clicked() {
+            canvas.clear();
+        }
+    }
+
+    /// Shows the brushes of a world.
+    pub fn show_world(&mut self, ui: &mut Ui, brushes: &[&str]) {
+        for (number, name) in brushes.iter().enumerate() {
+            ui.selectable_value(&mut self.brush, number, *name);
+        }
+        if !brushes.is_empty() {
+            self.radius(ui);
+        }
+    }
+
+    fn radius(&mut self, ui: &mut Ui) {
+        ui.label("Size");
+        ui.add(Slider::new(&mut self.radius, 0.5..=40.0).logarithmic(true));
+    }
+
+    /// Resets everything that refers to a former canvas or world.
+    pub fn reset(&mut self) {
+        (self.brush, self.dragged) = (0, None);
+    }
+
+    /// The matter of a dropped picture: that of the brush if it has colours, otherwise walls.
+    pub fn image(&self) -> As {
+        match self.kind {
+            BrushKind::Glow => As::Glow(self.intensity),
+            BrushKind::Glass => As::Glass,
+            BrushKind::Backdrop => As::Backdrop,
+            BrushKind::Wall | BrushKind::Fog | BrushKind::Lamp | BrushKind::Erase => As::Wall,
+        }
+    }
+
+    /// Chooses lamps.
+    pub fn choose_lamp(&mut self) {
+        self.kind = BrushKind::Lamp;
+    }
+
+    /// Applies the pointer to a canvas. Returns an error message.
+    pub fn apply(&mut self, canvas: &mut Canvas, pointer: Pointer) -> Result<(), String> {
+        let Some(at) = pointer.at else {
+            if pointer.released {
+                self.release(canvas);
+            }
+            return Ok(());
+        };
+        if pointer.pressed {
+            self.press(canvas, at, pointer.other)?;
+        } else if pointer.held {
+            match self.dragged {
+                Some(lamp) => canvas.move_lamp(lamp, at).map_err(|e| e.to_string())?,
+                None => canvas.drag(at),
+            }
+        }
+        if pointer.released {
+            self.release(canvas);
+        }
+        Ok(())
+    }
+
+    fn press(&mut self, canvas: &mut Canvas, at: [f32; 2], other: bool) -> Result<(), String> {
+        // Lamps can be dragged with any brush.
+        let lamp = canvas.lamp_at(at);
+        if let (Some(lamp), true) = (lamp, other) {
+            return canvas.remove_lamp(lamp).map_err(|e| e.to_string());
+        }
+        if lamp.is_some() || self.kind == BrushKind::Lamp {
+            canvas.begin();
+            self.dragged = match lamp {
+                Some(lamp) => Some(lamp),
+                None => Some(canvas.add_lamp(self.lamp(at)).map_err(|e| e.to_string())?),
+            };
+            return Ok(());
+        }
+        let stuff = if other { Stuff::Erase } else { self.stuff() };
+        canvas.press(self.tool, Brush { stuff, radius: self.radius }, at);
+        Ok(())
+    }
+
+    fn release(&mut self, canvas: &mut Canvas) {
+        match self.dragged.take() {
+            Some(_) => canvas.end(),
+            None => canvas.release(),
+        }
+    }
+
+    fn lamp(&self, position: [f32; 2]) -> Lamp {
+        let (color, intensity) = (self.color, 4.0 * self.intensity);
+        Lamp { position, color, intensity, size: self.radius.clamp(1.0, 8.0), ..Lamp::default() }
+    }
+
+    fn stuff(&self) -> Stuff {
+        let color: Rgb = self.color;
+        match self.kind {
+            BrushKind::Wall => Stuff::Wall(color),
+            BrushKind::Glass => Stuff::Glass(color),
+            BrushKind::Fog => Stuff::Fog(self.opacity, color),
+            BrushKind::Glow => Stuff::Glow(color.map(|v| v * self.intensity)),
+            BrushKind::Backdrop => Stuff::Backdrop(color),
+            BrushKind::Erase | BrushKind::Lamp => Stuff::Erase,
+        }
+    }
+}

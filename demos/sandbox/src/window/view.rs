@@ -1,0 +1,129 @@
+//! The place of the picture in the window, and the pointer in it.
+
+use eframe::egui::{PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2};
+
+/// The place of the picture.
+pub struct PictureFrame {
+    pub place: Rect,
+    pub response: Response,
+    size: [u32; 2],
+}
+
+/// The state of the pointer over the picture.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pointer {
+    /// Position in cells from the top left; `None` outside.
+    pub at: Option<[f32; 2]>,
+    pub held: bool,
+    pub pressed: bool,
+    pub released: bool,
+    /// True if the secondary button is down.
+    pub other: bool,
+}
+
+impl PictureFrame {
+    /// The largest picture that fits; with `whole`, cells have a whole number of pixels.
+    pub fn new(ui: &mut Ui, size: [u32; 2], whole: bool) -> Self {
+        let room = ui.available_rect_before_wrap();
+        let cells = Vec2::new(size[0] as f32, size[1] as f32);
+        let pixels = ui.ctx().pixels_per_point();
+        // A window may be smaller than its panels.
+        let fits = (room.width() / cells.x).min(room.height() / cells.y).max(0.0) * pixels;
+        let scale = if whole && fits >= 1.0 { fits.floor() } else { fits };
+        // On whole pixels, so that all columns of cells are equally wide.
+        let on_pixel = |v: f32| (v * pixels).round() / pixels;
+        let extent = cells * scale / pixels;
+        let corner = room.center() - 0.5 * extent;
+        let corner = Pos2::new(on_pixel(corner.x), on_pixel(corner.y));
+        let place = Rect::from_min_size(corner, extent);
+        let response = ui.allocate_rect(room, Sense::click_and_drag());
+        Self { place, response, size }
+    }
+
+    /// Converts a position in the picture to the window.
+    pub fn to_window(&self, [x, y]: [f32; 2]) -> Pos2 {
+        let across = Vec2::new(x / self.size[0] as f32, y / self.size[1] as f32);
+        self.place.min + across * self.place.size()
+    }
+
+    fn to_cells(&self, at: Pos2) -> [f32; 2] {
+        let across = (at - self.place.min) / self.place.size();
+        [across.x * self.size[0] as f32, across.y * self.size[1] as f32]
+    }
+
+    pub fn pointer(&self, ui: &Ui) -> Pointer {
+        let buttons = [PointerButton::Primary, PointerButton::Secondary];
+        let (held, pressed, released, other) = ui.input(|input| {
+            let pointer = &input.pointer;
+            (
+                buttons.iter().any(|&b| pointer.button_down(b)),
+                buttons.iter().any(|&b| pointer.button_pressed(b)),
+                buttons.iter().any(|&b| pointer.button_released(b)),
+                pointer.button_down(PointerButton::Secondary),
+            )
+        });
+        if !self.place.is_positive() {
+            return Pointer::default();
+        }
+        let over = self.response.contains_pointer();
+        // A drag that started inside continues outside.
+        let at = self.response.interact_pointer_pos().or(self.response.hover_pos());
+        Pointer {
+            at: at
+                .filter(|_| over || self.response.is_pointer_button_down_on())
+                .map(|at| self.to_cells(at)),
+            held: held && self.response.is_pointer_button_down_on(),
+            pressed: pressed && over,
+            released,
+            other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Context, Event, Modifiers, RawInput};
+
+    /// The place of a picture of 32×18 cells in a window, and a pointer that presses its centre.
+    fn shown(window: Vec2, whole: bool) -> (Rect, Pointer) {
+        let mut seen = None;
+        let context = Context::default();
+        // egui assigns a press to the widget of the previous frame.
+        for frame in 0..3 {
+            let at = Pos2::ZERO + 0.5 * window;
+            let mut events = vec![Event::PointerMoved(at)];
+            if frame == 2 {
+                let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+                events.push(Event::PointerButton { pos: at, button, pressed: true, modifiers });
+            }
+            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, window));
+            let input = RawInput { screen_rect, events, ..RawInput::default() };
+            let _ = context.run_ui(input, |ui| {
+                let view = PictureFrame::new(ui, [32, 18], whole);
+                seen = Some((view.place, view.pointer(ui)));
+            });
+        }
+        seen.unwrap()
+    }
+
+    #[test]
+    fn the_pointer_is_in_cells() {
+        for whole in [false, true] {
+            let (place, pointer) = shown(Vec2::new(400.0, 300.0), whole);
+            assert!(place.width() >= 320.0 && (place.aspect_ratio() - 32.0 / 18.0).abs() < 1e-3);
+            let [x, y] = pointer.at.unwrap();
+            assert!((x - 16.0).abs() < 0.5 && (y - 9.0).abs() < 0.5, "{x} {y}");
+            assert!(pointer.pressed && pointer.held && !pointer.other);
+        }
+    }
+
+    #[test]
+    fn a_window_without_space_has_no_pointer() {
+        for window in [Vec2::ZERO, Vec2::new(0.0, 300.0), Vec2::new(300.0, 0.0), Vec2::splat(1.0)] {
+            let (place, pointer) = shown(window, true);
+            assert!(place.min.x.is_finite() && place.max.y.is_finite());
+            assert!(pointer.at.is_none_or(|at| at.iter().all(|v| v.is_finite())), "{pointer:?}");
+        }
+    }
+}

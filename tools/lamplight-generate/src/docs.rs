@@ -1,0 +1,367 @@
+//! The pictures and figures in the documents: all of them made here, none typed by hand.
+//!
+//! Figures stand between `<!-- begin NAME: cargo xtask docs -->` and `<!-- end NAME -->`.
+
+use crate::frontier::{self, Scene};
+use crate::generated::{self, Mode, root};
+use crate::scenes;
+use anyhow::{Context, Result, ensure};
+use lamplight::Method;
+use serde_json::Value;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// The scene that `compare` judges, by direct light: the reference is sharp enough within a minute.
+const JUDGED: &str = "cave";
+/// Paths a pixel of the reference.
+const SAMPLES: &str = "4096";
+/// Picture pixels per cell of a scene.
+const SCALE: &str = "2";
+
+/// Pictures of [`scenes::BY_RULE`], and how each is made.
+const THEATRE: [(&str, &[&str]); 4] = [
+    ("theatre", &["--method", "polar"]),
+    ("theatre-gamemaker", &["--method", "polar", "--set", "polar.preset=gamemaker"]),
+    ("theatre-flood", &["--method", "flood", "--frames", "16"]),
+    ("theatre-flood-seed", &["--method", "flood", "--frames", "16", "--set", "flood.preset=seed"]),
+];
+/// The recipes of docs/cookbook.md.
+const COOKBOOK: [&str; 7] = ["dusk", "fog", "leaves", "neon", "torch", "water", "window"];
+/// Picture pixels per cell of a recipe.
+const COOKBOOK_SCALE: &str = "3";
+/// Sizes at which their cost is measured.
+const POLAR_SIZES: &str = "320x180,640x360,1280x720";
+const FLOOD_SIZES: &str = "64x64,128x128,320x180";
+const CASCADES_SIZES: &str = "128x128,256x256,320x180,512x512";
+const HOLOGRAPHIC_SIZES: &str = "128x128,256x256,320x180,512x512,1024x1024,2048x2048";
+
+pub fn run() -> Result<()> {
+    fs::create_dir_all(root().join("docs/pictures"))?;
+    pictures()?;
+    let machine = machine()?;
+    insert("docs/README.md", "times", &times(&machine)?)?;
+    let lights = "walls and 36 glowing discs";
+    let holographic = costs(Method::Holographic, HOLOGRAPHIC_SIZES, lights, &machine)?;
+    insert("docs/holographic.md", "costs", &holographic)?;
+    let cascades = costs(Method::Cascades, CASCADES_SIZES, lights, &machine)?;
+    insert("docs/cascades.md", "costs", &cascades)?;
+    let lamps = "one of range 64 to 922 cells: 1000 at 1280×720";
+    insert("docs/polar.md", "costs", &costs(Method::Polar, POLAR_SIZES, lamps, &machine)?)?;
+    insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, lights, &machine)?)?;
+    methods(&machine)?;
+    insert("docs/holographic.md", "errors", &errors(&["holographic"], &machine)?)?;
+    insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
+    insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)
+}
+
+/// Sizes at which frames on the GPU are accounted for, and timed where there is a hardware one.
+const GPU_SIZES: &str = "512x512,1024x1024,1920x1080";
+
+/// The page on the GPU: what frames move and hold, and what they take on a hardware one.
+pub fn gpu() -> Result<()> {
+    insert("docs/performance.md", "costs", &gpu_table(true)?)?;
+    let info: Value = serde_json::from_str(&lamplight(&["info", "--json"])?)?;
+    let adapters = info["adapters"].as_array().context("`info --json` lists adapters")?;
+    let hardware = adapters.iter().any(|adapter| adapter["kind"] != "software");
+    let times = if hardware {
+        gpu_table(false)?
+    } else {
+        "Not measured: no hardware GPU was available when this page was made.\n".to_owned()
+    };
+    insert("docs/performance.md", "times", &times)?;
+    insert("docs/sandbox.md", "budget", &budget()?)
+}
+
+/// ms of light in a frame of the sandbox, `lamplight_sandbox::pace::BUDGET`.
+const BUDGET: f64 = 12.0;
+
+/// The sandbox's time for light, divided among passes by the bytes that they move.
+fn budget() -> Result<String> {
+    let arguments = ["bench", "--backend", "gpu", "--method", "holographic", "--json", "--cost"];
+    let case = ["--size", "640x360", "--set", "holographic.preset=fast"];
+    let said: Value = serde_json::from_str(&lamplight(&[&arguments[..], &case].concat())?)?;
+    let kernels = said["kernels"].as_array().context("`bench --cost` lists kernels")?;
+    let bytes = |kernel: &Value| {
+        anyhow::Ok(number(kernel, "bytes_read")? + number(kernel, "bytes_written")?)
+    };
+    let total: f64 = kernels.iter().map(bytes).sum::<Result<f64>>()?;
+    let mut table =
+        String::from("| pass | dispatches | MB moved | ms |\n| --- | ---: | ---: | ---: |\n");
+    for kernel in kernels {
+        let name = |key: &str| kernel[key].as_str().unwrap_or_default();
+        let (moved, runs) = (bytes(kernel)?, number(kernel, "dispatches")?);
+        let ms = BUDGET * moved / total;
+        writeln!(
+            table,
+            "| `{}`, `{}` | {runs} | {:.1} | {ms:.2} |",
+            name("shader"),
+            name("entry"),
+            moved / 1e6
+        )?;
+    }
+    let speed = total / BUDGET / 1e6;
+    writeln!(table, "| all | | {:.0} | {BUDGET} |\n\nThis needs {speed:.0} GB/s.", total / 1e6)?;
+    Ok(table)
+}
+
+/// Bytes that a frame of each method and preset moves and holds on the GPU, or its time.
+fn gpu_table(cost: bool) -> Result<String> {
+    let mut table = String::from(if cost {
+        "| preset | cells | dispatches | MB read | MB written | MB held |\n\
+         | --- | --- | --- | --- | --- | --- |\n"
+    } else {
+        "| preset | cells | per frame | by stage |\n| --- | --- | --- | --- |\n"
+    });
+    let mut adapter = String::new();
+    for method in Method::ALL {
+        for preset in method.presets() {
+            println!("bench {}, {preset}, on the GPU", method.name());
+            let set = format!("{}.preset={preset}", method.name());
+            let name = method.name();
+            let mut arguments = vec!["bench", "--backend", "gpu", "--method", name, "--json"];
+            arguments.extend(["--size", GPU_SIZES, "--set", &set]);
+            arguments.extend(cost.then_some("--cost"));
+            for line in lamplight(&arguments)?.lines() {
+                let case: Value = serde_json::from_str(line)?;
+                let (width, height) = (number(&case, "width")?, number(&case, "height")?);
+                write!(table, "| `{name}`, `{preset}` | {width}×{height} |")?;
+                if cost {
+                    write!(table, " {} |", number(&case, "dispatches")?)?;
+                    for key in ["bytes_read", "bytes_written", "bytes_held"] {
+                        write!(table, " {:.0} |", number(&case, key)? / 1e6)?;
+                    }
+                } else {
+                    let stages = case["stages_ms"].as_object().context("a case has stages")?;
+                    let stages = stages.iter().map(|(name, ms)| format!("{name} {ms:.2}"));
+                    let stages = stages.collect::<Vec<_>>().join(", ");
+                    write!(table, " {:.2} ms | {stages} |", number(&case, "median_ms")?)?;
+                }
+                table.push('\n');
+                case["adapter"].as_str().unwrap_or_default().clone_into(&mut adapter);
+            }
+        }
+    }
+    if !cost {
+        writeln!(table, "\nMedian of several frames on {adapter}, by its own clock.")?;
+    }
+    Ok(table)
+}
+
+/// The page that sets all methods side by side.
+fn methods(machine: &str) -> Result<()> {
+    let mut judged = Vec::new();
+    for name in scenes::NAMES {
+        println!("compare {name}");
+        let flags = ["--bounces", "0", "--cells", frontier::CELLS, "--samples", frontier::SAMPLES];
+        let said = lamplight(
+            &[&["compare", &file(name), "--backend", "cpu", "--json"], &flags[..]].concat(),
+        )?;
+        judged.push(Scene::read(name, &said)?);
+    }
+    let plot = frontier::svg(&judged)?;
+    generated::bytes(Mode::Write, "docs/pictures/methods.svg", plot.as_bytes(), "docs")?;
+    let table = format!(
+        "{}\nRelative RMSE of direct light at {} open cells per scene, picked at random, against {} paths \
+         per cell; `mean` and `per frame` are geometric means over the scenes. Median times {machine}.\n",
+        frontier::table(&judged)?,
+        frontier::CELLS,
+        frontier::SAMPLES,
+    );
+    insert("docs/methods.md", "methods", &table)
+}
+
+/// Time per frame of a method in the built-in scene, by preset and size.
+fn costs(method: Method, sizes: &str, scene: &str, machine: &str) -> Result<String> {
+    let by_yardstick = method == Method::Holographic;
+    let mut table = String::from("| preset | cells | per frame |");
+    if by_yardstick {
+        table += " ns per cell and level | times faster |\n| --- | --- | --- | --- | --- |\n";
+    } else {
+        table += "\n| --- | --- | --- |\n";
+    }
+    for preset in method.presets() {
+        println!("time {}, {preset}", method.name());
+        let set = format!("{}.preset={preset}", method.name());
+        let mut arguments =
+            vec!["bench", "--method", method.name(), "--size", sizes, "--set", &set, "--json"];
+        if by_yardstick {
+            arguments.push("--yardstick");
+        }
+        for line in lamplight(&arguments)?.lines() {
+            let case: Value = serde_json::from_str(line)?;
+            let (width, height) = (number(&case, "width")?, number(&case, "height")?);
+            let median = number(&case, "median_ms")?;
+            write!(table, "| `{preset}` | {width}×{height} | {median:.1} ms |")?;
+            if by_yardstick {
+                let growth = 1e6 * median / (width * height * width.max(height).log2());
+                write!(table, " {growth:.1} | {:.1} |", number(&case, "yardstick_ratio")?)?;
+            }
+            table.push('\n');
+        }
+    }
+    writeln!(table, "\nMedian of several frames of the scene of `bench` ({scene}) {machine}.")?;
+    if by_yardstick {
+        writeln!(
+            table,
+            "`times faster`: than a plain implementation of the published cascades, timed in turns \
+             (`bench --yardstick`). Levels: log₂ of the longer side."
+        )?;
+    }
+    Ok(table)
+}
+
+fn pictures() -> Result<()> {
+    for name in scenes::NAMES {
+        println!("render {name}");
+        let output = format!("docs/pictures/{name}.png");
+        lamplight(&["render", &file(name), "--scale", SCALE, "-o", &output])?;
+    }
+    for (name, method) in THEATRE {
+        println!("render {name}");
+        let output = format!("docs/pictures/{name}.png");
+        let picture = ["--scale", SCALE, "-o", &output];
+        lamplight(&[&["render", &file(scenes::BY_RULE)], method, &picture[..]].concat())?;
+    }
+    for name in COOKBOOK {
+        println!("render {name}");
+        let (scene, output) =
+            (format!("scenes/cookbook/{name}.toml"), format!("docs/pictures/cookbook-{name}.png"));
+        lamplight(&["render", &scene, "--scale", COOKBOOK_SCALE, "-o", &output])?;
+    }
+    let light = ["--stage", "light", "--scale", SCALE, "-o", "docs/pictures/cave-light.png"];
+    lamplight(&[&["render", &file("cave")], &light[..]].concat())?;
+    for (name, preset, output) in [
+        ("cascades", "default", "docs/pictures/grove-cascades.png"),
+        ("cascades", "plain", "docs/pictures/grove-cascades-plain.png"),
+        ("holographic", "default", "docs/pictures/grove-holographic.png"),
+        ("holographic", "paper", "docs/pictures/grove-holographic-paper.png"),
+    ] {
+        let preset = format!("{name}.preset={preset}");
+        let direct = ["--bounces", "0", "--stage", "light", "--scale", SCALE, "-o", output];
+        let scene = file("grove");
+        let method = ["render", &scene, "--method", name, "--set", &preset];
+        lamplight(&[&method, &direct[..]].concat())?;
+    }
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().to_str().context("the temporary folder's name is text")?;
+    lamplight(&["stages", &file("cave"), "--backend", "cpu", "-o", path])?;
+    let sheet = image::open(folder.path().join("contact-sheet.png"))?;
+    generated::picture(Mode::Write, "docs/pictures/cave-stages.png", &sheet, "docs")
+}
+
+fn times(machine: &str) -> Result<String> {
+    let mut table = String::from(
+        "| scene | cells | method | bounces | per frame |\n| --- | --- | --- | --- | --- |\n",
+    );
+    for name in scenes::NAMES {
+        println!("time {name}");
+        let scene = lamplight::Scene::load(root().join(file(name)))?;
+        let settings = scene.resolve_settings()?;
+        let method = settings.method.name();
+        let bench = ["bench", "--method", method, "--scene", &file(name), "--json"];
+        let case: Value = serde_json::from_str(&lamplight(&bench)?)?;
+        writeln!(
+            table,
+            "| [{name}](../scenes/{name}.toml) | {}×{} | {} | {} | {:.0} ms |",
+            scene.size[0],
+            scene.size[1],
+            method,
+            settings.bounces.limit(),
+            number(&case, "median_ms")?
+        )?;
+    }
+    writeln!(table, "\nMedian of several frames {machine}.")?;
+    Ok(table)
+}
+
+fn errors(method: &[&str], machine: &str) -> Result<String> {
+    println!("compare {JUDGED} by {}", method[0]);
+    let direct = ["--bounces", "0", "--samples", SAMPLES, "--json"];
+    let scene = file(JUDGED);
+    let compare = ["compare", &scene, "--backend", "cpu", "--methods"];
+    let said = lamplight(&[&compare[..], method, &direct].concat())?;
+    let judged: Value = serde_json::from_str(&said)?;
+    let percent = |row: &Value, key: &str| Ok::<_, anyhow::Error>(number(row, key)? * 100.0);
+    let mut table = String::from(
+        "| settings | relative RMSE | bias | 99th percentile | FLIP | per frame |\n\
+         | --- | --- | --- | --- | --- | --- |\n",
+    );
+    for row in judged["rows"].as_array().context("compare has rows")? {
+        writeln!(
+            table,
+            "| {} | {:.1} % | {:+.2} % | {:.1} % | {:.3} | {:.0} ms |",
+            row["name"].as_str().context("a row has a name")?,
+            percent(row, "relative_rmse")?,
+            percent(row, "bias")?,
+            percent(row, "p99")?,
+            number(row, "flip")?,
+            number(row, "ms")?
+        )?;
+    }
+    writeln!(
+        table,
+        "\n`{JUDGED}`, direct light, against {SAMPLES} paths per pixel, whose own standard error is \
+         {:.1} %; times {machine}.",
+        percent(&judged["reference"], "relative_standard_error")?
+    )?;
+    Ok(table)
+}
+
+/// The machine that the figures were measured on.
+fn machine() -> Result<String> {
+    let info: Value = serde_json::from_str(&lamplight(&["info", "--json"])?)?;
+    let cpu = &info["backends"]["cpu"];
+    let features: Vec<&str> =
+        cpu["features"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    Ok(format!("on {} threads of a CPU with {}", cpu["threads"], features.join(", ")))
+}
+
+fn number(value: &Value, key: &str) -> Result<f64> {
+    value[key].as_f64().with_context(|| format!("`{key}` is a number in {value}"))
+}
+
+fn file(scene: &str) -> String {
+    format!("scenes/{scene}.toml")
+}
+
+/// Runs the command line in the root; what it prints.
+fn lamplight(arguments: &[&str]) -> Result<String> {
+    let this = std::env::current_exe()?;
+    let target = this.ancestors().nth(2).context("Cargo builds into a folder for each profile")?;
+    let program = target.join("release").join(format!("lamplight{}", std::env::consts::EXE_SUFFIX));
+    let output = Command::new(program).args(arguments).current_dir(root()).output()?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "lamplight {} failed: {said}", arguments.join(" "));
+    Ok(String::from_utf8(output.stdout)?)
+}
+
+/// Puts text between the marks of a block.
+fn insert(path: &str, name: &str, text: &str) -> Result<()> {
+    let page =
+        fs::read_to_string(root().join(path)).with_context(|| format!("cannot read {path}"))?;
+    let page = replace(&page, name, text).with_context(|| format!("{path} has no block {name}"))?;
+    generated::bytes(Mode::Write, Path::new(path), page.as_bytes(), "docs")
+}
+
+fn replace(page: &str, name: &str, text: &str) -> Option<String> {
+    let (begin, end) =
+        (format!("<!-- begin {name}: cargo xtask docs -->\n"), format!("<!-- end {name} -->"));
+    let from = page.find(&begin)? + begin.len();
+    let to = from + page[from..].find(&end)?;
+    Some(format!("{}{text}{}", &page[..from], &page[to..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_is_replaced_and_nothing_else() {
+        let page = "a\n<!-- begin x: cargo xtask docs -->\nold\n<!-- end x -->\nb\n";
+        let new = replace(page, "x", "new\n").unwrap();
+        assert_eq!(new, "a\n<!-- begin x: cargo xtask docs -->\nnew\n<!-- end x -->\nb\n");
+        assert_eq!(replace(page, "y", "new\n"), None);
+    }
+}

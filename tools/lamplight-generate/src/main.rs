@@ -1,0 +1,103 @@
+//! The files that code makes and the repository keeps: `cargo xtask scenes | noise | schema | docs`.
+
+mod docs;
+mod frontier;
+mod generated;
+mod noise;
+mod random;
+mod scenes;
+mod schema;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use generated::Mode;
+use std::process::ExitCode;
+
+#[derive(Parser)]
+#[command(name = "lamplight-generate", about = "The files that code makes.")]
+struct Args {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Draw the example scenes.
+    Scenes(Generate),
+    /// Make the blue-noise texture.
+    Noise(Generate),
+    /// Write the JSON Schema of scene files.
+    Schema(Generate),
+    /// Make the pictures and measure the figures in the documents; needs the command line, built with
+    /// `--release`.
+    Docs {
+        /// Only the page on the GPU.
+        #[arg(long)]
+        gpu: bool,
+    },
+    /// Print every shader as JSON, by its name.
+    Shaders,
+}
+
+#[derive(clap::Args)]
+struct Generate {
+    /// Write nothing; fail if what is in the repository differs from what would be written.
+    #[arg(long)]
+    check: bool,
+}
+
+impl Generate {
+    fn mode(&self) -> Mode {
+        if self.check { Mode::Check } else { Mode::Write }
+    }
+}
+
+fn main() -> ExitCode {
+    match run(Args::parse().chore) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(chore: Chore) -> Result<()> {
+    match chore {
+        Chore::Scenes(args) => scenes::run(args.mode()),
+        Chore::Noise(args) => noise::run(args.mode()),
+        Chore::Schema(args) => schema::run(args.mode()),
+        Chore::Docs { gpu: true } => docs::gpu(),
+        Chore::Docs { gpu: false } => {
+            docs::run()?;
+            docs::gpu()
+        }
+        Chore::Shaders => {
+            let shaders = lamplight_wgpu::shaders().map(|(name, text)| (name, text.into()));
+            let shaders: serde_json::Map<_, _> =
+                shaders.map(|(name, text)| (name.to_owned(), text)).collect();
+            println!("{}", serde_json::Value::from(shaders));
+            Ok(())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_blue_noise_is_up_to_date() {
+        noise::run(Mode::Check).unwrap();
+    }
+
+    #[test]
+    fn the_scenes_are_up_to_date() {
+        scenes::run(Mode::Check).unwrap();
+    }
+
+    #[test]
+    fn the_schema_is_up_to_date() {
+        schema::run(Mode::Check).unwrap();
+    }
+}

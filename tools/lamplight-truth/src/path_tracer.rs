@@ -1,0 +1,402 @@
+//! The reference: brute-force path tracing through the cells, straight from the definitions.
+
+use crate::random::Random;
+use crate::traverse::{Event, Grid, Stretch, Walk};
+use lamplight::stages::walls::Walls;
+use lamplight::{Bounces, Cells, Error, Light, Result, Rgb, Sky};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The number of independent estimates of every cell, whose spread gives its standard error.
+pub(crate) const BATCHES: u32 = 16;
+/// The transmittance below which a medium ends a ray, far below f32's resolution.
+const OPAQUE: f64 = 1e-10;
+/// The number of bounces after which Russian roulette may end a path.
+const ROULETTE_AFTER: u32 = 3;
+/// The number of cells that a thread takes at a time, and between two calls of `progress`.
+const CHUNK: usize = 128;
+/// The steps of a sequence that fills a cube evenly with any number of points: g⁻¹, g⁻², g⁻³ with
+/// g⁴ = g + 1 (the R₃ sequence of Roberts 2018). First directions are even already; it
+/// spreads the next three.
+const SPREAD: [f64; 3] =
+    [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_2];
+
+/// An unbiased path tracer: no distance field, no interpolation, no light sampling, no filter.
+///
+/// - **Open cell**: the mean radiance arriving at its centre over all directions, J.
+/// - **Solid cell** with a face towards an open cell: the mean of the normalised irradiance
+///   `E/2 = ½∫ L cosθ dθ` over those faces and their length. Faces on the grid's border touch no cell and do not count.
+///   [`PathTracer::render`] then completes solid cells with [`Walls::sink`].
+/// - A path that crosses `s` px of a cell with opacity α < 1 gains `(1 − T)·L_e`,
+///   `T = ((1 − α)·tint)^s`; it then either continues, or is scattered from the cell's *centre* into
+///   a random direction. The choice is random, with weights that keep every channel unbiased.
+/// - A path that reaches a wall gains its `L_e` and is reflected at the point it hit,
+///   cosine-distributed.
+/// - Two solid cells that touch by a corner are opaque there; past a single solid corner a ray grazes.
+///
+/// In each of 16 independent batches first directions are evenly spaced from a random start, and the
+/// directions of the next bounces are evenly spread over them. Random numbers depend only on the seed,
+/// the cell and the path: the same seed gives the same bytes on any number of threads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathTracer {
+    /// The number of paths per cell, rounded up to a multiple of 16. The error falls as about
+    /// 1/√samples with bounces, faster for direct light; the time is proportional to it.
+    pub samples: u32,
+    /// The number of bounces. `Converged` has no limit except [`Bounces::MAX`].
+    pub bounces: Bounces,
+    /// The depth to which light sinks into solid cells, px ([`PathTracer::render`] only).
+    pub wall_depth: f32,
+    /// The seed for all random numbers.
+    pub seed: u64,
+}
+
+/// Light with its standard error.
+#[derive(Clone, Debug)]
+pub struct Estimate {
+    /// The light of every cell.
+    pub light: Light,
+    /// The standard error of every cell and channel, from 16 independent batches. In solid cells that
+    /// of the irradiance of their faces, 0 if no face is exposed.
+    pub standard_error: Vec<Rgb>,
+}
+
+impl PathTracer {
+    /// Computes the light of every cell. `progress` is called with the finished fraction, 0 to 1, from
+    /// any thread and not always in order.
+    ///
+    /// # Errors
+    /// Returns an error if the cells are invalid ([`Cells::check`]) or `samples` is 0.
+    pub fn render(&self, cells: &Cells, progress: &(dyn Fn(f32) + Sync)) -> Result<Estimate> {
+        self.check(cells)?;
+        let cells = cells.drawn();
+        let grid = Grid::new(&cells);
+        let tracer = Tracer::new(self, &cells, &grid);
+        let (width, total) = (cells.width() as usize, cells.len());
+        let done = AtomicUsize::new(0);
+        let mut rgb = vec![[0.0; 3]; total];
+        let mut standard_error = vec![[0.0; 3]; total];
+        rgb.par_chunks_mut(CHUNK).zip(standard_error.par_chunks_mut(CHUNK)).enumerate().for_each(
+            |(chunk, (rgb, error))| {
+                for (k, (rgb, error)) in rgb.iter_mut().zip(error).enumerate() {
+                    let i = chunk * CHUNK + k;
+                    (*rgb, *error) = tracer.cell((i % width) as i32, (i / width) as i32);
+                }
+                let done = done.fetch_add(rgb.len(), Ordering::Relaxed) + rgb.len();
+                progress(done as f32 / total as f32);
+            },
+        );
+        Walls::default().sink(&cells, self.wall_depth, &mut rgb);
+        let light = Light::from_pixels(&cells, rgb).expect("one value a cell");
+        Ok(Estimate { light, standard_error })
+    }
+
+    /// Computes the mean and the standard error of a few cells, `[x, y]`. In solid cells it is the
+    /// irradiance of the exposed faces, without emission; 0 if there are none.
+    ///
+    /// # Errors
+    /// Like [`PathTracer::render`], and if a cell is outside the grid.
+    pub fn at(&self, cells: &Cells, at: &[[u32; 2]]) -> Result<Vec<(Rgb, Rgb)>> {
+        self.check(cells)?;
+        let (width, height) = (cells.width(), cells.height());
+        if let Some([x, y]) = at.iter().find(|[x, y]| *x >= width || *y >= height) {
+            let inside = format!("a cell of the {width}×{height} grid");
+            return Err(Error::value("at", format!("[{x}, {y}]"), inside));
+        }
+        let cells = cells.drawn();
+        let grid = Grid::new(&cells);
+        let tracer = Tracer::new(self, &cells, &grid);
+        Ok(at.par_iter().map(|&[x, y]| tracer.cell(x as i32, y as i32)).collect())
+    }
+
+    pub(crate) fn check(&self, cells: &Cells) -> Result<()> {
+        if self.samples == 0 {
+            return Err(Error::value("samples", 0, "1 or more"));
+        }
+        cells.check()
+    }
+}
+
+/// The data that all paths of a picture share.
+pub(crate) struct Tracer<'c> {
+    cells: &'c Cells,
+    sky: Sky,
+    grid: &'c Grid,
+    limit: u32,
+    batches: u32,
+    /// The number of paths in a batch.
+    paths: u32,
+    seed: u64,
+}
+
+impl<'c> Tracer<'c> {
+    pub fn new(settings: &PathTracer, cells: &'c Cells, grid: &'c Grid) -> Self {
+        Self {
+            cells,
+            sky: cells.sky(),
+            grid,
+            limit: settings.bounces.limit(),
+            batches: BATCHES,
+            paths: settings.samples.div_ceil(BATCHES),
+            seed: settings.seed,
+        }
+    }
+
+    /// Merges all batches into one: evenly spread paths have less noise, but no standard error.
+    pub fn in_one_batch(self) -> Self {
+        Self { paths: self.paths * self.batches, batches: 1, ..self }
+    }
+
+    /// The mean and the standard error of one cell.
+    pub fn cell(&self, x: i32, y: i32) -> (Rgb, Rgb) {
+        let solid = self.grid.is_solid(x, y);
+        let faces = if solid { self.exposed(x, y) } else { Vec::new() };
+        if solid && faces.is_empty() {
+            return ([0.0; 3], [0.0; 3]);
+        }
+        let id = u64::from(self.cells.width()) * y as u64 + x as u64;
+        let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
+        let mut first = [0.0; 3];
+        for batch in 0..self.batches {
+            // Keys that no path has, for the random numbers of the batch itself.
+            let mut shift = Random::new(self.seed, id, u64::MAX - u64::from(batch));
+            let start = shift.unit();
+            let shift = SPREAD.map(|_| shift.unit());
+            let mut total = [0.0; 3];
+            for path in 0..self.paths {
+                let key = u64::from(batch) * u64::from(self.paths) + u64::from(path);
+                let mut sampler = Sampler {
+                    spread: [0, 1, 2].map(|d| (f64::from(path) * SPREAD[d] + shift[d]).fract()),
+                    spent: 0,
+                    random: Random::new(self.seed, id, key),
+                };
+                let even = (f64::from(path) + start) / f64::from(self.paths);
+                let start = if solid {
+                    self.leave_face(&faces, even, sampler.direction())
+                } else {
+                    self.leave_centre([x, y], even)
+                };
+                let light = self.radiance(start, &mut sampler);
+                (0..3).for_each(|c| total[c] += light[c]);
+            }
+            let mean = total.map(|v| v / f64::from(self.paths));
+            if batch == 0 {
+                first = mean;
+            }
+            for c in 0..3 {
+                // Shifted by the first batch, so that equal batches have an error of exactly 0.
+                let d = mean[c] - first[c];
+                sum[c] += d;
+                squares[c] += d * d;
+            }
+        }
+        let n = f64::from(self.batches);
+        let mean = std::array::from_fn(|c| (first[c] + sum[c] / n) as f32);
+        let error = std::array::from_fn(|c| {
+            let spread = (squares[c] - sum[c] * sum[c] / n).max(0.0);
+            (spread / (n * (n - 1.0)).max(1.0)).sqrt() as f32
+        });
+        (mean, error)
+    }
+
+    /// The faces of a solid cell that touch a cell that is not solid.
+    fn exposed(&self, x: i32, y: i32) -> Vec<Face> {
+        [[1, 0], [-1, 0], [0, 1], [0, -1]]
+            .into_iter()
+            .map(|normal| Face { cell: [x, y], normal })
+            .filter(|face| {
+                let [x, y] = face.outside();
+                self.grid.is_open(x, y)
+            })
+            .collect()
+    }
+
+    /// A ray from the centre of a cell in the direction `turn` × 2π.
+    #[inline]
+    fn leave_centre(&self, cell: [i32; 2], turn: f64) -> Walk<'_> {
+        let (sin, cos) = (turn * TAU).sin_cos();
+        Walk::new(self.grid, cell, cell.map(|c| f64::from(c) + 0.5), [cos, sin])
+    }
+
+    /// A ray that leaves one of the faces from the point that `along` (0 to 1) picks.
+    fn leave_face(&self, faces: &[Face], along: f64, u: f64) -> Walk<'_> {
+        let along = along * faces.len() as f64;
+        let face = &faces[(along as usize).min(faces.len() - 1)];
+        let normal = face.normal.map(f64::from);
+        let centre = face.cell.map(|c| f64::from(c) + 0.5);
+        let offset = along.fract() - 0.5;
+        let point = [0, 1]
+            .map(|a| centre[a] + 0.5 * normal[a] + offset * f64::from(face.normal[1 - a].abs()));
+        self.leave_wall(face.outside(), point, normal, u)
+    }
+
+    /// A ray from a point of a wall, cosine-distributed: in 2D the sine of its angle is uniform.
+    #[inline]
+    fn leave_wall(&self, cell: [i32; 2], point: [f64; 2], normal: [f64; 2], u: f64) -> Walk<'_> {
+        let sin = 2.0 * u - 1.0;
+        // Never 0, which would run along the wall.
+        let cos = (1.0 - sin * sin).sqrt().max(1e-12);
+        let [nx, ny] = normal;
+        Walk::new(self.grid, cell, point, [nx * cos - ny * sin, ny * cos + nx * sin])
+    }
+
+    /// The radiance that arrives along one path.
+    #[inline]
+    fn radiance(&self, start: Walk, sampler: &mut Sampler) -> [f64; 3] {
+        let (emission, albedo) = (self.cells.emission(), self.cells.albedo());
+        let mut walk = start;
+        let mut light = [0.0; 3];
+        let mut weight = [1.0; 3];
+        let mut sent = 0;
+        loop {
+            match walk.next() {
+                Event::Sky => {
+                    let sky = self.sky.radiance(walk.direction()[1] as f32);
+                    (0..3).for_each(|c| light[c] += weight[c] * f64::from(sky[c]));
+                    return light;
+                }
+                Event::Wall { cell, point, normal, outside } => {
+                    (0..3).for_each(|c| light[c] += weight[c] * f64::from(emission[cell][c]));
+                    if sent == self.limit || albedo[cell] == [0.0; 3] {
+                        return light;
+                    }
+                    (0..3).for_each(|c| weight[c] *= f64::from(albedo[cell][c]));
+                    sent += 1;
+                    if !russian_roulette(sent, &mut weight, &mut sampler.random) {
+                        return light;
+                    }
+                    walk = self.leave_wall(outside, point, normal, sampler.direction());
+                }
+                Event::Medium(stretch) => {
+                    let Stretch { cell, length, .. } = stretch;
+                    if length == 0.0 {
+                        continue;
+                    }
+                    let extinction = self.grid.extinction[stretch.extinction];
+                    let absorbed = absorbed(extinction, length);
+                    let mut go_on = [0.0; 3];
+                    for c in 0..3 {
+                        light[c] += weight[c] * absorbed[c] * f64::from(emission[cell][c]);
+                        go_on[c] = weight[c] * (1.0 - absorbed[c]);
+                    }
+                    if sent < self.limit && albedo[cell] != [0.0; 3] {
+                        let mut scatter = std::array::from_fn(|c| {
+                            weight[c] * absorbed[c] * f64::from(albedo[cell][c])
+                        });
+                        let (a, b) = (scatter.iter().sum::<f64>(), go_on.iter().sum::<f64>());
+                        let p = if a > 0.0 { a / (a + b) } else { 0.0 };
+                        if sampler.random.unit() < p {
+                            let px = if stretch.side > 1 {
+                                scatter_at(extinction, absorbed, &mut scatter, &mut sampler.random)
+                            } else {
+                                0.0
+                            };
+                            weight = scatter.map(|w| w / p);
+                            sent += 1;
+                            if !russian_roulette(sent, &mut weight, &mut sampler.random) {
+                                return light;
+                            }
+                            walk = self
+                                .leave_centre(walk.cell_after(&stretch, px), sampler.direction());
+                            continue;
+                        }
+                        go_on = go_on.map(|w| w / (1.0 - p));
+                    }
+                    weight = go_on;
+                    if weight.iter().all(|&w| w < OPAQUE) {
+                        return light;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The source of the random choices of a path.
+struct Sampler {
+    /// The first choices of direction, evenly spread over the paths of a batch.
+    spread: [f64; 3],
+    spent: usize,
+    random: Random,
+}
+
+impl Sampler {
+    /// The next choice of direction, uniform in [0, 1).
+    #[inline]
+    fn direction(&mut self) -> f64 {
+        match self.spread.get(self.spent) {
+            Some(&u) => {
+                self.spent += 1;
+                u
+            }
+            None => self.random.unit(),
+        }
+    }
+}
+
+/// A face of a solid cell.
+struct Face {
+    cell: [i32; 2],
+    normal: [i32; 2],
+}
+
+impl Face {
+    /// The cell in front of it.
+    fn outside(&self) -> [i32; 2] {
+        [0, 1].map(|a| self.cell[a] + self.normal[a])
+    }
+}
+
+/// 1 − T over a length, per channel.
+#[inline]
+fn absorbed(extinction: [f64; 3], length: f64) -> [f64; 3] {
+    let of = |e: f64| -(-e * length).exp_m1();
+    let [r, g, b] = extinction;
+    if r == g && g == b { [of(r); 3] } else { [of(r), of(g), of(b)] }
+}
+
+/// Samples the distance into a stretch of cells at which light is scattered, px.
+///
+/// A channel is chosen in proportion to its scattered light, and a distance by its density
+/// `σe^(−σs)/(1 − T)`. The scattered light of each channel is then weighted by its own density over that
+/// of the mixture, whose mean is 1.
+fn scatter_at(
+    extinction: [f64; 3],
+    absorbed: [f64; 3],
+    scatter: &mut [f64; 3],
+    random: &mut Random,
+) -> f64 {
+    let sum: f64 = scatter.iter().sum();
+    let mut pick = random.unit() * sum;
+    // The last channel that scatters, if rounding leaves a remainder.
+    let mut channel = 0;
+    for c in (0..3).filter(|&c| scatter[c] > 0.0) {
+        channel = c;
+        pick -= scatter[c];
+        if pick < 0.0 {
+            break;
+        }
+    }
+    let px = -(-random.unit() * absorbed[channel]).ln_1p() / extinction[channel];
+    let density: [f64; 3] = std::array::from_fn(|c| {
+        let e = extinction[c];
+        if scatter[c] > 0.0 { e * (-e * px).exp() / absorbed[c] } else { 0.0 }
+    });
+    let mixture: f64 = (0..3).map(|c| scatter[c] * density[c]).sum::<f64>() / sum;
+    (0..3).for_each(|c| scatter[c] *= density[c] / mixture);
+    px
+}
+
+/// Ends paths of little weight at random and adds their weight to those that continue.
+#[inline]
+fn russian_roulette(bounces: u32, weight: &mut [f64; 3], random: &mut Random) -> bool {
+    let most = weight.iter().copied().fold(0.0, f64::max);
+    if bounces < ROULETTE_AFTER || most >= 1.0 {
+        return most > 0.0;
+    }
+    if random.unit() >= most {
+        return false;
+    }
+    weight.iter_mut().for_each(|w| *w /= most);
+    true
+}

@@ -1,0 +1,12 @@
+//! The tests of the judge and of what it judges, in one program, which is linked once.
+
+mod bounces;
+mod cascades;
+mod common;
+mod cookbook;
+mod direct;
+mod holographic;
+mod holographic_gold;
+mod invariants;
+mod progressive;
+mod raymarch;

@@ -1,0 +1,117 @@
+//! `cargo xtask test`: the checks of CI, on a machine that has only Rust and git.
+//!
+//! Two tiers. The first is what a contributor waits for: the crates that compile in minutes, and their
+//! quick tests. `--all` adds Bevy, the sandbox, the browser, what is published, and the tests marked
+//! `#[ignore = "slow: …"]`.
+
+use crate::optional::has_component;
+use crate::process::cargo;
+use crate::steps::Steps;
+use crate::{browser, display, gpu, lint, publish, readme, web};
+use anyhow::Result;
+
+/// Packages of the first tier.
+const LIGHT: [&str; 7] = [
+    "lamplight",
+    "lamplight-truth",
+    "lamplight-cli",
+    "lamplight-wgpu",
+    "lamplight-generate",
+    "lamplight-page",
+    "xtask",
+];
+
+/// Other plugins for Bevy, side by side with ours: with theirs, all of Bevy would be built again.
+const BENCH: &str = "bevy_lamplight_bench";
+
+/// Packages whose tests all need a GPU.
+const OF_THE_GPU: [&str; 2] = ["lamplight-wgpu", "bevy_lamplight"];
+/// Beginning of the names of the other tests that need one.
+const ON_THE_GPU: &str = "on_the_gpu";
+
+/// Runs the first tier, or everything; without a GPU, what needs none.
+pub fn run(all: bool, with_gpu: bool) -> Result<()> {
+    let mut steps = Steps::new();
+    if has_component("fmt", "rustfmt") {
+        steps.step("format", || cargo(&["fmt", "--all", "--check"]))?;
+    }
+    steps.step("lints of our own", || lint::run(false, false))?;
+    if has_component("clippy", "clippy") {
+        let mut lints = vec!["clippy", "--all-targets"];
+        lints.extend(packages(all, true));
+        lints.extend(["--", "-D", "warnings"]);
+        steps.step("lints", || cargo(&lints))?;
+    }
+    let mut tests = vec!["test"];
+    tests.extend(packages(all, with_gpu));
+    let compile = [&tests[..], &["--no-run"]].concat();
+    steps.step("compiling the tests", || cargo(&compile))?;
+    if with_gpu {
+        steps.step("a GPU", gpu::ensure)?;
+    }
+    if with_gpu && all {
+        steps.step("a display", display::ensure)?;
+    }
+    tests.extend(["--quiet", "--"]);
+    tests.extend(all.then_some("--include-ignored"));
+    if !with_gpu {
+        tests.extend(["--skip", ON_THE_GPU]);
+    }
+    steps.step("tests", || cargo(&tests))?;
+    steps.step("the README's first command", readme::first_command)?;
+    if all {
+        page(&mut steps)?;
+        steps.step("workflows", publish::workflows)?;
+        steps.step("licences and known faults of dependencies", publish::dependencies)?;
+        steps.step("compatibility with the last release", publish::compatibility)?;
+        steps.step("packages", publish::packages)?;
+    }
+    steps.finish();
+    Ok(())
+}
+
+/// Builds the web page, and uses it in a browser.
+pub fn web() -> Result<()> {
+    let mut steps = Steps::new();
+    page(&mut steps)?;
+    steps.finish();
+    Ok(())
+}
+
+fn page(steps: &mut Steps) -> Result<()> {
+    steps.step("lints of the web pages", || {
+        web::ensure_target()?;
+        if has_component("clippy", "clippy") {
+            for page in [&web::SANDBOX, &web::BEVY] {
+                cargo(&[&["clippy"], &page.program()[..], &["--", "-D", "warnings"]].concat())?;
+            }
+        }
+        Ok(())
+    })?;
+    steps.step("the web page", || web::SANDBOX.build().map(|_| ()))?;
+    steps.step("the web page in a browser", || browser::test(&web::SANDBOX.folder()?))
+}
+
+/// Cargo's arguments that select a tier's packages.
+fn packages(all: bool, with_gpu: bool) -> Vec<&'static str> {
+    let skipped = |package: &&str| !with_gpu && OF_THE_GPU.contains(package);
+    if all {
+        let excluded = OF_THE_GPU.into_iter().filter(|package| skipped(package)).chain([BENCH]);
+        ["--workspace"].into_iter().chain(excluded.flat_map(|p| ["--exclude", p])).collect()
+    } else {
+        LIGHT.into_iter().filter(|p| !skipped(p)).flat_map(|p| ["--package", p]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packages_of_the_gpu_are_left_out_without_one() {
+        assert!(packages(false, true).contains(&"lamplight-wgpu"));
+        assert!(!packages(false, false).contains(&"lamplight-wgpu"));
+        assert_eq!(packages(true, true), ["--workspace", "--exclude", BENCH]);
+        assert_eq!(packages(true, false).len(), 7);
+    }
+}
