@@ -81,7 +81,7 @@ impl LightingArgs {
     pub fn resolve(&self, scene: &SettingsTable) -> Result<(Renderer, Settings)> {
         let table = self.settings.over(scene, self.method)?;
         let settings = table.resolve()?;
-        Ok((self.method.unwrap_or(Renderer::Method(settings.method)), settings))
+        Ok((self.method.unwrap_or(Renderer::Method(settings.method())), settings))
     }
 }
 

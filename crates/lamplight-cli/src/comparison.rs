@@ -7,7 +7,7 @@ use crate::error::{CliError, Result};
 use crate::frames::Frames;
 use crate::gpu::Gpu;
 use crate::progress::Progress;
-use lamplight::settings::BounceBy;
+use lamplight::settings::{BounceMode, Denoise, MethodSettings, Raymarch, Temporal};
 use lamplight::{Bounces, Cells, Display, Light, Method, Quality, Rgb, Settings, SettingsTable};
 use lamplight_truth::Measures;
 use lamplight_truth::flip::{PIXELS_PER_DEGREE, flip};
@@ -129,7 +129,7 @@ pub fn run(
     };
     let mut comparison = Comparison { rows: Vec::new(), refusals: Vec::new() };
     for entry in entries {
-        let method = entry.settings.method;
+        let method = entry.settings.method();
         if !comparison.refusals.iter().any(|refusal| refusal.method == method) {
             progress.label(&format!("solving: {}, {}", method.name(), entry.label));
             match lights(&entry, evaluator.cells, gpu) {
@@ -203,48 +203,54 @@ impl Entry {
 
     fn new(label: String, settings: Settings) -> Self {
         // With feedback each frame adds a bounce, so as many frames are needed.
-        let feedback =
-            settings.method == Method::Raymarch && settings.raymarch.bounce == BounceBy::Feedback;
+        let feedback = matches!(
+            &settings.method,
+            MethodSettings::Raymarch(raymarch) if raymarch.bounce_mode == BounceMode::Feedback
+        );
         let bounces = match settings.bounces {
             Bounces::Count(k) if feedback => k,
             Bounces::Converged if feedback => 16,
             _ => 0,
         };
-        let frames = if settings.method == Method::Flood { FLOOD_FRAMES } else { bounces + 1 };
+        let frames = if settings.method() == Method::Flood { FLOOD_FRAMES } else { bounces + 1 };
         Self { label, preset: None, settings, after: vec![frames] }
     }
 }
 
 /// Settings of a method by itself: the filters that remove noise have rows of their own.
 fn without_filters(mut settings: Settings) -> Settings {
-    if settings.method == Method::Raymarch {
-        settings.temporal.history_length = 0;
-        settings.denoise.passes = 0;
+    if let MethodSettings::Raymarch(raymarch) = &mut settings.method {
+        raymarch.temporal.history_length = 0;
+        raymarch.denoise.passes = 0;
     }
     settings
 }
 
 /// More and more rays, the edge-aware blur, and the mean over more and more frames.
 fn raymarch_sweep(settings: &Settings) -> Vec<Entry> {
-    let plain = without_filters(settings.clone());
-    let with_rays = |rays| {
-        let mut settings = plain.clone();
-        settings.raymarch.rays = rays;
-        settings
+    let MethodSettings::Raymarch(raymarch) = &settings.method else { return Vec::new() };
+    let with = |rays, temporal: Temporal, denoise: Denoise| {
+        let raymarch = Raymarch { rays, temporal, denoise, ..raymarch.clone() };
+        Settings { method: raymarch.into(), ..settings.clone() }
     };
+    let (temporal, denoise) = (
+        Temporal { history_length: 0, ..raymarch.temporal },
+        Denoise { passes: 0, ..raymarch.denoise },
+    );
+    let with_rays = |rays| with(rays, temporal.clone(), denoise.clone());
     let mut all: Vec<Entry> =
         RAYS.iter().map(|&rays| Entry::new(format!("{rays} rays"), with_rays(rays))).collect();
-    let mut denoised = with_rays(FEW_RAYS);
-    denoised.denoise = settings.denoise.clone();
-    if denoised.denoise.passes == 0 {
-        denoised.denoise.passes = DENOISE_PASSES;
-    }
+    let passes = match raymarch.denoise.passes {
+        0 => DENOISE_PASSES,
+        passes => passes,
+    };
+    let blur = Denoise { passes, ..raymarch.denoise };
+    let denoised = with(FEW_RAYS, temporal.clone(), blur);
     all.push(Entry::new(format!("{FEW_RAYS} rays, denoised"), denoised));
-    let mut temporal = with_rays(FEW_RAYS);
-    temporal.temporal.history_length =
-        FRAMES.into_iter().fold(settings.temporal.history_length, u32::max);
+    let history_length = FRAMES.into_iter().fold(raymarch.temporal.history_length, u32::max);
+    let averaged = with(FEW_RAYS, Temporal { history_length, ..raymarch.temporal }, denoise);
     let label = format!("{FEW_RAYS} rays, temporal");
-    all.push(Entry { after: FRAMES.into(), ..Entry::new(label, temporal) });
+    all.push(Entry { after: FRAMES.into(), ..Entry::new(label, averaged) });
     all
 }
 
@@ -293,7 +299,7 @@ fn rows(
             None => None,
         };
         Ok(Row {
-            method: settings.method,
+            method: settings.method(),
             label: match frames {
                 _ if !several => label.clone(),
                 1 => format!("{label}, 1 frame"),
@@ -353,7 +359,8 @@ mod tests {
                 "high" => 128,
                 _ => 32,
             };
-            assert_eq!(entry.settings.raymarch.rays, rays, "{}", entry.label);
+            let MethodSettings::Raymarch(raymarch) = &entry.settings.method else { panic!() };
+            assert_eq!(raymarch.rays, rays, "{}", entry.label);
             assert_eq!(entry.settings.bounces, Bounces::Count(2));
         }
     }

@@ -98,7 +98,7 @@ impl Gpu {
 
     /// Solves some frames and returns the light of the last.
     pub fn solve(&self, cells: &Cells, settings: Settings, frames: u32) -> Result<Lit> {
-        let renderer = Renderer::Method(settings.method);
+        let renderer = Renderer::Method(settings.method());
         let settings_json = to_json(&settings)?;
         let (device, queue) = (&self.device, &self.queue);
         let mut lighting = Lighting::new(device, queue, &LightingOptions::default())?;

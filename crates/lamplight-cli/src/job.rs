@@ -9,7 +9,7 @@ use crate::output::OutputFiles;
 use crate::solve;
 use crate::stage::{Fields, check_scale};
 use crate::warnings;
-use lamplight::settings::BounceBy;
+use lamplight::settings::{BounceMode, MethodSettings};
 use lamplight::{Bounces, Cells, Display, Scene, Settings};
 use std::path::Path;
 
@@ -133,10 +133,11 @@ fn warn_of_what_is_ignored(
 
 /// Lets the last of some frames be their mean, if they show the same light with other noise.
 fn average(settings: &mut Settings, frames: u32) {
+    let MethodSettings::Raymarch(raymarch) = &mut settings.method else { return };
     // Frames that each add a bounce are not to be averaged: the first ones are darker.
     let growing =
-        settings.raymarch.bounce == BounceBy::Feedback && settings.bounces != Bounces::Count(0);
-    if frames > 1 && settings.temporal.history_length <= 1 && !growing {
-        settings.temporal.history_length = frames;
+        raymarch.bounce_mode == BounceMode::Feedback && settings.bounces != Bounces::Count(0);
+    if frames > 1 && raymarch.temporal.history_length <= 1 && !growing {
+        raymarch.temporal.history_length = frames;
     }
 }

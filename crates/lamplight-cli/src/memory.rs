@@ -5,8 +5,8 @@
 
 use crate::args::{Backend, Renderer};
 use crate::error::{CliError, Result};
-use lamplight::settings::Variant;
-use lamplight::{Bounces, Method, Settings};
+use lamplight::settings::{MethodSettings, Variant};
+use lamplight::{Bounces, Settings};
 use std::fs;
 
 /// Bytes that do not grow with the scene: the program, its threads and tables.
@@ -22,7 +22,7 @@ const FLIP: u64 = 80;
 pub fn estimate(cells: u64, renderer: Renderer, settings: &Settings, backend: Backend) -> u64 {
     let per_cell = match renderer {
         Renderer::Method(_) if backend == Backend::Gpu => SCENE,
-        Renderer::Method(method) => of_method(method, settings),
+        Renderer::Method(_) => of_method(settings),
         Renderer::Reference => SCENE,
     };
     BASE + cells.saturating_mul(per_cell)
@@ -40,19 +40,19 @@ pub fn estimate_picture(cells: u64, scale: u32) -> u64 {
 
 /// Bytes per cell of lighting by a method on the CPU: the peak of `render` at 1024×768 (resident
 /// memory), and a tenth more. `tests/cli/memory.rs` checks that they are not far too large.
-fn of_method(method: Method, settings: &Settings) -> u64 {
+fn of_method(settings: &Settings) -> u64 {
     let bounces = settings.bounces != Bounces::Count(0);
-    match method {
-        Method::Raymarch => {
-            let history = if settings.temporal.history_length > 1 { 80 } else { 0 };
-            let denoised = if settings.denoise.passes > 0 { 45 } else { 0 };
+    match &settings.method {
+        MethodSettings::Raymarch(raymarch) => {
+            let history = if raymarch.temporal.history_length > 1 { 80 } else { 0 };
+            let denoised = if raymarch.denoise.passes > 0 { 45 } else { 0 };
             245 + history + denoised
         }
-        Method::Flood => 245,
-        Method::Polar => 215,
-        Method::Cascades => 225,
-        Method::Holographic if settings.holographic.variant == Variant::Paper => 1200,
-        Method::Holographic => 400 + if bounces { 120 } else { 0 },
+        MethodSettings::Flood(_) => 245,
+        MethodSettings::Polar(_) => 215,
+        MethodSettings::Cascades(_) => 225,
+        MethodSettings::Holographic(own) if own.variant == Variant::Paper => 1200,
+        _ => 400 + if bounces { 120 } else { 0 },
     }
 }
 

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 /// Solves some frames on the CPU and returns the light of the last.
 pub fn solve(cells: &Cells, settings: Settings, frames: u32, quiet: bool) -> Result<Lit> {
-    let renderer = Renderer::Method(settings.method);
+    let renderer = Renderer::Method(settings.method());
     let settings_json = to_json(&settings)?;
     let mut solver = Solver::new(settings)?;
     let mut stages: Vec<(&'static str, Duration)> = Vec::new();

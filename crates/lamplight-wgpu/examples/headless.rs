@@ -2,7 +2,8 @@
 //! `cargo run --release -p lamplight-wgpu --example headless`, which writes headless.png.
 
 use lamplight::image::RgbImage;
-use lamplight::{Bounces, Method, Settings, Sky};
+use lamplight::settings::Raymarch;
+use lamplight::{Bounces, Settings, Sky};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::wgpu::{
     Device, DeviceDescriptor, Extent3d, Instance, InstanceDescriptor, Queue, TexelCopyBufferLayout,
@@ -40,11 +41,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }),
         };
 
-    let mut settings =
-        Settings { bounces: Bounces::Count(2), wall_depth: 4.0, ..Settings::default() };
-    settings.method = Method::Raymarch;
-    settings.raymarch.rays = 256;
-    settings.raymarch.emission_multiplier = 6.0;
+    let raymarch = Raymarch { rays: 256, emission_multiplier: 6.0, ..Raymarch::default() };
+    let settings =
+        Settings { bounces: Bounces::Count(2), wall_depth: 4.0, ..Settings::new(raymarch) };
     let mut lighting = Lighting::new(&device, &queue, &LightingOptions::default())?;
     let sky = Sky::Uniform([0.01, 0.01, 0.03]);
     lighting.prepare(&FrameInput::of_textures(&settings, &textures, &[], sky))?;

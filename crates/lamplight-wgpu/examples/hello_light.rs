@@ -1,7 +1,8 @@
 //! A window with walls, lamps and a light that follows the mouse:
 //! `cargo run --release -p lamplight-wgpu --example hello_light`.
 
-use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings};
+use lamplight::settings::Raymarch;
+use lamplight::{Bounces, Cells, Lamp, Matter, Settings};
 use lamplight_wgpu::wgpu::{
     CurrentSurfaceTexture, Device, DeviceDescriptor, Instance, InstanceDescriptor, Queue,
     RequestAdapterOptions, Surface, SurfaceConfiguration,
@@ -62,9 +63,9 @@ impl Game {
             cells.lamps_mut().push(lamp);
         }
 
-        let (method, bounces) = (Method::Raymarch, Bounces::Count(1));
-        let mut settings = Settings { method, bounces, wall_depth: 4.0, ..Settings::default() };
-        settings.raymarch.rays = 128; // fewer rays: more noise
+        let raymarch = Raymarch { rays: 128, ..Raymarch::default() }; // fewer rays: more noise
+        let bounces = Bounces::Count(1);
+        let settings = Settings { bounces, wall_depth: 4.0, ..Settings::new(raymarch) };
         let lighting = Lighting::new(&device, &queue, &LightingOptions::default())?;
         let compose = Compose::new(&device, &queue)?;
         Ok(Self { window, surface, config, device, queue, cells, settings, lighting, compose })

@@ -21,6 +21,7 @@ use crate::stages::reproject::Reproject;
 use crate::stages::walls::Walls;
 use crate::timing::Timer;
 use crate::uniforms::{FrameUniforms, GridPosition, History};
+use lamplight::settings::MethodSettings;
 use lamplight::{Lamp, Settings, Sky};
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
@@ -173,7 +174,8 @@ impl Lighting {
     /// other. Those of the last sixteen settings are cached.
     pub fn precompile(&mut self, settings: &Settings) -> Result<(), CreateError> {
         settings.check()?;
-        self.pipelines.method(&self.shared.device, &self.shared.queue, settings)?;
+        let Shared { device, queue, .. } = &self.shared;
+        self.pipelines.method::<CreateError>(device, queue, settings)?;
         Ok(())
     }
 
@@ -205,14 +207,15 @@ impl Lighting {
         match input.scene {
             SceneInput::Cells(cells) => {
                 cells.check()?;
-                input.settings.method.suits(cells)?;
+                let method = input.settings.method();
+                method.suits(cells)?;
                 let size = GridSize::new(device, [cells.width(), cells.height()])?;
                 let uploaded = match upload.take().filter(|upload| upload.size == size) {
                     Some(uploaded) => uploaded,
                     None => with_error_scope(device, || Upload::new(device, size))?,
                 };
                 let upload = upload.insert(uploaded);
-                upload.write(queue, cells, !input.settings.method.lights_lamps());
+                upload.write(queue, cells, !method.lights_lamps());
                 let hints = SceneHints::of(cells, input.settings.bounces);
                 let grid = Grid { size, textures: &upload.textures, hints };
                 Ok(CheckedScene { grid, lamps: cells.lamps(), sky: cells.sky() })
@@ -232,12 +235,12 @@ impl Lighting {
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
         let CheckedScene { grid, lamps, sky } = scene;
         let Shared { device, queue, .. } = &self.shared;
-        let method = self.pipelines.method(device, queue, input.settings)?;
+        let method = self.pipelines.method::<PrepareError>(device, queue, input.settings)?;
         if input.distance_field && self.distance.is_none() {
             let compile = || Ok(DistancePipelines::new(device));
             self.distance = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
-        method.set_lamps(lamps, grid.size.into(), input.settings, &mut self.lamps);
+        method.set_lamps(lamps, grid.size.into(), &mut self.lamps);
         let needed = self.lamps.needed();
         let serves = |frame: &PreparedFrame| frame.serves(grid, input.settings, needed);
         let fresh = if self.frame.as_ref().is_some_and(serves) {
@@ -275,7 +278,11 @@ impl Lighting {
         let Some(before) = self.before.as_ref().filter(|before| before.size == size) else {
             return (History::None, [0; 2]);
         };
-        let other_sky = input.settings.temporal.reject && before.sky != sky;
+        let rejects = match &input.settings.method {
+            MethodSettings::Raymarch(raymarch) => raymarch.temporal.reject,
+            _ => true,
+        };
+        let other_sky = rejects && before.sky != sky;
         let history = if other_sky { History::IndirectOnly } else { History::Full };
         (history, [0, 1].map(|a| input.origin[a].saturating_sub(before.origin[a])))
     }

@@ -107,7 +107,7 @@ impl FetchLight {
     /// Starts the transfer of the light of the last frame of these cells, as [`light`] does.
     pub fn new(lighting: &Lighting, cells: &Cells) -> Result<Self, ReadBackError> {
         let buffer = lighting.stage(Stage::Light).ok_or(ReadBackError::NothingLit)?;
-        let by_rule = lighting.settings().is_some_and(|s| s.method.lights_lamps());
+        let by_rule = lighting.settings().is_some_and(|s| s.method().lights_lamps());
         let cells = if by_rule { cells.clone() } else { cells.drawn().into_owned() };
         let (device, queue) = lighting.device();
         Ok(Self { numbers: Fetch::new(device, queue, buffer)?, cells: LitCells(cells) })

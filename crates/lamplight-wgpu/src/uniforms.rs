@@ -2,9 +2,9 @@
 
 use crate::gpu_struct::gpu_struct;
 use lamplight::methods::raymarch::gap;
-use lamplight::settings::{Noise, Raymarch};
+use lamplight::settings::{MethodSettings, Noise, Raymarch};
 use lamplight::stages::noise::fold;
-use lamplight::{Method, Settings, Sky};
+use lamplight::{Settings, Sky};
 
 gpu_struct! {
     /// `FrameUniforms` of shaders/shared/uniforms.wgsl, where the fields are explained.
@@ -66,15 +66,12 @@ impl FrameUniforms {
             Sky::Uniform(radiance) => [radiance; 3],
             Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
         };
-        // Only `raymarch` uses these settings; `cascades`, which shares its shaders, gets neutral values.
-        let neutral = Raymarch {
-            threshold: 0.0,
-            emission_multiplier: 1.0,
-            attenuation: false,
-            ..settings.raymarch
+        // Only `raymarch` uses these settings; `cascades`, which shares its shaders, needs the defaults.
+        let neutral = Raymarch::default();
+        let raymarch = match &settings.method {
+            MethodSettings::Raymarch(raymarch) => raymarch,
+            _ => &neutral,
         };
-        let raymarch =
-            if settings.method == Method::Cascades { &neutral } else { &settings.raymarch };
         let fade_range = if raymarch.attenuation {
             raymarch.emission_range * position.size[1] as f32
         } else {

@@ -4,8 +4,8 @@ mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{Sampler, device, lighting, recorded};
-use lamplight::settings::{BounceBy, Noise, Temporal};
+use common::{Sampler, device, lighting, raymarch_of, recorded};
+use lamplight::settings::{BounceMode, Noise, Temporal};
 use lamplight::{Bounces, Cells, Display, Matter, Method, Settings, ToneMap};
 use lamplight_wgpu::{
     Camera2dView, Compose, ComposeParams, Filter, FrameInput, GridPlacement, Lighting,
@@ -49,9 +49,9 @@ impl World {
 }
 
 fn settings(noise: Noise) -> Settings {
-    let mut settings = Settings { method: Method::Raymarch, ..Settings::default() };
+    let mut settings = Settings::new(Method::Raymarch);
     settings.bounces = Bounces::Count(1);
-    settings.raymarch.noise = noise;
+    raymarch_of(&mut settings).noise = noise;
     settings
 }
 
@@ -136,9 +136,9 @@ fn the_mean_over_frames_stays_in_the_world_when_the_camera_moves() {
     let gpu = device();
     for feedback in [false, true] {
         let mut settings = settings(Noise::Blue);
-        settings.temporal = Temporal { history_length: 32, reject: true };
+        raymarch_of(&mut settings).temporal = Temporal { history_length: 32, reject: true };
         if feedback {
-            settings.raymarch.bounce = BounceBy::Feedback;
+            raymarch_of(&mut settings).bounce_mode = BounceMode::Feedback;
         }
         let place = |x: f64| camera([x, -x]).place([320, 240]).unwrap();
         let end = place(f64::from(FRAMES - 1));

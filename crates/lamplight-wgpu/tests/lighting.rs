@@ -4,8 +4,8 @@ mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{cells, device, frame, lighting, recorded};
-use lamplight::settings::BounceBy;
+use common::{cells, device, frame, lighting, raymarch_of, recorded};
+use lamplight::settings::BounceMode;
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky};
 use lamplight_wgpu::error::{PrepareError, RecordError};
 use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Stage, Textures};
@@ -13,7 +13,7 @@ use textures::{fetch, filled, float, texture, view};
 use wgpu::{Device, Queue, TextureFormat, TextureUsages};
 
 fn raymarch() -> Settings {
-    Settings { method: Method::Raymarch, ..Settings::default() }
+    Settings::new(Method::Raymarch)
 }
 
 #[test]
@@ -21,7 +21,7 @@ fn invalid_settings_options_and_cells_are_rejected_as_on_the_cpu() {
     let (device, queue) = device();
     let mut lighting = lighting(&device, &queue);
     let mut settings = raymarch();
-    settings.raymarch.rays = 0;
+    raymarch_of(&mut settings).rays = 0;
     let good = Cells::new(4, 4).unwrap();
     let error = lighting.prepare(&FrameInput::of_cells(&settings, &good)).unwrap_err().to_string();
     assert!(error.starts_with("`raymarch.rays` is 0"), "{error}");
@@ -56,8 +56,11 @@ fn a_grid_beyond_the_devices_limits_is_rejected_and_the_next_one_lit() {
     let large = error(&settings, [4096, 2049]);
     assert!(large.contains("bytes a buffer, but this device allows"), "{large}");
     // Millions of rays.
-    let mut cascades = Settings { method: Method::Cascades, ..Settings::default() };
-    (cascades.cascades.rays, cascades.cascades.interval) = (64, 0.25);
+    let mut cascades = Settings::new(Method::Cascades);
+    (
+        cascades.method.as_cascades_mut().unwrap().rays,
+        cascades.method.as_cascades_mut().unwrap().interval,
+    ) = (64, 0.25);
     let long = error(&cascades, [8192, 1]);
     assert!(long.contains("bytes a buffer, but this device allows"), "{long}");
     assert!(one.stage(Stage::Light).is_none());
@@ -152,8 +155,9 @@ fn history_goes_on_when_textures_are_exchanged() {
     let (device, queue) = device();
     let two = [host_textures(&device, &queue).0, host_textures(&device, &queue).0];
     let mut settings = raymarch();
-    (settings.bounces, settings.raymarch.bounce) = (Bounces::Count(1), BounceBy::Feedback);
-    settings.temporal.history_length = 8;
+    (settings.bounces, raymarch_of(&mut settings).bounce_mode) =
+        (Bounces::Count(1), BounceMode::Feedback);
+    raymarch_of(&mut settings).temporal.history_length = 8;
     let light = |exchange: usize| -> Vec<[f32; 4]> {
         let mut lighting = lighting(&device, &queue);
         let mut light = Vec::new();
@@ -214,7 +218,7 @@ fn textures_that_cannot_be_used_are_named_with_the_reason() {
 }
 
 fn polar() -> Settings {
-    Settings { method: Method::Polar, ..Settings::default() }
+    Settings::new(Method::Polar)
 }
 
 #[test]
@@ -242,7 +246,7 @@ fn lamps_light_a_hosts_textures() {
 fn more_lamps_than_the_device_can_hold_are_rejected_and_fewer_lit() {
     let (device, queue) = device();
     let mut settings = polar();
-    settings.polar.density = 8.0;
+    settings.method.as_polar_mut().unwrap().density = 8.0;
     let mut lighting = lighting(&device, &queue);
     let mut cells = cells(256, 256, 3);
     *cells.lamps_mut() = vec![Lamp { position: [100.0; 2], ..Lamp::default() }; 2000];

@@ -17,7 +17,7 @@ use wgpu::{TextureFormat, TextureUsages};
 #[test]
 fn a_lost_device_does_nothing_and_returns_errors_when_results_are_read() {
     let (device, queue) = device_of(Tier::Native);
-    let settings = Settings { method: Method::Raymarch, ..Settings::default() };
+    let settings = Settings::new(Method::Raymarch);
     let options = LightingOptions::default();
     let mut lit = lighting(&device, &queue);
     let mut compose = Compose::new(&device, &queue).unwrap();
@@ -59,7 +59,7 @@ fn a_lost_device_does_nothing_and_returns_errors_when_results_are_read() {
     }
     for &method in Method::ALL {
         for bounces in [Bounces::Count(1), Bounces::Converged] {
-            let other = Settings { method, bounces, ..settings.clone() };
+            let other = Settings { method: method.into(), bounces, ..settings.clone() };
             let mut cells = cells(33, 21, 3);
             cells.lamps_mut().push(Lamp { position: [9.0, 9.0], ..Lamp::default() });
             let _ = lit.precompile(&other);

@@ -4,7 +4,7 @@ mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{adapter, cells, device, frame, lighting, open, recorded};
+use common::{adapter, cells, device, frame, lighting, open, raymarch_of, recorded};
 use lamplight::settings::Temporal;
 use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
 use lamplight_wgpu::error::PrepareError;
@@ -16,7 +16,7 @@ use wgpu::{
 };
 
 fn raymarch() -> Settings {
-    Settings { method: Method::Raymarch, ..Settings::default() }
+    Settings::new(Method::Raymarch)
 }
 
 const BOUND: TextureUsages = TextureUsages::TEXTURE_BINDING;
@@ -138,9 +138,9 @@ fn settings_may_change_between_frames() {
         with(|s| s.seed = 7),
         with(|s| s.wall_depth = 5.0),
         with(|s| s.bounces = Bounces::Count(2)),
-        with(|s| s.raymarch.rays = 5),
-        with(|s| s.raymarch.threshold = 0.5),
-        with(|s| s.raymarch = lamplight::settings::Raymarch::preset("godot").unwrap()),
+        with(|s| raymarch_of(s).rays = 5),
+        with(|s| raymarch_of(s).threshold = 0.5),
+        with(|s| s.set_preset("godot").unwrap()),
         with(|_| ()),
     ];
     let mut before = Vec::new();
@@ -167,7 +167,7 @@ fn a_frame_that_is_rejected_changes_nothing() {
     let (device, queue) = device();
     let small = cells(31, 17, 4);
     let mut settings = raymarch();
-    settings.temporal = Temporal { history_length: 8, reject: true };
+    raymarch_of(&mut settings).temporal = Temporal { history_length: 8, reject: true };
     let [mut one, mut same] = [(), ()].map(|()| lighting(&device, &queue));
     for lighting in [&mut one, &mut same] {
         frame(&device, &queue, lighting, &settings, &small);
@@ -252,7 +252,7 @@ fn methods_may_change_to_those_that_light_lamps_and_back() {
     let mut lighting = lighting(&device, &queue);
     let seen = frame(&device, &queue, &mut lighting, &raymarch(), &cells);
     for method in [Method::Polar, Method::Flood] {
-        let settings = Settings { method, ..Settings::default() };
+        let settings = Settings::new(method);
         let prepared = lighting.prepare(&FrameInput::of_cells(&settings, &cells));
         assert_eq!(prepared.is_err(), method == Method::Polar, "{prepared:?}");
         cells.lamps_mut().push(Lamp { position: [15.0, 8.0], ..Lamp::default() });
@@ -270,7 +270,7 @@ fn textures_without_lamps_are_dark_under_polar() {
     let open = [255, 255, 255, 0].repeat(16 * 16);
     let matter = filled(&device, &queue, [16, 16], TextureFormat::Rgba8Unorm, &open);
     let matter = textures_like(&matter);
-    let settings = Settings { method: Method::Polar, ..Settings::default() };
+    let settings = Settings::new(Method::Polar);
     let mut lighting = lighting(&device, &queue);
     let mut light = |lamps: &[Lamp]| {
         let input = FrameInput::of_textures(&settings, &matter, lamps, Sky::default());
@@ -304,7 +304,7 @@ fn precompiled_settings_compile_no_pipelines_when_they_are_used() {
     // However long a slider is dragged, not all of the settings that it passes stay compiled.
     for rays in 1..40 {
         let mut dragged = raymarch();
-        dragged.raymarch.rays = rays;
+        raymarch_of(&mut dragged).rays = rays;
         lighting.precompile(&dragged).unwrap();
     }
     let most = 20 * both;

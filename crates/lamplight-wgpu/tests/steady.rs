@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{cells, device, lighting};
+use common::{cells, device, lighting, raymarch_of};
 use lamplight::{Cells, Lamp, Method, Settings};
 use lamplight_wgpu::FrameInput;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -43,8 +43,8 @@ static ALLOCATOR: Counting = Counting;
 #[test]
 fn preparing_again_allocates_nothing_that_grows_with_the_grid() {
     let (device, queue) = device();
-    let mut settings = Settings { method: Method::Raymarch, ..Settings::default() };
-    settings.raymarch.rays = 1;
+    let mut settings = Settings::new(Method::Raymarch);
+    raymarch_of(&mut settings).rays = 1;
     let mut lighting = lighting(&device, &queue);
     let mut cells: Cells = cells(512, 288, 3);
     cells.lamps_mut().push(Lamp { position: [200.0, 100.0], ..Lamp::default() });

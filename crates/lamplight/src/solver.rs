@@ -9,7 +9,7 @@ use crate::methods::flood::FloodSolver;
 use crate::methods::holographic::Holographic;
 use crate::methods::polar::PolarSolver;
 use crate::methods::raymarch::{Input, RaymarchSolver};
-use crate::settings::{BounceBy, Bounces, Hit, Method, Walk};
+use crate::settings::{self, BounceMode, Bounces, Hit, Method, MethodSettings, Traversal};
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::{Cells, Light, Result, Settings};
@@ -120,28 +120,32 @@ impl Solver {
     pub fn solve(&mut self, cells: &Cells) -> Result<&Light> {
         self.clock.start();
         cells.check()?;
-        self.settings.method.suits(cells)?;
+        let method = self.settings.method();
+        method.suits(cells)?;
         self.cells.clone_from(cells);
-        if !self.settings.method.lights_lamps() {
+        if !method.lights_lamps() {
             self.cells.draw_lamps();
         }
         self.fields.measured = false;
         self.clock.lap("cells");
 
-        match self.settings.method {
-            Method::Raymarch => self.raymarch(),
-            Method::Flood => self.flood(),
-            Method::Polar => self.polar(),
-            Method::Cascades => {
-                let Self { cells, settings, light, clock, .. } = self;
-                self.cascades.solve(cells, settings, &mut light.rgb, clock);
+        // Cloned, a few bytes, so that a method can borrow the rest of the solver.
+        let Settings { method, bounces, .. } = self.settings.clone();
+        match &method {
+            MethodSettings::Raymarch(settings) => self.raymarch(settings),
+            MethodSettings::Polar(settings) => self.polar(settings),
+            MethodSettings::Flood(settings) => {
+                let Self { flood, cells, light, clock, .. } = self;
+                flood.solve(cells, settings, &mut light.rgb, clock);
             }
-            Method::Holographic => self.holographic.solve(
-                &self.cells,
-                &self.settings,
-                &mut self.light.rgb,
-                &mut self.clock,
-            ),
+            MethodSettings::Cascades(settings) => {
+                let Self { cascades, cells, light, clock, .. } = self;
+                cascades.solve(cells, settings, bounces, &mut light.rgb, clock);
+            }
+            MethodSettings::Holographic(settings) => {
+                let Self { holographic, cells, light, clock, .. } = self;
+                holographic.solve(cells, settings, bounces, &mut light.rgb, clock);
+            }
         }
 
         self.light.width = self.cells.width();
@@ -154,26 +158,29 @@ impl Solver {
         Ok(&self.light)
     }
 
-    fn raymarch(&mut self) {
-        if self.settings.raymarch.hit == Hit::Distance {
+    fn raymarch(&mut self, settings: &settings::Raymarch) {
+        if settings.hit == Hit::Distance {
             self.measure();
         }
-        let settings = &self.settings;
         let accumulates = settings.temporal.history_length > 1;
         let changed =
             if accumulates { self.temporal.mark(&settings.temporal, &self.cells) } else { &[] };
+        let Settings { bounces, seed, .. } = self.settings;
         let input = Input {
+            settings,
+            bounces,
+            seed,
             cells: &self.cells,
             distance: &self.fields.distance,
             nearest: &self.fields.nearest,
             changed,
             frame: self.frame,
         };
-        self.raymarch.solve(input, settings, &mut self.estimate, &mut self.clock);
+        self.raymarch.solve(input, &mut self.estimate, &mut self.clock);
 
         if accumulates {
-            let feedback = settings.bounces != Bounces::Count(0)
-                && settings.raymarch.bounce == BounceBy::Feedback;
+            let feedback =
+                bounces != Bounces::Count(0) && settings.bounce_mode == BounceMode::Feedback;
             let width = self.cells.width();
             self.temporal.accumulate(&settings.temporal, width, feedback, &mut self.estimate);
             self.clock.lap("temporal");
@@ -185,24 +192,19 @@ impl Solver {
         self.light.rgb.clone_from(&self.estimate.light);
     }
 
-    fn flood(&mut self) {
-        self.flood.solve(&self.cells, &self.settings.flood, &mut self.light.rgb, &mut self.clock);
-    }
-
-    fn polar(&mut self) {
-        if self.settings.polar.walk == Walk::Distance {
+    fn polar(&mut self, settings: &settings::Polar) {
+        if settings.traversal == Traversal::Distance {
             self.measure();
         }
-        let (fields, settings) = (&self.fields, &self.settings.polar);
-        let rgb = &mut self.light.rgb;
-        self.polar.solve(&self.cells, &fields.distance, settings, rgb, &mut self.clock);
+        let Self { polar, cells, fields, light, clock, .. } = self;
+        polar.solve(cells, &fields.distance, settings, &mut light.rgb, clock);
     }
 
     /// Seed map, jump flood, distance field.
     fn measure(&mut self) {
         let (cells, fields) = (&self.cells, &mut self.fields);
         let (w, h) = (cells.width(), cells.height());
-        seed(cells, self.settings.raymarch.threshold, &mut fields.seeds);
+        seed(cells, self.settings.seed_threshold(), &mut fields.seeds);
         self.clock.lap("seed");
         fields.nearest.clone_from(&fields.seeds);
         jump_flood::jump_flood(w, h, 0, &mut fields.nearest, &mut fields.scratch);
@@ -224,7 +226,7 @@ impl Solver {
             self.measure();
         }
         self.fields.energy.clear();
-        if self.settings.method == Method::Flood {
+        if self.settings.method() == Method::Flood {
             self.flood.energy(&mut self.fields.energy);
         }
         let Fields { seeds, nearest, distance, energy, .. } = &self.fields;

@@ -6,7 +6,7 @@
 mod common;
 
 use common::*;
-use lamplight::settings::{BounceBy, Flood, Hit, Holographic, Merge, Noise, Temporal};
+use lamplight::settings::{BounceMode, Cascades, Flood, Hit, Holographic, Merge, Noise, Temporal};
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky, Solver};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -79,7 +79,7 @@ fn scene(fog: bool, frame: u32) -> Cells {
 
 /// Everything that has buffers of its own, alone and together.
 fn variants() -> Vec<(&'static str, bool, Settings)> {
-    let few = |s: &mut Settings| s.raymarch.rays = 8;
+    let few = |s: &mut Settings| raymarch_of(s).rays = 8;
     let way = |change: fn(&mut Settings)| {
         settings(|s| {
             few(s);
@@ -97,47 +97,49 @@ fn variants() -> Vec<(&'static str, bool, Settings)> {
             true,
             way(|s| {
                 s.bounces = Bounces::Count(1);
-                s.raymarch.bounce = BounceBy::Feedback;
+                raymarch_of(s).bounce_mode = BounceMode::Feedback;
             }),
         ),
-        ("hit by distance", true, way(|s| s.raymarch.hit = Hit::Distance)),
-        ("polar", false, way(|s| s.method = Method::Polar)),
-        ("polar through fog", true, way(|s| s.method = Method::Polar)),
-        ("flood", true, way(|s| s.method = Method::Flood)),
+        ("hit by distance", true, way(|s| raymarch_of(s).hit = Hit::Distance)),
+        ("polar", false, way(|s| s.method = Method::Polar.into())),
+        ("polar through fog", true, way(|s| s.method = Method::Polar.into())),
+        ("flood", true, way(|s| s.method = Method::Flood.into())),
         (
             "flood in order",
             true,
             way(|s| {
-                s.method = Method::Flood;
-                s.flood = Flood::preset("seed").unwrap();
+                s.method = Flood::preset("seed").unwrap().into();
             }),
         ),
-        ("cascades", true, way(|s| (s.method, s.bounces) = (Method::Cascades, Bounces::Count(2)))),
+        (
+            "cascades",
+            true,
+            way(|s| (s.method, s.bounces) = (Method::Cascades.into(), Bounces::Count(2))),
+        ),
         (
             "plain cascades",
             false,
-            way(|s| (s.method, s.cascades.merge) = (Method::Cascades, Merge::Plain)),
+            way(|s| s.method = Cascades { merge: Merge::Plain, ..Cascades::default() }.into()),
         ),
-        ("holographic", false, way(|s| s.method = Method::Holographic)),
+        ("holographic", false, way(|s| s.method = Method::Holographic.into())),
         (
             "holographic through fog",
             true,
-            way(|s| (s.method, s.bounces) = (Method::Holographic, Bounces::Count(2))),
+            way(|s| (s.method, s.bounces) = (Method::Holographic.into(), Bounces::Count(2))),
         ),
         (
             "fast holographic",
             true,
             way(|s| {
-                s.method = Method::Holographic;
-                s.holographic = Holographic::preset("fast").unwrap();
+                s.method = Holographic::preset("fast").unwrap().into();
             }),
         ),
         (
             "holographic of the best quality",
             true,
             way(|s| {
-                (s.method, s.bounces) = (Method::Holographic, Bounces::Count(1));
-                s.holographic = Holographic::preset("quality").unwrap();
+                s.bounces = Bounces::Count(1);
+                s.method = Holographic::preset("quality").unwrap().into();
             }),
         ),
         ("wall depth", false, way(|s| s.wall_depth = 6.0)),
@@ -146,8 +148,8 @@ fn variants() -> Vec<(&'static str, bool, Settings)> {
             true,
             way(|s| {
                 s.bounces = Bounces::Count(1);
-                s.temporal = Temporal { history_length: 32, reject: true };
-                s.denoise.passes = 3;
+                raymarch_of(s).temporal = Temporal { history_length: 32, reject: true };
+                raymarch_of(s).denoise.passes = 3;
             }),
         ),
     ]
@@ -210,8 +212,9 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
 fn other_seeds_and_other_frames_differ() {
     for noise in [Noise::White, Noise::Blue, Noise::Golden] {
         let with = |seed| {
-            let settings =
-                settings(|s| (s.raymarch.noise, s.raymarch.rays, s.seed) = (noise, 8, seed));
+            let settings = settings(|s| {
+                (raymarch_of(s).noise, raymarch_of(s).rays, s.seed) = (noise, 8, seed)
+            });
             let mut solver = Solver::new(settings).unwrap();
             let cells = scene(false, 0);
             (0..3).map(|_| bits(solver.solve(&cells).unwrap())).collect::<Vec<_>>()

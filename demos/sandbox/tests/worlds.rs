@@ -396,7 +396,7 @@ fn a_shut_door_stops_and_an_open_one_does_not() {
 #[test]
 fn the_meter_falls_when_the_lantern_is_put_out() {
     let settings = Settings { bounces: Bounces::Count(0), ..Settings::default() };
-    assert_eq!(settings.method, Method::Holographic);
+    assert_eq!(settings.method(), Method::Holographic);
     let mut solver = Solver::new(settings).unwrap();
     let mut room = Room::new(SIZE, 1);
     let mut cells = cells(SIZE);

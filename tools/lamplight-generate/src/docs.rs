@@ -259,7 +259,7 @@ fn times(machine: &str) -> Result<String> {
         println!("time {name}");
         let scene = lamplight::Scene::load(root().join(file(name)))?;
         let settings = scene.resolve_settings()?;
-        let method = settings.method.name();
+        let method = settings.method().name();
         let bench = ["bench", "--method", method, "--scene", &file(name), "--json"];
         let case: Value = serde_json::from_str(&lamplight(&bench)?)?;
         writeln!(

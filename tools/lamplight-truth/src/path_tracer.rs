@@ -1,7 +1,7 @@
 //! The reference: brute-force path tracing through the cells, straight from the definitions.
 
 use crate::random::Random;
-use crate::traverse::{Event, Grid, Stretch, Walk};
+use crate::traverse::{Event, Grid, Stretch, Traversal};
 use lamplight::stages::walls::Walls;
 use lamplight::{Bounces, Cells, Error, Light, Result, Rgb, Sky};
 use rayon::prelude::*;
@@ -213,13 +213,13 @@ impl<'c> Tracer<'c> {
 
     /// A ray from the centre of a cell in the direction `turn` × 2π.
     #[inline]
-    fn leave_centre(&self, cell: [i32; 2], turn: f64) -> Walk<'_> {
+    fn leave_centre(&self, cell: [i32; 2], turn: f64) -> Traversal<'_> {
         let (sin, cos) = (turn * TAU).sin_cos();
-        Walk::new(self.grid, cell, cell.map(|c| f64::from(c) + 0.5), [cos, sin])
+        Traversal::new(self.grid, cell, cell.map(|c| f64::from(c) + 0.5), [cos, sin])
     }
 
     /// A ray that leaves one of the faces from the point that `along` (0 to 1) picks.
-    fn leave_face(&self, faces: &[Face], along: f64, u: f64) -> Walk<'_> {
+    fn leave_face(&self, faces: &[Face], along: f64, u: f64) -> Traversal<'_> {
         let along = along * faces.len() as f64;
         let face = &faces[(along as usize).min(faces.len() - 1)];
         let normal = face.normal.map(f64::from);
@@ -232,17 +232,23 @@ impl<'c> Tracer<'c> {
 
     /// A ray from a point of a wall, cosine-distributed: in 2D the sine of its angle is uniform.
     #[inline]
-    fn leave_wall(&self, cell: [i32; 2], point: [f64; 2], normal: [f64; 2], u: f64) -> Walk<'_> {
+    fn leave_wall(
+        &self,
+        cell: [i32; 2],
+        point: [f64; 2],
+        normal: [f64; 2],
+        u: f64,
+    ) -> Traversal<'_> {
         let sin = 2.0 * u - 1.0;
         // Never 0, which would run along the wall.
         let cos = (1.0 - sin * sin).sqrt().max(1e-12);
         let [nx, ny] = normal;
-        Walk::new(self.grid, cell, point, [nx * cos - ny * sin, ny * cos + nx * sin])
+        Traversal::new(self.grid, cell, point, [nx * cos - ny * sin, ny * cos + nx * sin])
     }
 
     /// The radiance that arrives along one path.
     #[inline]
-    fn radiance(&self, start: Walk, sampler: &mut Sampler) -> [f64; 3] {
+    fn radiance(&self, start: Traversal, sampler: &mut Sampler) -> [f64; 3] {
         let (emission, albedo) = (self.cells.emission(), self.cells.albedo());
         let mut walk = start;
         let mut light = [0.0; 3];

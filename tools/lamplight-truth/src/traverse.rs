@@ -143,7 +143,7 @@ fn squares(cells: &Cells, left: bool, up: bool) -> Vec<u16> {
 }
 
 /// A ray on its way.
-pub struct Walk<'g> {
+pub struct Traversal<'g> {
     grid: &'g Grid,
     squares: &'g [u16],
     cell: [i32; 2],
@@ -158,7 +158,7 @@ pub struct Walk<'g> {
     entered: usize,
 }
 
-impl<'g> Walk<'g> {
+impl<'g> Traversal<'g> {
     /// A ray from a point in or on the border of `cell`, which is not solid, along a unit vector.
     #[inline]
     pub fn new(grid: &'g Grid, cell: [i32; 2], origin: [f64; 2], direction: [f64; 2]) -> Self {
@@ -329,7 +329,7 @@ mod tests {
         (met, false)
     }
 
-    fn walked(cells: &Cells, grid: &Grid, mut walk: Walk) -> (Vec<Piece>, Event) {
+    fn walked(cells: &Cells, grid: &Grid, mut walk: Traversal) -> (Vec<Piece>, Event) {
         let mut met = Vec::new();
         loop {
             match walk.next() {
@@ -380,7 +380,7 @@ mod tests {
                 let origin = [f64::from(x) + 0.5, f64::from(y) + 0.5];
                 let (sin, cos) = (random.unit() * std::f64::consts::TAU).sin_cos();
                 let (expected, hit) = brute_force(&cells, origin, [cos, sin]);
-                let walk = Walk::new(&grid, [x as i32, y as i32], origin, [cos, sin]);
+                let walk = Traversal::new(&grid, [x as i32, y as i32], origin, [cos, sin]);
                 let (met, end) = walked(&cells, &grid, walk);
                 let case = format!("seed {seed}, scene {scene}, from {origin:?} to {cos}, {sin}");
                 assert_eq!(met.len(), expected.len(), "{case}");
@@ -404,8 +404,8 @@ mod tests {
         let grid = Grid::new(&cells);
         let d = std::f64::consts::FRAC_1_SQRT_2;
         [
-            Walk::new(&grid, [0, 0], [0.5, 0.5], [d, d]).next(),
-            Walk::new(&grid, [3, 3], [3.5, 3.5], [-d, -d]).next(),
+            Traversal::new(&grid, [0, 0], [0.5, 0.5], [d, d]).next(),
+            Traversal::new(&grid, [3, 3], [3.5, 3.5], [-d, -d]).next(),
         ]
     }
 
@@ -439,7 +439,7 @@ mod tests {
                     continue;
                 }
                 let d = [f64::from(dx) / length, f64::from(dy) / length];
-                let (_, end) = walked(&cells, &grid, Walk::new(&grid, [0, 0], [0.5, 0.5], d));
+                let (_, end) = walked(&cells, &grid, Traversal::new(&grid, [0, 0], [0.5, 0.5], d));
                 assert!(matches!(end, Event::Wall { .. }), "{dx}, {dy}: {end:?}");
             }
         }
@@ -451,11 +451,11 @@ mod tests {
         cells.set(4, 1, WALL);
         let grid = Grid::new(&cells);
         let wall = Event::Wall { cell: 9, point: [4.0, 1.5], normal: [-1.0, 0.0], outside: [3, 1] };
-        assert_eq!(Walk::new(&grid, [0, 1], [0.5, 1.5], [1.0, 0.0]).next(), wall);
+        assert_eq!(Traversal::new(&grid, [0, 1], [0.5, 1.5], [1.0, 0.0]).next(), wall);
         for d in [[-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [-0.0, 1.0]] {
-            assert_eq!(Walk::new(&grid, [0, 1], [0.5, 1.5], d).next(), Event::Sky);
+            assert_eq!(Traversal::new(&grid, [0, 1], [0.5, 1.5], d).next(), Event::Sky);
         }
-        assert_eq!(Walk::new(&grid, [5, 1], [5.0, 1.5], [1.0, 0.0]).next(), Event::Sky);
+        assert_eq!(Traversal::new(&grid, [5, 1], [5.0, 1.5], [1.0, 0.0]).next(), Event::Sky);
     }
 
     #[test]

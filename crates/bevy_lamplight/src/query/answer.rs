@@ -328,7 +328,7 @@ impl QueryState {
         fine.lamps_mut().append(&mut self.lamps);
         fine.set_sky(Sky::BLACK);
         downsample(fine, FINE_PER_CELL, cells)?;
-        let settings = Settings { method: Method::Polar, ..Settings::default() };
+        let settings = Settings::new(Method::Polar);
         Ok((light, Some(solve_with(&mut self.spots, settings, cells)?)))
     }
 }

@@ -203,7 +203,7 @@ impl LitView {
         }
         let size = view.placement.placed.size;
         let wall_depth = self.settings.wall_depth;
-        let settings = Settings { method: Method::Polar, wall_depth, ..Settings::default() };
+        let settings = Settings { wall_depth, ..Settings::new(Method::Polar) };
         let mut spots = match self.spots.take() {
             Some(spots) => spots,
             None => SpotLighting {

@@ -78,7 +78,7 @@ fn a_glowing_sprite_gives_the_same_light_as_the_same_cells() {
         fill(&mut cells, &placed, min, size, matter);
     }
     let (method, bounces) = (Method::Cascades, Bounces::Count(2));
-    let settings = Settings { method, bounces, ..Settings::default() };
+    let settings = Settings { bounces, ..Settings::new(method) };
     let light = Solver::new(settings.clone()).unwrap().solve(&cells).unwrap().clone();
     assert_eq!(mismatches(&seen, &placed, &cells, &light), 0);
 

@@ -245,7 +245,7 @@ fn settings(args: &BenchArgs, scene: &SettingsTable) -> Result<Vec<Settings>> {
 /// The number of bytes that the hungriest method takes.
 fn needed(args: &BenchArgs, settings: &[Settings], cells: u64) -> u64 {
     let of_method = |settings: &Settings| {
-        let renderer = Renderer::Method(settings.method);
+        let renderer = Renderer::Method(settings.method());
         memory::estimate(cells, renderer, settings, args.machine.backend)
     };
     let picture = args.scale.map_or(0, |scale| memory::estimate_picture(cells, scale));

@@ -137,7 +137,7 @@ pub fn run(args: CompareArgs) -> Result {
 /// The number of bytes that the hungriest entry takes, or the reference.
 fn needed(args: &CompareArgs, entries: &[Entry], settings: &Settings, cells: u64) -> u64 {
     let of_method = |entry: &Entry| {
-        let renderer = Renderer::Method(entry.settings.method);
+        let renderer = Renderer::Method(entry.settings.method());
         memory::estimate(cells, renderer, &entry.settings, args.machine.backend)
     };
     let of_reference = memory::estimate(cells, Renderer::Reference, settings, Backend::Cpu);

@@ -11,6 +11,7 @@ use crate::programs;
 use crate::shared::filled;
 use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
+use lamplight::Lamp;
 use lamplight::methods::flood::{STEEPNESS, reach};
 use lamplight::settings::{Fade, Flood as Settings, Sweeps};
 use lamplight::stages::circle;
@@ -20,19 +21,11 @@ use wgpu::{Buffer, BufferUsages, Device, Queue};
 /// The pipelines, and the directions of rays.
 #[derive(Debug)]
 pub struct Flood {
+    settings: Settings,
     class: ClassPipeline,
     rays: ComputePipelines,
     blur: ComputePipelines,
     directions: Buffer,
-}
-
-/// Returns the rays of a lamp.
-pub fn rays(lamp: &lamplight::Lamp, [width, height]: [u32; 2], settings: &Settings) -> LampRays {
-    let (reach, falloff) = match settings.fade {
-        Fade::Lamp => (lamp.range, Some(lamp.falloff)),
-        Fade::Seed => (lamp.range.min(reach(width.max(height) as f32)), None),
-    };
-    LampRays { reach, count: settings.rays, soft: 0.0, falloff }
 }
 
 /// Entries of [`programs::FLOOD_RAYS`].
@@ -65,11 +58,21 @@ impl Flood {
         let decay = [("DECAY", f64::from(settings.decay))];
         let directions = bytemuck::cast_slice(&directions);
         Self {
+            settings: settings.clone(),
             class: ClassPipeline::new(device),
             rays: ComputePipelines::new(device, &programs::FLOOD_RAYS, &constants),
             blur: ComputePipelines::new(device, &programs::FLOOD_BLUR, &decay),
             directions: filled(device, queue, "directions", BufferUsages::STORAGE, directions),
         }
+    }
+
+    /// Returns the rays of a lamp.
+    pub fn lamp_rays(&self, lamp: &Lamp, [width, height]: [u32; 2]) -> LampRays {
+        let (reach, falloff) = match self.settings.fade {
+            Fade::Lamp => (lamp.range, Some(lamp.falloff)),
+            Fade::Seed => (lamp.range.min(reach(width.max(height) as f32)), None),
+        };
+        LampRays { reach, count: self.settings.rays, soft: 0.0, falloff }
     }
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
@@ -105,7 +108,7 @@ impl Flood {
             planner.over_cells(&self.blur, entry, &into[half], Some(step))
         };
 
-        let settings = &planner.settings.flood;
+        let settings = &self.settings;
         let mut dispatches = vec![class.dispatch, blur(DECAY, 0, 0)];
         let rays = |entry: usize, count: u64| {
             let groups = planner.groups(count.div_ceil(GROUP_RAYS.into()));

@@ -13,8 +13,8 @@ use cascades::Cascades;
 use flood::Flood;
 use holographic::Holographic;
 use holographic::paper::Paper;
-use lamplight::settings::Variant;
-use lamplight::{Lamp, Settings};
+use lamplight::settings::{MethodSettings, Variant};
+use lamplight::{Error, Lamp, Settings};
 use polar::Polar;
 use raymarch::Raymarch;
 use wgpu::{Buffer, Device, Queue};
@@ -32,38 +32,40 @@ pub enum Method {
 
 impl Method {
     /// Compiles the pipelines for these settings.
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
-        match settings.method {
-            lamplight::Method::Cascades => {
-                Self::Cascades(Box::new(Cascades::new(device, queue, settings)))
+    ///
+    /// # Errors
+    /// If the GPU does not have the method.
+    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> lamplight::Result<Self> {
+        let bounces = settings.bounces;
+        Ok(match &settings.method {
+            MethodSettings::Cascades(settings) => {
+                Self::Cascades(Box::new(Cascades::new(device, queue, settings, bounces)))
             }
-            lamplight::Method::Flood => {
-                Self::Flood(Box::new(Flood::new(device, queue, &settings.flood)))
+            MethodSettings::Flood(settings) => {
+                Self::Flood(Box::new(Flood::new(device, queue, settings)))
             }
-            lamplight::Method::Holographic => match settings.holographic.variant {
-                Variant::Paper => Self::Paper(Box::new(Paper::new(device, settings.bounces))),
-                Variant::Beams => {
-                    Self::Holographic(Box::new(Holographic::new(device, settings.bounces)))
+            MethodSettings::Holographic(settings) => match settings.variant {
+                Variant::Paper => Self::Paper(Box::new(Paper::new(device, bounces))),
+                Variant::Bundles => {
+                    Self::Holographic(Box::new(Holographic::new(device, settings, bounces)))
                 }
             },
-            lamplight::Method::Polar => Self::Polar(Box::new(Polar::new(device, &settings.polar))),
-            lamplight::Method::Raymarch => {
-                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings)))
+            MethodSettings::Polar(settings) => Self::Polar(Box::new(Polar::new(device, settings))),
+            MethodSettings::Raymarch(settings) => {
+                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings, bounces)))
             }
-        }
+            other => {
+                let method = other.method().name();
+                return Err(Error::Unsuited { method, problem: "does not run on the GPU" });
+            }
+        })
     }
 
     /// Sets the lamps of a frame, if the method lights them by rule.
-    pub fn set_lamps(
-        &self,
-        lamps: &[Lamp],
-        size: [u32; 2],
-        settings: &Settings,
-        list: &mut LampList,
-    ) {
+    pub fn set_lamps(&self, lamps: &[Lamp], size: [u32; 2], list: &mut LampList) {
         match self {
-            Self::Flood(_) => list.set(lamps, |lamp| flood::rays(lamp, size, &settings.flood)),
-            Self::Polar(_) => list.set(lamps, |lamp| polar::rays(lamp, size, &settings.polar)),
+            Self::Flood(flood) => list.set(lamps, |lamp| flood.lamp_rays(lamp, size)),
+            Self::Polar(polar) => list.set(lamps, |lamp| polar.lamp_rays(lamp, size)),
             Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => (),
         }
     }

@@ -12,9 +12,10 @@ use crate::programs;
 use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
 use crate::stages::distance::DistancePipelines;
+use lamplight::Lamp;
 use lamplight::methods::polar;
 use lamplight::methods::polar::{APART, FINEST, NARROWEST, NEAREST, WIDEST};
-use lamplight::settings::{Blend, Edges, Polar as Settings, Walk};
+use lamplight::settings::{Blend, Polar as Settings, ShadowFilter, Traversal};
 use lamplight::stages::distance::MARGIN;
 use lamplight::stages::transmittance::LOG_OF_ZERO;
 use wgpu::{Buffer, Device};
@@ -28,6 +29,7 @@ const CORNERS: u64 = 4;
 /// The pipelines.
 #[derive(Debug)]
 pub struct Polar {
+    settings: Settings,
     class: ClassPipeline,
     /// The distance field, if rays go by it.
     distance: Option<DistancePipelines>,
@@ -36,54 +38,57 @@ pub struct Polar {
     gather: ComputePipelines,
 }
 
-/// Returns the rays of a lamp.
-pub fn rays(lamp: &lamplight::Lamp, size: [u32; 2], settings: &Settings) -> LampRays {
-    let (reach, count) = polar::rays(lamp, size, settings);
-    LampRays {
-        reach,
-        count: count as u32,
-        soft: if settings.edges == Edges::Soft { lamp.size } else { 0.0 },
-        falloff: Some(settings.falloff.unwrap_or(lamp.falloff)),
-    }
-}
-
 impl Polar {
     pub fn new(device: &Device, settings: &Settings) -> Self {
-        let edges = match settings.edges {
-            Edges::Soft => 0.0,
-            Edges::Linear => 1.0,
-            Edges::Nearest => 2.0,
+        let shadow_filter = match settings.shadow_filter {
+            ShadowFilter::Soft => 0.0,
+            ShadowFilter::Linear => 1.0,
+            ShadowFilter::Nearest => 2.0,
         };
-        let walk = match settings.walk {
-            Walk::Edge => 0.0,
-            Walk::Step => 1.0,
-            Walk::Distance => 2.0,
+        let traversal = match settings.traversal {
+            Traversal::Edge => 0.0,
+            Traversal::Step => 1.0,
+            Traversal::Distance => 2.0,
         };
         let blend = match settings.blend {
             Blend::Add => 0.0,
             Blend::Max => 1.0,
             Blend::Screen => 2.0,
         };
-        let crisp = settings.edges == Edges::Nearest;
+        let crisp = settings.shadow_filter == ShadowFilter::Nearest;
         let widths = [("NARROWEST", f64::from(NARROWEST)), ("WIDEST", f64::from(WIDEST))];
         let rays = [
             ("TRANSLUCENT", f64::from(settings.translucent)),
             ("MAX_OPTICAL_DEPTH", -f64::from(LOG_OF_ZERO)),
-            ("WALK", walk),
+            ("TRAVERSAL", traversal),
             ("MARGIN", f64::from(MARGIN)),
             ("FINEST", f64::from(FINEST)),
             ("APART", f64::from(APART)),
         ];
         let bounds = [("NEAREST", f64::from(NEAREST)), ("CRISP", f64::from(crisp))];
         let bounds = [&bounds[..], &widths].concat();
-        let gather = [("EDGES", edges), ("BLEND", blend)];
+        let gather = [("SHADOW_FILTER", shadow_filter), ("BLEND", blend)];
         let gather = [&rays[..], &widths, &gather].concat();
         Self {
+            settings: settings.clone(),
             class: ClassPipeline::new(device),
-            distance: (settings.walk == Walk::Distance).then(|| DistancePipelines::new(device)),
+            distance: (settings.traversal == Traversal::Distance)
+                .then(|| DistancePipelines::new(device)),
             shadow_map: ComputePipelines::new(device, &programs::POLAR_SHADOW_MAP, &rays),
             shadow_bounds: ComputePipelines::new(device, &programs::POLAR_SHADOW_BOUNDS, &bounds),
             gather: ComputePipelines::new(device, &programs::POLAR_GATHER, &gather),
+        }
+    }
+
+    /// Returns the rays of a lamp.
+    pub fn lamp_rays(&self, lamp: &Lamp, size: [u32; 2]) -> LampRays {
+        let settings = &self.settings;
+        let (reach, count) = polar::rays(lamp, size, settings);
+        LampRays {
+            reach,
+            count: count as u32,
+            soft: if settings.shadow_filter == ShadowFilter::Soft { lamp.size } else { 0.0 },
+            falloff: Some(settings.falloff.unwrap_or(lamp.falloff)),
         }
     }
 
@@ -95,7 +100,7 @@ impl Polar {
         let curves = planner.buffer::<[u32; 2]>("transmittance curves", rays)?;
         let bounds = planner.buffer::<[u32; 4]>("bounds of rays", rays)?;
         let fit = planner.max_buffer_bytes() / size_of::<[f32; 4]>() as u64;
-        let translucent = planner.settings.polar.translucent;
+        let translucent = self.settings.translucent;
         let corners = if translucent { (rays * CORNERS).min(fit) } else { 1 };
         let corners = planner.buffer::<[f32; 4]>("corners of curves", corners)?;
         let (distance, mut dispatches, mut stages) = match &self.distance {

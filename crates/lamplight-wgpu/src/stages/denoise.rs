@@ -4,20 +4,22 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::{programs, shaders};
-use lamplight::Settings;
 use lamplight::grid::empty_space::LONGEST;
-use lamplight::settings::Hit;
+use lamplight::settings::{Hit, Raymarch};
 use lamplight::stages::denoise::{DEVIATIONS, KERNEL, OPACITY};
 use lamplight::stages::distance::MARGIN;
 use wgpu::{Buffer, Device};
 
 /// The pipelines.
 #[derive(Debug)]
-pub struct Denoise(ComputePipelines);
+pub struct Denoise {
+    pipelines: ComputePipelines,
+    passes: u32,
+}
 
 impl Denoise {
-    pub fn new(device: &Device, settings: &Settings) -> Self {
-        let by_distance = settings.raymarch.hit == Hit::Distance;
+    pub fn new(device: &Device, settings: &Raymarch) -> Self {
+        let by_distance = settings.hit == Hit::Distance;
         let constants = [
             ("MAX_SKIP", f64::from(LONGEST)),
             ("MARGIN", f64::from(MARGIN)),
@@ -29,7 +31,8 @@ impl Denoise {
             ("BY_DISTANCE", f64::from(by_distance)),
         ];
         let constants = [&constants[..], &shaders::LUMINANCE].concat();
-        Self(ComputePipelines::new(device, &programs::DENOISE, &constants))
+        let pipelines = ComputePipelines::new(device, &programs::DENOISE, &constants);
+        Self { pipelines, passes: settings.denoise.passes }
     }
 
     /// Plans the blur of the light of open cells. `near` is the field that rays go by: squares of empty space,
@@ -52,8 +55,8 @@ impl Denoise {
                 whole(&noisy[to]),
                 whole(light),
             ];
-            planner.bind(&self.0, &resources)
+            planner.bind(&self.pipelines, &resources)
         };
-        Ok(planner.ping_pong(&self.0, [bind(0), bind(1)], planner.settings.denoise.passes))
+        Ok(planner.ping_pong(&self.pipelines, [bind(0), bind(1)], self.passes))
     }
 }

@@ -4,8 +4,7 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
-use lamplight::Settings;
-use lamplight::settings::{BounceBy, Bounces, Hit};
+use lamplight::settings::{BounceMode, Bounces, Hit, Raymarch};
 use lamplight::stages::temporal::{FEEDBACK, REACH};
 use wgpu::{Buffer, Device};
 
@@ -19,18 +18,17 @@ pub struct Temporal {
 
 impl Temporal {
     /// Returns whether history is rejected cell by cell, from the changes that rays report.
-    pub fn tracks(settings: &Settings) -> bool {
+    pub fn tracks(settings: &Raymarch) -> bool {
         let temporal = &settings.temporal;
-        temporal.history_length > 1 && temporal.reject && settings.raymarch.hit == Hit::Edge
+        temporal.history_length > 1 && temporal.reject && settings.hit == Hit::Edge
     }
 
     /// Compiles the pipelines. With `traced`, the gather leaves variance and changes, and the variance is
     /// updated.
-    pub fn new(device: &Device, settings: &Settings, traced: bool) -> Self {
+    pub fn new(device: &Device, settings: &Raymarch, bounces: Bounces, traced: bool) -> Self {
         let temporal = &settings.temporal;
-        let feedback =
-            settings.bounces != Bounces::Count(0) && settings.raymarch.bounce == BounceBy::Feedback;
-        let everywhere = settings.raymarch.hit == Hit::Distance;
+        let feedback = bounces != Bounces::Count(0) && settings.bounce_mode == BounceMode::Feedback;
+        let everywhere = settings.hit == Hit::Distance;
         let constants = [
             ("HISTORY_LENGTH", f64::from(temporal.history_length)),
             ("TRACED", f64::from(traced)),

@@ -3,6 +3,7 @@
 // Each test program uses its own part of this.
 #![allow(dead_code)]
 
+use lamplight::settings::Raymarch;
 use lamplight::{Cells, Matter, Rgb, Settings};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{
@@ -12,6 +13,11 @@ use wgpu::{
     Adapter, Backends, Device, DeviceDescriptor, Features, Instance, InstanceDescriptor, Limits,
     PowerPreference, Queue, RequestAdapterOptions,
 };
+
+/// The settings of `raymarch`, to be changed.
+pub fn raymarch_of(settings: &mut Settings) -> &mut Raymarch {
+    settings.method.as_raymarch_mut().expect("settings of raymarch")
+}
 
 /// The machine's best GPU, a software one if there is no other. Without any the test fails:
 /// `cargo xtask test` installs a software one.

@@ -1,18 +1,15 @@
 //! Light that bounces from frame to frame, and until it has converged.
 
-use crate::common::{cells, device, frame, lighting};
+use crate::common::{cells, device, frame, lighting, raymarch_of};
 use crate::compare::{Both, agree, differences};
 use crate::frames::{FRAMES, frames_agree, moving};
-use lamplight::settings::{BounceBy, Cascades, Holographic, Raymarch};
+use lamplight::settings::{BounceMode, MethodSettings, Raymarch};
 use lamplight::{Bounces, Cells, Matter, Method, Rgb, Settings, Sky, Solver};
 use lamplight_wgpu::Lighting;
 
-fn raymarch(preset: &str, by: BounceBy, bounces: Bounces) -> Settings {
-    let mut settings = Settings { method: Method::Raymarch, bounces, ..Settings::default() };
-    settings.raymarch = Raymarch::preset(preset).unwrap();
-    settings.raymarch.bounce = by;
-    settings.raymarch.rays = 16;
-    settings
+fn raymarch(preset: &str, by: BounceMode, bounces: Bounces) -> Settings {
+    let preset = Raymarch::preset(preset).unwrap();
+    Settings { bounces, ..Settings::new(Raymarch { bounce_mode: by, rays: 16, ..preset }) }
 }
 
 #[test]
@@ -21,8 +18,8 @@ fn feedback_agrees_frame_by_frame() {
     for [w, h] in [[1, 1], [1, 37], [31, 17], [97, 61]] {
         for preset in Raymarch::PRESETS {
             for (frames, bounces) in [(0, Bounces::Count(1)), (8, Bounces::Converged)] {
-                let mut settings = raymarch(preset, BounceBy::Feedback, bounces);
-                settings.temporal.history_length = frames;
+                let mut settings = raymarch(preset, BounceMode::Feedback, bounces);
+                raymarch_of(&mut settings).temporal.history_length = frames;
                 let name = format!("{preset} at {w}×{h}, mean over {frames}");
                 frames_agree(&gpu, &name, settings, (0..FRAMES).map(|n| moving(w, h, n)));
             }
@@ -35,26 +32,22 @@ fn converged_light_agrees() {
     let gpu = device();
     for [w, h] in [[1, 1], [1, 37], [31, 17], [97, 61]] {
         for preset in Raymarch::PRESETS {
-            let settings = raymarch(preset, BounceBy::Frame, Bounces::Converged);
+            let settings = raymarch(preset, BounceMode::Frame, Bounces::Converged);
             agree(&gpu, &format!("{preset} at {w}×{h}"), &cells(w, h, 7), settings);
         }
     }
-    let mut settings = raymarch("default", BounceBy::Frame, Bounces::Converged);
-    settings.temporal.history_length = 8;
+    let mut settings = raymarch("default", BounceMode::Frame, Bounces::Converged);
+    raymarch_of(&mut settings).temporal.history_length = 8;
     frames_agree(&gpu, "with a mean", settings, (0..4).map(|n| moving(31, 17, n)));
 }
 
 /// The methods that light bounces in within a frame, beside presets of `raymarch`.
 fn methods(bounces: Bounces) -> Vec<(String, Settings)> {
     let of = |method, preset: &str| {
-        let mut settings = Settings { method, bounces, ..Settings::default() };
-        match method {
-            Method::Cascades => settings.cascades = Cascades::preset(preset).unwrap(),
-            _ => settings.holographic = Holographic::preset(preset).unwrap(),
-        }
-        (format!("{method:?}, {preset}"), settings)
+        let settings = MethodSettings::preset(method, preset).unwrap();
+        (format!("{method:?}, {preset}"), Settings { bounces, ..Settings::new(settings) })
     };
-    let mut all = vec![("Raymarch".into(), raymarch("default", BounceBy::Frame, bounces))];
+    let mut all = vec![("Raymarch".into(), raymarch("default", BounceMode::Frame, bounces))];
     all.extend(["default", "plain"].map(|preset| of(Method::Cascades, preset)));
     all.extend(["default", "paper"].map(|preset| of(Method::Holographic, preset)));
     all
@@ -108,7 +101,7 @@ fn every_method_converges_frame_by_frame() {
 /// Rounds by which both may end apart. In `holographic` rounding decides now and then how many rays a
 /// pixel sends; light that comes and goes with them is a change, too.
 fn slack(settings: &Settings) -> u32 {
-    u32::from(settings.method == Method::Holographic)
+    u32::from(settings.method() == Method::Holographic)
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::common::{cells, device, device_with};
 use crate::compare::{SIZES, agree, agree_but_for, scenes};
 use lamplight::settings::{Cascades, Merge};
-use lamplight::{Bounces, Cells, Gradient, Method, Scene, Settings, Sky};
+use lamplight::{Bounces, Cells, Gradient, Scene, Settings, Sky};
 
 /// Share of pixels that may be off with the plain merge where light bounces: ties between two faces of
 /// walls. All its probes send the same rays, and ray 106 of the 256 of the third further cascade passes
@@ -14,9 +14,9 @@ use lamplight::{Bounces, Cells, Gradient, Method, Scene, Settings, Sky};
 const TIES: f64 = 1e-3;
 
 fn cascades(change: impl FnOnce(&mut Cascades)) -> Settings {
-    let mut settings = Settings { method: Method::Cascades, ..Settings::default() };
-    change(&mut settings.cascades);
-    settings
+    let mut cascades = Cascades::default();
+    change(&mut cascades);
+    Settings::new(cascades)
 }
 
 #[test]
@@ -58,17 +58,6 @@ fn cascades_agree_with_every_setting() {
     for overlap in [0.3, 1.0] {
         all(&format!("overlap {overlap}"), &|c| c.overlap = overlap);
     }
-}
-
-#[test]
-fn what_is_raymarchs_alone_changes_nothing() {
-    let mut settings = cascades(|_| ());
-    settings.raymarch.threshold = 0.2;
-    settings.raymarch.emission_multiplier = 2.0;
-    settings.raymarch.attenuation = true;
-    settings.temporal.history_length = 8;
-    settings.denoise.passes = 3;
-    agree(&device(), "others' settings", &cells(97, 61, 5), settings);
 }
 
 #[test]

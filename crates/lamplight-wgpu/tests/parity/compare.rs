@@ -1,7 +1,7 @@
 //! Light of the GPU compared with that of the CPU, pixel by pixel.
 
 use crate::common::{cells, device, frame, lighting};
-use lamplight::settings::Hit;
+use lamplight::settings::{Hit, MethodSettings};
 use lamplight::{Cells, Method, Rgb, Scene, Settings, Solver};
 use lamplight_wgpu::Lighting;
 use wgpu::{Device, Queue};
@@ -93,9 +93,9 @@ impl Both {
     #[track_caller]
     pub fn agree(&mut self, gpu: &(Device, Queue), name: &str, cells: &Cells) {
         let settings = self.solver.settings();
-        let tied = match settings.method {
-            Method::Raymarch => settings.raymarch.hit == Hit::Distance,
-            method => method == Method::Polar,
+        let tied = match &settings.method {
+            MethodSettings::Raymarch(raymarch) => raymarch.hit == Hit::Distance,
+            method => method.method() == Method::Polar,
         };
         let ties = if tied { TIES } else { 0.0 };
         let [seen, right] = self.light(gpu, cells);
@@ -113,7 +113,7 @@ fn agrees(name: &str, seen: &[Rgb], right: &[Rgb], ties: f64) {
 
 #[test]
 fn one_wrong_pixel_is_rejected() {
-    let settings = Settings { method: Method::Raymarch, ..Settings::default() };
+    let settings = Settings::new(Method::Raymarch);
     let gpu = device();
     let [seen, right] = Both::new(&gpu, settings).light(&gpu, &cells(97, 61, 3));
     assert_eq!(wrong(&seen, &right), 0);

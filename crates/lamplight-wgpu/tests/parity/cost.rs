@@ -2,13 +2,12 @@
 
 use crate::common::device;
 use lamplight::settings::Holographic;
-use lamplight::{Cells, Method, Settings};
+use lamplight::{Cells, Settings};
 use lamplight_wgpu::{Cost, FrameInput, Lighting, LightingOptions};
 use wgpu::{Device, Queue};
 
 fn cost((device, queue): &(Device, Queue), preset: &str, side: u32, fused_levels: u32) -> Cost {
-    let mut settings = Settings { method: Method::Holographic, ..Settings::default() };
-    settings.holographic = Holographic::preset(preset).unwrap();
+    let settings = Settings::new(Holographic::preset(preset).unwrap());
     let options = LightingOptions { fused_levels };
     let mut lighting = Lighting::new(device, queue, &options).unwrap();
     let cells = Cells::new(side, side).unwrap();

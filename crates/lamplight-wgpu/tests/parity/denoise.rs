@@ -1,13 +1,14 @@
 //! The edge-aware blur.
 
-use crate::common::{cells, device};
+use crate::common::{cells, device, raymarch_of};
 use crate::compare::{SIZES, agree};
-use lamplight::settings::{Denoise, Hit};
-use lamplight::{Method, Settings};
+use lamplight::Settings;
+use lamplight::settings::{Denoise, Hit, Raymarch};
 
 fn denoising(passes: u32, strength: f32) -> Settings {
     let denoise = Denoise { passes, strength };
-    Settings { method: Method::Raymarch, denoise, wall_depth: 2.0, ..Settings::default() }
+    let raymarch = Raymarch { denoise, ..Raymarch::default() };
+    Settings { wall_depth: 2.0, ..Settings::new(raymarch) }
 }
 
 #[test]
@@ -17,7 +18,7 @@ fn every_pass_and_strength_agrees() {
         let passes = (1..=6).map(|passes| (passes, 1.0));
         for (passes, strength) in passes.chain([0.0, 0.3, 4.0, 16.0].map(|s| (4, s))) {
             let mut settings = denoising(passes, strength);
-            settings.raymarch.hit = hit;
+            raymarch_of(&mut settings).hit = hit;
             let name = format!("{passes} passes of strength {strength}, {hit:?}");
             agree(&gpu, &name, &cells(97, 61, 3), settings);
         }

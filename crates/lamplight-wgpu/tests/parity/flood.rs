@@ -4,7 +4,7 @@ use crate::common::{cells, device};
 use crate::compare::{Both, SIZES, scenes};
 use crate::lamps::lamps;
 use lamplight::settings::{Fade, Flood, Sweeps};
-use lamplight::{Gradient, Method, Settings, Sky};
+use lamplight::{Gradient, Settings, Sky};
 
 /// One of the settings changed.
 type Change = fn(&mut Flood);
@@ -12,7 +12,7 @@ type Change = fn(&mut Flood);
 const FRAMES: u32 = 3;
 
 fn flood(flood: Flood) -> Settings {
-    Settings { method: Method::Flood, flood, wall_depth: 2.0, ..Settings::default() }
+    Settings { wall_depth: 2.0, ..Settings::new(flood) }
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Many frames on both, one after the other, with matter that moves.
 
-use crate::common::{cells, device, frame, lighting};
+use crate::common::{cells, device, frame, lighting, raymarch_of};
 use crate::compare::{TIES, differences, wrong};
-use lamplight::settings::{BounceBy, Hit, Temporal};
-use lamplight::{Bounces, Cells, Lamp, Matter, Method, Rgb, Settings, Sky, Solver};
+use lamplight::settings::{BounceMode, Hit, Raymarch, Temporal};
+use lamplight::{Bounces, Cells, Lamp, Matter, Rgb, Settings, Sky, Solver};
 use lamplight_wgpu::Lighting;
 use wgpu::{Device, Queue};
 
@@ -36,12 +36,9 @@ pub fn moving(width: u32, height: u32, number: u32) -> Cells {
 /// `raymarch` with a mean over frames that drops what changed, and feedback.
 fn remembering() -> Settings {
     let temporal = Temporal { history_length: 8, reject: true };
-    let bounces = Bounces::Count(1);
-    let mut settings =
-        Settings { method: Method::Raymarch, bounces, temporal, ..Settings::default() };
-    settings.raymarch.bounce = BounceBy::Feedback;
-    settings.raymarch.rays = 8;
-    settings
+    let bounce_mode = BounceMode::Feedback;
+    let raymarch = Raymarch { temporal, bounce_mode, rays: 8, ..Raymarch::default() };
+    Settings { bounces: Bounces::Count(1), ..Settings::new(raymarch) }
 }
 
 fn lit(
@@ -78,7 +75,7 @@ pub fn frames_agree(
     settings: Settings,
     frames: impl Iterator<Item = Cells>,
 ) {
-    let ties = if settings.raymarch.hit == Hit::Distance { TIES } else { 0.0 };
+    let ties = if settings.method.as_raymarch().unwrap().hit == Hit::Distance { TIES } else { 0.0 };
     let (mut worst, mut most) = (0.0f64, 0.0f64);
     let both = frames.map(|cells| [cells.clone(), cells]);
     for [seen, right] in light_of_frames(gpu, settings, both) {
@@ -93,8 +90,9 @@ pub fn frames_agree(
 fn a_wrong_frame_in_history_is_rejected() {
     let gpu = device();
     let [w, h] = [61, 43];
-    let mean = |s: &mut Settings| (s.bounces, s.temporal.reject) = (Bounces::Count(0), false);
-    let feedback = |s: &mut Settings| s.temporal.history_length = 0;
+    let mean =
+        |s: &mut Settings| (s.bounces, raymarch_of(s).temporal.reject) = (Bounces::Count(0), false);
+    let feedback = |s: &mut Settings| raymarch_of(s).temporal.history_length = 0;
     for change in [mean as fn(&mut _), feedback] {
         let mut settings = remembering();
         change(&mut settings);
@@ -118,7 +116,7 @@ fn another_size_or_another_sky_ends_history_as_on_the_cpu() {
     frames_agree(&gpu, "sizes", remembering(), frames);
     for reject in [true, false] {
         let mut settings = remembering();
-        settings.temporal.reject = reject;
+        raymarch_of(&mut settings).temporal.reject = reject;
         let frames = (0..FRAMES).map(|n| {
             let mut cells = moving(61, 43, n);
             cells.set_sky(Sky::Uniform([0.1 * (n / 4) as f32; 3]));
@@ -133,7 +131,7 @@ fn nothing_is_left_after_a_reset() {
     let gpu = device();
     for hit in [Hit::Edge, Hit::Distance] {
         let mut settings = remembering();
-        settings.raymarch.hit = hit;
+        raymarch_of(&mut settings).hit = hit;
         let mut lighting = lighting(&gpu.0, &gpu.1);
         let mut run = || -> Vec<_> {
             lighting.reset();

@@ -3,14 +3,12 @@
 use crate::common::{cells, device, device_of, device_with, frame, lighting};
 use crate::compare::{Both, SIZES, agree, differences, scenes};
 use lamplight::settings::Holographic;
-use lamplight::{Bounces, Cells, Gradient, Matter, Method, Rgb, Settings, Sky};
+use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Settings, Sky};
 use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Tier};
 use std::time::{Duration, Instant};
 
 fn holographic(preset: &str) -> Settings {
-    let mut settings = Settings { method: Method::Holographic, ..Settings::default() };
-    settings.holographic = Holographic::preset(preset).unwrap();
-    settings
+    Settings::new(Holographic::preset(preset).unwrap())
 }
 
 /// Solid matter alone, some of it glowing: no fog, no tint.
@@ -71,11 +69,10 @@ fn every_setting_agrees() {
     for (gather_level, gather_length, gather_rays, bundle_rays) in
         [(1, 16, 1, 1), (2, 1, 3, 16), (3, 5, 16, 3), (4, 16, 2, 8)]
     {
-        let mut settings = holographic("default");
-        let variant = settings.holographic.variant;
-        settings.holographic =
+        let variant = Holographic::default().variant;
+        let settings =
             Holographic { variant, gather_level, gather_length, gather_rays, bundle_rays };
-        agree(&gpu, &format!("{:?}", settings.holographic), &cells, settings);
+        agree(&gpu, &format!("{settings:?}"), &cells, Settings::new(settings));
     }
 }
 

@@ -3,12 +3,12 @@
 use crate::common::{cells, device};
 use crate::compare::{Both, SIZES, agree, scenes};
 use crate::lamps::lamps;
-use lamplight::settings::{Blend, Edges, Polar, Walk};
-use lamplight::{Cells, Falloff, Matter, Method, Settings};
+use lamplight::settings::{Blend, Polar, ShadowFilter, Traversal};
+use lamplight::{Cells, Falloff, Matter, Settings};
 use lamplight_wgpu::Stage;
 
 fn polar(polar: Polar) -> Settings {
-    Settings { method: Method::Polar, polar, wall_depth: 2.0, ..Settings::default() }
+    Settings { wall_depth: 2.0, ..Settings::new(polar) }
 }
 
 fn lit(width: u32, height: u32, count: u32, seed: u64) -> Cells {
@@ -32,15 +32,15 @@ fn polar_agrees_at_every_size_with_every_preset() {
 fn polar_agrees_with_every_setting() {
     let gpu = device();
     let cells = lit(127, 61, 14, 41);
-    for walk in [Walk::Edge, Walk::Step, Walk::Distance] {
-        for (edges, translucent) in [
-            (Edges::Soft, true),
-            (Edges::Linear, true),
-            (Edges::Nearest, true),
-            (Edges::Soft, false),
+    for traversal in [Traversal::Edge, Traversal::Step, Traversal::Distance] {
+        for (shadow_filter, translucent) in [
+            (ShadowFilter::Soft, true),
+            (ShadowFilter::Linear, true),
+            (ShadowFilter::Nearest, true),
+            (ShadowFilter::Soft, false),
         ] {
-            let settings = Polar { walk, edges, translucent, ..Polar::default() };
-            let name = format!("{walk:?}, {edges:?}, translucent: {translucent}");
+            let settings = Polar { traversal, shadow_filter, translucent, ..Polar::default() };
+            let name = format!("{traversal:?}, {shadow_filter:?}, translucent: {translucent}");
             agree(&gpu, &name, &cells, polar(settings));
         }
     }
@@ -87,10 +87,15 @@ fn curves_that_find_no_room_in_the_store_are_traced_again() {
         cells.set_matter(i, Matter { opacity, ..Matter::EMPTY });
     }
     *cells.lamps_mut() = lamps(96, 64, 9, 51);
-    for walk in [Walk::Edge, Walk::Distance] {
-        for edges in [Edges::Soft, Edges::Nearest] {
-            let settings = Polar { walk, edges, ..Polar::default() };
-            agree(&gpu, &format!("specks of fog, {walk:?}, {edges:?}"), &cells, polar(settings));
+    for traversal in [Traversal::Edge, Traversal::Distance] {
+        for shadow_filter in [ShadowFilter::Soft, ShadowFilter::Nearest] {
+            let settings = Polar { traversal, shadow_filter, ..Polar::default() };
+            agree(
+                &gpu,
+                &format!("specks of fog, {traversal:?}, {shadow_filter:?}"),
+                &cells,
+                polar(settings),
+            );
         }
     }
 }

@@ -1,12 +1,12 @@
 //! `raymarch`, by both rules.
 
-use crate::common::{cells, device, frame, lighting};
+use crate::common::{cells, device, frame, lighting, raymarch_of};
 use crate::compare::{SIZES, agree, scenes, wrong};
-use lamplight::settings::{BounceBy, Noise, Raymarch, Spacing};
+use lamplight::settings::{BounceMode, Noise, Raymarch, Spacing};
 use lamplight::{Bounces, Gradient, Method, Rgb, Settings, Sky, Solver};
 
 fn raymarch() -> Settings {
-    Settings { method: Method::Raymarch, ..Settings::default() }
+    Settings::new(Method::Raymarch)
 }
 
 #[test]
@@ -26,16 +26,16 @@ fn raymarch_agrees_with_every_setting() {
     for noise in [Noise::White, Noise::Blue, Noise::Golden] {
         for spacing in [Spacing::Even, Spacing::Golden] {
             let mut settings = Settings { seed: 12345, wall_depth: 0.5, ..raymarch() };
-            settings.raymarch.noise = noise;
-            settings.raymarch.spacing = spacing;
-            settings.raymarch.rays = 7;
-            settings.raymarch.threshold = 0.2;
-            settings.raymarch.emission_multiplier = 1.5;
+            raymarch_of(&mut settings).noise = noise;
+            raymarch_of(&mut settings).spacing = spacing;
+            raymarch_of(&mut settings).rays = 7;
+            raymarch_of(&mut settings).threshold = 0.2;
+            raymarch_of(&mut settings).emission_multiplier = 1.5;
             agree(&gpu, &format!("{noise:?}, {spacing:?}"), &cells(97, 61, 5), settings);
         }
     }
     let mut settings = raymarch();
-    settings.raymarch.steps = 3;
+    raymarch_of(&mut settings).steps = 3;
     agree(&gpu, "three steps", &cells(97, 61, 5), settings);
 }
 
@@ -46,9 +46,9 @@ fn the_seeds_march_agrees() {
         for attenuation in [false, true] {
             for bounces in [0, 2].map(Bounces::Count) {
                 let mut settings = Settings { bounces, ..raymarch() };
-                settings.raymarch = Raymarch::preset(preset).unwrap();
-                settings.raymarch.attenuation = attenuation;
-                settings.raymarch.bounce = BounceBy::Frame;
+                *raymarch_of(&mut settings) = Raymarch::preset(preset).unwrap();
+                raymarch_of(&mut settings).attenuation = attenuation;
+                raymarch_of(&mut settings).bounce_mode = BounceMode::Frame;
                 let name = format!("{preset}, fading: {attenuation}, {bounces:?}");
                 for [w, h] in [[97, 61], [1, 37], [160, 90]] {
                     agree(&gpu, &format!("{name} at {w}×{h}"), &cells(w, h, 13), settings.clone());
@@ -74,8 +74,8 @@ fn raymarch_agrees_on_every_example_scene() {
         for (preset, bounces) in [("default", 0), ("default", 2), ("godot", 1)] {
             let bounces = Bounces::Count(bounces);
             let mut settings = Settings { wall_depth, seed, bounces, ..raymarch() };
-            settings.raymarch = Raymarch::preset(preset).unwrap();
-            settings.raymarch.bounce = BounceBy::Frame;
+            *raymarch_of(&mut settings) = Raymarch::preset(preset).unwrap();
+            raymarch_of(&mut settings).bounce_mode = BounceMode::Frame;
             let name = format!("{name}, {preset}, {bounces:?}");
             agree(&gpu, &name, &scene.cells().unwrap(), settings);
         }

@@ -9,7 +9,7 @@ use lamplight::stages::distance::distance;
 use lamplight::stages::jump_flood::{jump_flood, settle};
 use lamplight::stages::seed::seed;
 use lamplight::stages::transmittance::extinction;
-use lamplight::{Cells, Method, Settings, Solver};
+use lamplight::{Cells, Settings, Solver};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{FrameInput, Stage};
 use wgpu::{Device, Queue};
@@ -20,7 +20,7 @@ fn stage<T: bytemuck::Pod>(
     cells: &Cells,
     stage: Stage,
 ) -> Vec<T> {
-    let settings = Settings { method: Method::Raymarch, ..Settings::default() };
+    let settings = Settings::new(Raymarch::default());
     let mut lighting = lighting(device, queue);
     let input = FrameInput::of_cells(&settings, cells);
     lighting.prepare(&FrameInput { distance_field: true, ..input }).unwrap();
@@ -56,7 +56,7 @@ fn fields_are_made_beside_those_of_the_method() {
     let (device, queue) = device();
     let cells = cells(40, 30, 13);
     let raymarch = Raymarch { hit: Hit::Distance, ..Raymarch::default() };
-    let settings = Settings { method: Method::Raymarch, raymarch, ..Settings::default() };
+    let settings = Settings::new(raymarch);
     let mut lighting = lighting(&device, &queue);
     let input = FrameInput::of_cells(&settings, &cells);
     lighting.prepare(&FrameInput { distance_field: true, ..input }).unwrap();

@@ -1,10 +1,10 @@
 //! The mean over frames.
 
-use crate::common::device;
+use crate::common::{device, raymarch_of};
 use crate::compare::scenes;
 use crate::frames::{FRAMES, frames_agree, moving};
-use lamplight::settings::{BounceBy, Denoise, Hit, Temporal};
-use lamplight::{Bounces, Method, Settings};
+use lamplight::settings::{BounceMode, Denoise, Hit, Raymarch, Temporal};
+use lamplight::{Bounces, Settings};
 
 /// Rays a pixel. Of 8, those of a pixel whose first angle is 0 run along diagonals, through the very
 /// corners of cells, and rounding decides which face they meet: 2 pixels of 2 million were off by 0.03
@@ -13,10 +13,8 @@ const RAYS: u32 = 7;
 
 fn accumulating(reject: bool) -> Settings {
     let temporal = Temporal { history_length: 8, reject };
-    let mut settings =
-        Settings { method: Method::Raymarch, temporal, wall_depth: 2.0, ..Settings::default() };
-    settings.raymarch.rays = RAYS;
-    settings
+    let raymarch = Raymarch { temporal, rays: RAYS, ..Raymarch::default() };
+    Settings { wall_depth: 2.0, ..Settings::new(raymarch) }
 }
 
 #[test]
@@ -27,7 +25,7 @@ fn means_over_frames_agree() {
             for (hit, bounces) in [(Hit::Edge, 0), (Hit::Edge, 2), (Hit::Distance, 1)] {
                 let bounces = Bounces::Count(bounces);
                 let mut settings = Settings { bounces, ..accumulating(reject) };
-                settings.raymarch.hit = hit;
+                raymarch_of(&mut settings).hit = hit;
                 let name = format!("{w}×{h}, reject {reject}, {hit:?}, {bounces:?}");
                 frames_agree(&gpu, &name, settings, (0..FRAMES).map(|n| moving(w, h, n)));
             }
@@ -38,9 +36,9 @@ fn means_over_frames_agree() {
 #[test]
 fn rays_that_tire_on_their_way_past_changes_agree() {
     let mut settings = accumulating(true);
-    settings.raymarch.steps = 5;
-    settings.raymarch.threshold = 0.15;
-    settings.raymarch.attenuation = true;
+    raymarch_of(&mut settings).steps = 5;
+    raymarch_of(&mut settings).threshold = 0.15;
+    raymarch_of(&mut settings).attenuation = true;
     settings.bounces = Bounces::Count(1);
     frames_agree(&device(), "5 steps", settings, (0..6).map(|n| moving(97, 61, n)));
 }
@@ -54,10 +52,10 @@ fn means_agree_on_every_example_scene() {
             wall_depth: scene.resolve_settings().unwrap().wall_depth,
             ..accumulating(true)
         };
-        settings.denoise = Denoise { passes: 2, strength: 1.0 };
+        raymarch_of(&mut settings).denoise = Denoise { passes: 2, strength: 1.0 };
         settings.bounces = Bounces::Count(1);
         if number % 2 == 1 {
-            settings.raymarch.bounce = BounceBy::Feedback;
+            raymarch_of(&mut settings).bounce_mode = BounceMode::Feedback;
         }
         let still = scene.cells().unwrap();
         let frames = (0..3).map(|n| {

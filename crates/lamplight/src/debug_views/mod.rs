@@ -11,8 +11,8 @@ mod fields;
 pub(crate) use fields::empty_space;
 pub use fields::{albedo, distance, emission, opacity, seeds, tint};
 
-use crate::settings::{Hit, Variant};
-use crate::{Display, Method, Solver};
+use crate::settings::{Hit, MethodSettings, Variant};
+use crate::{Display, Solver};
 use image::RgbImage;
 
 /// A picture of one intermediate of a method.
@@ -40,17 +40,16 @@ impl Solver {
     /// Number of debug views of the last frame: 0 before the first one, and for the variants that
     /// keep nothing but fields (`hit = "distance"`) or exist for comparison (`variant = "paper"`).
     pub fn debug_view_count(&self) -> u32 {
-        let settings = self.settings();
         if self.light().pixels().is_empty() {
             return 0;
         }
-        match settings.method {
-            Method::Raymarch if settings.raymarch.hit == Hit::Distance => 0,
-            Method::Raymarch => QUADRANTS.len() as u32,
-            Method::Polar | Method::Flood => 1,
-            Method::Cascades => self.cascades.farther().len() as u32,
-            Method::Holographic if settings.holographic.variant == Variant::Paper => 0,
-            Method::Holographic => {
+        match &self.settings().method {
+            MethodSettings::Raymarch(settings) if settings.hit == Hit::Distance => 0,
+            MethodSettings::Raymarch(_) => QUADRANTS.len() as u32,
+            MethodSettings::Polar(_) | MethodSettings::Flood(_) => 1,
+            MethodSettings::Cascades(_) => self.cascades.farther().len() as u32,
+            MethodSettings::Holographic(settings) if settings.variant == Variant::Paper => 0,
+            MethodSettings::Holographic(settings) => {
                 let [first, end] = self.holographic.interval_levels(&self.cells, settings);
                 end - first
             }
@@ -64,37 +63,38 @@ impl Solver {
             return None;
         }
         let (at, width) = (number as usize, self.cells.width());
-        Some(match self.settings().method {
-            Method::Raymarch => DebugView::new(
+        let method = self.settings().method.clone();
+        Some(match &method {
+            MethodSettings::Raymarch(_) => DebugView::new(
                 format!("empty space {}", QUADRANTS[at]),
                 "how far a ray may skip at once; bright is far",
                 empty_space(width, self.raymarch.squares(at)),
             ),
-            Method::Polar => DebugView::new(
+            MethodSettings::Polar(_) => DebugView::new(
                 "shadow maps",
                 "a strip per lamp: angle to the right, px from the lamp downwards, up to the ray's end",
                 self.polar.ray_textures(),
             ),
-            Method::Flood => {
+            MethodSettings::Flood(_) => {
                 let energy: Vec<_> = self.stages().energy.iter().map(|&v| [v; 3]).collect();
                 let picture = display.picture(width, self.cells.height(), &energy);
                 DebugView::new("energy", "the energy that rays deposit, without colour", picture)
             }
-            Method::Cascades => {
+            MethodSettings::Cascades(settings) => {
                 let number = number + 1;
                 DebugView::new(
                     format!("cascade {number}"),
                     "the radiance at each probe, a tile per cone of directions",
-                    self.cascades.debug_view(&self.cells, &self.settings, number, display),
+                    self.cascades.debug_view(&self.cells, settings, number, display),
                 )
             }
-            Method::Holographic => {
-                let [first, _] = self.holographic.interval_levels(&self.cells, &self.settings);
+            MethodSettings::Holographic(settings) => {
+                let [first, _] = self.holographic.interval_levels(&self.cells, settings);
                 let level = first + number;
                 DebugView::new(
                     format!("intervals of level {level}"),
                     "rays to the right: a band per plane, a column per direction, blue where they pass",
-                    self.holographic.debug_view(&self.cells, &self.settings, level, display),
+                    self.holographic.debug_view(&self.cells, settings, level, display),
                 )
             }
         })

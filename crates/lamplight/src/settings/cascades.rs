@@ -1,8 +1,8 @@
 //! The settings of `cascades`.
 
 use super::declare::settings;
-use super::table::with_preset;
-use super::within;
+use super::preset::with_preset;
+use super::range::within;
 use crate::Error;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

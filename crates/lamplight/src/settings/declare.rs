@@ -44,7 +44,7 @@ macro_rules! settings {
             pub(super) fn check(&self) -> $crate::Result<()> {
                 $($(
                     let key = concat!($table, ".", stringify!($field));
-                    super::within(key, self.$field, $least..=$most)?;
+                    super::range::within(key, self.$field, $least..=$most)?;
                 )?)*
                 $(($extra as fn(&Self) -> $crate::Result<()>)(self)?;)?
                 Ok(())

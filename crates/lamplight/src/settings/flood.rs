@@ -1,7 +1,7 @@
 //! The settings of `flood`.
 
 use super::declare::settings;
-use super::table::with_preset;
+use super::preset::with_preset;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! The settings of `holographic`.
 
 use super::declare::settings;
-use super::table::with_preset;
+use super::preset::with_preset;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ pub enum Variant {
     /// Ray bundles in dense directions, and a final gather that pixels trace: a third of the
     /// published variant's error.
     #[default]
-    Beams,
+    Bundles,
     /// As published, for comparison (Freeman, Sannikov and Margel 2025). The other settings have no
     /// effect; walls show and reflect the mean radiance in front of them.
     Paper,
@@ -24,7 +24,7 @@ settings! {
     #[schemars(transform = with_preset(Self::PRESETS))]
     pub struct Holographic in "holographic" {
         /// The variant.
-        variant: Variant = Variant::Beams;
+        variant: Variant = Variant::Bundles;
         /// Level of the planes at which the final gather ends: they are 2^level px apart, and a
         /// pixel sends 16·2^level rays to them. Higher: fewer stars and stripes round small lights;
         /// time and memory of the final gather grow by 3 to 4 per level.

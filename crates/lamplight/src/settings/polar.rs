@@ -1,7 +1,7 @@
 //! The settings of `polar`.
 
 use super::declare::settings;
-use super::table::with_preset;
+use super::preset::with_preset;
 use crate::Falloff;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// The way in which a ray advances from the lamp outwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Walk {
+pub enum Traversal {
     /// From cell edge to cell edge: lengths are exact, and no cell is missed.
     #[default]
     Edge,
@@ -20,10 +20,10 @@ pub enum Walk {
     Distance,
 }
 
-/// The edges of shadows.
+/// The filtering of shadow edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Edges {
+pub enum ShadowFilter {
     /// As wide as the lamp's `size` makes them, and at least one ray. Costs about a third more.
     #[default]
     Soft,
@@ -55,9 +55,9 @@ settings! {
         /// pixels does not.
         density: f32 = 1.0, in 0.25..=8.0;
         /// The way in which a ray advances.
-        walk: Walk = Walk::Edge;
-        /// The edges of shadows.
-        edges: Edges = Edges::Soft;
+        traversal: Traversal = Traversal::Edge;
+        /// The filtering of shadow edges.
+        shadow_filter: ShadowFilter = ShadowFilter::Soft;
         /// Fog and glass darken and tint light. Off: everything that is not empty ends a ray
         /// (Griffis).
         translucent: bool = true;
@@ -84,8 +84,8 @@ impl Polar {
             "fast" => Self { density: 0.5, ..Self::default() },
             "high" => Self { density: 2.0, ..Self::default() },
             "gamemaker" => Self {
-                walk: Walk::Step,
-                edges: Edges::Nearest,
+                traversal: Traversal::Step,
+                shadow_filter: ShadowFilter::Nearest,
                 translucent: false,
                 ..Self::default()
             },

@@ -1,7 +1,8 @@
 //! The settings of `raymarch`.
 
 use super::declare::settings;
-use super::table::with_preset;
+use super::filters::{Denoise, Temporal};
+use super::preset::with_preset;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -45,7 +46,7 @@ pub enum Hit {
 /// The way in which `raymarch` computes bounces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum BounceBy {
+pub enum BounceMode {
     /// All bounces within one frame.
     #[default]
     Frame,
@@ -88,7 +89,17 @@ settings! {
         /// cells at or below it as if they were empty.
         threshold: f32 = 0.0, in 0.0..=0.999;
         /// The way in which bounces are computed.
-        bounce: BounceBy = BounceBy::Frame;
+        bounce_mode: BounceMode = BounceMode::Frame;
+        /// Accumulation over frames. In files it is a table of its own, `temporal`.
+        #[serde(skip)]
+        temporal: Temporal = Temporal::default();
+        /// The edge-aware blur after the rays. In files it is a table of its own, `denoise`.
+        #[serde(skip)]
+        denoise: Denoise = Denoise::default();
+    }
+    check |settings| {
+        settings.temporal.check()?;
+        settings.denoise.check()
     }
 }
 
@@ -107,7 +118,7 @@ impl Raymarch {
             hit: Hit::Distance,
             noise: Noise::White,
             spacing: Spacing::Golden,
-            bounce: BounceBy::Feedback,
+            bounce_mode: BounceMode::Feedback,
             ..Self::default()
         };
         Some(match name {

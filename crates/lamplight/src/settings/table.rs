@@ -1,13 +1,14 @@
 //! Settings as written in files and flags: layers of tables, with presets.
 
-use super::{Cascades, Flood, Holographic, Polar, Quality, Raymarch, Settings};
+use super::file::SettingsFile;
+use super::preset::no_preset;
+use super::{Cascades, Flood, Holographic, Method, Polar, Quality, Raymarch, Settings};
 use crate::explain::explain;
-use crate::{Error, Method, Result};
+use crate::{Error, Result};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 use std::borrow::Cow;
-use std::fmt::Display;
 
 /// Settings as a file or a command line writes them: only the keys that are given.
 ///
@@ -16,13 +17,24 @@ use std::fmt::Display;
 #[serde(transparent)]
 pub struct SettingsTable(Map<String, Value>);
 
+/// The keys that stand for these settings, without those of other methods.
+impl From<&Settings> for SettingsTable {
+    fn from(settings: &Settings) -> Self {
+        match serde_json::to_value(settings) {
+            Ok(Value::Object(table)) => Self(table),
+            // A struct of numbers and words is always an object.
+            _ => Self::default(),
+        }
+    }
+}
+
 impl JsonSchema for SettingsTable {
     fn schema_name() -> Cow<'static, str> {
-        Settings::schema_name()
+        SettingsFile::schema_name()
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let mut schema = Settings::json_schema(generator);
+        let mut schema = SettingsFile::json_schema(generator);
         let quality = generator.subschema_for::<Quality>();
         if let Some(Value::Object(properties)) = schema.ensure_object().get_mut("properties") {
             properties.insert("quality".to_owned(), quality.to_value());
@@ -93,7 +105,7 @@ impl SettingsTable {
         expand_preset(&mut table, "cascades", Cascades::PRESETS, Cascades::preset)?;
         expand_preset(&mut table, "holographic", Holographic::PRESETS, Holographic::preset)?;
         let value = Value::Object(table);
-        let settings: Settings = serde_path_to_error::deserialize(&value).map_err(|e| {
+        let settings: SettingsFile = serde_path_to_error::deserialize(&value).map_err(|e| {
             let path = e.path().to_string();
             let mut message = e.into_inner().to_string();
             let of_method = |path: &str| Method::ALL.iter().any(|m| path.starts_with(m.name()));
@@ -104,8 +116,7 @@ impl SettingsTable {
             }
             explain(&path, &message)
         })?;
-        settings.check()?;
-        Ok(settings)
+        Settings::from_file(settings)
     }
 }
 
@@ -152,23 +163,4 @@ fn expand_preset<T: Serialize>(
         table.entry(key).or_insert(value);
     }
     Ok(())
-}
-
-/// The error for a preset that a method does not have.
-pub(super) fn no_preset(method: &str, name: impl Display, names: &[&str]) -> Error {
-    Error::value(format!("{method}.preset"), name, format!("one of {}", names.join(", ")))
-}
-
-/// Adds the key `preset` to the JSON Schema of a method's table.
-pub(super) fn with_preset(names: &'static [&'static str]) -> impl Fn(&mut Schema) {
-    move |schema| {
-        let properties = schema.ensure_object().entry("properties").or_insert_with(|| json!({}));
-        if let Value::Object(properties) = properties {
-            let preset = json!({
-                "description": "Starting point that the other keys change.",
-                "enum": names,
-            });
-            properties.shift_insert(0, "preset".to_owned(), preset);
-        }
-    }
 }

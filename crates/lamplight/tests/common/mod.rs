@@ -3,6 +3,7 @@
 // Each test program uses its own part of this.
 #![allow(dead_code)]
 
+use lamplight::settings::Raymarch;
 use lamplight::{Cells, Light, Matter, Method, Rgb, Settings, Solver};
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
@@ -68,11 +69,16 @@ pub fn room(width: u32, height: u32, wall: Matter) -> Cells {
     })
 }
 
-/// Settings that differ from the defaults in a few keys.
+/// Settings of `raymarch` that differ from the defaults in a few keys.
 pub fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
-    let mut settings = Settings { method: Method::Raymarch, ..Settings::default() };
+    let mut settings = Settings::new(Method::Raymarch);
     change(&mut settings);
     settings
+}
+
+/// The settings of `raymarch`, to be changed.
+pub fn raymarch_of(settings: &mut Settings) -> &mut Raymarch {
+    settings.method.as_raymarch_mut().expect("settings of raymarch")
 }
 
 /// The first frame of a new solver.

@@ -2,17 +2,16 @@
 
 use crate::common::*;
 use lamplight::settings::{Cascades, Merge};
-use lamplight::{Bounces, Cells, Error, Gradient, Light, Matter, Method, Rgb, Settings, Sky};
+use lamplight::{Bounces, Cells, Error, Gradient, Light, Matter, Rgb, Settings, Sky};
 use lamplight::{SettingsTable, Solver};
 
 /// Sums of some thousand f32, relative.
 const ROUNDING: f32 = 2e-5;
 
 fn cascades(change: impl FnOnce(&mut Cascades)) -> Settings {
-    settings(|s| {
-        s.method = Method::Cascades;
-        change(&mut s.cascades);
-    })
+    let mut cascades = Cascades::default();
+    change(&mut cascades);
+    Settings::new(cascades)
 }
 
 fn bounces(count: u32) -> Settings {

@@ -1,7 +1,7 @@
 //! Debug views show the intermediates of methods unchanged.
 
 use lamplight::image::{Rgb, RgbImage};
-use lamplight::settings::Hit;
+use lamplight::settings::{Hit, Raymarch};
 use lamplight::{Bounces, Cells, Display, Lamp, Matter, Method, Settings, Sky, Solver, ToneMap};
 
 /// Light as it is, cut off at 1.
@@ -14,7 +14,7 @@ fn solved(cells: &Cells, settings: Settings) -> Solver {
 }
 
 fn by(method: Method) -> Settings {
-    Settings { method, bounces: Bounces::Count(0), ..Settings::default() }
+    Settings { bounces: Bounces::Count(0), ..Settings::new(method) }
 }
 
 /// A room with fog, glass, glowing matter and a lamp.
@@ -64,8 +64,7 @@ fn every_method_has_debug_views_at_every_size() {
 
 #[test]
 fn variants_without_intermediates_have_no_debug_views() {
-    let mut settings = by(Method::Raymarch);
-    settings.raymarch.hit = Hit::Distance;
+    let settings = Settings::new(Raymarch { hit: Hit::Distance, ..Raymarch::default() });
     assert_eq!(solved(&room(40, 30), settings).debug_view_count(), 0);
 }
 
@@ -118,7 +117,7 @@ fn intervals_carry_the_light_of_the_wall_they_hit() {
     let wall = Matter { opacity: 1.0, emission: [1.0, 0.0, 0.0], ..Matter::default() };
     (0..32).for_each(|y| cells.set(33, y, wall));
     let mut solver = solved(&cells, by(Method::Holographic));
-    let first = solver.settings().holographic.gather_level;
+    let first = solver.settings().method.as_holographic().unwrap().gather_level;
     let picture = solver.debug_view(0, &PLAIN).unwrap().picture;
     let (apart, rays) = (1u32 << first, (2u32 << first) + 1);
     // The straight ray of the plane in front of the wall, and of the one behind it.

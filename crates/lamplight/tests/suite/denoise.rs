@@ -45,9 +45,10 @@ fn hall() -> Cells {
 #[test]
 fn noise_falls_and_features_stay() {
     let cells = hall();
-    let truth = solve(&settings(|s| (s.raymarch.rays, s.seed) = (4096, 9)), &cells);
+    let truth = solve(&settings(|s| (raymarch_of(s).rays, s.seed) = (4096, 9)), &cells);
     let with = |rays, passes| {
-        let settings = settings(|s| (s.raymarch.rays, s.denoise.passes) = (rays, passes));
+        let settings =
+            settings(|s| (raymarch_of(s).rays, raymarch_of(s).denoise.passes) = (rays, passes));
         relative_rmse(&solve(&settings, &cells), &truth)
     };
     let before = with(32, 0);
@@ -188,7 +189,8 @@ fn two_lights_leave_no_grain_between_them() {
         if lights.iter().any(near) { GLOW } else { Matter::EMPTY }
     });
     let grain_after = |passes| {
-        let settings = settings(|s| (s.raymarch.rays, s.denoise.passes) = (32, passes));
+        let settings =
+            settings(|s| (raymarch_of(s).rays, raymarch_of(s).denoise.passes) = (32, passes));
         grain(&solve(&settings, &cells), lights)
     };
     let (raw, blurred) = (grain_after(0), grain_after(4));

@@ -3,7 +3,7 @@
 
 use crate::common::*;
 use lamplight::settings::{Fade, Flood, Sweeps};
-use lamplight::{Cells, Cone, Falloff, Lamp, Light, Matter, Method, Settings, Sky, Solver};
+use lamplight::{Cells, Cone, Falloff, Lamp, Light, Matter, Settings, Sky, Solver};
 
 /// f32 over a few operations, relative.
 const ROUNDING: f32 = 1e-5;
@@ -14,10 +14,9 @@ const ASYMMETRY: f32 = 1e-5;
 const ASYMMETRY_IN_ORDER: f32 = 0.12;
 
 fn flood(change: impl FnOnce(&mut Flood)) -> Settings {
-    settings(|s| {
-        s.method = Method::Flood;
-        change(&mut s.flood);
-    })
+    let mut flood = Flood::default();
+    change(&mut flood);
+    Settings::new(flood)
 }
 
 fn seed() -> Settings {
@@ -129,8 +128,8 @@ fn a_symmetric_scene_has_symmetric_light() {
         let cells = mirrored(64, 41);
         let light = frames(&mut Solver::new(settings.clone()).unwrap(), &cells, 8);
         let off = asymmetry(&light);
-        println!("{:?}: {off}", settings.flood.sweeps);
-        assert!(off < allowed, "{:?}: {off}", settings.flood.sweeps);
+        println!("{:?}: {off}", settings.method.as_flood().unwrap().sweeps);
+        assert!(off < allowed, "{:?}: {off}", settings.method.as_flood().unwrap().sweeps);
         // One lamp that stands a px farther to the right is seen.
         let mut moved = cells.clone();
         moved.lamps_mut()[0].position[0] += 1.0;
@@ -149,13 +148,13 @@ fn energy_never_grows() {
         assert!(brightest(&light) <= 6.0);
         let mut dark = grid(61, 47, |x, y| Matter { emission: [0.0; 3], ..lit.get(x, y).unwrap() });
         dark.set_sky(Sky::BLACK);
-        let least = settings.flood.decay - 1e-6;
+        let least = settings.method.as_flood().unwrap().decay - 1e-6;
         let mut count = 0;
         while brightest(&light) > 0.0 {
             let next = frames(&mut solver, &dark, 1);
             let fell = brightest(&light) - brightest(&next);
             assert!(fell >= least.min(brightest(&light)), "the brightest cell fell by {fell}");
-            if settings.flood.sweeps == Sweeps::Even {
+            if settings.method.as_flood().unwrap().sweeps == Sweeps::Even {
                 assert!(total(&next) < total(&light), "all cells together grew");
             }
             light = next;

@@ -1,7 +1,7 @@
 //! Invariants of `raymarch`, and scenes with known results.
 
 use crate::common::*;
-use lamplight::settings::{BounceBy, Hit, Noise, Raymarch};
+use lamplight::settings::{BounceMode, Hit, Noise, Raymarch};
 use lamplight::{Bounces, Cells, Error, Lamp, Light, Matter, Rgb, Settings, Sky, Solver};
 use std::f64::consts::PI;
 
@@ -9,11 +9,11 @@ use std::f64::consts::PI;
 const ROUNDING: f32 = 1e-5;
 
 fn rays(rays: u32) -> Settings {
-    settings(|s| s.raymarch.rays = rays)
+    settings(|s| raymarch_of(s).rays = rays)
 }
 
 fn bounces(count: u32, rays: u32) -> Settings {
-    settings(|s| (s.bounces, s.raymarch.rays) = (Bounces::Count(count), rays))
+    settings(|s| (s.bounces, raymarch_of(s).rays) = (Bounces::Count(count), rays))
 }
 
 /// Walls, fog, glass and lights, in no order, under a dim sky.
@@ -55,7 +55,7 @@ fn under_a_uniform_sky_light_is_the_sky() {
     let mut cells = Cells::new(37, 23).unwrap();
     cells.set_sky(Sky::Uniform(sky));
     for hit in [Hit::Edge, Hit::Distance] {
-        let light = solve(&settings(|s| s.raymarch.hit = hit), &cells);
+        let light = solve(&settings(|s| raymarch_of(s).hit = hit), &cells);
         for pixel in light.pixels() {
             (0..3).for_each(|c| near(pixel[c], f64::from(sky[c]), f64::from(ROUNDING)));
         }
@@ -155,7 +155,7 @@ fn a_furnace_is_a_geometric_series() {
         for count in [0, 1, 2, 7] {
             for hit in [Hit::Edge, Hit::Distance] {
                 let mut settings = bounces(count, 8);
-                settings.raymarch.hit = hit;
+                raymarch_of(&mut settings).hit = hit;
                 let light = solve(&settings, &furnace(albedo));
                 all_open_cells_are(&light, in_the_furnace(f64::from(albedo), count), 1e-4);
             }
@@ -174,8 +174,9 @@ fn a_furnace_is_a_geometric_series() {
 #[test]
 fn feedback_converges_to_the_furnace_one_bounce_per_frame() {
     for preset in Raymarch::PRESETS {
-        let mut settings = settings(|s| s.raymarch = Raymarch::preset(preset).unwrap());
-        (settings.raymarch.bounce, settings.bounces) = (BounceBy::Feedback, Bounces::Count(1));
+        let mut settings = settings(|s| s.method = Raymarch::preset(preset).unwrap().into());
+        (raymarch_of(&mut settings).bounce_mode, settings.bounces) =
+            (BounceMode::Feedback, Bounces::Count(1));
         let mut solver = Solver::new(settings).unwrap();
         for frame in 1..8 {
             let light = solver.solve(&furnace(0.8)).unwrap();
@@ -187,7 +188,7 @@ fn feedback_converges_to_the_furnace_one_bounce_per_frame() {
 #[test]
 fn walls_that_turn_black_reflect_no_light_of_earlier_frames() {
     let settings = settings(|s| {
-        (s.raymarch.bounce, s.bounces) = (BounceBy::Feedback, Bounces::Count(1));
+        (raymarch_of(s).bounce_mode, s.bounces) = (BounceMode::Feedback, Bounces::Count(1));
     });
     let mut solver = Solver::new(settings).unwrap();
     for _ in 0..3 {
@@ -203,7 +204,7 @@ fn walls_that_turn_black_reflect_no_light_of_earlier_frames() {
 fn perfect_mirrors_for_walls_stay_finite() {
     for bounces in [Bounces::Converged, Bounces::Count(Bounces::MAX)] {
         let light =
-            solve(&settings(|s| (s.bounces, s.raymarch.rays) = (bounces, 4)), &furnace(1.0));
+            solve(&settings(|s| (s.bounces, raymarch_of(s).rays) = (bounces, 4)), &furnace(1.0));
         let most = in_the_furnace(1.0, Bounces::MAX) as f32;
         for pixel in light.pixels() {
             assert!(pixel.iter().all(|v| *v > 0.0 && *v <= 1.001 * most + 0.5), "{pixel:?}");
@@ -218,8 +219,9 @@ fn walls_reflect_about_the_same_under_every_hit_rule() {
     (0..20).for_each(|y| cells.set(20, 1 + y, WALL));
     cells.lamps_mut().push(Lamp { position: [8.0, 8.0], size: 2.0, ..Lamp::default() });
     let behind = |raymarch: Raymarch| {
-        let raymarch = Raymarch { rays: 256, steps: 4096, bounce: BounceBy::Frame, ..raymarch };
-        let settings = settings(|s| (s.raymarch, s.bounces) = (raymarch, Bounces::Count(2)));
+        let raymarch =
+            Raymarch { rays: 256, steps: 4096, bounce_mode: BounceMode::Frame, ..raymarch };
+        let settings = settings(|s| (s.method, s.bounces) = (raymarch.into(), Bounces::Count(2)));
         f64::from(solve(&settings, &cells).over([24.0, 2.0], [38.0, 12.0])[0])
     };
     let edge = behind(Raymarch::default());
@@ -240,7 +242,7 @@ fn corridor(length: u32, between: Matter, raymarch: Raymarch) -> Rgb {
         (_, 1) => between,
         _ => WALL,
     });
-    let settings = settings(|s| s.raymarch = Raymarch { rays: 65_536, ..raymarch });
+    let settings = settings(|s| *raymarch_of(s) = Raymarch { rays: 65_536, ..raymarch });
     solve(&settings, &cells).at(length + 1, 1)
 }
 
@@ -301,7 +303,7 @@ fn the_emission_multiplier_multiplies_emission_and_not_the_sky() {
     let cells = jumble(23, 17, 5);
     let times = |factor: f32| {
         let mut settings = bounces(1, 16);
-        settings.raymarch.emission_multiplier = factor;
+        raymarch_of(&mut settings).emission_multiplier = factor;
         settings
     };
     for factor in [0.0, 0.5, 4.0] {
@@ -326,7 +328,7 @@ fn fog_below_the_threshold_counts_as_empty() {
 fn few_steps_darken_and_never_brighten() {
     let cells = jumble(40, 30, 6);
     let with = |steps| {
-        let settings = settings(|s| s.raymarch.steps = steps);
+        let settings = settings(|s| raymarch_of(s).steps = steps);
         solve(&settings, &cells)
     };
     let all = with(4096);
@@ -353,8 +355,9 @@ fn every_size_and_setting_gives_finite_light() {
                 cells.set_sky(Sky::Uniform([0.5; 3]));
                 let settings = settings(|s| {
                     (s.bounces, s.wall_depth) = (Bounces::Count(2), 2.0);
-                    (s.temporal.history_length, s.denoise.passes) = (8, 5);
-                    (s.raymarch.hit, s.raymarch.noise) = (hit, Noise::White);
+                    (raymarch_of(s).temporal.history_length, raymarch_of(s).denoise.passes) =
+                        (8, 5);
+                    (raymarch_of(s).hit, raymarch_of(s).noise) = (hit, Noise::White);
                 });
                 let mut solver = Solver::new(settings).unwrap();
                 for _ in 0..2 {

@@ -201,7 +201,7 @@ fn invalid_settings_are_rejected_by_name() {
 fn methods_repeat_frames_as_documented() {
     let cells = scene(61, 53);
     for (method, preset, settings) in every_preset() {
-        let mut laid = Settings { method, bounces: Bounces::Count(1), ..Settings::default() };
+        let mut laid = Settings { bounces: Bounces::Count(1), ..Settings::new(method) };
         laid.set_preset(preset).unwrap();
         assert_eq!(laid, settings, "{preset} by its table and by itself");
         let mut solver = Solver::new(settings).unwrap();
@@ -216,8 +216,8 @@ fn methods_repeat_frames_as_documented() {
 #[test]
 fn fields_are_the_same_by_the_cheapest_settings() {
     let cells = scene(61, 53);
-    let mut settings = Settings { method: Method::Raymarch, ..Settings::default() };
-    settings.raymarch.threshold = 0.4;
+    let mut settings = Settings::new(Method::Raymarch);
+    raymarch_of(&mut settings).threshold = 0.4;
     let fields = |settings: Settings| {
         let mut solver = Solver::new(settings).unwrap();
         solver.solve(&cells).unwrap();
@@ -226,6 +226,6 @@ fn fields_are_the_same_by_the_cheapest_settings() {
     };
     let found = fields(settings.clone());
     assert_eq!(found, fields(settings.fields_only()));
-    settings.raymarch.threshold = 0.0;
+    raymarch_of(&mut settings).threshold = 0.0;
     assert_ne!(found, fields(settings.fields_only()), "the threshold is passed on");
 }

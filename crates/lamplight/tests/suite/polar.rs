@@ -1,8 +1,8 @@
 //! `polar`: falloff in the open, shadow edges against brute force, and what holds in every scene.
 
 use crate::common::*;
-use lamplight::settings::{Blend, Edges, Polar, Walk};
-use lamplight::{Cells, Cone, Error, Falloff, Lamp, Light, Matter, Method, Rgb, Settings, Solver};
+use lamplight::settings::{Blend, Polar, ShadowFilter, Traversal};
+use lamplight::{Cells, Cone, Error, Falloff, Lamp, Light, Matter, Rgb, Settings, Solver};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// f32 against f64 over a few operations, relative.
@@ -17,10 +17,9 @@ const PENUMBRA_WORST: f64 = 0.12;
 const ON_THE_EDGE: f64 = 1e-3;
 
 fn polar(change: impl FnOnce(&mut Polar)) -> Settings {
-    settings(|s| {
-        s.method = Method::Polar;
-        change(&mut s.polar);
-    })
+    let mut polar = Polar::default();
+    change(&mut polar);
+    Settings::new(polar)
 }
 
 fn with_lamp(mut cells: Cells, lamp: Lamp) -> Cells {
@@ -171,7 +170,7 @@ fn shadow_edges_are_within_half_a_ray_of_the_truth() {
     for seed in 0..3 {
         let lamp = lamp(48.3, 50.6, 45.0);
         let cells = with_lamp(blocks(seed), lamp);
-        let light = solve(&polar(|s| s.edges = Edges::Nearest), &cells);
+        let light = solve(&polar(|s| s.shadow_filter = ShadowFilter::Nearest), &cells);
         let wrong = wrong_edges(&light, &cells, &lamp);
         assert!(wrong < ON_THE_EDGE, "seed {seed}: {wrong}");
         // A lamp that stands a px farther to the right throws other shadows.
@@ -233,9 +232,11 @@ fn penumbrae_are_as_wide_as_the_lamp_makes_them() {
 }
 
 /// Every way to walk and every kind of edge.
-fn variants() -> impl Iterator<Item = (Walk, Edges)> {
-    [Walk::Edge, Walk::Step, Walk::Distance].into_iter().flat_map(|walk| {
-        [Edges::Soft, Edges::Linear, Edges::Nearest].into_iter().map(move |edges| (walk, edges))
+fn variants() -> impl Iterator<Item = (Traversal, ShadowFilter)> {
+    [Traversal::Edge, Traversal::Step, Traversal::Distance].into_iter().flat_map(|traversal| {
+        [ShadowFilter::Soft, ShadowFilter::Linear, ShadowFilter::Nearest]
+            .into_iter()
+            .map(move |shadow_filter| (traversal, shadow_filter))
     })
 }
 
@@ -258,14 +259,21 @@ fn no_light_gets_through_a_wall() {
             let position = [place(home % 37), place(home / 37)];
             cells.lamps_mut().clear();
             cells.lamps_mut().push(Lamp { position, size: 6.0, ..Lamp::default() });
-            for (walk, edges) in variants() {
+            for (traversal, shadow_filter) in variants() {
                 // Samples a px apart may miss the corners of walls that hold together by corners.
-                if walk != Walk::Edge && contact == Contact::Corners {
+                if traversal != Traversal::Edge && contact == Contact::Corners {
                     continue;
                 }
-                let light = solve(&polar(|s| (s.walk, s.edges) = (walk, edges)), &cells);
+                let light = solve(
+                    &polar(|s| (s.traversal, s.shadow_filter) = (traversal, shadow_filter)),
+                    &cells,
+                );
                 for &i in dark.iter() {
-                    assert_eq!(light.pixels()[i], [0.0; 3], "{walk:?} {edges:?} {position:?} {i}");
+                    assert_eq!(
+                        light.pixels()[i],
+                        [0.0; 3],
+                        "{traversal:?} {shadow_filter:?} {position:?} {i}"
+                    );
                 }
             }
         }
@@ -280,10 +288,11 @@ fn random_fraction(seed: usize, salt: usize) -> f32 {
 #[test]
 fn fog_darkens_and_glass_tints_what_passes() {
     let fog = Matter { opacity: 0.03, tint: [1.0, 0.9, 0.5], ..Matter::EMPTY };
-    for (walk, edges) in variants() {
+    for (traversal, shadow_filter) in variants() {
         let lamp = lamp(32.5, 30.5, 60.0);
         let cells = with_lamp(grid(64, 64, |_, _| fog), lamp);
-        let light = solve(&polar(|s| (s.walk, s.edges) = (walk, edges)), &cells);
+        let light =
+            solve(&polar(|s| (s.traversal, s.shadow_filter) = (traversal, shadow_filter)), &cells);
         for (i, off, d) in around_lamp(&light, &lamp) {
             // Beside the border a neighbouring ray may have left the fog already.
             if off.iter().any(|v| v.abs() > 28.0) {
@@ -295,7 +304,7 @@ fn fog_darkens_and_glass_tints_what_passes() {
                 let found = f64::from(light.pixels()[i][c]);
                 assert!(
                     (found - want).abs() < ROUNDING,
-                    "{walk:?} {edges:?} at {d}: {found}, {want}"
+                    "{traversal:?} {shadow_filter:?} at {d}: {found}, {want}"
                 );
             }
         }
@@ -313,7 +322,7 @@ fn fog_darkens_and_glass_tints_what_passes() {
     }
     // Where nothing is translucent the pane is a wall.
     let pane = grid(64, 1, |x, _| if x == 30 { glass } else { Matter::EMPTY });
-    let opaque = polar(|s| (s.translucent, s.edges) = (false, Edges::Nearest));
+    let opaque = polar(|s| (s.translucent, s.shadow_filter) = (false, ShadowFilter::Nearest));
     let light = solve(&opaque, &with_lamp(pane, lamp(10.5, 0.5, 100.0)));
     assert_eq!((light.at(31, 0), light.at(63, 0)), ([0.0; 3], [0.0; 3]));
 }
@@ -378,10 +387,10 @@ fn cones_light_their_part_of_the_circle() {
     let bare = lamp(32.5, 32.5, 40.0);
     let open = || Cells::new(65, 65).unwrap();
     let whole = solve(&polar(|_| ()), &with_lamp(open(), bare));
-    for edges in [Edges::Soft, Edges::Linear, Edges::Nearest] {
+    for shadow_filter in [ShadowFilter::Soft, ShadowFilter::Linear, ShadowFilter::Nearest] {
         let lit = |cone: Cone| {
             solve(
-                &polar(|s| s.edges = edges),
+                &polar(|s| s.shadow_filter = shadow_filter),
                 &with_lamp(open(), Lamp { cone: Some(cone), ..bare }),
             )
         };
@@ -397,11 +406,14 @@ fn cones_light_their_part_of_the_circle() {
                 o if o > 0.5 + ray => 0.0,
                 _ => continue,
             };
-            assert_eq!(hard, want, "{edges:?} {dx} {dy} {d}");
+            assert_eq!(hard, want, "{shadow_filter:?} {dx} {dy} {d}");
             let t = ((0.5 - off.abs()) / 0.25).clamp(0.0, 1.0);
             let want = all * t * t * (3.0 - 2.0 * t);
             // A ray's width of the smoothstep, whose slope is 1.5/0.25 at most.
-            assert!((soft - want).abs() < 6.0 * ray * all + 1e-6, "{edges:?} {off}: {soft} {want}");
+            assert!(
+                (soft - want).abs() < 6.0 * ray * all + 1e-6,
+                "{shadow_filter:?} {off}: {soft} {want}"
+            );
         }
     }
     // A cone all round is none.
@@ -418,9 +430,9 @@ fn a_quarter_turn_turns_the_light() {
     // What was at (x, y) comes to (height − y, x).
     let turned = grid(101, 97, |x, y| cells.get(y, 100 - x).unwrap());
     let turned = with_lamp(turned, lamp_at(101.0 - 50.6, 48.3));
-    for edges in [Edges::Soft, Edges::Linear] {
+    for shadow_filter in [ShadowFilter::Soft, ShadowFilter::Linear] {
         // Rounding decides which way a ray goes that grazes a corner.
-        let settings = polar(|s| (s.edges, s.density) = (edges, 4.0));
+        let settings = polar(|s| (s.shadow_filter, s.density) = (shadow_filter, 4.0));
         let (here, there) = (solve(&settings, &cells), solve(&settings, &turned));
         let (mut sum, mut off) = (0.0, 0.0);
         for (x, y) in (0..97).flat_map(|x| (0..101).map(move |y| (x, y))) {
@@ -428,7 +440,7 @@ fn a_quarter_turn_turns_the_light() {
             sum += f64::from(a);
             off += f64::from((a - b).abs());
         }
-        assert!(off / sum < 1e-3, "{edges:?}: {}", off / sum);
+        assert!(off / sum < 1e-3, "{shadow_filter:?}: {}", off / sum);
     }
 }
 
@@ -477,12 +489,15 @@ fn every_size_place_and_range_is_lit() {
         });
         for position in places(w as f32, h as f32) {
             for range in [1.0, 9.5, 1e5] {
-                for (walk, edges) in variants() {
+                for (traversal, shadow_filter) in variants() {
                     let lamp = Lamp { position, range, size: 20.0, ..Lamp::default() };
                     let cells = with_lamp(cells.clone(), lamp);
                     // Few rays: a lamp far away would have most of them miss.
                     let light = solve(
-                        &polar(|s| (s.walk, s.edges, s.density) = (walk, edges, 0.25)),
+                        &polar(|s| {
+                            (s.traversal, s.shadow_filter, s.density) =
+                                (traversal, shadow_filter, 0.25)
+                        }),
                         &cells,
                     );
                     assert!(light.pixels().as_flattened().iter().all(|v| (0.0..=PI).contains(v)));

@@ -1,7 +1,9 @@
 //! Settings: defaults, presets, layers, text, and every refusal's message.
 
+use crate::common::raymarch_of;
 use lamplight::settings::{
-    Blend, BounceBy, Denoise, Edges, Fade, Hit, Noise, Raymarch, Spacing, Sweeps, Temporal, Walk,
+    Blend, BounceMode, Denoise, Fade, Flood, Hit, Holographic, MethodSettings, Noise, Polar,
+    Raymarch, ShadowFilter, Spacing, Sweeps, Temporal, Traversal,
 };
 use lamplight::{Bounces, Cells, Falloff, Method, Quality, Settings, SettingsTable, Solver};
 use serde_json::{Value, json};
@@ -17,6 +19,17 @@ fn resolved(texts: &[&str]) -> Settings {
     flags(texts).resolve().unwrap()
 }
 
+/// A table's settings of one method, whichever the table chooses.
+fn of(method: Method, table: &SettingsTable) -> MethodSettings {
+    let mut table = table.clone();
+    table.set("method", method.name());
+    table.resolve().unwrap().method
+}
+
+fn raymarch(table: &SettingsTable) -> Raymarch {
+    of(Method::Raymarch, table).as_raymarch().unwrap().clone()
+}
+
 fn file(text: &str) -> SettingsTable {
     toml::from_str(text).unwrap()
 }
@@ -28,12 +41,13 @@ fn defaults_are_direct_light_to_the_edge() {
     let settings = defaults.resolve().unwrap();
     assert_eq!(settings, Settings::default());
     settings.check().unwrap();
-    assert_eq!(settings.method, Method::Holographic);
+    assert_eq!(settings.method(), Method::Holographic);
     assert_eq!(settings.bounces, Bounces::Count(0));
     assert_eq!(settings.wall_depth, 0.0);
-    assert_eq!(settings.temporal, Temporal { history_length: 0, reject: true });
-    assert_eq!(settings.denoise, Denoise { passes: 0, strength: 1.0 });
-    let r = settings.raymarch;
+    let r = raymarch(&defaults);
+    assert_eq!(r, Raymarch::default());
+    assert_eq!(r.temporal, Temporal { history_length: 0, reject: true });
+    assert_eq!(r.denoise, Denoise { passes: 0, strength: 1.0 });
     assert_eq!((r.rays, r.hit, r.noise, r.spacing), (32, Hit::Edge, Noise::Blue, Spacing::Even));
     assert!(!r.attenuation);
     // The defaults of Bigos (2020).
@@ -42,27 +56,33 @@ fn defaults_are_direct_light_to_the_edge() {
 
 #[test]
 fn presets_have_the_numbers_of_their_sources() {
-    let godot = resolved(&["raymarch.preset=godot"]).raymarch;
+    let godot = raymarch(&flags(&["raymarch.preset=godot"]));
     assert_eq!(godot, Raymarch::preset("godot").unwrap());
     assert_eq!((godot.rays, godot.steps), (32, 128));
     assert_eq!((godot.hit, godot.hit_distance, godot.least_step), (Hit::Distance, 0.5, 1.0));
     assert_eq!((godot.spacing, godot.noise), (Spacing::Golden, Noise::White));
-    assert_eq!(godot.bounce, BounceBy::Feedback);
-    let unity = resolved(&["raymarch.preset=unity"]).raymarch;
+    assert_eq!(godot.bounce_mode, BounceMode::Feedback);
+    let unity = raymarch(&flags(&["raymarch.preset=unity"]));
     assert_eq!((unity.rays, unity.steps), (16, 16));
     assert_eq!((unity.hit, unity.hit_distance, unity.spacing), (Hit::Distance, 0.8, Spacing::Even));
-    assert_eq!(resolved(&["raymarch.preset=default"]), Settings::default());
+    assert_eq!(raymarch(&flags(&["raymarch.preset=default"])), Raymarch::default());
     assert!(Raymarch::PRESETS.iter().all(|name| Raymarch::preset(name).is_some()));
     assert_eq!(Raymarch::preset("unreal"), None);
 }
 
 #[test]
 fn presets_of_polar_and_flood_have_the_numbers_of_their_sources() {
-    let p = resolved(&["polar.preset=gamemaker"]).polar;
-    assert_eq!((p.walk, p.edges, p.blend), (Walk::Step, Edges::Nearest, Blend::Add));
+    let p = Polar::preset("gamemaker").unwrap();
+    let table = flags(&["polar.preset=gamemaker"]);
+    assert_eq!(of(Method::Polar, &table), p.clone().into());
+    assert_eq!(
+        (p.traversal, p.shadow_filter, p.blend),
+        (Traversal::Step, ShadowFilter::Nearest, Blend::Add)
+    );
     assert_eq!((p.density, p.translucent, p.falloff), (1.0, false, None));
-    assert_eq!(resolved(&["polar.preset=disc"]).polar.falloff, Some(Falloff::Inverse));
-    let f = resolved(&["flood.preset=seed"]).flood;
+    assert_eq!(Polar::preset("disc").unwrap().falloff, Some(Falloff::Inverse));
+    let f = Flood::preset("seed").unwrap();
+    assert_eq!(of(Method::Flood, &flags(&["flood.preset=seed"])), f.clone().into());
     assert_eq!((f.rays, f.matter_rays, f.bounce_rays, f.rounds), (16, 16, 8, 20));
     assert_eq!((f.decay, f.sweeps, f.fade), (0.125, Sweeps::Seed, Fade::Seed));
     for method in Method::ALL {
@@ -84,7 +104,7 @@ fn keys_beside_a_preset_win_in_any_order() {
             table["raymarch"][key.trim_start_matches("raymarch.")] = value;
         }
         let table: SettingsTable = serde_json::from_value(table).unwrap();
-        let r = table.resolve().unwrap().raymarch;
+        let r = raymarch(&table);
         assert_eq!(r, Raymarch { rays: 7, ..Raymarch::preset("godot").unwrap() });
     }
 }
@@ -94,28 +114,27 @@ fn flags_win_over_the_file_key_by_key() {
     let mut table =
         file("bounces = 2\n[raymarch]\nrays = 8\nnoise = 'white'\n[temporal]\nhistory_length = 9");
     table.merge(flags(&["raymarch.rays=64", "denoise.passes=3"]));
-    let settings = table.resolve().unwrap();
-    assert_eq!(settings.bounces, Bounces::Count(2));
-    assert_eq!((settings.raymarch.rays, settings.raymarch.noise), (64, Noise::White));
-    assert_eq!((settings.temporal.history_length, settings.denoise.passes), (9, 3));
+    assert_eq!(table.resolve().unwrap().bounces, Bounces::Count(2));
+    let r = raymarch(&table);
+    assert_eq!((r.rays, r.noise), (64, Noise::White));
+    assert_eq!((r.temporal.history_length, r.denoise.passes), (9, 3));
     // In the other order the number of the file applies.
     let mut table = flags(&["raymarch.rays=64"]);
     table.merge(file("[raymarch]\nrays = 8"));
-    assert_eq!(table.resolve().unwrap().raymarch.rays, 8);
+    assert_eq!(raymarch(&table).rays, 8);
 }
 
 #[test]
 fn a_preset_that_comes_later_undoes_its_methods_keys_and_no_others() {
     let mut table = file("bounces = 2\n[raymarch]\nrays = 8\nsteps = 5");
     table.merge(flags(&["raymarch.preset=unity", "raymarch.rays=9"]));
-    let settings = table.resolve().unwrap();
-    assert_eq!(settings.bounces, Bounces::Count(2));
-    assert_eq!(settings.raymarch, Raymarch { rays: 9, ..Raymarch::preset("unity").unwrap() });
+    assert_eq!(table.resolve().unwrap().bounces, Bounces::Count(2));
+    assert_eq!(raymarch(&table), Raymarch { rays: 9, ..Raymarch::preset("unity").unwrap() });
     // A preset in the file stays beneath the flags.
     let mut table = file("[raymarch]\npreset = 'unity'");
     table.merge(flags(&["raymarch.steps=99"]));
     let unity = Raymarch::preset("unity").unwrap();
-    assert_eq!(table.resolve().unwrap().raymarch, Raymarch { steps: 99, ..unity });
+    assert_eq!(raymarch(&table), Raymarch { steps: 99, ..unity });
 }
 
 #[test]
@@ -123,7 +142,7 @@ fn flags_beside_a_preset_win_in_any_order() {
     for texts in
         [["raymarch.preset=godot", "raymarch.rays=7"], ["raymarch.rays=7", "raymarch.preset=godot"]]
     {
-        let r = resolved(&texts).raymarch;
+        let r = raymarch(&flags(&texts));
         assert_eq!(r, Raymarch { rays: 7, ..Raymarch::preset("godot").unwrap() });
     }
 }
@@ -145,9 +164,9 @@ fn text_is_read_as_numbers_words_and_booleans() {
     ]);
     assert_eq!(settings.bounces, Bounces::Count(3));
     assert_eq!((settings.wall_depth, settings.seed), (2.5, 12_345_678_901));
-    assert_eq!(settings.temporal, Temporal { history_length: 64, reject: false });
-    assert_eq!(settings.denoise.strength, 1.0);
-    let r = settings.raymarch;
+    let r = settings.method.as_raymarch().unwrap();
+    assert_eq!(r.temporal, Temporal { history_length: 64, reject: false });
+    assert_eq!(r.denoise.strength, 1.0);
     assert_eq!((r.hit, r.noise, r.emission_range), (Hit::Distance, Noise::Golden, 0.01));
     assert!(r.attenuation);
     assert_eq!(resolved(&["bounces=converged"]).bounces, Bounces::Converged);
@@ -263,10 +282,13 @@ fn unknown_keys_and_values_are_rejected_with_the_valid_ones() {
         // A setting of another method.
         ("polar.rays=64", "`polar.rays` is not a known key"),
         ("flood.blend=max", "`flood.blend` is not a known key"),
-        ("polar.walk=run", "`polar.walk` is \"run\", but must be one of edge, step, distance"),
         (
-            "polar.edges=round",
-            "`polar.edges` is \"round\", but must be one of soft, linear, nearest",
+            "polar.traversal=run",
+            "`polar.traversal` is \"run\", but must be one of edge, step, distance",
+        ),
+        (
+            "polar.shadow_filter=round",
+            "`polar.shadow_filter` is \"round\", but must be one of soft, linear, nearest",
         ),
         ("polar.blend=over", "`polar.blend` is \"over\", but must be one of add, max, screen"),
         ("polar.falloff=flat", "`polar.falloff` is \"flat\", but must be one of linear, smooth"),
@@ -293,10 +315,12 @@ fn invalid_settings_are_rejected_in_code_too() {
     for (key, change) in [
         ("wall_depth", (|s| s.wall_depth = f32::NAN) as fn(&mut Settings)),
         ("bounces", |s| s.bounces = Bounces::Count(257)),
-        ("raymarch.least_step", |s| s.raymarch.least_step = f32::INFINITY),
-        ("raymarch.rays", |s| s.raymarch.rays = 0),
+        ("raymarch.least_step", |s| raymarch_of(s).least_step = f32::INFINITY),
+        ("raymarch.rays", |s| raymarch_of(s).rays = 0),
+        ("denoise.strength", |s| raymarch_of(s).denoise.strength = -1.0),
+        ("temporal.history_length", |s| raymarch_of(s).temporal.history_length = 5000),
     ] {
-        let mut settings = Settings::default();
+        let mut settings = Settings::new(Method::Raymarch);
         change(&mut settings);
         let error = Solver::new(settings).unwrap_err().to_string();
         assert!(error.starts_with(&format!("`{key}` is ")), "{error}");
@@ -305,30 +329,43 @@ fn invalid_settings_are_rejected_in_code_too() {
 
 #[test]
 fn settings_survive_json_and_toml() {
-    let mut odd = resolved(&[
-        "bounces=converged",
-        "seed=9007199254740993",
-        "temporal.history_length=8",
-        "raymarch.preset=unity",
-        "raymarch.hit_distance=0.7",
-        "raymarch.emission_range=0.333333",
-        "polar.preset=disc",
-        "flood.preset=seed",
-    ]);
-    for bounces in [Bounces::Converged, Bounces::Count(0), Bounces::Count(256)] {
-        odd.bounces = bounces;
-        for settings in [&odd, &Settings { bounces, ..Settings::default() }] {
-            let json = serde_json::to_string(settings).unwrap();
-            assert_eq!(&serde_json::from_str::<Settings>(&json).unwrap(), settings, "{json}");
-            let table: SettingsTable = serde_json::from_str(&json).unwrap();
-            assert_eq!(&table.resolve().unwrap(), settings);
-            let text = toml::to_string(settings).unwrap();
-            assert_eq!(&file(&text).resolve().unwrap(), settings, "{text}");
+    for method in Method::ALL {
+        let mut odd = resolved(&[
+            &format!("method={}", method.name()),
+            "seed=9007199254740993",
+            "temporal.history_length=8",
+            "denoise.passes=2",
+            "raymarch.preset=unity",
+            "raymarch.hit_distance=0.7",
+            "raymarch.emission_range=0.333333",
+            "polar.preset=disc",
+            "flood.preset=seed",
+            "cascades.preset=plain",
+            "holographic.preset=fast",
+        ]);
+        assert_ne!(odd.method, MethodSettings::from(*method));
+        for bounces in [Bounces::Converged, Bounces::Count(0), Bounces::Count(256)] {
+            odd.bounces = bounces;
+            for settings in [&odd, &Settings { bounces, ..Settings::new(*method) }] {
+                let json = serde_json::to_string(settings).unwrap();
+                assert_eq!(&serde_json::from_str::<Settings>(&json).unwrap(), settings, "{json}");
+                assert_eq!(&SettingsTable::from(settings).resolve().unwrap(), settings);
+                let text = toml::to_string(settings).unwrap();
+                assert_eq!(&file(&text).resolve().unwrap(), settings, "{text}");
+            }
         }
+        assert_eq!(serde_json::to_value(&odd).unwrap()["bounces"], json!(256));
+        odd.bounces = Bounces::Converged;
+        assert_eq!(serde_json::to_value(&odd).unwrap()["bounces"], json!("converged"));
     }
-    assert_eq!(serde_json::to_value(&odd).unwrap()["bounces"], json!(256));
-    odd.bounces = Bounces::Converged;
-    assert_eq!(serde_json::to_value(&odd).unwrap()["bounces"], json!("converged"));
+}
+
+#[test]
+fn a_table_of_another_method_is_checked_and_left_out() {
+    let table = flags(&["method=polar", "raymarch.rays=7"]);
+    assert_eq!(table.resolve().unwrap(), Settings::new(Method::Polar));
+    let error = flags(&["method=polar", "raymarch.rays=0"]).resolve().unwrap_err().to_string();
+    assert!(error.starts_with("`raymarch.rays` is 0"), "{error}");
 }
 
 #[test]
@@ -348,19 +385,15 @@ fn bounces_are_read_from_words() {
 fn a_quality_is_a_preset_of_every_method() {
     for &quality in Quality::ALL {
         assert_eq!(quality.name().parse::<Quality>().unwrap(), quality);
-        let by_key = resolved(&[&format!("quality={}", quality.name())]);
+        let by_key = flags(&[&format!("quality={}", quality.name())]);
         for &method in Method::ALL {
-            let mut by_call = Settings { method, ..Settings::default() };
+            let mut by_call = Settings::new(method);
             by_call.set_quality(quality).unwrap();
             let preset = format!("{}.preset={}", method.name(), quality.preset(method));
             let by_preset = resolved(&[&format!("method={}", method.name()), &preset]);
             assert_eq!(by_call, by_preset, "{method:?} {quality:?}");
-            assert_eq!(Settings { method, ..by_key.clone() }.method, method);
+            assert_eq!(of(method, &by_key), by_call.method);
         }
-        assert_eq!(
-            by_key.holographic,
-            resolved(&[&format!("holographic.preset={}", quality.name())]).holographic
-        );
     }
     assert_eq!(resolved(&["quality=default"]), Settings::default());
     assert_ne!(resolved(&["quality=fast"]), resolved(&["quality=high"]));
@@ -368,11 +401,11 @@ fn a_quality_is_a_preset_of_every_method() {
 
 #[test]
 fn keys_and_presets_win_over_the_quality_of_their_layer() {
-    let settings = resolved(&["quality=high", "holographic.gather_rays=9", "polar.preset=disc"]);
-    let high = resolved(&["holographic.preset=high"]).holographic;
-    assert_eq!(settings.holographic.gather_level, high.gather_level);
-    assert_eq!(settings.holographic.gather_rays, 9);
-    assert_eq!(settings.polar, resolved(&["polar.preset=disc"]).polar);
+    let table = flags(&["quality=high", "holographic.gather_rays=9", "polar.preset=disc"]);
+    let high = Holographic::preset("high").unwrap();
+    let expected = Holographic { gather_rays: 9, ..high };
+    assert_eq!(of(Method::Holographic, &table), expected.into());
+    assert_eq!(of(Method::Polar, &table), Polar::preset("disc").unwrap().into());
     // A quality in a later layer undoes the methods' keys of the layers below, and no others.
     let mut layers = flags(&["bounces=3", "holographic.gather_rays=9", "quality=high"]);
     layers.merge(flags(&["quality=fast"]));
@@ -394,8 +427,8 @@ fn an_unknown_quality_is_rejected_with_the_valid_ones() {
 fn new_settings_take_effect_with_the_next_frame() {
     let mut cells = Cells::new(24, 16).unwrap();
     cells.lamps_mut().push(lamplight::Lamp { position: [6.5, 8.5], ..Default::default() });
-    let first = Settings { method: Method::Cascades, ..Settings::default() };
-    let then = Settings { method: Method::Holographic, ..Settings::default() };
+    let first = Settings::new(Method::Cascades);
+    let then = Settings::new(Method::Holographic);
     let mut solver = Solver::new(first).unwrap();
     solver.solve(&cells).unwrap();
     solver.set_settings(then.clone()).unwrap();

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use lamplight::filters::temporal::REACH;
-use lamplight::settings::{BounceBy, Hit, Noise, Spacing, Temporal};
+use lamplight::settings::{BounceMode, Hit, Noise, Spacing, Temporal};
 use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Settings, Sky, Solver};
 
 /// Rays of a frame, and of what frames are compared with.
@@ -19,8 +19,8 @@ const LEFT: f64 = 0.01;
 
 fn accumulating(change: impl FnOnce(&mut Settings)) -> Settings {
     settings(|s| {
-        s.temporal.history_length = 64;
-        s.raymarch.rays = RAYS;
+        raymarch_of(s).temporal.history_length = 64;
+        raymarch_of(s).rays = RAYS;
         change(s);
     })
 }
@@ -58,10 +58,11 @@ fn noise_falls_with_the_frames() {
     let cells = with_lamp(&rooms(), lamp([20.0, 20.0], 2.0));
     for bounces in [0, 1] {
         let bounces = Bounces::Count(bounces);
-        let truth = settings(|s| (s.raymarch.rays, s.bounces, s.seed) = (MANY_RAYS, bounces, 9));
+        let truth =
+            settings(|s| (raymarch_of(s).rays, s.bounces, s.seed) = (MANY_RAYS, bounces, 9));
         let truth = solve(&truth, &cells);
         for noise in [Noise::White, Noise::Blue, Noise::Golden] {
-            let settings = accumulating(|s| (s.raymarch.noise, s.bounces) = (noise, bounces));
+            let settings = accumulating(|s| (raymarch_of(s).noise, s.bounces) = (noise, bounces));
             let mut solver = Solver::new(settings).unwrap();
             let mut after = |more| relative_rmse(&frames(&mut solver, &cells, more), &truth);
             let errors = [after(1), after(7), after(56)];
@@ -81,8 +82,9 @@ fn noise_falls_with_the_frames() {
 #[test]
 fn without_accumulation_noise_stays() {
     let cells = with_lamp(&rooms(), lamp([20.0, 20.0], 2.0));
-    let truth = solve(&settings(|s| (s.raymarch.rays, s.seed) = (MANY_RAYS, 9)), &cells);
-    let mut solver = Solver::new(accumulating(|s| s.temporal.history_length = 1)).unwrap();
+    let truth = solve(&settings(|s| (raymarch_of(s).rays, s.seed) = (MANY_RAYS, 9)), &cells);
+    let mut solver =
+        Solver::new(accumulating(|s| raymarch_of(s).temporal.history_length = 1)).unwrap();
     let mut after = |more| relative_rmse(&frames(&mut solver, &cells, more), &truth);
     let (first, eighth) = (after(1), after(7));
     assert!(eighth > 2.0 * AFTER_8 * first, "{first} to {eighth}");
@@ -112,15 +114,15 @@ fn variants() -> Vec<(&'static str, Settings)> {
     let mut variants = Vec::new();
     for hit in [Hit::Edge, Hit::Distance] {
         for (name, bounces, bounce) in [
-            ("direct", 0, BounceBy::Frame),
-            ("two bounces", 2, BounceBy::Frame),
-            ("feedback", 1, BounceBy::Feedback),
+            ("direct", 0, BounceMode::Frame),
+            ("two bounces", 2, BounceMode::Frame),
+            ("feedback", 1, BounceMode::Feedback),
         ] {
             variants.push((
                 name,
                 accumulating(|s| {
                     s.bounces = Bounces::Count(bounces);
-                    (s.raymarch.hit, s.raymarch.bounce) = (hit, bounce);
+                    (raymarch_of(s).hit, raymarch_of(s).bounce_mode) = (hit, bounce);
                 }),
             ));
         }
@@ -140,7 +142,7 @@ fn a_lamp_that_goes_out_leaves_no_trail() {
             let left = left_behind(&settings, &with_lamp(&dark, lamp), &dark, &lamp);
             worst = [worst[0].max(left[0]), worst[1].max(left[1])];
         }
-        let hit = settings.raymarch.hit;
+        let hit = settings.method.as_raymarch().unwrap().hit;
         println!(
             "{name}, {hit:?}: {:.4} % left near the lamp, {:.4} % far from it",
             100.0 * worst[0],
@@ -167,7 +169,7 @@ fn matter_that_stops_emitting_leaves_no_trail() {
 fn without_rejection_a_trail_is_left() {
     let (dark, lamp) = (rooms(), lamp([20.0, 12.0], 2.0));
     for (name, mut settings) in variants() {
-        settings.temporal.reject = false;
+        raymarch_of(&mut settings).temporal.reject = false;
         let left = left_behind(&settings, &with_lamp(&dark, lamp), &dark, &lamp);
         assert!(left.iter().all(|&left| left > 10.0 * LEFT), "{name}: {left:?}");
     }
@@ -188,9 +190,9 @@ fn light_in_a_cloud_goes_out_with_its_lamp() {
     let (dark, lamp) = (cloud(), lamp([10.0, 8.0], 2.0));
     let lit = with_lamp(&dark, lamp);
     let below = |light: &Light| light.over([31.0, 26.0], [60.0, 40.0])[0];
-    for bounce in [BounceBy::Frame, BounceBy::Feedback] {
+    for bounce in [BounceMode::Frame, BounceMode::Feedback] {
         let settings =
-            accumulating(|s| (s.bounces, s.raymarch.bounce) = (Bounces::Count(1), bounce));
+            accumulating(|s| (s.bounces, raymarch_of(s).bounce_mode) = (Bounces::Count(1), bounce));
         let mut solver = Solver::new(settings).unwrap();
         let before = below(&frames(&mut solver, &lit, 10));
         let left = below(&frames(&mut solver, &dark, 8)) / before;
@@ -250,7 +252,7 @@ fn cells_that_see_no_change_keep_their_history() {
 /// Returns whether a solver's next frame has no history: it equals a frame without accumulation.
 fn starts_afresh(solver: &mut Solver, before: usize, cells: &Cells) -> bool {
     let mut settings = solver.settings().clone();
-    settings.temporal.history_length = 0;
+    raymarch_of(&mut settings).temporal.history_length = 0;
     let mut plain = Solver::new(settings).unwrap();
     let other = Cells::new(1, 1).unwrap();
     frames(&mut plain, &other, before);
@@ -301,7 +303,7 @@ fn another_sky_resets_history_if_rejection_is_on() {
     for reject in [true, false] {
         let temporal = Temporal { history_length: 64, reject };
         let mut solver = Solver::new(settings(|s| {
-            (s.temporal, s.raymarch.spacing) = (temporal, Spacing::Golden)
+            (raymarch_of(s).temporal, raymarch_of(s).spacing) = (temporal, Spacing::Golden)
         }))
         .unwrap();
         frames(&mut solver, &under(1.0), 6);

@@ -6,8 +6,8 @@
 //! a corner hold light back).
 
 use crate::common::*;
-use lamplight::settings::{BounceBy, Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
-use lamplight::{Bounces, Cells, Matter, Method, Rgb, Settings, Solver};
+use lamplight::settings::{BounceMode, Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
+use lamplight::{Bounces, Cells, Matter, Rgb, Settings, Solver};
 use proptest::prelude::*;
 
 const BRIGHT: Rgb = [1000.0, 800.0, 1e6];
@@ -40,10 +40,18 @@ fn world(sealed: &Sealed, size: [u32; 2], random: &mut Random) -> Cells {
     cells
 }
 
+/// Returns whether each frame adds a bounce to the light of the frame before.
+fn feeds_back(settings: &Settings) -> bool {
+    settings
+        .method
+        .as_raymarch()
+        .is_some_and(|raymarch| raymarch.bounce_mode == BounceMode::Feedback)
+}
+
 /// Light after a few frames: feedback and history have had their chance.
 fn frames(settings: &Settings, cells: &Cells) -> Vec<Rgb> {
     let mut solver = Solver::new(settings.clone()).unwrap();
-    for _ in 0..if settings.raymarch.bounce == BounceBy::Feedback { 3 } else { 2 } {
+    for _ in 0..if feeds_back(settings) { 3 } else { 2 } {
         solver.solve(cells).unwrap();
     }
     solver.light().pixels().to_vec()
@@ -79,10 +87,10 @@ fn any_settings() -> impl Strategy<Value = Settings> {
     (marches(), prop::bool::ANY, prop::bool::ANY, prop::bool::ANY).prop_map(
         |(raymarch, bounces, denoise, temporal)| {
             settings(|s| {
-                s.raymarch = raymarch;
+                *raymarch_of(s) = raymarch;
                 s.bounces = Bounces::Count(if bounces { 2 } else { 0 });
-                s.denoise.passes = if denoise { 5 } else { 0 };
-                s.temporal =
+                raymarch_of(s).denoise.passes = if denoise { 5 } else { 0 };
+                raymarch_of(s).temporal =
                     Temporal { history_length: if temporal { 8 } else { 0 }, reject: true };
             })
         },
@@ -130,7 +138,7 @@ fn every_setting() -> Vec<Settings> {
                     for bounces in [0, 2] {
                         all.push(settings(|s| {
                             let preset = Raymarch::preset(preset).unwrap();
-                            s.raymarch = Raymarch { hit, noise, spacing, ..preset };
+                            *raymarch_of(s) = Raymarch { hit, noise, spacing, ..preset };
                             s.bounces = Bounces::Count(bounces);
                         }));
                     }
@@ -163,12 +171,8 @@ fn no_preset_of_holographic_lets_light_out() {
             for bounces in [0, 2] {
                 for _ in 0..8 {
                     let holographic = Holographic::preset(preset).unwrap();
-                    let settings = Settings {
-                        bounces: Bounces::Count(bounces),
-                        method: Method::Holographic,
-                        holographic,
-                        ..Settings::default()
-                    };
+                    let settings =
+                        Settings { bounces: Bounces::Count(bounces), ..Settings::new(holographic) };
                     let sealed = Sealed::new(random, [71, 37], 300, contact);
                     let cells = world(&sealed, [71, 37], random);
                     let (leaks, inside) = lit(&sealed, &cells, &frames(&settings, &cells));
@@ -193,8 +197,9 @@ fn diamond(gap: bool) -> Cells {
 fn one_open_cell_lets_light_out() {
     for mut settings in every_setting() {
         // Fewer rays miss a gap of one cell if all of them belong to one frame.
-        if settings.raymarch.bounce == BounceBy::Frame {
-            settings.raymarch.rays = settings.raymarch.rays.max(32);
+        if !feeds_back(&settings) {
+            let rays = &mut raymarch_of(&mut settings).rays;
+            *rays = (*rays).max(32);
         }
         for gap in [false, true] {
             let cells = diamond(gap);
@@ -216,7 +221,7 @@ fn inside_every_open_cell_that_sees_the_light_is_lit() {
         cells.set(x, y, Matter { emission: BRIGHT, ..WALL });
     }
     for hit in [Hit::Edge, Hit::Distance] {
-        let settings = settings(|s| s.raymarch = Raymarch { hit, rays: 64, ..s.raymarch.clone() });
+        let settings = settings(|s| (raymarch_of(s).hit, raymarch_of(s).rays) = (hit, 64));
         let light = solve(&settings, &cells);
         let dark = |&i: &usize| !light.solid()[i] && light.pixels()[i][0] <= 0.0;
         assert_eq!((0..cells.len()).find(dark), None, "{hit:?}");

@@ -1,6 +1,7 @@
 //! A benchmark of all methods and presets on the current scene.
 
 use eframe::egui::{Grid, ProgressBar, Ui};
+use lamplight::settings::MethodSettings;
 use lamplight::{Method, Settings};
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -40,9 +41,8 @@ impl Benchmark {
     pub fn begin(&mut self, settings: &Settings, subject: String) {
         let presets = |&method: &Method| method.presets().iter().map(move |&name| (method, name));
         let with = |(method, preset)| {
-            let mut settings = Settings { method, ..settings.clone() };
-            settings.set_preset(preset).ok()?;
-            Some((settings, preset))
+            let method = MethodSettings::preset(method, preset).ok()?;
+            Some((Settings { method, ..settings.clone() }, preset))
         };
         let left: Vec<_> = Method::ALL.iter().flat_map(presets).filter_map(with).rev().collect();
         *self = Self { total: left.len(), left, subject, ..Self::default() };
@@ -80,7 +80,7 @@ impl Benchmark {
     fn note(&mut self, median: Option<f64>) {
         let Some((settings, preset)) = self.left.pop() else { return };
         let least = self.times.first().copied().unwrap_or_default();
-        self.rows.push(Row { method: settings.method.name(), preset, median, least });
+        self.rows.push(Row { method: settings.method().name(), preset, median, least });
         (self.frames, self.spent) = (0, 0.0);
         self.times.clear();
     }
@@ -152,7 +152,7 @@ mod tests {
         benchmark.begin(&Settings::default(), "a room".to_owned());
         let mut frames = 0;
         while let Some(settings) = benchmark.settings() {
-            match settings.method {
+            match settings.method() {
                 Method::Polar => benchmark.refused(),
                 // The first frames take ten times as long and do not count.
                 _ => {

@@ -102,7 +102,7 @@ mod tests {
     fn settings_survive_a_handover() {
         for &method in Method::ALL {
             for &preset in method.presets() {
-                let mut settings = Settings { method, wall_depth: 2.5, ..Settings::default() };
+                let mut settings = Settings { wall_depth: 2.5, ..Settings::new(method) };
                 settings.bounces = Bounces::Converged;
                 settings.set_preset(preset).unwrap();
                 let mut lines = Vec::new();

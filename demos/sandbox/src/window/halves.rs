@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 use eframe::egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2,
 };
-use lamplight::{Cells, Settings};
+use lamplight::{Cells, Method, Settings, SettingsTable};
 
 /// The distance from the divider within which it can be dragged, points.
 const GRIP: f32 = 8.0;
@@ -15,13 +15,35 @@ const GRIP: f32 = 8.0;
 pub struct Half {
     pub settings: Settings,
     pub lit: Lit,
+    /// Settings of all methods, for when another one is chosen.
+    kept: SettingsTable,
     /// True if the last frame has light.
     is_lit: bool,
 }
 
 impl Half {
     fn new(settings: Settings, lit: Lit) -> Self {
-        Self { settings, lit, is_lit: false }
+        Self { settings, lit, kept: SettingsTable::default(), is_lit: false }
+    }
+
+    /// Changes settings. Those of other methods than the current one wait until it is chosen.
+    pub fn set(&mut self, over: SettingsTable) -> lamplight::Result<()> {
+        let mut table = self.kept.clone();
+        table.merge(SettingsTable::from(&self.settings));
+        table.merge(over);
+        self.settings = table.resolve()?;
+        self.kept = table;
+        Ok(())
+    }
+
+    /// Changes the method, and returns to the settings that it had when it was chosen last.
+    pub fn choose(&mut self, method: Method) -> lamplight::Result<()> {
+        if method == self.settings.method() {
+            return Ok(());
+        }
+        let mut over = SettingsTable::default();
+        over.set("method", method.name());
+        self.set(over)
     }
 
     /// Computes the light of the next frame.
@@ -119,8 +141,40 @@ impl Halves {
 fn name(painter: &Painter, corner: Pos2, align: Align2, half: &Half) {
     let inwards = if align == Align2::LEFT_TOP { 8.0 } else { -8.0 };
     let (at, font) = (corner + Vec2::new(inwards, 6.0), FontId::proportional(14.0));
-    let text = painter.layout_no_wrap(half.settings.method.name().into(), font, Color32::WHITE);
+    let text = painter.layout_no_wrap(half.settings.method().name().into(), font, Color32::WHITE);
     let frame = align.anchor_size(at, text.size());
     painter.rect_filled(frame.expand(3.0), 3.0, Color32::from_black_alpha(150));
     painter.galley(frame.min, text, Color32::WHITE);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::Context;
+    use lamplight::settings::Raymarch;
+
+    #[test]
+    fn a_method_keeps_its_settings_while_another_is_chosen() {
+        let settings = Settings::default();
+        let lit = Lit::on_cpu(&Context::default(), &settings).unwrap();
+        let mut half = Half::new(settings.clone(), lit);
+        let set = |half: &mut Half, text: &str| {
+            let mut over = SettingsTable::default();
+            over.set_from_text(text).unwrap();
+            half.set(over)
+        };
+        // Set while another method is chosen, or while it is.
+        set(&mut half, "raymarch.rays=7").unwrap();
+        assert_eq!(half.settings, settings);
+        half.choose(Method::Raymarch).unwrap();
+        let rays = |rays| Settings::new(Raymarch { rays, ..Raymarch::default() });
+        assert_eq!(half.settings, rays(7));
+        half.settings = rays(9);
+        for method in [Method::Holographic, Method::Polar, Method::Raymarch] {
+            half.choose(method).unwrap();
+        }
+        assert_eq!(half.settings, rays(9));
+        assert!(set(&mut half, "raymarch.rays=0").is_err());
+        assert_eq!(half.settings, rays(9));
+    }
 }

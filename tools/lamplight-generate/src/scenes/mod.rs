@@ -84,7 +84,9 @@ mod tests {
             let cells = scene.cells().unwrap();
             assert_eq!(scene.warnings(&cells), Vec::<String>::new(), "{name}");
             let mut settings = scene.resolve_settings().unwrap();
-            settings.raymarch.rays = 16;
+            if let Some(raymarch) = settings.method.as_raymarch_mut() {
+                raymarch.rays = 16;
+            }
             settings.bounces = Bounces::Count(0);
             let mut solver = Solver::new(settings).unwrap();
             let light = solver.solve(&cells).unwrap();

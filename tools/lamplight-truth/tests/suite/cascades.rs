@@ -1,7 +1,7 @@
 //! `cascades` held to the reference.
 
 use lamplight::settings::{Cascades, Merge};
-use lamplight::{Bounces, Cells, Light, Matter, Method, Rgb, Settings, Solver};
+use lamplight::{Bounces, Cells, Light, Matter, Rgb, Settings, Solver};
 use lamplight_truth::{Measures, PathTracer};
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
@@ -72,12 +72,7 @@ fn seed() -> u64 {
 }
 
 fn settings(cascades: Cascades, bounces: u32) -> Settings {
-    Settings {
-        method: Method::Cascades,
-        bounces: Bounces::Count(bounces),
-        cascades,
-        ..Settings::default()
-    }
+    Settings { bounces: Bounces::Count(bounces), ..Settings::new(cascades) }
 }
 
 fn solve(cells: &Cells, settings: Settings) -> Light {

@@ -2,7 +2,7 @@
 
 use lamplight::methods::holographic::paper::Paper;
 use lamplight::settings::Holographic;
-use lamplight::{Bounces, Cells, Lamp, Light, Matter, Method, Rgb, Scene, Settings, Shape, Solver};
+use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Scene, Settings, Shape, Solver};
 use lamplight_truth::scenes::{
     around_ring, dungeon, grove, large_emitters, open_cells, ring, weather,
 };
@@ -17,7 +17,7 @@ const PATHS: u32 = 32_768;
 
 fn settings(preset: &str) -> Settings {
     let holographic = Holographic::preset(preset).unwrap();
-    Settings { method: Method::Holographic, holographic, ..Settings::default() }
+    Settings::new(holographic)
 }
 
 fn solve(cells: &Cells, settings: Settings) -> Light {

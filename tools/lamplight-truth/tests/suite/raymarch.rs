@@ -1,6 +1,7 @@
 //! `raymarch` held to the reference on the project's own scenes.
 
-use lamplight::{Bounces, Cells, Lamp, Light, Method, Rgb, Scene, Settings, Solver};
+use lamplight::settings::Raymarch;
+use lamplight::{Bounces, Cells, Lamp, Light, Rgb, Scene, Settings, Solver};
 use lamplight_truth::{Measures, PathTracer};
 use std::path::{Path, PathBuf};
 
@@ -26,10 +27,8 @@ fn scenes() -> Vec<PathBuf> {
 }
 
 fn solve(cells: &Cells, rays: u32, bounces: u32) -> Light {
-    let method = Method::Raymarch;
-    let bounces = Bounces::Count(bounces);
-    let mut settings = Settings { method, bounces, ..Settings::default() };
-    settings.raymarch.rays = rays;
+    let raymarch = Raymarch { rays, ..Raymarch::default() };
+    let settings = Settings { bounces: Bounces::Count(bounces), ..Settings::new(raymarch) };
     Solver::new(settings).unwrap().solve(cells).unwrap().clone()
 }
 

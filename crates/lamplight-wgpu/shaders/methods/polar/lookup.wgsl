@@ -5,7 +5,7 @@
 
 #import methods/polar/shadow_ray
 
-override EDGES: u32;
+override SHADOW_FILTER: u32;
 const NEAREST_RAY: u32 = 2u;
 override NARROWEST: f32;
 override WIDEST: f32;
@@ -52,7 +52,7 @@ fn wrapped(lamp: Lamp, ray: u32) -> u32 {
 }
 
 fn cone_at(lamp: Lamp, at: f32) -> f32 {
-    if EDGES == NEAREST_RAY {
+    if SHADOW_FILTER == NEAREST_RAY {
         return in_cone(lamp, wrapped(lamp, u32(at + 0.5)), lamp.count);
     }
     let first = u32(at);
@@ -153,8 +153,8 @@ fn sees(start: vec2f, end: vec2f) -> bool {
 
 // The transmittance of media between the lamp and a pixel.
 fn transmittance_at(lamp: Lamp, at: f32, distance: f32) -> vec3f {
-    let first = select(u32(at), u32(at + 0.5), EDGES == NEAREST_RAY);
-    let rays = select(2u, 1u, EDGES == NEAREST_RAY);
+    let first = select(u32(at), u32(at + 0.5), SHADOW_FILTER == NEAREST_RAY);
+    let rays = select(2u, 1u, SHADOW_FILTER == NEAREST_RAY);
     var transmittance: array<vec3f, 2>;
     for (var i = 0u; i < rays; i++) {
         transmittance[i] = along_ray(lamp, wrapped(lamp, first + i), distance);

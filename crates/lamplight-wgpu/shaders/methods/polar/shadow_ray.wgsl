@@ -10,7 +10,7 @@
 #import shared/traverse
 
 // The advance of rays: from edge to edge, a px at a time, or by the distance field.
-override WALK: u32;
+override TRAVERSAL: u32;
 override MARGIN: f32;
 const VISITS_EMPTY: bool = false;
 const BY_EDGES: u32 = 0u;
@@ -34,7 +34,7 @@ fn traverse_by_samples(start: vec2f, ray: Direction, limit: f32, visiting: bool)
             return Hit(at, packed(cell));
         }
         var next = at + 1.0;
-        if WALK == BY_DISTANCE {
+        if TRAVERSAL == BY_DISTANCE {
             next = at + max(distance_field[index(vec2u(cell))] - MARGIN, 1.0);
         }
         if visiting {
@@ -51,7 +51,7 @@ fn trace(lamp: Lamp, ray: u32) -> Hit {
         return no_hit();
     }
     let direction = direction_of(ray, lamp.count);
-    if WALK == BY_EDGES {
+    if TRAVERSAL == BY_EDGES {
         return traverse(lamp.position, direction, lamp.reach, false, TRANSLUCENT);
     }
     return traverse_by_samples(lamp.position, direction, lamp.reach, TRANSLUCENT);

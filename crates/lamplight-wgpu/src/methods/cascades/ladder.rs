@@ -10,6 +10,7 @@ use crate::pipeline::STEP_BYTES;
 use crate::planner::FramePlanner;
 use bytemuck::bytes_of;
 use lamplight::methods::cascades::{BRANCHES, Cascade, cascades, mean_sine};
+use lamplight::settings;
 use std::num::NonZeroU64;
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};
 
@@ -65,6 +66,8 @@ pub struct Ladder {
     pub cascades: Vec<Cascade>,
     /// Cones of the nearest cascade per batch.
     cones: u32,
+    /// Fraction of its length by which each interval extends into the next.
+    overlap: f32,
 }
 
 impl Ladder {
@@ -72,14 +75,14 @@ impl Ladder {
     ///
     /// # Errors
     /// If the grid has more directions than the device can dispatch.
-    pub fn over(planner: &FramePlanner) -> Result<Self> {
+    pub fn over(planner: &FramePlanner, settings: &settings::Cascades) -> Result<Self> {
         let mut all = Vec::new();
-        cascades(planner.size.into(), &planner.settings.cascades, &mut all);
+        cascades(planner.size.into(), settings, &mut all);
         let limits = planner.device.limits();
         let layers = u64::from(limits.max_compute_workgroups_per_dimension);
         let bytes = MAX_BYTES.min(limits.max_storage_buffer_binding_size);
         let rays = all[0].rays;
-        let mut ladder = Self { cascades: all, cones: rays };
+        let mut ladder = Self { cascades: all, cones: rays, overlap: settings.overlap };
         while ladder.cones > 1 && (ladder.layers_of_groups() > layers || ladder.bytes() > bytes) {
             ladder.cones /= 2;
         }
@@ -120,8 +123,7 @@ impl Ladder {
     pub fn paths(&self, planner: &FramePlanner) -> Result<Buffer> {
         let count: u64 = self.cascades.iter().map(|cascade| u64::from(cascade.rays)).sum();
         planner.check_bytes(count * size_of::<Path>() as u64)?;
-        let overlap = planner.settings.cascades.overlap;
-        let of = |cascade: &Cascade, number| Path::of(cascade, number, overlap);
+        let of = |cascade: &Cascade, number| Path::of(cascade, number, self.overlap);
         let rays = self.cascades.iter().flat_map(|c| (0..c.rays).map(move |number| (c, number)));
         let paths: Vec<Path> = rays.map(|(cascade, number)| of(cascade, number)).collect();
         planner.filled("paths", BufferUsages::STORAGE, bytemuck::cast_slice(&paths))

@@ -20,14 +20,14 @@ use crate::stages::empty_space::EmptySpace;
 use crate::stages::medium_grid::{MediumGrid, MediumGridPipelines};
 use crate::stages::packet::PACKET;
 use ladder::Ladder;
-use lamplight::Settings;
 use lamplight::methods::cascades::{BEFORE, cosine};
-use lamplight::settings::{Bounces, Merge};
+use lamplight::settings::{Bounces, Cascades as Settings, Merge};
 use wgpu::{BindingResource, Buffer, BufferUsages, Device, Queue};
 
 /// The pipelines, and buffers that are the same for every grid.
 #[derive(Debug)]
 pub struct Cascades {
+    settings: Settings,
     medium_grid: MediumGridPipelines,
     empty_space: EmptySpace,
     merge: ComputePipelines,
@@ -65,16 +65,17 @@ const LIGHT: usize = 0;
 const OUTGOING: usize = 1;
 
 impl Cascades {
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
-        let fix = settings.cascades.merge == Merge::BilinearFix;
+    pub fn new(device: &Device, queue: &Queue, settings: &Settings, bounces: Bounces) -> Self {
+        let fix = settings.merge == Merge::BilinearFix;
         let merge = [PACKET, &[("ENDS", 1.0), ("BILINEAR_FIX", fix.into())]].concat();
         let gather = [&merge[..], &[("BEFORE", BEFORE.into())]].concat();
-        let rays = settings.cascades.nearest_rays();
+        let rays = settings.nearest_rays();
         let cosines = |cone| [0, 1, 2, 3].map(|face| cosine(face, cone, rays));
         let cosines: Vec<[f32; 4]> = (0..rays).map(cosines).collect();
         let cosines = bytemuck::cast_slice(&cosines);
-        let converges = settings.bounces == Bounces::Converged;
+        let converges = bounces == Bounces::Converged;
         Self {
+            settings: settings.clone(),
             // As in `raymarch`, squares are not found again in each of many recorded bounces.
             medium_grid: MediumGridPipelines::new(device, converges),
             empty_space: EmptySpace::new(device),
@@ -86,7 +87,7 @@ impl Cascades {
     }
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
-        let ladder = Ladder::over(planner)?;
+        let ladder = Ladder::over(planner, &self.settings)?;
         let (paths, layers) = (ladder.paths(planner)?, ladder.layers(planner)?);
         let halves = planner.pair::<[f32; 4]>("cascades", ladder.means())?;
         let grid = self.medium_grid.buffers(planner)?;

@@ -21,6 +21,7 @@ use crate::stages::convergence::Convergence;
 use lamplight::Bounces;
 use lamplight::methods::holographic::lattice::GatherGeometry;
 use lamplight::methods::holographic::{EMISSIVE, MATTER, MEDIUM, OPAQUE_TRANSMITTANCE, REACH};
+use lamplight::settings::Holographic as Settings;
 use lamplight::stages::transmittance::LOG_OF_ZERO;
 use lattice::{Lattice, Packed};
 use quadrant::{Axis, PlannedWork, Quadrant};
@@ -41,6 +42,7 @@ const FACES: u64 = 4;
 /// The pipelines.
 #[derive(Debug)]
 pub struct Holographic {
+    settings: Settings,
     slabs: ComputePipelines,
     /// Without tint, and with tint.
     intervals: [IntervalPipelines; 2],
@@ -142,7 +144,7 @@ struct Bindings {
 }
 
 impl Holographic {
-    pub fn new(device: &Device, bounces: Bounces) -> Self {
+    pub fn new(device: &Device, settings: &Settings, bounces: Bounces) -> Self {
         let gather = |faces: bool| {
             let own = [
                 ("OPAQUE_TRANSMITTANCE", f64::from(OPAQUE_TRANSMITTANCE)),
@@ -155,6 +157,7 @@ impl Holographic {
         let compared = || ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
         let converges = bounces == Bounces::Converged;
         Self {
+            settings: settings.clone(),
             slabs: ComputePipelines::new(device, &programs::HOLOGRAPHIC_SLABS, CELLS),
             intervals: [2, 3].map(|words| IntervalPipelines::new(device, words)),
             gather: gather(false),
@@ -165,7 +168,7 @@ impl Holographic {
     }
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
-        let settings = &planner.settings.holographic;
+        let settings = &self.settings;
         let geometry = GatherGeometry::new(settings);
         let intervals = &self.intervals[usize::from(planner.hints.tinted)];
         let layout = MemoryLayout::new(planner, geometry.level, intervals.words);

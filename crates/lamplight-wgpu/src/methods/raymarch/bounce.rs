@@ -8,8 +8,7 @@ use crate::stages::compare::Compare;
 use crate::stages::convergence::Convergence;
 use crate::stages::feedback::Feedback;
 use crate::stages::medium_grid::MediumGridPipelines;
-use lamplight::Settings;
-use lamplight::settings::{BounceBy, Bounces};
+use lamplight::settings::{BounceMode, Bounces, Raymarch};
 use wgpu::{Buffer, Device};
 
 /// Faces of a cell; a medium uses the first.
@@ -24,12 +23,12 @@ pub enum Bounce {
 }
 
 impl Bounce {
-    pub fn new(device: &Device, settings: &Settings) -> Self {
-        match (settings.bounces, settings.raymarch.bounce) {
+    pub fn new(device: &Device, settings: &Raymarch, bounces: Bounces) -> Self {
+        match (bounces, settings.bounce_mode) {
             (Bounces::Count(0), _) => Self::Times(0),
-            (_, BounceBy::Feedback) => Self::Feedback(Feedback::new(device)),
-            (Bounces::Count(times), BounceBy::Frame) => Self::Times(times),
-            (Bounces::Converged, BounceBy::Frame) => {
+            (_, BounceMode::Feedback) => Self::Feedback(Feedback::new(device)),
+            (Bounces::Count(times), BounceMode::Frame) => Self::Times(times),
+            (Bounces::Converged, BounceMode::Frame) => {
                 Self::Converged(Convergence::new(device), Compare::new(device))
             }
         }

@@ -7,10 +7,10 @@ use crate::stages::medium_grid::MediumGrid;
 use crate::stages::packet::PACKET;
 use crate::{programs, shaders};
 use lamplight::methods::raymarch::{GOLDEN_RATIO, NEVER, SECTOR, directions};
-use lamplight::settings::Hit;
+use lamplight::settings::{Hit, Raymarch};
 use lamplight::stages::distance::MARGIN;
+use lamplight::stages::noise;
 use lamplight::stages::seed::NONE;
-use lamplight::{Settings, stages::noise};
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
 /// The pipelines, and buffers that are the same for every grid.
@@ -44,13 +44,13 @@ impl Gather {
     pub fn new(
         device: &Device,
         queue: &Queue,
-        settings: &Settings,
+        settings: &Raymarch,
         tracks: bool,
         varies: bool,
     ) -> Self {
         let storage = |label, bytes| filled(device, queue, label, BufferUsages::STORAGE, bytes);
-        let stops = [("STOPS", f64::from(tracks || settings.raymarch.attenuation))];
-        let (program, march) = match settings.raymarch.hit {
+        let stops = [("STOPS", f64::from(tracks || settings.attenuation))];
+        let (program, march) = match settings.hit {
             Hit::Edge => (&programs::RAYMARCH, [PACKET, &[("ENDS", 0.0)], &stops].concat()),
             Hit::Distance => (&programs::RAYMARCH_DISTANCE, MARCH_DISTANCE.to_vec()),
         };
@@ -60,7 +60,7 @@ impl Gather {
             ("TRACED", f64::from(tracks || varies)),
         ];
         let constants = [GATHER, &march, &shaders::LUMINANCE, &needed].concat();
-        let directions: Vec<[f32; 2]> = directions(&settings.raymarch).collect();
+        let directions: Vec<[f32; 2]> = directions(settings).collect();
         Self {
             rays: ComputePipelines::new(device, program, &constants),
             blue: storage("blue noise", noise::blue()),

@@ -14,8 +14,7 @@ use crate::stages::medium_grid::MediumGridPipelines;
 use crate::stages::temporal::Temporal;
 use bounce::Bounce;
 use gather::{Gather, GatherBuffers, Gathered};
-use lamplight::Settings;
-use lamplight::settings::Hit;
+use lamplight::settings::{Bounces, Hit, Raymarch as Settings};
 use wgpu::{Buffer, Device, Queue};
 
 /// The pipelines, and buffers that are the same for every grid.
@@ -40,23 +39,23 @@ enum Skipping {
 }
 
 impl Raymarch {
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
+    pub fn new(device: &Device, queue: &Queue, settings: &Settings, bounces: Bounces) -> Self {
         let accumulates = settings.temporal.history_length > 1;
         let (tracks, varies) = (Temporal::tracks(settings), settings.denoise.passes > 0);
         let traced = tracks || varies;
-        let skipping = match settings.raymarch.hit {
+        let skipping = match settings.hit {
             Hit::Edge => Skipping::Squares(EmptySpace::new(device)),
             Hit::Distance => Skipping::Distance(DistancePipelines::new(device)),
         };
         let rejects = accumulates && settings.temporal.reject;
-        let bounce = Bounce::new(device, settings);
+        let bounce = Bounce::new(device, settings, bounces);
         Self {
             medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
             skipping,
             gather: Gather::new(device, queue, settings, tracks, varies),
             bounce,
             invalidate: rejects.then(|| Invalidate::new(device)),
-            temporal: accumulates.then(|| Temporal::new(device, settings, traced)),
+            temporal: accumulates.then(|| Temporal::new(device, settings, bounces, traced)),
             denoise: varies.then(|| Denoise::new(device, settings)),
             traced,
         }

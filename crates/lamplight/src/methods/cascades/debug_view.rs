@@ -2,7 +2,7 @@
 
 use super::ladder::BRANCHES;
 use super::{Cascade, Cascades};
-use crate::{Cells, Display, Rgb, Settings};
+use crate::{Cells, Display, Rgb, settings};
 use image::RgbImage;
 
 impl Cascades {
@@ -16,7 +16,7 @@ impl Cascades {
     pub(crate) fn debug_view(
         &mut self,
         cells: &Cells,
-        settings: &Settings,
+        settings: &settings::Cascades,
         number: u32,
         display: &Display,
     ) -> RgbImage {

@@ -26,7 +26,7 @@ mod merge;
 use crate::clock::Clock;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::grid::packet::LANES;
-use crate::settings::{self, Bounces, Settings};
+use crate::settings::{self, Bounces};
 use crate::simd::dispatch;
 use crate::stages::bounce::{Surfaces, mean_over_faces, solve_bounces};
 use crate::{Cells, Rgb};
@@ -85,7 +85,8 @@ impl Cascades {
     pub(crate) fn solve(
         &mut self,
         cells: &Cells,
-        settings: &Settings,
+        settings: &settings::Cascades,
+        bounces: Bounces,
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
@@ -96,11 +97,11 @@ impl Cascades {
         self.faces.collect(&self.surfaces);
         self.empty_radius.measure(&self.grid);
         let size = [cells.width(), cells.height()];
-        cascades(size, &settings.cascades, &mut self.cascades);
+        cascades(size, settings, &mut self.cascades);
         clock.lap("clearance");
 
-        if settings.bounces != Bounces::Count(0) && self.surfaces.reflect() {
-            solve_bounces(settings.bounces, || {
+        if bounces != Bounces::Count(0) && self.surfaces.reflect() {
+            solve_bounces(bounces, || {
                 self.gather_surfaces(cells, settings);
                 let (faces, media) = (self.faces.walls.iter(), self.media.iter());
                 let change = self.surfaces.send_on(cells, faces, media);
@@ -117,7 +118,7 @@ impl Cascades {
     }
 
     /// Gathers the light at surfaces: irradiance of faces, mean radiance in media.
-    fn gather_surfaces(&mut self, cells: &Cells, settings: &Settings) {
+    fn gather_surfaces(&mut self, cells: &Cells, settings: &settings::Cascades) {
         let mut media = std::mem::take(&mut self.media);
         media.clear();
         media.resize(self.surfaces.fog.len(), Rgb::default());
@@ -130,7 +131,7 @@ impl Cascades {
     }
 
     /// Gathers the light of every cell.
-    fn gather_cells(&mut self, cells: &Cells, settings: &Settings, light: &mut Vec<Rgb>) {
+    fn gather_cells(&mut self, cells: &Cells, settings: &settings::Cascades, light: &mut Vec<Rgb>) {
         light.clear();
         light.resize(cells.len(), Rgb::default());
         let gather = |level, tracer: &ProbeTracer, cone| {
@@ -150,7 +151,7 @@ impl Cascades {
     fn each_cone(
         &mut self,
         cells: &Cells,
-        settings: &Settings,
+        settings: &settings::Cascades,
         mut gather: impl FnMut(Level, &ProbeTracer, u32),
         mut filled: impl FnMut(&Cascade, u32, &[f32]),
     ) {
@@ -183,13 +184,13 @@ impl Cascades {
 
 fn tracer<'a>(
     scene: TracedScene<'a>,
-    settings: &Settings,
+    settings: &settings::Cascades,
     cascade: &'a Cascade,
     beyond: Option<(&'a Cascade, u32)>,
     light: &'a [f32],
 ) -> ProbeTracer<'a> {
     let farther = beyond.map(|(cascade, first)| FartherCascade { cascade, light, first });
-    let settings::Cascades { merge, overlap, .. } = settings.cascades;
+    let settings::Cascades { merge, overlap, .. } = *settings;
     ProbeTracer { scene, merge, overlap, cascade, farther }
 }
 
@@ -268,11 +269,11 @@ mod tests {
     fn every_vector_unit_gives_the_same_bytes() {
         let cells = cells().drawn().into_owned();
         for merge in [Merge::Plain, Merge::BilinearFix] {
-            let mut settings = Settings { bounces: Bounces::Count(1), ..Settings::default() };
-            settings.cascades.merge = merge;
+            let settings = settings::Cascades { merge, ..settings::Cascades::default() };
             agree(0.0, |level| {
                 let mut light = Vec::new();
-                Cascades::on(level).solve(&cells, &settings, &mut light, &mut Clock::default());
+                let (bounces, mut clock) = (Bounces::Count(1), Clock::default());
+                Cascades::on(level).solve(&cells, &settings, bounces, &mut light, &mut clock);
                 light
             });
         }

@@ -6,7 +6,7 @@ use super::faces;
 use super::interval::{PAD, unpack_one, words};
 use super::lattice::{levels, planes, rays};
 use super::slabs::{Axis, Slabs};
-use crate::{Cells, Display, Rgb, Settings};
+use crate::{Cells, Display, Rgb, settings};
 use image::RgbImage;
 
 /// The radiance that represents full transmittance. It is faint, so that light stands out.
@@ -14,8 +14,12 @@ const CLEAR: Rgb = [0.01, 0.02, 0.06];
 
 impl Holographic {
     /// Returns the first level of intervals, and the first that is not made.
-    pub(crate) fn interval_levels(&self, cells: &Cells, settings: &Settings) -> [u32; 2] {
-        let (depth, first) = (cells.width() as usize, settings.holographic.gather_level);
+    pub(crate) fn interval_levels(
+        &self,
+        cells: &Cells,
+        settings: &settings::Holographic,
+    ) -> [u32; 2] {
+        let (depth, first) = (cells.width() as usize, settings.gather_level);
         // The planes at the very edge are not made: nothing gathers from them.
         let end = (first..levels(depth, first)).find(|&level| planes(depth, level) < 2);
         [first, end.unwrap_or(levels(depth, first))]
@@ -26,11 +30,10 @@ impl Holographic {
     pub(crate) fn debug_view(
         &self,
         cells: &Cells,
-        settings: &Settings,
+        settings: &settings::Holographic,
         level: u32,
         display: &Display,
     ) -> RgbImage {
-        let settings = &settings.holographic;
         let (mut slabs, mut intervals) = (Slabs::default(), IntervalLevels::default());
         slabs.read(cells, Axis::X, (2 << settings.gather_level).max(faces::REACH), None);
         intervals.prepare(&slabs, settings.gather_level);

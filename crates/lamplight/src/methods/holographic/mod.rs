@@ -49,7 +49,7 @@ pub use gather::OPAQUE_TRANSMITTANCE;
 pub use slabs::{EMISSIVE, MATTER, MEDIUM};
 
 use crate::clock::Clock;
-use crate::settings::{Bounces, Settings, Variant};
+use crate::settings::{self, Bounces, Variant};
 use crate::stages::bounce::{Faces, Surfaces, Wall, mean_over_faces, solve_bounces};
 use crate::{Cells, Rgb};
 use axis_sweep::{AxisSweep, SweepInput};
@@ -97,12 +97,13 @@ impl Holographic {
     pub(crate) fn solve(
         &mut self,
         cells: &Cells,
-        settings: &Settings,
+        settings: &settings::Holographic,
+        bounces: Bounces,
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
-        if settings.holographic.variant == Variant::Paper {
-            self.published.solve(cells, settings.bounces, light);
+        if settings.variant == Variant::Paper {
+            self.published.solve(cells, bounces, light);
             clock.lap("holographic");
             return;
         }
@@ -111,8 +112,8 @@ impl Holographic {
         receivers.add_surfaces(cells, surfaces);
         clock.lap("surfaces");
         let mut reflected = false;
-        if settings.bounces != Bounces::Count(0) && self.surfaces.reflect() {
-            solve_bounces(settings.bounces, || {
+        if bounces != Bounces::Count(0) && self.surfaces.reflect() {
+            solve_bounces(bounces, || {
                 self.sweep(cells, settings, reflected, false);
                 reflected = true;
                 self.bounce(cells)
@@ -127,13 +128,19 @@ impl Holographic {
 
     /// Finds the light of all four quadrants. `reflected`: with the radiance that surfaces reflect;
     /// `all`: in all open cells, not only those whose light surfaces need.
-    fn sweep(&mut self, cells: &Cells, settings: &Settings, reflected: bool, all: bool) {
+    fn sweep(
+        &mut self,
+        cells: &Cells,
+        settings: &settings::Holographic,
+        reflected: bool,
+        all: bool,
+    ) {
         let input = SweepInput {
             cells,
             surfaces: reflected.then_some(&self.surfaces),
             receivers: &self.receivers,
             all,
-            settings: &settings.holographic,
+            settings,
         };
         let [x, y] = &mut self.sweeps;
         let level = self.level;
@@ -228,11 +235,11 @@ mod tests {
     fn every_vector_unit_gives_the_same_light() {
         let cells = cells().drawn().into_owned();
         for preset in ["default", "fast", "quality"] {
-            let mut settings = Settings { bounces: Bounces::Count(1), ..Settings::default() };
-            settings.holographic = crate::settings::Holographic::preset(preset).unwrap();
+            let settings = settings::Holographic::preset(preset).unwrap();
             agree(ROUNDING, |level| {
                 let mut light = Vec::new();
-                Holographic::on(level).solve(&cells, &settings, &mut light, &mut Clock::default());
+                let (bounces, mut clock) = (Bounces::Count(1), Clock::default());
+                Holographic::on(level).solve(&cells, &settings, bounces, &mut light, &mut clock);
                 light
             });
         }

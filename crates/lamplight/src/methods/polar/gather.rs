@@ -7,7 +7,7 @@ use super::angle::atan2;
 use super::shadow_map::ShadowMap;
 use crate::grid::cast::LANES;
 use crate::grid::medium_grid::MediumGrid;
-use crate::settings::{Blend, Edges, Polar};
+use crate::settings::{Blend, Polar, ShadowFilter};
 use crate::simd::dispatch;
 use crate::stages::bounce::{NORMALS, Surfaces, Wall};
 use crate::{Cells, Falloff, Lamp, Rgb};
@@ -175,13 +175,13 @@ impl Band<'_> {
             return;
         }
         if !shadow_map.cone.is_empty() {
-            weight *= f32x16::from_fn(simd, |l| shadow_map.in_cone(at[l], settings.edges));
+            weight *= f32x16::from_fn(simd, |l| shadow_map.in_cone(at[l], settings.shadow_filter));
         }
         let mut through = [weight; 3];
         if !shadow_map.curves.is_empty() {
             let mut lanes = through.map(|v| v.to_array());
             for l in (0..LANES).filter(|l| left >> l & 1 == 1) {
-                let t = shadow_map.transmittance(at[l], distance[l], settings.edges);
+                let t = shadow_map.transmittance(at[l], distance[l], settings.shadow_filter);
                 (0..3).for_each(|c| lanes[c][l] *= t[c]);
             }
             through = lanes.map(|v| f32x16::load_array(simd, v));
@@ -217,7 +217,7 @@ impl Band<'_> {
             if off[0].abs() > reach || off[0] * off[0] + off[1] * off[1] > reach * reach {
                 continue;
             }
-            let new = on_wall(shadow_map, self.grid, wall, off, settings.edges);
+            let new = on_wall(shadow_map, self.grid, wall, off, settings.shadow_filter);
             let place = (row - self.rows.start) * self.stride + column;
             for c in 0..3 {
                 let value = &mut self.planes[c][place];
@@ -240,7 +240,7 @@ fn on_wall(
     grid: &MediumGrid,
     wall: &Wall,
     off: [f32; 2],
-    edges: Edges,
+    shadow_filter: ShadowFilter,
 ) -> Rgb {
     let (mut sum, mut faces) = ([0.0; 3], 0.0);
     for (normal, _) in NORMALS.iter().zip(wall.exposed).filter(|(_, exposed)| *exposed) {
@@ -255,12 +255,13 @@ fn on_wall(
             continue;
         }
         let (at, distance) = (shadow_map.at(before), before[0].hypot(before[1]));
-        let weight = arrives * shadow_map.seen(grid, before, at) * shadow_map.in_cone(at, edges);
+        let weight =
+            arrives * shadow_map.seen(grid, before, at) * shadow_map.in_cone(at, shadow_filter);
         if weight > 0.0 {
             let through = if shadow_map.curves.is_empty() {
                 [1.0; 3]
             } else {
-                shadow_map.transmittance(at, distance, edges)
+                shadow_map.transmittance(at, distance, shadow_filter)
             };
             (0..3).for_each(|c| sum[c] += weight * through[c]);
         }

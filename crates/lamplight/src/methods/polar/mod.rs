@@ -9,7 +9,7 @@
 //! size makes them, media that absorb and tint ([`transmittance_curve`]), cones, blend modes, and lit
 //! walls.
 //!
-//! Settings: `density` (rays per px of the circle), `walk`, `edges`, `translucent`, `blend`, `falloff`.
+//! Settings: `density` (rays per px of the circle), `traversal`, `shadow_filter`, `translucent`, `blend`, `falloff`.
 //!
 //! Cost: per lamp `2πR` rays of at most R px and `πR²` lookups, for any scene. Known
 //! failures: it finds no light from emissive matter, the sky or bounces; a lamp inside a wall lights
@@ -68,7 +68,7 @@ impl PolarSolver {
     }
 
     /// Lights the cells with their lamps, which are not drawn in. `distance` is the distance field,
-    /// empty unless `walk = "distance"`.
+    /// empty unless `traversal = "distance"`.
     pub(crate) fn solve(
         &mut self,
         cells: &Cells,

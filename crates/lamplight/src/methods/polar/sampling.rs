@@ -1,6 +1,6 @@
 //! Rays that look at the grid from time to time, as the source does: not a traversal.
 //!
-//! With `walk = "step"` and `walk = "distance"` a ray reads the cell under each of its samples, a px
+//! With `traversal = "step"` and `traversal = "distance"` a ray reads the cell under each of its samples, a px
 //! or a clear distance apart. It passes corners of cells unseen and ends up to a px too late.
 
 use crate::grid::cast::RayHit;

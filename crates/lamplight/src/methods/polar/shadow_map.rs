@@ -16,7 +16,7 @@ use crate::grid::cast::{LANES, RayHit};
 use crate::grid::class::CellClass;
 use crate::grid::medium_grid::MediumGrid;
 use crate::math::circle;
-use crate::settings::{Edges, Polar, Walk};
+use crate::settings::{Polar, ShadowFilter, Traversal};
 use crate::simd::dispatch;
 use crate::{Lamp, Rgb};
 use fearless_simd::Level;
@@ -116,7 +116,7 @@ impl ShadowMap {
         self.lamp = Lamp { falloff: settings.falloff.unwrap_or(lamp.falloff), ..*lamp };
         (self.reach, self.count) = rays(lamp, grid.size.map(|side| side as u32), settings);
         self.per_radian = self.count as f32 / TAU;
-        let size = if settings.edges == Edges::Soft { lamp.size } else { 0.0 };
+        let size = if settings.shadow_filter == ShadowFilter::Soft { lamp.size } else { 0.0 };
         self.spread = size * self.per_radian;
         let (count, reach) = (self.count, self.reach);
         let angle = |ray: usize| circle::angle(ray as u32, count as u32);
@@ -129,7 +129,7 @@ impl ShadowMap {
         let cone = &self.cone;
         let dark = |ray: usize| cone.get(ray) == Some(&0.0);
         self.together.resize(count, None);
-        let by_edges = settings.walk == Walk::Edge;
+        let by_edges = settings.traversal == Traversal::Edge;
         self.together.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, hits)| {
             let first = chunk * TOGETHER;
             for (i, hits) in hits.chunks_mut(LANES).enumerate() {
@@ -155,14 +155,14 @@ impl ShadowMap {
                     curves.medium(span, grid.extinction[cell]);
                 }
             };
-            self.hits.push(match (together, settings.walk) {
+            self.hits.push(match (together, settings.traversal) {
                 _ if dark(ray) => RayHit::NONE,
                 (Some(hit), _) => *hit,
-                (None, Walk::Edge) => {
+                (None, Traversal::Edge) => {
                     grid.cast(from, way, reach, false, |step, cell| medium(step.span, cell))
                 }
-                (None, Walk::Step) => sample(grid, from, way, reach, |_| 1.0, medium),
-                (None, Walk::Distance) => {
+                (None, Traversal::Step) => sample(grid, from, way, reach, |_| 1.0, medium),
+                (None, Traversal::Distance) => {
                     sample(grid, from, way, reach, |cell| clear_px(distance[cell]), medium)
                 }
             });
@@ -170,15 +170,15 @@ impl ShadowMap {
         self.curves.next_ray();
         self.inverse.clear();
         self.inverse.extend(self.hits.iter().map(|hit| 1.0 / hit.length.max(NEAREST)));
-        self.bound(grid, settings.edges);
+        self.bound(grid, settings.shadow_filter);
     }
 
     /// Finds the distances between which a pixel on each ray lies in a penumbra.
-    fn bound(&mut self, grid: &MediumGrid, edges: Edges) {
+    fn bound(&mut self, grid: &MediumGrid, shadow_filter: ShadowFilter) {
         let n = self.count;
         self.bounds.clear();
         self.bounds.extend(self.hits.iter().map(|hit| [hit.length; 2]));
-        if edges != Edges::Nearest {
+        if shadow_filter != ShadowFilter::Nearest {
             self.joined.clear();
             let cell = |ray: usize| self.hits[ray].cell;
             self.joined.extend((0..n).map(|i| grid.touch(cell(i), cell(beside(i, n, true)))));
@@ -321,11 +321,11 @@ impl ShadowMap {
     }
 
     /// Returns the transmittance of media up to a pixel.
-    pub fn transmittance(&self, at: f32, distance: f32, edges: Edges) -> Rgb {
+    pub fn transmittance(&self, at: f32, distance: f32, shadow_filter: ShadowFilter) -> Rgb {
         let ray = |i: usize| {
             self.curves.transmittance(if i >= self.count { i - self.count } else { i }, distance)
         };
-        if edges == Edges::Nearest {
+        if shadow_filter == ShadowFilter::Nearest {
             return ray((at + 0.5) as usize);
         }
         let first = at as usize;
@@ -334,11 +334,11 @@ impl ShadowMap {
     }
 
     /// Returns the intensity of the cone at a pixel.
-    pub fn in_cone(&self, at: f32, edges: Edges) -> f32 {
+    pub fn in_cone(&self, at: f32, shadow_filter: ShadowFilter) -> f32 {
         if self.cone.is_empty() {
             return 1.0;
         }
-        if edges == Edges::Nearest {
+        if shadow_filter == ShadowFilter::Nearest {
             return self.cone[(at + 0.5) as usize];
         }
         let first = at as usize;

@@ -25,7 +25,7 @@ use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::grid::packet::LANES;
 pub use crate::grid::packet::NEVER;
-use crate::settings::{self, BounceBy, Bounces, Hit, Settings};
+use crate::settings::{BounceMode, Bounces, Hit, Raymarch};
 use crate::stages::bounce::{Faces, Surfaces, mean_over_faces, solve_bounces};
 use fearless_simd::Level;
 use gather::{Directions, Gather, Mean};
@@ -34,9 +34,13 @@ pub use gather::{GOLDEN_RATIO, SECTOR, directions, stride, stride as gap};
 use march::RayScene;
 use rayon::prelude::*;
 
-/// The fields that rays march through.
+/// The settings of a frame, and the fields that rays march through.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
+    pub settings: &'a Raymarch,
+    pub bounces: Bounces,
+    /// The seed of the noise.
+    pub seed: u64,
     /// The grid, lamps drawn in.
     pub cells: &'a Cells,
     /// Distance to the nearest occupied cell, px; may be empty unless `hit = "distance"`.
@@ -92,59 +96,53 @@ impl RaymarchSolver {
     }
 
     /// Solves one frame into `estimate`.
-    pub(crate) fn solve(
-        &mut self,
-        input: Input,
-        settings: &Settings,
-        estimate: &mut Estimate,
-        clock: &mut Clock,
-    ) {
-        let Input { cells, changed, .. } = input;
-        self.directions.prepare(&settings.raymarch);
-        let settings::Raymarch { threshold, emission_multiplier, .. } = settings.raymarch;
+    pub(crate) fn solve(&mut self, input: Input, estimate: &mut Estimate, clock: &mut Clock) {
+        let Input { settings, cells, changed, .. } = input;
+        self.directions.prepare(settings);
+        let Raymarch { threshold, emission_multiplier, .. } = *settings;
         self.grid.read(cells, Reading { threshold, ..Reading::default() });
         self.grid.read_emission(cells, emission_multiplier);
         self.changed.clear();
         self.changed.extend_from_slice(changed);
         self.measure_empty_space(settings);
         std::mem::swap(&mut self.surfaces, &mut self.before);
-        self.surfaces.collect(cells, settings.raymarch.threshold);
+        self.surfaces.collect(cells, threshold);
         clock.lap("clearance");
 
-        if settings.bounces != Bounces::Count(0) && self.surfaces.reflect() {
-            self.bounce(input, settings);
+        if input.bounces != Bounces::Count(0) && self.surfaces.reflect() {
+            self.bounce(input);
             clock.lap("bounce");
         }
 
-        self.gather(input, settings, estimate);
+        self.gather(input, estimate);
         // Steps by the distance field skip cells that changed and are empty now.
-        if settings.raymarch.hit == Hit::Distance && changed.contains(&true) {
+        if settings.hit == Hit::Distance && changed.contains(&true) {
             estimate.invalidated.fill(true);
         }
         clock.lap("raymarch");
     }
 
     /// Lets light bounce between the surfaces.
-    fn bounce(&mut self, input: Input, settings: &Settings) {
-        let bounces = match settings.raymarch.bounce {
-            BounceBy::Frame => settings.bounces,
-            BounceBy::Feedback => {
+    fn bounce(&mut self, input: Input) {
+        let bounces = match input.settings.bounce_mode {
+            BounceMode::Frame => input.bounces,
+            BounceMode::Feedback => {
                 self.surfaces.take_over(&self.before);
-                self.scatter(input.cells, settings);
+                self.scatter(input.cells, input.settings);
                 Bounces::Count(1)
             }
         };
         solve_bounces(bounces, || {
-            self.receive(input, settings);
-            self.send_on(input.cells, settings)
+            self.receive(input);
+            self.send_on(input.cells, input.settings)
         });
     }
 
     /// Gathers the irradiance of walls and the mean radiance in media.
-    fn receive(&mut self, input: Input, settings: &Settings) {
+    fn receive(&mut self, input: Input) {
         let mut irradiance = std::mem::take(&mut self.irradiance);
         let Surfaces { walls, fog, .. } = &self.surfaces;
-        let gather = self.gatherer(input, settings);
+        let gather = self.gatherer(input);
         irradiance.walls.resize(walls.len(), Default::default());
         irradiance.media.resize(fog.len(), Default::default());
         irradiance.walls.par_iter_mut().zip(walls).for_each(|(received, wall)| {
@@ -161,7 +159,7 @@ impl RaymarchSolver {
     }
 
     /// Turns irradiance into outgoing radiance; returns the largest change relative to the mean.
-    fn send_on(&mut self, cells: &Cells, settings: &Settings) -> f32 {
+    fn send_on(&mut self, cells: &Cells, settings: &Raymarch) -> f32 {
         let Irradiance { walls, media } = &self.irradiance;
         let change = self.surfaces.send_on(
             cells,
@@ -185,26 +183,25 @@ impl RaymarchSolver {
     }
 
     /// Gives media the light that they scatter.
-    fn scatter(&mut self, cells: &Cells, settings: &Settings) {
-        let multiplier = settings.raymarch.emission_multiplier;
-        if self.surfaces.scatter_into(cells, multiplier, &mut self.grid) {
+    fn scatter(&mut self, cells: &Cells, settings: &Raymarch) {
+        if self.surfaces.scatter_into(cells, settings.emission_multiplier, &mut self.grid) {
             self.measure_empty_space(settings);
         }
     }
 
     /// Lets packets of rays stop at solid cells, at cells that changed, and in media if light fades
     /// with distance.
-    fn measure_empty_space(&mut self, settings: &Settings) {
+    fn measure_empty_space(&mut self, settings: &Raymarch) {
         let Self { grid, changed, .. } = self;
-        let fades = settings.raymarch.attenuation;
+        let fades = settings.attenuation;
         grid.measure_empty_space(|i, class| {
             changed.get(i) == Some(&true) || (fades && class == CellClass::Medium)
         });
     }
 
     /// Gathers the light of every cell.
-    fn gather(&self, input: Input, settings: &Settings, estimate: &mut Estimate) {
-        let gather = self.gatherer(input, settings);
+    fn gather(&self, input: Input, estimate: &mut Estimate) {
+        let gather = self.gatherer(input);
         let w = input.cells.width() as usize;
         estimate.resize(input.cells.len());
         let Estimate { light, variance, invalidated } = estimate;
@@ -247,10 +244,10 @@ impl RaymarchSolver {
         Mean { light: mean_over_faces(wall, &faces), changed, variance: 0.0 }
     }
 
-    fn gatherer<'a>(&'a self, input: Input<'a>, settings: &'a Settings) -> Gather<'a> {
+    fn gatherer<'a>(&'a self, input: Input<'a>) -> Gather<'a> {
         Gather {
             scene: RayScene {
-                settings: &settings.raymarch,
+                settings: input.settings,
                 grid: &self.grid,
                 changed: &self.changed,
                 surfaces: &self.surfaces,
@@ -259,7 +256,7 @@ impl RaymarchSolver {
             },
             directions: &self.directions,
             frame: input.frame,
-            seed: settings.seed,
+            seed: input.seed,
             level: self.level,
         }
     }
@@ -280,12 +277,19 @@ mod tests {
     #[test]
     fn every_vector_unit_gives_the_same_bytes() {
         let cells = cells().drawn().into_owned();
-        let settings = Settings { bounces: Bounces::Count(2), ..Settings::default() };
+        let input = Input {
+            settings: &Raymarch::default(),
+            bounces: Bounces::Count(2),
+            seed: 0,
+            cells: &cells,
+            distance: &[],
+            nearest: &[],
+            changed: &[],
+            frame: 0,
+        };
         agree(0.0, |level| {
-            let input =
-                Input { cells: &cells, distance: &[], nearest: &[], changed: &[], frame: 0 };
             let mut estimate = Estimate::default();
-            RaymarchSolver::on(level).solve(input, &settings, &mut estimate, &mut Clock::default());
+            RaymarchSolver::on(level).solve(input, &mut estimate, &mut Clock::default());
             estimate.light
         });
     }

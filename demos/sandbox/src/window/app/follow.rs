@@ -48,14 +48,9 @@ impl App {
             Line::Frames(_) => {}
             Line::World(choice) => self.choose(choice),
             Line::Set(text) => {
-                let settings = &mut self.halves.edited().settings;
-                let mut table: SettingsTable =
-                    serde_json::from_value(serde_json::to_value(&*settings)?)?;
-                // A preset replaces all settings that it contains.
                 let mut over = SettingsTable::default();
                 over.set_from_text(&text)?;
-                table.merge(over);
-                *settings = table.resolve()?;
+                self.halves.edited().set(over)?;
             }
             Line::Move([x, y]) => {
                 let view = self.view.as_ref().context("there is no picture yet")?;
@@ -74,7 +69,7 @@ impl App {
             Line::Factor(factor) => self.resolution.choose(factor),
             Line::Split(method) => {
                 let settings = self.halves.left.settings.clone();
-                self.halves.split(Settings { method, ..settings })?;
+                self.halves.split(Settings { method: method.into(), ..settings })?;
             }
             Line::Press => self.played.push(button(true, there)),
             Line::Release => self.played.push(button(false, there)),

@@ -32,7 +32,6 @@ use eframe::egui::{
     self, Button, CentralPanel, CollapsingHeader, Color32, Context, Event, Frame, Key,
     KeyboardShortcut, Label, Modifiers, RawInput, RichText, ScrollArea, TextEdit, Theme, Ui,
 };
-use lamplight::settings::Holographic;
 
 /// The state of the window.
 pub struct App {
@@ -84,7 +83,7 @@ impl App {
         let lit = Lit::new(&context.egui_ctx, gpu, &settings)?;
         if !lit.is_gpu() {
             // The default preset is too slow on the CPU.
-            settings.holographic = Holographic::preset("fast").unwrap_or_default();
+            settings.set_quality(lamplight::Quality::Fast)?;
         }
         Ok(Self {
             choice: start.world,
@@ -184,7 +183,12 @@ impl App {
             }
             view::resolution(ui, &mut self.resolution);
         });
-        self.panel.show(ui, &mut self.halves.edited().settings);
+        let half = self.halves.edited();
+        let method = self.panel.method(ui, half.settings.method());
+        if let Err(why) = half.choose(method) {
+            self.message = Some(why.to_string());
+        }
+        self.panel.show(ui, &mut half.settings);
         CollapsingHeader::new("Picture").default_open(true).show(ui, |ui| {
             settings::display(ui, &mut self.shown.display);
             ui.checkbox(&mut self.shown.smooth, "smooth")

@@ -54,7 +54,7 @@ impl OnCpu {
             self.settings = settings.clone();
             self.cells = None;
         }
-        let is_still = settings.method.repeats() && self.cells.as_ref() == Some(cells);
+        let is_still = settings.method().repeats() && self.cells.as_ref() == Some(cells);
         if !is_still {
             let mut known = self.cells.take();
             self.solver.solve(cells)?;
@@ -71,7 +71,7 @@ impl OnCpu {
         } else {
             // Lamps are drawn in as the method sees them.
             let drawn = |cells: &'_ Cells| {
-                if settings.method.lights_lamps() {
+                if settings.method().lights_lamps() {
                     cells.clone()
                 } else {
                     cells.drawn().into_owned()

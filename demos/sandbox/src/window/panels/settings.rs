@@ -19,25 +19,27 @@ impl Panel {
         Self { schema: serde_json::to_value(Scene::schema()).unwrap_or_default(), error: None }
     }
 
-    /// Shows the method, its presets and settings, and the settings of all methods.
-    pub fn show(&mut self, ui: &mut Ui, settings: &mut Settings) {
+    /// Shows a choice of methods; returns the chosen one.
+    pub fn method(&self, ui: &mut Ui, current: Method) -> Method {
+        let mut chosen = current;
         ui.horizontal(|ui| {
             ui.label("Method");
-            ComboBox::from_id_salt("method").selected_text(settings.method.name()).show_ui(
-                ui,
-                |ui| {
-                    for &method in Method::ALL {
-                        let label =
-                            ui.selectable_value(&mut settings.method, method, method.name());
-                        self.explain(label, "Method", method.name());
-                    }
-                },
-            );
+            ComboBox::from_id_salt("method").selected_text(current.name()).show_ui(ui, |ui| {
+                for &method in Method::ALL {
+                    let label = ui.selectable_value(&mut chosen, method, method.name());
+                    self.explain(label, "Method", method.name());
+                }
+            });
         });
+        chosen
+    }
+
+    /// Shows the presets and settings of the method, and the settings that all methods share.
+    pub fn show(&mut self, ui: &mut Ui, settings: &mut Settings) {
         preset(ui, settings);
         let Ok(mut values) = serde_json::to_value(&*settings) else { return };
         let before = values.clone();
-        let name = settings.method.name();
+        let name = settings.method().name();
         CollapsingHeader::new(format!("Settings of {name}")).default_open(true).show(ui, |ui| {
             self.table(ui, name, &mut values[name]);
         });
@@ -45,7 +47,7 @@ impl Panel {
             bounces(ui, &mut values);
             self.keys(ui, "Settings", &mut values, &["wall_depth", "seed"]);
         });
-        if settings.method == Method::Raymarch {
+        if settings.method() == Method::Raymarch {
             for (title, key) in [("Mean over frames", "temporal"), ("Denoise", "denoise")] {
                 CollapsingHeader::new(title).show(ui, |ui| {
                     self.table(ui, key, &mut values[key]);
@@ -179,7 +181,7 @@ fn text(value: &Value) -> String {
 fn preset(ui: &mut Ui, settings: &mut Settings) {
     ui.horizontal_wrapped(|ui| {
         ui.label("Preset");
-        for &name in settings.method.presets() {
+        for &name in settings.method().presets() {
             let mut wanted = settings.clone();
             let known = wanted.set_preset(name).is_ok();
             if known && ui.selectable_label(wanted == *settings, name).clicked() {
@@ -222,7 +224,7 @@ mod tests {
         let mut panel = Panel::new();
         for &method in Method::ALL {
             for &preset in method.presets() {
-                let mut settings = Settings { method, wall_depth: 2.5, ..Settings::default() };
+                let mut settings = Settings { wall_depth: 2.5, ..Settings::new(method) };
                 settings.set_preset(preset).unwrap();
                 for bounces in [Bounces::Count(0), Bounces::Count(200), Bounces::Converged] {
                     settings.bounces = bounces;
@@ -244,8 +246,8 @@ mod tests {
     #[test]
     fn every_setting_of_every_method_has_a_control() {
         let panel = Panel::new();
-        let defaults = serde_json::to_value(Settings::default()).unwrap();
         for &method in Method::ALL {
+            let defaults = serde_json::to_value(Settings::new(method)).unwrap();
             let name = method.name();
             let properties = panel.properties(&type_name(name)).unwrap();
             for (key, value) in defaults[name].as_object().unwrap() {

@@ -88,9 +88,9 @@ pub fn split(ui: &mut Ui, halves: &mut Halves) -> Result<(), String> {
 
 /// The settings with another method.
 fn other(settings: &Settings) -> Settings {
-    let method = match settings.method {
+    let method = match settings.method() {
         Method::Raymarch => Method::Holographic,
         _ => Method::Raymarch,
     };
-    Settings { method, ..settings.clone() }
+    Settings { method: method.into(), ..settings.clone() }
 }

@@ -1,0 +1,53 @@
+//! Settings as files hold them: a table for each method, whichever is chosen.
+
+use super::{Bounces, Cascades, Denoise, Flood, Holographic, Method, Polar, Raymarch, Temporal};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The keys of `[light]`. Tables of other methods than the chosen one are read and checked, so that a
+/// scene can keep settings for several methods.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(rename = "Settings")]
+pub struct SettingsFile {
+    /// The method.
+    pub method: Method,
+    /// Maximum number of bounces of light off walls and fog, 0 to 256, or `"converged"`. Each bounce
+    /// costs one more gather over the surfaces that reflect. `polar` makes none, `flood` has its own
+    /// (`flood.bounce_rays`).
+    pub bounces: Bounces,
+    /// Depth in px, 0 to 64, to which light penetrates solid walls, so that they are visible; with 0
+    /// only the cells that touch open space are lit. Costs next to nothing.
+    #[schemars(range(min = 0.0, max = 64.0))]
+    pub wall_depth: f32,
+    /// Seed of all random numbers. The same seed gives the same bytes.
+    pub seed: u64,
+    /// Accumulation over frames, after `raymarch`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Temporal")]
+    pub temporal: Option<Temporal>,
+    /// The edge-aware blur after the rays of `raymarch`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Denoise")]
+    pub denoise: Option<Denoise>,
+    /// The settings of `raymarch`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Raymarch")]
+    pub raymarch: Option<Raymarch>,
+    /// The settings of `flood`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Flood")]
+    pub flood: Option<Flood>,
+    /// The settings of `polar`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Polar")]
+    pub polar: Option<Polar>,
+    /// The settings of `cascades`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Cascades")]
+    pub cascades: Option<Cascades>,
+    /// The settings of `holographic`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Holographic")]
+    pub holographic: Option<Holographic>,
+}

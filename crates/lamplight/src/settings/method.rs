@@ -1,0 +1,190 @@
+//! The methods, and the settings of one of them.
+
+use super::preset::no_preset;
+use super::{Cascades, Flood, Holographic, Polar, Raymarch};
+use crate::{Cells, Error, Result};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A method of computing light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Rays from every pixel, by jump flood and distance field or from cell to cell (Bigos 2020).
+    Raymarch,
+    /// Rays drawn into a grid of energy, a bounce, and many blurs; the energy persists between frames
+    /// (tmpvar 2019). A look, not physics.
+    Flood,
+    /// A polar shadow map per lamp, in which every pixel looks up its ray (Griffis). Lamps only.
+    Polar,
+    /// Radiance cascades: near probes with few rays, far ones with many (Sannikov 2023).
+    Cascades,
+    /// Holographic radiance cascades: long rays composed of shorter ones (Freeman, Sannikov and
+    /// Margel 2025).
+    #[default]
+    Holographic,
+}
+
+impl Method {
+    /// All methods, in the order of lists and tables.
+    pub const ALL: &'static [Self] =
+        &[Self::Raymarch, Self::Flood, Self::Polar, Self::Cascades, Self::Holographic];
+
+    /// The name in files, flags and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Raymarch => "raymarch",
+            Self::Flood => "flood",
+            Self::Polar => "polar",
+            Self::Cascades => "cascades",
+            Self::Holographic => "holographic",
+        }
+    }
+
+    /// Names of the method's presets, for its key `preset`; the first is the default.
+    pub fn presets(self) -> &'static [&'static str] {
+        match self {
+            Self::Raymarch => Raymarch::PRESETS,
+            Self::Flood => Flood::PRESETS,
+            Self::Polar => Polar::PRESETS,
+            Self::Cascades => Cascades::PRESETS,
+            Self::Holographic => Holographic::PRESETS,
+        }
+    }
+
+    /// Returns whether the method evaluates lamps analytically, with range, falloff and cone. The
+    /// others draw them as glowing discs.
+    pub fn lights_lamps(self) -> bool {
+        matches!(self, Self::Flood | Self::Polar)
+    }
+
+    /// Returns whether a static scene yields identical frames (no noise, no history).
+    pub fn repeats(self) -> bool {
+        matches!(self, Self::Polar | Self::Cascades | Self::Holographic)
+    }
+
+    /// Rejects a scene that the method cannot light: `polar` needs a lamp.
+    pub fn suits(self, cells: &Cells) -> Result<()> {
+        if self != Self::Polar || !cells.lamps().is_empty() {
+            return Ok(());
+        }
+        let problem = "lights lamps only, and this scene has none; add a [[lamp]], or choose another \
+                       method";
+        Err(Error::Unsuited { method: self.name(), problem })
+    }
+}
+
+/// A method with its settings.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum MethodSettings {
+    /// [`Method::Raymarch`].
+    Raymarch(Raymarch),
+    /// [`Method::Flood`].
+    Flood(Flood),
+    /// [`Method::Polar`].
+    Polar(Polar),
+    /// [`Method::Cascades`].
+    Cascades(Cascades),
+    /// [`Method::Holographic`].
+    Holographic(Holographic),
+}
+
+impl MethodSettings {
+    /// Returns a preset of a method ([`Method::presets`]).
+    ///
+    /// # Errors
+    /// Fails if the method has no preset of this name.
+    pub fn preset(method: Method, name: &str) -> Result<Self> {
+        let found = match method {
+            Method::Raymarch => Raymarch::preset(name).map(Self::Raymarch),
+            Method::Flood => Flood::preset(name).map(Self::Flood),
+            Method::Polar => Polar::preset(name).map(Self::Polar),
+            Method::Cascades => Cascades::preset(name).map(Self::Cascades),
+            Method::Holographic => Holographic::preset(name).map(Self::Holographic),
+        };
+        found.ok_or_else(|| no_preset(method.name(), name, method.presets()))
+    }
+
+    /// The method.
+    pub fn method(&self) -> Method {
+        match self {
+            Self::Raymarch(_) => Method::Raymarch,
+            Self::Flood(_) => Method::Flood,
+            Self::Polar(_) => Method::Polar,
+            Self::Cascades(_) => Method::Cascades,
+            Self::Holographic(_) => Method::Holographic,
+        }
+    }
+
+    /// Rejects values out of their range.
+    pub(super) fn check(&self) -> Result<()> {
+        match self {
+            Self::Raymarch(settings) => settings.check(),
+            Self::Flood(settings) => settings.check(),
+            Self::Polar(settings) => settings.check(),
+            Self::Cascades(settings) => settings.check(),
+            Self::Holographic(settings) => settings.check(),
+        }
+    }
+}
+
+impl Default for MethodSettings {
+    fn default() -> Self {
+        Method::default().into()
+    }
+}
+
+/// The default settings of a method.
+impl From<Method> for MethodSettings {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Raymarch => Raymarch::default().into(),
+            Method::Flood => Flood::default().into(),
+            Method::Polar => Polar::default().into(),
+            Method::Cascades => Cascades::default().into(),
+            Method::Holographic => Holographic::default().into(),
+        }
+    }
+}
+
+/// Conversions between [`MethodSettings`] and the settings of each method.
+macro_rules! variants {
+    ($($method:ident: $get:ident, $get_mut:ident;)*) => {
+        impl MethodSettings {
+            $(
+                #[doc = concat!("The settings of [`Method::", stringify!($method), "`], if that is the method.")]
+                pub fn $get(&self) -> Option<&$method> {
+                    match self {
+                        Self::$method(settings) => Some(settings),
+                        _ => None,
+                    }
+                }
+
+                #[doc = concat!("Like [`Self::", stringify!($get), "`], to be changed.")]
+                pub fn $get_mut(&mut self) -> Option<&mut $method> {
+                    match self {
+                        Self::$method(settings) => Some(settings),
+                        _ => None,
+                    }
+                }
+            )*
+        }
+
+        $(
+            impl From<$method> for MethodSettings {
+                fn from(settings: $method) -> Self {
+                    Self::$method(settings)
+                }
+            }
+        )*
+    };
+}
+
+variants! {
+    Raymarch: as_raymarch, as_raymarch_mut;
+    Flood: as_flood, as_flood_mut;
+    Polar: as_polar, as_polar_mut;
+    Cascades: as_cascades, as_cascades_mut;
+    Holographic: as_holographic, as_holographic_mut;
+}

@@ -1,0 +1,143 @@
+//! The settings of a solver.
+
+use super::file::SettingsFile;
+use super::range::within;
+use super::{Bounces, Method, MethodSettings, Quality, Raymarch};
+use crate::Result;
+use serde::{Deserialize, Serialize};
+
+/// The settings of a solver: a method with its own settings, and those that all methods share.
+///
+/// ```
+/// use lamplight::settings::{Bounces, Method, Raymarch, Settings};
+///
+/// let cascades = Settings::new(Method::Cascades);
+/// let noisy = Settings {
+///     bounces: Bounces::Count(2),
+///     ..Settings::new(Raymarch { rays: 8, ..Raymarch::default() })
+/// };
+/// assert_eq!(noisy.method(), Method::Raymarch);
+/// # assert_ne!(cascades, noisy);
+/// ```
+///
+/// In files and flags the same settings are a [`SettingsTable`](super::SettingsTable), which may hold
+/// tables of several methods; `serde` writes a `Settings` in that form, with the table of its method.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(from = "SettingsFile", into = "SettingsFile")]
+pub struct Settings {
+    /// The method with its settings.
+    pub method: MethodSettings,
+    /// Maximum number of bounces of light off walls and fog, 0 to 256. Each bounce costs one more
+    /// gather over the surfaces that reflect. `polar` makes none, and `flood` has its own
+    /// (`flood.bounce_rays`).
+    pub bounces: Bounces,
+    /// Depth in px, 0 to 64, to which light penetrates solid walls, so that they are visible; with 0
+    /// only the cells that touch open space are lit. Costs next to nothing.
+    pub wall_depth: f32,
+    /// Seed of all random numbers. The same seed gives the same bytes.
+    pub seed: u64,
+}
+
+impl Settings {
+    /// Returns the settings of a method, or of its defaults if a [`Method`] is given, with the
+    /// defaults of the others.
+    pub fn new(method: impl Into<MethodSettings>) -> Self {
+        Self { method: method.into(), ..Self::default() }
+    }
+
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.method.method()
+    }
+
+    /// Returns the cheapest settings that have the same seed map, Voronoi map and distance field.
+    #[must_use]
+    pub fn fields_only(&self) -> Self {
+        // Of all settings they depend on this one; a ray is the least that a frame can have.
+        let threshold = self.seed_threshold();
+        Self::new(Raymarch { rays: 1, threshold, ..Raymarch::default() })
+    }
+
+    /// Opacity above which a cell is occupied in the seed map.
+    pub(crate) fn seed_threshold(&self) -> f32 {
+        match &self.method {
+            MethodSettings::Raymarch(raymarch) => raymarch.threshold,
+            _ => Raymarch::default().threshold,
+        }
+    }
+
+    /// Replaces the settings of the current method by one of its presets ([`Method::presets`]). The
+    /// filters that follow `raymarch` stay.
+    ///
+    /// # Errors
+    /// Fails, and changes nothing, if the method has no preset of this name.
+    pub fn set_preset(&mut self, name: &str) -> Result<()> {
+        let mut preset = MethodSettings::preset(self.method(), name)?;
+        if let (MethodSettings::Raymarch(new), MethodSettings::Raymarch(old)) =
+            (&mut preset, &self.method)
+        {
+            new.temporal.clone_from(&old.temporal);
+            new.denoise.clone_from(&old.denoise);
+        }
+        self.method = preset;
+        Ok(())
+    }
+
+    /// Replaces the settings of the current method by its preset at a quality level.
+    pub fn set_quality(&mut self, quality: Quality) -> Result<()> {
+        self.set_preset(quality.preset(self.method()))
+    }
+
+    /// Rejects values out of their range.
+    pub fn check(&self) -> Result<()> {
+        within("bounces", self.bounces.limit(), 0..=Bounces::MAX)?;
+        within("wall_depth", self.wall_depth, 0.0..=64.0)?;
+        self.method.check()
+    }
+
+    /// Reads a file's settings; values out of their range are rejected in tables of other methods too.
+    pub(super) fn from_file(file: SettingsFile) -> Result<Self> {
+        for method in Method::ALL {
+            Self::from(SettingsFile { method: *method, ..file.clone() }).check()?;
+        }
+        Ok(file.into())
+    }
+}
+
+impl From<SettingsFile> for Settings {
+    fn from(file: SettingsFile) -> Self {
+        let method = match file.method {
+            Method::Raymarch => MethodSettings::Raymarch(Raymarch {
+                temporal: file.temporal.unwrap_or_default(),
+                denoise: file.denoise.unwrap_or_default(),
+                ..file.raymarch.unwrap_or_default()
+            }),
+            Method::Flood => file.flood.unwrap_or_default().into(),
+            Method::Polar => file.polar.unwrap_or_default().into(),
+            Method::Cascades => file.cascades.unwrap_or_default().into(),
+            Method::Holographic => file.holographic.unwrap_or_default().into(),
+        };
+        let SettingsFile { bounces, wall_depth, seed, .. } = file;
+        Self { method, bounces, wall_depth, seed }
+    }
+}
+
+impl From<Settings> for SettingsFile {
+    fn from(settings: Settings) -> Self {
+        let method = settings.method();
+        let Settings { bounces, wall_depth, seed, .. } = settings;
+        let mut file = Self { method, bounces, wall_depth, seed, ..Self::default() };
+        match settings.method {
+            MethodSettings::Raymarch(raymarch) => {
+                file.temporal = Some(raymarch.temporal.clone());
+                file.denoise = Some(raymarch.denoise.clone());
+                file.raymarch = Some(raymarch);
+            }
+            MethodSettings::Flood(flood) => file.flood = Some(flood),
+            MethodSettings::Polar(polar) => file.polar = Some(polar),
+            MethodSettings::Cascades(cascades) => file.cascades = Some(cascades),
+            MethodSettings::Holographic(holographic) => file.holographic = Some(holographic),
+        }
+        file
+    }
+}
