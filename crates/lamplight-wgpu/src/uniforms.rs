@@ -1,9 +1,9 @@
 //! The uniforms of a frame, which every shader reads.
 
 use crate::gpu_struct::gpu_struct;
-use lamplight::methods::raymarch::gap;
+use lamplight::internals::noise::fold;
+use lamplight::internals::raymarch::stride;
 use lamplight::settings::{Noise, Raymarch};
-use lamplight::stages::noise::fold;
 use lamplight::{Method, Settings, Sky};
 
 gpu_struct! {
@@ -97,7 +97,7 @@ impl FrameUniforms {
                 Noise::Blue => 1,
                 Noise::Golden => 2,
             },
-            stride: gap(raymarch),
+            stride: stride(raymarch),
             hit_distance: raymarch.hit_distance,
             min_step: raymarch.least_step,
             fade_range,

@@ -6,13 +6,12 @@
 //! emit in a cone.
 
 use crate::scene::coverage::{self, Window};
+use crate::source_normalization::gain;
 use crate::{Cells, Matter, Result, Rgb, check, exact};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
 use std::fmt::Display;
-
-pub use crate::source_normalization::gain;
 
 /// The falloff of a lamp with distance, in the methods that evaluate lamps analytically.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -15,16 +15,14 @@ pub mod debug_views;
 mod error;
 mod exact;
 mod explain;
+mod filters;
+mod grid;
 #[doc(hidden)]
-pub mod filters;
-#[doc(hidden)]
-pub mod grid;
-#[doc(hidden)]
-pub mod lamp;
+pub mod internals;
+mod lamp;
 mod light;
 mod math;
-#[doc(hidden)]
-pub mod methods;
+mod methods;
 pub mod resample;
 pub mod scene;
 pub mod settings;
@@ -33,8 +31,7 @@ mod sky;
 mod solver;
 mod source_normalization;
 pub mod srgb;
-#[doc(hidden)]
-pub mod stages;
+mod stages;
 
 pub use cells::{Cells, Matter, Rgb};
 pub use error::{Error, Result};

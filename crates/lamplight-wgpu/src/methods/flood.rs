@@ -11,10 +11,9 @@ use crate::programs;
 use crate::shared::filled;
 use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
-use lamplight::methods::flood::{STEEPNESS, reach};
+use lamplight::internals::flood::{STEEPNESS, reach};
+use lamplight::internals::{MAX_OPTICAL_DEPTH, circle};
 use lamplight::settings::{Fade, Flood as Settings, Sweeps};
-use lamplight::stages::circle;
-use lamplight::stages::transmittance::LOG_OF_ZERO;
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
 /// The pipelines, and the directions of rays.
@@ -60,7 +59,7 @@ impl Flood {
             ("STEEPNESS", f64::from(STEEPNESS)),
             ("REACH", f64::from(reach(1.0))),
             ("TRANSLUCENT", 1.0),
-            ("MAX_OPTICAL_DEPTH", -f64::from(LOG_OF_ZERO)),
+            ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH)),
         ];
         let decay = [("DECAY", f64::from(settings.decay))];
         let directions = bytemuck::cast_slice(&directions);

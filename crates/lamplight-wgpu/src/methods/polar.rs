@@ -12,11 +12,10 @@ use crate::programs;
 use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
 use crate::stages::distance::DistancePipelines;
-use lamplight::methods::polar;
-use lamplight::methods::polar::{APART, FINEST, NARROWEST, NEAREST, WIDEST};
+use lamplight::internals::distance::MARGIN;
+use lamplight::internals::polar::{APART, FINEST, NARROWEST, NEAREST, WIDEST};
+use lamplight::internals::{MAX_OPTICAL_DEPTH, polar};
 use lamplight::settings::{Blend, Edges, Polar as Settings, Walk};
-use lamplight::stages::distance::MARGIN;
-use lamplight::stages::transmittance::LOG_OF_ZERO;
 use wgpu::{Buffer, Device};
 
 /// Side of a tile, px.
@@ -68,7 +67,7 @@ impl Polar {
         let widths = [("NARROWEST", f64::from(NARROWEST)), ("WIDEST", f64::from(WIDEST))];
         let rays = [
             ("TRANSLUCENT", f64::from(settings.translucent)),
-            ("MAX_OPTICAL_DEPTH", -f64::from(LOG_OF_ZERO)),
+            ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH)),
             ("WALK", walk),
             ("MARGIN", f64::from(MARGIN)),
             ("FINEST", f64::from(FINEST)),

@@ -5,10 +5,10 @@ use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::{programs, shaders};
 use lamplight::Settings;
-use lamplight::grid::empty_space::LONGEST;
+use lamplight::internals::denoise::{DEVIATIONS, KERNEL, OPACITY};
+use lamplight::internals::distance::MARGIN;
+use lamplight::internals::empty_space::LONGEST;
 use lamplight::settings::Hit;
-use lamplight::stages::denoise::{DEVIATIONS, KERNEL, OPACITY};
-use lamplight::stages::distance::MARGIN;
 use wgpu::{Buffer, Device};
 
 /// The pipelines.

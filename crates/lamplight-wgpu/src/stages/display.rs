@@ -3,7 +3,7 @@
 use crate::gpu_struct::gpu_struct;
 use crate::stages::output::MAX_HALF;
 use crate::{programs, shaders};
-use lamplight::stages::display::{
+use lamplight::internals::display::{
     ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_STOPS,
     BRIGHTEST,
 };

@@ -5,8 +5,8 @@ use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
 use lamplight::Settings;
+use lamplight::internals::temporal::{FEEDBACK, REACH};
 use lamplight::settings::{BounceBy, Bounces, Hit};
-use lamplight::stages::temporal::{FEEDBACK, REACH};
 use wgpu::{Buffer, Device};
 
 /// The pipelines.

@@ -21,7 +21,7 @@ use crate::stages::medium_grid::{MediumGrid, MediumGridPipelines};
 use crate::stages::packet::PACKET;
 use ladder::Ladder;
 use lamplight::Settings;
-use lamplight::methods::cascades::{BEFORE, cosine};
+use lamplight::internals::cascades::{BEFORE, cosine};
 use lamplight::settings::{Bounces, Merge};
 use wgpu::{BindingResource, Buffer, BufferUsages, Device, Queue};
 

@@ -6,11 +6,12 @@ use crate::shared::filled;
 use crate::stages::medium_grid::MediumGrid;
 use crate::stages::packet::PACKET;
 use crate::{programs, shaders};
-use lamplight::methods::raymarch::{GOLDEN_RATIO, NEVER, SECTOR, directions};
+use lamplight::Settings;
+use lamplight::internals::distance::MARGIN;
+use lamplight::internals::noise;
+use lamplight::internals::raymarch::{GOLDEN_RATIO, NEVER, SECTOR, directions};
+use lamplight::internals::seed::NONE;
 use lamplight::settings::Hit;
-use lamplight::stages::distance::MARGIN;
-use lamplight::stages::seed::NONE;
-use lamplight::{Settings, stages::noise};
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
 /// The pipelines, and buffers that are the same for every grid.
