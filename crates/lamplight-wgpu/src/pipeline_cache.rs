@@ -17,18 +17,18 @@ pub struct PipelineCache(Vec<(Settings, Arc<Method>)>);
 
 impl PipelineCache {
     /// Returns the compiled method of settings, which have been checked.
-    pub fn method(
+    pub fn method<E: From<DeviceError> + From<lamplight::Error>>(
         &mut self,
         device: &Device,
         queue: &Queue,
         settings: &Settings,
-    ) -> Result<Arc<Method>, DeviceError> {
+    ) -> Result<Arc<Method>, E> {
         let key = key(settings);
         let known = self.0.iter().position(|(known, _)| *known == key);
         let method = match known {
             Some(known) => self.0.remove(known).1,
             None => {
-                let compile = || Ok(Method::new(device, queue, settings));
+                let compile = || Method::new(device, queue, settings).map_err(E::from);
                 Arc::new(with_error_scope(device, compile)?)
             }
         };

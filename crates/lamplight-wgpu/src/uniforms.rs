@@ -1,5 +1,6 @@
 //! The uniforms of a frame, which every shader reads.
 
+use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
 use lamplight::internals::noise::fold;
 use lamplight::internals::raymarch::stride;
@@ -61,10 +62,11 @@ impl FrameUniforms {
         settings: &Settings,
         number: u32,
         history: History,
-    ) -> Self {
+    ) -> Result<Self, lamplight::Error> {
         let [zenith, horizon, ground] = match sky {
             Sky::Uniform(radiance) => [radiance; 3],
             Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
+            other => return Err(unsupported("sky", other)),
         };
         // Only `raymarch` uses these settings; `cascades`, which shares its shaders, gets neutral values.
         let neutral = Raymarch {
@@ -80,7 +82,7 @@ impl FrameUniforms {
         } else {
             0.0
         };
-        Self {
+        Ok(Self {
             size: position.size,
             number,
             seed: fold(settings.seed),
@@ -96,6 +98,7 @@ impl FrameUniforms {
                 Noise::White => 0,
                 Noise::Blue => 1,
                 Noise::Golden => 2,
+                other => return Err(unsupported("raymarch.noise", other)),
             },
             stride: stride(raymarch),
             hit_distance: raymarch.hit_distance,
@@ -110,6 +113,6 @@ impl FrameUniforms {
                 History::Full => 2,
             },
             padding: [0; 3],
-        }
+        })
     }
 }

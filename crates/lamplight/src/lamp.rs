@@ -16,6 +16,7 @@ use std::fmt::Display;
 /// The falloff of a lamp with distance, in the methods that evaluate lamps analytically.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Falloff {
     /// `1 − d/range`.
     #[default]

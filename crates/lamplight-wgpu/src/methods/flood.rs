@@ -3,7 +3,7 @@
 //! The library also keeps the source's energy without colour, a mean of old and new that depends on which ray
 //! came first. It does not affect light, and is not computed here.
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, PassList, view, whole};
@@ -26,12 +26,17 @@ pub struct Flood {
 }
 
 /// Returns the rays of a lamp.
-pub fn rays(lamp: &lamplight::Lamp, [width, height]: [u32; 2], settings: &Settings) -> LampRays {
+pub fn rays(
+    lamp: &lamplight::Lamp,
+    [width, height]: [u32; 2],
+    settings: &Settings,
+) -> Result<LampRays, lamplight::Error> {
     let (reach, falloff) = match settings.fade {
         Fade::Lamp => (lamp.range, Some(lamp.falloff)),
         Fade::Seed => (lamp.range.min(reach(width.max(height) as f32)), None),
+        other => return Err(unsupported("flood.fade", other)),
     };
-    LampRays { reach, count: settings.rays, soft: 0.0, falloff }
+    Ok(LampRays { reach, count: settings.rays, soft: 0.0, falloff })
 }
 
 /// Entries of [`programs::FLOOD_RAYS`].
@@ -119,6 +124,7 @@ impl Flood {
         let passes: &[u32] = match settings.sweeps {
             Sweeps::Even => &[ALONG_X, ALONG_Y],
             Sweeps::Seed => &[ALONG_X + AFTER, ALONG_X + BEFORE, ALONG_Y + AFTER, ALONG_Y + BEFORE],
+            other => return Err(unsupported("flood.sweeps", other).into()),
         };
         // The number of passes is even, so the last one writes where the first one reads.
         for _ in 0..settings.rounds {

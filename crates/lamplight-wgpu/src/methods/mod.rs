@@ -6,7 +6,7 @@ pub mod holographic;
 pub mod polar;
 pub mod raymarch;
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::lamps::LampList;
 use crate::planner::{FramePlanner, PassList};
 use cascades::Cascades;
@@ -32,10 +32,14 @@ pub enum Method {
 
 impl Method {
     /// Compiles the pipelines for these settings.
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
-        match settings.method {
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        settings: &Settings,
+    ) -> Result<Self, lamplight::Error> {
+        Ok(match settings.method {
             lamplight::Method::Cascades => {
-                Self::Cascades(Box::new(Cascades::new(device, queue, settings)))
+                Self::Cascades(Box::new(Cascades::new(device, queue, settings)?))
             }
             lamplight::Method::Flood => {
                 Self::Flood(Box::new(Flood::new(device, queue, &settings.flood)))
@@ -45,12 +49,14 @@ impl Method {
                 Variant::Beams => {
                     Self::Holographic(Box::new(Holographic::new(device, settings.bounces)))
                 }
+                other => return Err(unsupported("holographic.variant", other)),
             },
-            lamplight::Method::Polar => Self::Polar(Box::new(Polar::new(device, &settings.polar))),
+            lamplight::Method::Polar => Self::Polar(Box::new(Polar::new(device, &settings.polar)?)),
             lamplight::Method::Raymarch => {
-                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings)))
+                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings)?))
             }
-        }
+            other => return Err(unsupported("method", other)),
+        })
     }
 
     /// Sets the lamps of a frame, if the method lights them by rule.
@@ -60,11 +66,11 @@ impl Method {
         size: [u32; 2],
         settings: &Settings,
         list: &mut LampList,
-    ) {
+    ) -> Result<(), lamplight::Error> {
         match self {
             Self::Flood(_) => list.set(lamps, |lamp| flood::rays(lamp, size, &settings.flood)),
-            Self::Polar(_) => list.set(lamps, |lamp| polar::rays(lamp, size, &settings.polar)),
-            Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => (),
+            Self::Polar(_) => list.set(lamps, |lamp| Ok(polar::rays(lamp, size, &settings.polar))),
+            Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => Ok(()),
         }
     }
 

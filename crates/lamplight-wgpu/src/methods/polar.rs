@@ -4,7 +4,7 @@
 //! lights all pixels. Only the shaders read the number of lamps, so that a frame with fewer lamps is recorded
 //! as it was planned, for the full capacity.
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, PassList, view, whole};
@@ -47,21 +47,24 @@ pub fn rays(lamp: &lamplight::Lamp, size: [u32; 2], settings: &Settings) -> Lamp
 }
 
 impl Polar {
-    pub fn new(device: &Device, settings: &Settings) -> Self {
+    pub fn new(device: &Device, settings: &Settings) -> Result<Self, lamplight::Error> {
         let edges = match settings.edges {
             Edges::Soft => 0.0,
             Edges::Linear => 1.0,
             Edges::Nearest => 2.0,
+            other => return Err(unsupported("polar.edges", other)),
         };
         let walk = match settings.walk {
             Walk::Edge => 0.0,
             Walk::Step => 1.0,
             Walk::Distance => 2.0,
+            other => return Err(unsupported("polar.walk", other)),
         };
         let blend = match settings.blend {
             Blend::Add => 0.0,
             Blend::Max => 1.0,
             Blend::Screen => 2.0,
+            other => return Err(unsupported("polar.blend", other)),
         };
         let crisp = settings.edges == Edges::Nearest;
         let widths = [("NARROWEST", f64::from(NARROWEST)), ("WIDEST", f64::from(WIDEST))];
@@ -77,13 +80,13 @@ impl Polar {
         let bounds = [&bounds[..], &widths].concat();
         let gather = [("EDGES", edges), ("BLEND", blend)];
         let gather = [&rays[..], &widths, &gather].concat();
-        Self {
+        Ok(Self {
             class: ClassPipeline::new(device),
             distance: (settings.walk == Walk::Distance).then(|| DistancePipelines::new(device)),
             shadow_map: ComputePipelines::new(device, &programs::POLAR_SHADOW_MAP, &rays),
             shadow_bounds: ComputePipelines::new(device, &programs::POLAR_SHADOW_BOUNDS, &bounds),
             gather: ComputePipelines::new(device, &programs::POLAR_GATHER, &gather),
-        }
+        })
     }
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {

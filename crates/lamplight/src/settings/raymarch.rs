@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// The angle at which each pixel's first ray starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Noise {
     /// An integer hash of pixel and frame: independent, blotchy.
     White,
@@ -22,6 +23,7 @@ pub enum Noise {
 /// The angle between consecutive rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Spacing {
     /// `2π/rays`: the least error for a given number of rays.
     #[default]
@@ -33,6 +35,7 @@ pub enum Spacing {
 /// The rule by which a ray ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Hit {
     /// Exactly at the edge of a solid cell, with fog and glass on the way: converges to the truth.
     #[default]
@@ -44,6 +47,7 @@ pub enum Hit {
 
 /// The way in which `raymarch` computes bounces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum BounceBy {
     /// All bounces within one frame.

@@ -8,7 +8,7 @@
 
 pub mod ladder;
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch, WORKGROUP};
 use crate::planner::{FramePlanner, PassList, view, whole};
 use crate::programs;
@@ -65,16 +65,24 @@ const LIGHT: usize = 0;
 const OUTGOING: usize = 1;
 
 impl Cascades {
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
-        let fix = settings.cascades.merge == Merge::BilinearFix;
-        let merge = [PACKET, &[("ENDS", 1.0), ("BILINEAR_FIX", fix.into())]].concat();
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        settings: &Settings,
+    ) -> Result<Self, lamplight::Error> {
+        let fix = match settings.cascades.merge {
+            Merge::Plain => 0.0,
+            Merge::BilinearFix => 1.0,
+            other => return Err(unsupported("cascades.merge", other)),
+        };
+        let merge = [PACKET, &[("ENDS", 1.0), ("BILINEAR_FIX", fix)]].concat();
         let gather = [&merge[..], &[("BEFORE", BEFORE.into())]].concat();
         let rays = settings.cascades.nearest_rays();
         let cosines = |cone| [0, 1, 2, 3].map(|face| cosine(face, cone, rays));
         let cosines: Vec<[f32; 4]> = (0..rays).map(cosines).collect();
         let cosines = bytemuck::cast_slice(&cosines);
         let converges = settings.bounces == Bounces::Converged;
-        Self {
+        Ok(Self {
             // As in `raymarch`, squares are not found again in each of many recorded bounces.
             medium_grid: MediumGridPipelines::new(device, converges),
             empty_space: EmptySpace::new(device),
@@ -82,7 +90,7 @@ impl Cascades {
             gather: ComputePipelines::new(device, &programs::CASCADES_GATHER, &gather),
             cosines: filled(device, queue, "cosines", BufferUsages::STORAGE, cosines),
             convergence: converges.then(|| (Convergence::new(device), Compare::new(device))),
-        }
+        })
     }
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {

@@ -1,7 +1,7 @@
 //! Bounces: a number of them, until light has converged, or one per frame.
 
 use super::gather::{Gather, GatherBuffers, Gathered};
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::pipeline::Dispatch;
 use crate::planner::FramePlanner;
 use crate::stages::compare::Compare;
@@ -24,15 +24,16 @@ pub enum Bounce {
 }
 
 impl Bounce {
-    pub fn new(device: &Device, settings: &Settings) -> Self {
-        match (settings.bounces, settings.raymarch.bounce) {
+    pub fn new(device: &Device, settings: &Settings) -> Result<Self, lamplight::Error> {
+        Ok(match (settings.bounces, settings.raymarch.bounce) {
             (Bounces::Count(0), _) => Self::Times(0),
             (_, BounceBy::Feedback) => Self::Feedback(Feedback::new(device)),
             (Bounces::Count(times), BounceBy::Frame) => Self::Times(times),
             (Bounces::Converged, BounceBy::Frame) => {
                 Self::Converged(Convergence::new(device), Compare::new(device))
             }
-        }
+            (_, other) => return Err(unsupported("raymarch.bounce", other)),
+        })
     }
 
     /// Returns whether media that scatter are crossed cell by cell from the start. It saves finding squares

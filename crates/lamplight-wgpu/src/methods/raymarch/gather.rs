@@ -1,5 +1,6 @@
 //! The gather of light, or of outgoing radiance, by rays from every pixel.
 
+use crate::error::{Result, unsupported};
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::shared::filled;
@@ -48,12 +49,13 @@ impl Gather {
         settings: &Settings,
         tracks: bool,
         varies: bool,
-    ) -> Self {
+    ) -> Result<Self, lamplight::Error> {
         let storage = |label, bytes| filled(device, queue, label, BufferUsages::STORAGE, bytes);
         let stops = [("STOPS", f64::from(tracks || settings.raymarch.attenuation))];
         let (program, march) = match settings.raymarch.hit {
             Hit::Edge => (&programs::RAYMARCH, [PACKET, &[("ENDS", 0.0)], &stops].concat()),
             Hit::Distance => (&programs::RAYMARCH_DISTANCE, MARCH_DISTANCE.to_vec()),
+            other => return Err(unsupported("raymarch.hit", other)),
         };
         let needed = [
             ("TRACKS", f64::from(tracks)),
@@ -62,11 +64,11 @@ impl Gather {
         ];
         let constants = [GATHER, &march, &shaders::LUMINANCE, &needed].concat();
         let directions: Vec<[f32; 2]> = directions(&settings.raymarch).collect();
-        Self {
+        Ok(Self {
             rays: ComputePipelines::new(device, program, &constants),
             blue: storage("blue noise", noise::blue()),
             directions: storage("directions", bytemuck::cast_slice(&directions)),
-        }
+        })
     }
 
     /// Plans a gather from the outgoing radiance in `from`, which counts from step 1 on, to `to`.

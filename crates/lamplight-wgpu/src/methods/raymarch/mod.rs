@@ -3,7 +3,7 @@
 mod bounce;
 mod gather;
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::planner::{FramePlanner, PassList};
 use crate::stage::Stage;
 use crate::stages::denoise::Denoise;
@@ -40,26 +40,31 @@ enum Skipping {
 }
 
 impl Raymarch {
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        settings: &Settings,
+    ) -> Result<Self, lamplight::Error> {
         let accumulates = settings.temporal.history_length > 1;
         let (tracks, varies) = (Temporal::tracks(settings), settings.denoise.passes > 0);
         let traced = tracks || varies;
         let skipping = match settings.raymarch.hit {
             Hit::Edge => Skipping::Squares(EmptySpace::new(device)),
             Hit::Distance => Skipping::Distance(DistancePipelines::new(device)),
+            other => return Err(unsupported("raymarch.hit", other)),
         };
         let rejects = accumulates && settings.temporal.reject;
-        let bounce = Bounce::new(device, settings);
-        Self {
+        let bounce = Bounce::new(device, settings)?;
+        Ok(Self {
             medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
             skipping,
-            gather: Gather::new(device, queue, settings, tracks, varies),
+            gather: Gather::new(device, queue, settings, tracks, varies)?,
             bounce,
             invalidate: rejects.then(|| Invalidate::new(device)),
             temporal: accumulates.then(|| Temporal::new(device, settings, traced)),
             denoise: varies.then(|| Denoise::new(device, settings)),
             traced,
-        }
+        })
     }
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
