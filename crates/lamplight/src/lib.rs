@@ -20,10 +20,13 @@ mod grid;
 #[doc(hidden)]
 pub mod internals;
 mod lamp;
+mod lamp_discs;
 mod light;
+mod limits;
 mod math;
 mod methods;
 pub mod resample;
+mod rgb;
 pub mod scene;
 pub mod settings;
 mod simd;
@@ -33,10 +36,11 @@ mod source_normalization;
 pub mod srgb;
 mod stages;
 
-pub use cells::{Cells, Matter, Rgb};
+pub use cells::{Cells, Matter};
 pub use error::{Error, Result};
 pub use lamp::{Cone, Falloff, Lamp};
 pub use light::Light;
+pub use rgb::Rgb;
 pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Quality, Settings, SettingsTable};
 pub use sky::{Gradient, Sky};
