@@ -89,7 +89,7 @@ pub struct FrameView<'a> {
 
 /// The stages before any rays.
 pub struct Fields {
-    /// The nearest occupied cell of each cell, packed ([`lamplight::stages::seed`]).
+    /// The nearest occupied cell of each cell, packed as in [`lamplight::Stages`].
     pub nearest: Vec<u32>,
     /// Distance to it, px; infinite in a grid without matter.
     pub distance: Vec<f32>,

@@ -16,6 +16,7 @@ use wgpu::{
 
 /// The filter for a target whose pixels are smaller than the grid's cells, or lie between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Filter {
     /// Each pixel shows the cell it lies in, as `--scale` of the command line does.
     #[default]
@@ -28,6 +29,7 @@ pub enum Filter {
 /// The colour that the light falls on: views of two-dimensional textures in any float or normalised format,
 /// with the usage `TEXTURE_BINDING`. Linear, an sRGB format decodes by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Color<'a> {
     /// White: the light alone.
     #[default]
@@ -187,7 +189,7 @@ impl Compose {
             let found = format!("[{r}, {g}, {b}]");
             return Err(lamplight::Error::value("ambient", found, "finite and 0 or more").into());
         }
-        let mut uniforms = ComposeUniforms::new(&params.display, lit.size);
+        let mut uniforms = ComposeUniforms::new(&params.display, lit.size)?;
         if matches!(target.format, TextureFormat::Rgba16Float | TextureFormat::Rg11b10Ufloat) {
             uniforms.keep_finite();
         }

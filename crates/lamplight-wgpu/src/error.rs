@@ -1,5 +1,7 @@
 //! Errors, one type per phase: creation, preparation, recording, reading back.
 
+use std::fmt::Debug;
+
 /// The result of planning a frame.
 pub(crate) type Result<T, E = PrepareError> = std::result::Result<T, E>;
 
@@ -25,6 +27,13 @@ pub enum Error {
     /// A result could not be read back.
     #[error(transparent)]
     ReadBack(#[from] ReadBackError),
+}
+
+/// Returns the error of a setting whose variant no shader has, because the library added it in a later
+/// release.
+pub(crate) fn unsupported(key: &str, variant: impl Debug) -> lamplight::Error {
+    let expected = "a variant that this release of `lamplight-wgpu` has shaders for";
+    lamplight::Error::value(key, format!("{variant:?}"), expected)
 }
 
 /// The device's reason to reject something.

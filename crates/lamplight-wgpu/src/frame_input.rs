@@ -37,6 +37,7 @@ pub struct FrameInput<'a> {
 
 /// The scene of a frame.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum SceneInput<'a> {
     /// Cells, which are uploaded, with their lamps and their sky.
     Cells(&'a Cells),

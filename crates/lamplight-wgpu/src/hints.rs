@@ -1,6 +1,6 @@
 //! Properties of the scene that a frame plan relies on.
 
-use lamplight::stages::bounce::CONVERGED;
+use lamplight::internals::CONVERGED;
 use lamplight::{Bounces, Cells};
 
 /// Outgoing numbers per cell: four faces, three channels.

@@ -1,5 +1,6 @@
 //! The lamps of a frame, as shaders/shared/lamps.wgsl reads them.
 
+use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
 use lamplight::Falloff;
 use wgpu::{Buffer, Queue};
@@ -83,11 +84,15 @@ const HEAD: u64 = size_of::<[u32; 4]>() as u64;
 
 impl LampList {
     /// Replaces the lamps, each lit by the rays that `rays` returns.
-    pub fn set(&mut self, lamps: &[lamplight::Lamp], rays: impl Fn(&lamplight::Lamp) -> LampRays) {
+    pub fn set(
+        &mut self,
+        lamps: &[lamplight::Lamp],
+        rays: impl Fn(&lamplight::Lamp) -> Result<LampRays, lamplight::Error>,
+    ) -> Result<(), lamplight::Error> {
         self.lamps.clear();
         self.needed = Capacity::default();
         for lamp in lamps {
-            let LampRays { reach, count, soft, falloff } = rays(lamp);
+            let LampRays { reach, count, soft, falloff } = rays(lamp)?;
             let per_radian = count as f32 / std::f32::consts::TAU;
             let half = |angle: f32| 0.5 * angle;
             self.lamps.push(Lamp {
@@ -101,6 +106,7 @@ impl LampList {
                     Some(Falloff::Smooth) => 1,
                     Some(Falloff::Inverse) => 2,
                     None => 3,
+                    Some(other) => return Err(unsupported("falloff", other)),
                 },
                 // Truncated only if there are too many rays for any buffer.
                 first: self.needed.rays as u32,
@@ -114,6 +120,7 @@ impl LampList {
             self.needed.lamps += 1;
             self.needed.rays += u64::from(count.next_multiple_of(GROUP_RAYS));
         }
+        Ok(())
     }
 
     /// The capacity that the lamps need.

@@ -240,7 +240,7 @@ impl Lighting {
             let compile = || Ok(DistancePipelines::new(device));
             self.distance = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
-        method.set_lamps(lamps, grid.size.into(), &mut self.lamps);
+        method.set_lamps(lamps, grid.size.into(), &mut self.lamps)?;
         let needed = self.lamps.needed();
         let serves = |frame: &PreparedFrame| frame.serves(grid, input.settings, needed);
         let fresh = if self.frame.as_ref().is_some_and(serves) {
@@ -251,6 +251,8 @@ impl Lighting {
         let Some(frame) = fresh.as_ref().or(self.frame.as_ref()) else { return Ok(()) };
         let (history, moved) = self.history(input, grid.size, *sky);
         let extras = self.plan_extras(frame, input, moved)?;
+        let position = GridPosition { size: grid.size.into(), origin: input.origin, moved };
+        let uniforms = FrameUniforms::new(position, *sky, input.settings, self.number, history)?;
 
         // Nothing fails from here on.
         self.frame = fresh.or(self.frame.take());
@@ -265,8 +267,6 @@ impl Lighting {
         if let Some(lamps) = &frame.passes.lamps {
             self.lamps.write(queue, lamps);
         }
-        let position = GridPosition { size: grid.size.into(), origin: input.origin, moved };
-        let uniforms = FrameUniforms::new(position, *sky, input.settings, self.number, history);
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky: *sky });
         self.number = self.number.wrapping_add(1);

@@ -28,7 +28,7 @@ impl PipelineCache {
         let method = match known {
             Some(known) => self.0.remove(known).1,
             None => {
-                let compile = || Ok::<_, E>(Method::new(device, queue, settings)?);
+                let compile = || Method::new(device, queue, settings).map_err(E::from);
                 Arc::new(with_error_scope(device, compile)?)
             }
         };

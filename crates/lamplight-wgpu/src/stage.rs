@@ -2,6 +2,7 @@
 
 /// A buffer that can be read back ([`crate::read_back`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Stage {
     /// The seed map, one `u32` per cell; made by [`crate::Lighting::record_fields`].
     Seeds,

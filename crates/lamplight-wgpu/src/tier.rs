@@ -4,6 +4,7 @@ use wgpu::{Adapter, Features, Limits};
 
 /// Levels of requirements on a device, the lowest first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Tier {
     /// The features and limits that WebGPU grants everywhere: no features, its default limits. Grids of up to 8192 px a side
     /// and 2²³ cells (for methods with four floats per cell).

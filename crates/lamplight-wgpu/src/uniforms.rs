@@ -1,9 +1,10 @@
 //! The uniforms of a frame, which every shader reads.
 
+use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
-use lamplight::methods::raymarch::gap;
+use lamplight::internals::noise::fold;
+use lamplight::internals::raymarch::stride;
 use lamplight::settings::{MethodSettings, Noise, Raymarch};
-use lamplight::stages::noise::fold;
 use lamplight::{Settings, Sky};
 
 gpu_struct! {
@@ -61,10 +62,11 @@ impl FrameUniforms {
         settings: &Settings,
         number: u32,
         history: History,
-    ) -> Self {
+    ) -> Result<Self, lamplight::Error> {
         let [zenith, horizon, ground] = match sky {
             Sky::Uniform(radiance) => [radiance; 3],
             Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
+            other => return Err(unsupported("sky", other)),
         };
         // Only `raymarch` uses these settings; `cascades`, which shares its shaders, needs the defaults.
         let neutral = Raymarch::default();
@@ -77,7 +79,7 @@ impl FrameUniforms {
         } else {
             0.0
         };
-        Self {
+        Ok(Self {
             size: position.size,
             number,
             seed: fold(settings.seed),
@@ -93,8 +95,9 @@ impl FrameUniforms {
                 Noise::White => 0,
                 Noise::Blue => 1,
                 Noise::Golden => 2,
+                other => return Err(unsupported("raymarch.noise", other)),
             },
-            stride: gap(raymarch),
+            stride: stride(raymarch),
             hit_distance: raymarch.hit_distance,
             min_step: raymarch.least_step,
             fade_range,
@@ -107,6 +110,6 @@ impl FrameUniforms {
                 History::Full => 2,
             },
             padding: [0; 3],
-        }
+        })
     }
 }

@@ -4,11 +4,8 @@
 //! touches only what it needs. Lamps are listed beside the matter: [`Cells::drawn`] draws them as
 //! glowing discs for the methods that read only matter.
 
-use crate::{Error, Lamp, Result, Sky};
-use std::borrow::Cow;
-
-/// Linear red, green, blue.
-pub type Rgb = [f32; 3];
+use crate::limits;
+use crate::{Error, Lamp, Result, Rgb, Sky};
 
 /// The contents of one cell.
 ///
@@ -92,9 +89,9 @@ const CHUNK: usize = 16;
 
 impl Cells {
     /// The longest side of a grid, so that squared distances fit 31 bits.
-    pub const MAX_SIDE: u32 = 16_384;
+    pub const MAX_SIDE: u32 = limits::MAX_SIDE;
     /// The largest number of cells in a grid, so that an index is exact in 32-bit float: about 1 GiB of matter.
-    pub const MAX_CELLS: u64 = 1 << 24;
+    pub const MAX_CELLS: u64 = limits::MAX_CELLS;
 
     /// Creates a grid of empty space under a black sky.
     ///
@@ -302,27 +299,6 @@ impl Cells {
                 visit(chunk * CHUNK + i);
             }
         }
-    }
-
-    /// Returns the grid with its lamps drawn as glowing discs; borrowed if it has no lamps.
-    pub fn drawn(&self) -> Cow<'_, Self> {
-        if self.lamps.is_empty() {
-            return Cow::Borrowed(self);
-        }
-        let mut drawn = self.clone();
-        drawn.draw_lamps();
-        Cow::Owned(drawn)
-    }
-
-    /// Draws the lamps into the matter and empties their list.
-    pub fn draw_lamps(&mut self) {
-        let mut lamps = std::mem::take(&mut self.lamps);
-        for lamp in &lamps {
-            lamp.draw(self);
-        }
-        lamps.clear();
-        // Keeps the allocation: a solver draws every frame into the same grid.
-        self.lamps = lamps;
     }
 
     /// Rejects NaN, infinite and out-of-range values anywhere in the grid.

@@ -3,6 +3,7 @@
 //! Messages name what is wrong, where, the value found and what would be right, so that they can
 //! be shown to a user as they are.
 
+use crate::limits::{MAX_CELLS, MAX_SIDE};
 use std::path::{Path, PathBuf};
 
 /// Shorthand for results of this crate.
@@ -97,8 +98,8 @@ pub enum Error {
     /// A grid is empty or larger than this program accepts.
     #[error(
         "a grid of {width}×{height} cells is refused: each side must be 1 to {}, and the product at most {}",
-        crate::Cells::MAX_SIDE,
-        crate::Cells::MAX_CELLS
+        MAX_SIDE,
+        MAX_CELLS
     )]
     Size {
         /// The requested number of columns.

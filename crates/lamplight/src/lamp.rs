@@ -1,22 +1,20 @@
-//! Lamps: small lights with a range, and their drawing as glowing discs.
+//! Lamps: small lights with a range.
 //!
 //! Two kinds of method read them. `polar` and `flood` evaluate lamps analytically, with range, falloff
-//! and cone. The others read only matter, so a lamp is drawn as a glowing disc: its light falls off as
-//! light in the plane does, without a range, and it **glows in all directions**, because matter cannot
-//! emit in a cone.
+//! and cone. The others read only matter, into which lamps are drawn as glowing discs
+//! (`lamp_discs.rs`): light falls off as in the plane, without a range, and **in all directions**,
+//! because matter cannot emit in a cone.
 
-use crate::scene::coverage::{self, Window};
-use crate::{Cells, Matter, Result, Rgb, check, exact};
+use crate::{Result, Rgb, check, exact};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
 use std::fmt::Display;
 
-pub use crate::source_normalization::gain;
-
 /// The falloff of a lamp with distance, in the methods that evaluate lamps analytically.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Falloff {
     /// `1 − d/range`.
     #[default]
@@ -166,26 +164,5 @@ impl Lamp {
     /// Returns whether the lamp emits no light.
     pub fn is_off(&self) -> bool {
         self.intensity == 0.0 || self.color == [0.0; 3]
-    }
-
-    /// Draws the lamp into the matter: a solid disc of radius `size`, antialiased by coverage, with
-    /// emission `color·intensity` times a normalisation near 1 that compensates for the grid
-    /// ([`gain`]). A lamp that is off draws nothing.
-    pub(crate) fn draw(&self, cells: &mut Cells) {
-        let center = self.position.map(f64::from);
-        let radius = f64::from(self.size);
-        let grid = Window::grid(cells.width(), cells.height());
-        let disc = Window::around(center.map(|v| v - radius), center.map(|v| v + radius));
-        let seen = disc.and(&grid);
-        if self.is_off() || seen.x.is_empty() || seen.y.is_empty() {
-            return;
-        }
-        let strength = self.intensity * gain(center, radius);
-        let matter =
-            Matter { emission: self.color.map(|c| c * strength), opacity: 1.0, ..Matter::EMPTY };
-        coverage::disc_shares(center, radius, &grid, |x, y, coverage| {
-            let i = cells.index(x as u32, y as u32);
-            cells.set_matter(i, matter.over(cells.matter(i), coverage));
-        });
     }
 }

@@ -15,17 +15,18 @@ pub mod debug_views;
 mod error;
 mod exact;
 mod explain;
+mod filters;
+mod grid;
 #[doc(hidden)]
-pub mod filters;
-#[doc(hidden)]
-pub mod grid;
-#[doc(hidden)]
-pub mod lamp;
+pub mod internals;
+mod lamp;
+mod lamp_discs;
 mod light;
+mod limits;
 mod math;
-#[doc(hidden)]
-pub mod methods;
+mod methods;
 pub mod resample;
+mod rgb;
 pub mod scene;
 pub mod settings;
 mod simd;
@@ -33,13 +34,13 @@ mod sky;
 mod solver;
 mod source_normalization;
 pub mod srgb;
-#[doc(hidden)]
-pub mod stages;
+mod stages;
 
-pub use cells::{Cells, Matter, Rgb};
+pub use cells::{Cells, Matter};
 pub use error::{Error, Result};
 pub use lamp::{Cone, Falloff, Lamp};
 pub use light::Light;
+pub use rgb::Rgb;
 pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Quality, Settings, SettingsTable};
 pub use sky::{Gradient, Sky};

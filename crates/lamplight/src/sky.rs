@@ -14,6 +14,7 @@ use std::fmt;
 /// `sky = { zenith = […], horizon = […], ground = […] }`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
+#[non_exhaustive]
 pub enum Sky {
     /// One linear RGB radiance from all directions.
     Uniform(Rgb),

@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 use crate::traverse::{Event, Grid, Stretch, Traversal};
-use lamplight::stages::walls::Walls;
+use lamplight::internals::Walls;
 use lamplight::{Bounces, Cells, Error, Light, Result, Rgb, Sky};
 use rayon::prelude::*;
 use std::f64::consts::TAU;

@@ -2,7 +2,7 @@
 
 use crate::path_tracer::{BATCHES, PathTracer, Tracer};
 use crate::traverse::Grid;
-use lamplight::stages::walls::Walls;
+use lamplight::internals::Walls;
 use lamplight::{Cells, Light, Result, Rgb};
 use rayon::prelude::*;
 

@@ -89,6 +89,7 @@ impl Default for SpotLight2d {
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Falloff2d {
     /// Linear.
     #[default]

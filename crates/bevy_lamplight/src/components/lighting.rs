@@ -103,6 +103,7 @@ impl Lighting2d {
 #[reflect(Default, Debug, Clone, PartialEq, Hash)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum LightMethod {
     /// Holographic radiance cascades: no noise, and a cost that does not depend on the scene.
     #[default]
@@ -183,6 +184,7 @@ pub enum LightBounces {
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum CellSize {
     /// Cells per logical pixel of the screen, 0.05 to 2. The size in the world is rounded to a power of
     /// two, so that light does not change while the camera zooms, except once per doubling.
@@ -202,6 +204,7 @@ impl Default for CellSize {
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum LightToneMap {
     /// The camera's own `Tonemapping`, which Bevy applies after bloom, or `Aces` if the camera has none.
     #[default]
@@ -235,6 +238,7 @@ impl LightToneMap {
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum LightFilter {
     /// Bilinear.
     #[default]

@@ -111,6 +111,7 @@ impl LightOccluder2d {
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum OccluderShape {
     /// Width and height.
     Rectangle {

@@ -6,7 +6,8 @@ use bevy::asset::AssetId;
 use bevy::image::Image;
 use bevy::math::Vec2;
 use bevy::platform::collections::HashMap;
-use lamplight::{Lamp, lamp};
+use lamplight::Lamp;
+use lamplight::internals::lamp;
 use std::ops::Range;
 
 /// Quads on the grid of a camera, in cells and y down, in drawing order.

@@ -12,7 +12,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::stage::{FrameView, Stage};
 use crate::table::table;
-use lamplight::methods::holographic::paper::Paper;
+use lamplight::internals::holographic::paper::Paper;
 use lamplight::{Cells, Display, Method, Scene, Settings, SettingsTable, Solver};
 use lamplight_wgpu::{Cost, PipelineCost};
 use serde_json::{Map, Value, json};

@@ -1,9 +1,7 @@
 //! `lamplight completions`, `man` and `schema`: documents for shells, pagers and editors.
 
-use super::Cli;
 use crate::error::{CliError, Result};
 use crate::output;
-use clap::CommandFactory;
 use clap_complete::Shell;
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, bold, roman};
@@ -17,9 +15,9 @@ pub struct CompletionsArgs {
     shell: Shell,
 }
 
-pub fn completions(args: CompletionsArgs) -> Result {
+pub fn completions(args: CompletionsArgs, mut cli: clap::Command) -> Result {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "lamplight", &mut script);
+    clap_complete::generate(args.shell, &mut cli, "lamplight", &mut script);
     output::print(String::from_utf8_lossy(&script).trim_end())
 }
 
@@ -30,8 +28,7 @@ pub struct ManArgs {
     command: Option<String>,
 }
 
-pub fn man(args: ManArgs) -> Result {
-    let mut cli = Cli::command();
+pub fn man(args: ManArgs, mut cli: clap::Command) -> Result {
     cli.build();
     let commands: Vec<String> = cli.get_subcommands().map(|c| c.get_name().to_owned()).collect();
     let (command, name) = match &args.command {

@@ -10,7 +10,7 @@ mod render;
 mod stages;
 
 use crate::error::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// The first steps and the exit codes, as `lamplight --help` ends.
 const AFTER_HELP: &str = "\
@@ -54,8 +54,8 @@ pub fn run(command: Command) -> Result {
         Command::Probe(args) => probe::run(args),
         Command::Info(args) => info::run(args),
         Command::New(args) => new::run(args),
-        Command::Completions(args) => documents::completions(args),
-        Command::Man(args) => documents::man(args),
+        Command::Completions(args) => documents::completions(args, Cli::command()),
+        Command::Man(args) => documents::man(args, Cli::command()),
         Command::Schema(args) => documents::schema(args),
     }
 }

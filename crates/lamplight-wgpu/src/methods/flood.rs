@@ -3,7 +3,7 @@
 //! The library also keeps the source's energy without colour, a mean of old and new that depends on which ray
 //! came first. It does not affect light, and is not computed here.
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, PassList, view, whole};
@@ -12,10 +12,9 @@ use crate::shared::filled;
 use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
 use lamplight::Lamp;
-use lamplight::methods::flood::{STEEPNESS, reach};
+use lamplight::internals::flood::{STEEPNESS, reach};
+use lamplight::internals::{MAX_OPTICAL_DEPTH, circle};
 use lamplight::settings::{Fade, Flood as Settings, Sweeps};
-use lamplight::stages::circle;
-use lamplight::stages::transmittance::LOG_OF_ZERO;
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
 /// The pipelines, and the directions of rays.
@@ -53,7 +52,7 @@ impl Flood {
             ("STEEPNESS", f64::from(STEEPNESS)),
             ("REACH", f64::from(reach(1.0))),
             ("TRANSLUCENT", 1.0),
-            ("MAX_OPTICAL_DEPTH", -f64::from(LOG_OF_ZERO)),
+            ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH)),
         ];
         let decay = [("DECAY", f64::from(settings.decay))];
         let directions = bytemuck::cast_slice(&directions);
@@ -67,12 +66,13 @@ impl Flood {
     }
 
     /// Returns the rays of a lamp.
-    pub fn lamp_rays(&self, lamp: &Lamp, [width, height]: [u32; 2]) -> LampRays {
+    pub fn lamp_rays(&self, lamp: &Lamp, [width, height]: [u32; 2]) -> lamplight::Result<LampRays> {
         let (reach, falloff) = match self.settings.fade {
             Fade::Lamp => (lamp.range, Some(lamp.falloff)),
             Fade::Seed => (lamp.range.min(reach(width.max(height) as f32)), None),
+            other => return Err(unsupported("flood.fade", other)),
         };
-        LampRays { reach, count: self.settings.rays, soft: 0.0, falloff }
+        Ok(LampRays { reach, count: self.settings.rays, soft: 0.0, falloff })
     }
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
@@ -123,6 +123,7 @@ impl Flood {
         let passes: &[u32] = match settings.sweeps {
             Sweeps::Even => &[ALONG_X, ALONG_Y],
             Sweeps::Seed => &[ALONG_X + AFTER, ALONG_X + BEFORE, ALONG_Y + AFTER, ALONG_Y + BEFORE],
+            other => return Err(unsupported("flood.sweeps", other).into()),
         };
         // The number of passes is even, so the last one writes where the first one reads.
         for _ in 0..settings.rounds {

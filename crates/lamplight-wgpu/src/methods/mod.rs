@@ -6,7 +6,7 @@ pub mod holographic;
 pub mod polar;
 pub mod raymarch;
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::lamps::LampList;
 use crate::planner::{FramePlanner, PassList};
 use cascades::Cascades;
@@ -14,7 +14,7 @@ use flood::Flood;
 use holographic::Holographic;
 use holographic::paper::Paper;
 use lamplight::settings::{MethodSettings, Variant};
-use lamplight::{Error, Lamp, Settings};
+use lamplight::{Lamp, Settings};
 use polar::Polar;
 use raymarch::Raymarch;
 use wgpu::{Buffer, Device, Queue};
@@ -39,7 +39,7 @@ impl Method {
         let bounces = settings.bounces;
         Ok(match &settings.method {
             MethodSettings::Cascades(settings) => {
-                Self::Cascades(Box::new(Cascades::new(device, queue, settings, bounces)))
+                Self::Cascades(Box::new(Cascades::new(device, queue, settings, bounces)?))
             }
             MethodSettings::Flood(settings) => {
                 Self::Flood(Box::new(Flood::new(device, queue, settings)))
@@ -49,24 +49,27 @@ impl Method {
                 Variant::Bundles => {
                     Self::Holographic(Box::new(Holographic::new(device, settings, bounces)))
                 }
+                other => return Err(unsupported("holographic.variant", other)),
             },
-            MethodSettings::Polar(settings) => Self::Polar(Box::new(Polar::new(device, settings))),
+            MethodSettings::Polar(settings) => Self::Polar(Box::new(Polar::new(device, settings)?)),
             MethodSettings::Raymarch(settings) => {
-                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings, bounces)))
+                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings, bounces)?))
             }
-            other => {
-                let method = other.method().name();
-                return Err(Error::Unsuited { method, problem: "does not run on the GPU" });
-            }
+            other => return Err(unsupported("method", other.method())),
         })
     }
 
     /// Sets the lamps of a frame, if the method lights them by rule.
-    pub fn set_lamps(&self, lamps: &[Lamp], size: [u32; 2], list: &mut LampList) {
+    pub fn set_lamps(
+        &self,
+        lamps: &[Lamp],
+        size: [u32; 2],
+        list: &mut LampList,
+    ) -> lamplight::Result<()> {
         match self {
             Self::Flood(flood) => list.set(lamps, |lamp| flood.lamp_rays(lamp, size)),
-            Self::Polar(polar) => list.set(lamps, |lamp| polar.lamp_rays(lamp, size)),
-            Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => (),
+            Self::Polar(polar) => list.set(lamps, |lamp| Ok(polar.lamp_rays(lamp, size))),
+            Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => Ok(()),
         }
     }
 

@@ -4,7 +4,7 @@
 //! lights all pixels. Only the shaders read the number of lamps, so that a frame with fewer lamps is recorded
 //! as it was planned, for the full capacity.
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, PassList, view, whole};
@@ -13,11 +13,11 @@ use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
 use crate::stages::distance::DistancePipelines;
 use lamplight::Lamp;
-use lamplight::methods::polar;
-use lamplight::methods::polar::{APART, FINEST, NARROWEST, NEAREST, WIDEST};
+use lamplight::internals::MAX_OPTICAL_DEPTH;
+use lamplight::internals::distance::MARGIN;
+use lamplight::internals::polar;
+use lamplight::internals::polar::{APART, FINEST, NARROWEST, NEAREST, WIDEST};
 use lamplight::settings::{Blend, Polar as Settings, ShadowFilter, Traversal};
-use lamplight::stages::distance::MARGIN;
-use lamplight::stages::transmittance::LOG_OF_ZERO;
 use wgpu::{Buffer, Device};
 
 /// Side of a tile, px.
@@ -39,27 +39,30 @@ pub struct Polar {
 }
 
 impl Polar {
-    pub fn new(device: &Device, settings: &Settings) -> Self {
+    pub fn new(device: &Device, settings: &Settings) -> lamplight::Result<Self> {
         let shadow_filter = match settings.shadow_filter {
             ShadowFilter::Soft => 0.0,
             ShadowFilter::Linear => 1.0,
             ShadowFilter::Nearest => 2.0,
+            other => return Err(unsupported("polar.shadow_filter", other)),
         };
         let traversal = match settings.traversal {
             Traversal::Edge => 0.0,
             Traversal::Step => 1.0,
             Traversal::Distance => 2.0,
+            other => return Err(unsupported("polar.traversal", other)),
         };
         let blend = match settings.blend {
             Blend::Add => 0.0,
             Blend::Max => 1.0,
             Blend::Screen => 2.0,
+            other => return Err(unsupported("polar.blend", other)),
         };
         let crisp = settings.shadow_filter == ShadowFilter::Nearest;
         let widths = [("NARROWEST", f64::from(NARROWEST)), ("WIDEST", f64::from(WIDEST))];
         let rays = [
             ("TRANSLUCENT", f64::from(settings.translucent)),
-            ("MAX_OPTICAL_DEPTH", -f64::from(LOG_OF_ZERO)),
+            ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH)),
             ("TRAVERSAL", traversal),
             ("MARGIN", f64::from(MARGIN)),
             ("FINEST", f64::from(FINEST)),
@@ -69,7 +72,7 @@ impl Polar {
         let bounds = [&bounds[..], &widths].concat();
         let gather = [("SHADOW_FILTER", shadow_filter), ("BLEND", blend)];
         let gather = [&rays[..], &widths, &gather].concat();
-        Self {
+        Ok(Self {
             settings: settings.clone(),
             class: ClassPipeline::new(device),
             distance: (settings.traversal == Traversal::Distance)
@@ -77,7 +80,7 @@ impl Polar {
             shadow_map: ComputePipelines::new(device, &programs::POLAR_SHADOW_MAP, &rays),
             shadow_bounds: ComputePipelines::new(device, &programs::POLAR_SHADOW_BOUNDS, &bounds),
             gather: ComputePipelines::new(device, &programs::POLAR_GATHER, &gather),
-        }
+        })
     }
 
     /// Returns the rays of a lamp.

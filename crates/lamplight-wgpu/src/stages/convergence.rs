@@ -11,8 +11,8 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch, WORKGROUP};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
+use lamplight::internals::CONVERGED;
 use lamplight::settings::Bounces;
-use lamplight::stages::bounce::CONVERGED;
 use wgpu::{Buffer, BufferUsages, Device};
 
 /// `Change` of shaders/shared/change.wgsl.

@@ -4,10 +4,10 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::{programs, shaders};
-use lamplight::grid::empty_space::LONGEST;
+use lamplight::internals::denoise::{DEVIATIONS, KERNEL, OPACITY};
+use lamplight::internals::distance::MARGIN;
+use lamplight::internals::empty_space::LONGEST;
 use lamplight::settings::{Hit, Raymarch};
-use lamplight::stages::denoise::{DEVIATIONS, KERNEL, OPACITY};
-use lamplight::stages::distance::MARGIN;
 use wgpu::{Buffer, Device};
 
 /// The pipelines.

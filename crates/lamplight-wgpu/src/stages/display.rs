@@ -1,9 +1,10 @@
 //! From light to the displayed picture: exposure, tone map, encoding.
 
+use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
 use crate::stages::output::MAX_HALF;
 use crate::{programs, shaders};
-use lamplight::stages::display::{
+use lamplight::internals::display::{
     ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_STOPS,
     BRIGHTEST,
 };
@@ -43,10 +44,10 @@ gpu_struct! {
 
 impl ComposeUniforms {
     /// The uniforms that show a whole grid of this size.
-    pub fn new(display: &Display, size: [u32; 2]) -> Self {
+    pub fn new(display: &Display, size: [u32; 2]) -> Result<Self, lamplight::Error> {
         let [a, b, c, d, e] = ACES;
         let [x6, x5, x4, x3, x2, x1, x0] = AGX_CONTRAST;
-        Self {
+        Ok(Self {
             corner: [0.0; 2],
             right: [size[0] as f32, 0.0],
             down: [0.0, size[1] as f32],
@@ -56,6 +57,7 @@ impl ComposeUniforms {
                 ToneMap::Reinhard => 1,
                 ToneMap::Aces => 2,
                 ToneMap::Agx => 3,
+                other => return Err(unsupported("tonemap", other)),
             },
             filter_light: 0,
             color_from: 0,
@@ -72,7 +74,7 @@ impl ComposeUniforms {
             inset: columns(&AGX_INSET),
             outset: columns(&AGX_OUTSET),
             contrast: [[x6, x5, x4, x3], [x2, x1, x0, AGX_GAMMA]],
-        }
+        })
     }
 
     /// Caps radiance at the largest half float, where every tone map is flat.

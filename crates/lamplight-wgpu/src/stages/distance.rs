@@ -7,7 +7,7 @@ use crate::pipeline::ComputePipelines;
 use crate::planner::{FramePlanner, PassList, whole};
 use crate::programs;
 use crate::stage::Stage;
-use lamplight::stages::seed::NONE;
+use lamplight::internals::seed::NONE;
 use wgpu::{Buffer, Device};
 
 /// The distance in a grid without matter, where the CPU has +∞: shaders may assume that infinity does not

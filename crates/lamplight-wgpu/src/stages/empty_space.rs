@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
-use lamplight::grid::empty_space::{LONGEST, MATTER};
+use lamplight::internals::empty_space::{LONGEST, MATTER};
 use wgpu::{Buffer, Device};
 
 /// The pipelines.

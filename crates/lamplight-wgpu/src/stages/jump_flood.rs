@@ -4,8 +4,8 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
-use lamplight::stages::jump_flood::passes;
-use lamplight::stages::seed::NONE;
+use lamplight::internals::jump_flood::passes;
+use lamplight::internals::seed::NONE;
 use wgpu::{Buffer, Device};
 
 /// Passes of offset 1 after the jump flood, where the CPU goes on until nothing changes. It needed at most 4

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
-use lamplight::stages::transmittance::LOG_OF_ZERO;
+use lamplight::internals::MAX_OPTICAL_DEPTH;
 use wgpu::{Buffer, Device};
 
 /// The pipelines.
@@ -25,7 +25,7 @@ impl MediumGridPipelines {
     /// right whatever the media are going to scatter.
     pub fn new(device: &Device, apart: bool) -> Self {
         let constants =
-            [("MAX_OPTICAL_DEPTH", -f64::from(LOG_OF_ZERO)), ("APART", f64::from(apart))];
+            [("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH)), ("APART", f64::from(apart))];
         Self(ComputePipelines::new(device, &programs::MEDIUM_GRID, &constants))
     }
 

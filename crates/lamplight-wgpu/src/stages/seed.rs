@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
-use lamplight::stages::seed::NONE;
+use lamplight::internals::seed::NONE;
 use wgpu::{Buffer, Device};
 
 /// The pipeline.

@@ -4,8 +4,8 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
+use lamplight::internals::temporal::{FEEDBACK, REACH};
 use lamplight::settings::{BounceMode, Bounces, Hit, Raymarch};
-use lamplight::stages::temporal::{FEEDBACK, REACH};
 use wgpu::{Buffer, Device};
 
 /// The pipelines.

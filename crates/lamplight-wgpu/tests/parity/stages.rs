@@ -2,13 +2,13 @@
 
 use crate::common::{cells, device, lighting, recorded};
 use crate::compare::SIZES;
-use lamplight::grid::class::CellClass;
-use lamplight::grid::empty_space::empty_space;
+use lamplight::internals::CellClass;
+use lamplight::internals::distance::distance;
+use lamplight::internals::empty_space::empty_space;
+use lamplight::internals::extinction;
+use lamplight::internals::jump_flood::{jump_flood, settle};
+use lamplight::internals::seed::seed;
 use lamplight::settings::{Hit, Raymarch};
-use lamplight::stages::distance::distance;
-use lamplight::stages::jump_flood::{jump_flood, settle};
-use lamplight::stages::seed::seed;
-use lamplight::stages::transmittance::extinction;
 use lamplight::{Cells, Settings, Solver};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{FrameInput, Stage};

@@ -5,13 +5,8 @@ use fearless_simd::{f32x16, prelude::*, u32x16};
 
 /// The transmittance under which light from behind is neglected.
 pub const OPAQUE_TRANSMITTANCE: f32 = 1e-6;
-/// The name under which `lamplight-wgpu` imports [`OPAQUE_TRANSMITTANCE`].
-pub use self::OPAQUE_TRANSMITTANCE as OPAQUE;
-
 /// The extinction of matter that stops all light; finite, so that 0 px of it still pass light.
 pub const MAX_OPTICAL_DEPTH: f32 = 1e4;
-/// The negative of [`MAX_OPTICAL_DEPTH`], the name under which `lamplight-wgpu` imports it.
-pub const LOG_OF_ZERO: f32 = -MAX_OPTICAL_DEPTH;
 
 /// Returns the extinction σ_t of matter, per px and channel.
 pub fn extinction(opacity: f32, tint: Rgb) -> Rgb {

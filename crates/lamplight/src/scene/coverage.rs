@@ -78,7 +78,7 @@ pub(crate) fn disc_shares(
     let window =
         window.and(&Window::around([cx - radius, cy - radius], [cx + radius, cy + radius]));
     for y in window.y {
-        let (top, bottom) = (disc.line(y as f64 - cy), disc.line((y + 1) as f64 - cy));
+        let (top, bottom) = (disc.chord(y as f64 - cy), disc.chord((y + 1) as f64 - cy));
         let near = if top.at * bottom.at <= 0.0 { 0.0 } else { top.at.abs().min(bottom.at.abs()) };
         let far = top.at.abs().max(bottom.at.abs());
         let half = (radius * radius - near * near).max(0.0).sqrt();
@@ -94,7 +94,7 @@ pub(crate) fn disc_shares(
                 x = full_to;
                 continue;
             }
-            let (left, right) = (disc.line(x as f64 - cx), disc.line((x + 1) as f64 - cx));
+            let (left, right) = (disc.chord(x as f64 - cx), disc.chord((x + 1) as f64 - cx));
             let area =
                 disc.corner(right, bottom) - disc.corner(left, bottom) - disc.corner(right, top)
                     + disc.corner(left, top);
@@ -108,22 +108,23 @@ struct Disc {
     radius: f64,
 }
 
-/// The position of a grid line through or beside a disc, and its `A`.
+/// A chord of a disc along a grid line: its signed distance from the centre, clamped to the radius, and
+/// its `A`.
 #[derive(Clone, Copy)]
-struct Line {
+struct Chord {
     at: f64,
     integral: f64,
 }
 
 impl Disc {
-    fn line(&self, at: f64) -> Line {
+    fn chord(&self, at: f64) -> Chord {
         let r = self.radius;
         let at = at.clamp(-r, r);
         let integral = 0.5 * (at * (r * r - at * at).max(0.0).sqrt() + r * r * (at / r).asin());
-        Line { at, integral }
+        Chord { at, integral }
     }
 
-    fn corner(&self, x: Line, y: Line) -> f64 {
+    fn corner(&self, x: Chord, y: Chord) -> f64 {
         let r2 = self.radius * self.radius;
         let quarter = std::f64::consts::FRAC_PI_4 * r2;
         if x.at * x.at + y.at * y.at < r2 {

@@ -12,6 +12,7 @@ const MAX_POINTS: usize = 10_000;
 
 /// The area that a shape covers. All lengths are in px.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Geometry {
     /// A disc.
     Circle(Circle),

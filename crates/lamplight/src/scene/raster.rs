@@ -9,7 +9,7 @@ use crate::check::BRIGHT;
 use crate::{Cells, Error, Matter, Result, Rgb, srgb};
 use image::RgbaImage;
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Alpha from which a sprite without antialiasing covers a cell.
 const HALF: f32 = 0.5;
@@ -145,6 +145,27 @@ fn paint_sprite(
         }
     }
     Ok(())
+}
+
+impl Shape {
+    /// Draws the shape into cells, with the same rules as in a scene. The image of a sprite is read
+    /// from a path relative to the current folder; [`Cells::blit`] draws images from memory.
+    ///
+    /// ```
+    /// use lamplight::{Cells, Shape};
+    /// let mut cells = Cells::new(64, 48)?;
+    /// Shape::rect([30.0, 8.0], [34.0, 40.0]).albedo([0.9, 0.3, 0.2]).draw(&mut cells)?;
+    /// assert!(cells.is_solid(cells.index(31, 20)));
+    /// # Ok::<(), lamplight::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Fails if a value of the shape is out of its range or its image cannot be read.
+    pub fn draw(&self, cells: &mut Cells) -> Result<()> {
+        self.check("shape")?;
+        let source = Source::Folder(Path::new(""));
+        paint(self, "shape", source, &mut Images::default(), cells)
+    }
 }
 
 impl Cells {

@@ -1,12 +1,11 @@
 //! Shapes: a geometry and its matter.
 
 use super::geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
-use super::{raster, source::Source};
-use crate::{Cells, Matter, Result, Rgb};
+use crate::{Matter, Result, Rgb};
 use crate::{check, exact};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A shape of a scene, drawn over what came before it.
 ///
@@ -123,25 +122,6 @@ impl Shape {
     #[must_use]
     pub fn color(self, color: Rgb) -> Self {
         Self { color: Some(color), ..self }
-    }
-
-    /// Draws the shape into cells, with the same rules as in a scene. The image of a sprite is read
-    /// from a path relative to the current folder; [`Cells::blit`] draws images from memory.
-    ///
-    /// ```
-    /// use lamplight::{Cells, Shape};
-    /// let mut cells = Cells::new(64, 48)?;
-    /// Shape::rect([30.0, 8.0], [34.0, 40.0]).albedo([0.9, 0.3, 0.2]).draw(&mut cells)?;
-    /// assert!(cells.is_solid(cells.index(31, 20)));
-    /// # Ok::<(), lamplight::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Fails if a value of the shape is out of its range or its image cannot be read.
-    pub fn draw(&self, cells: &mut Cells) -> Result<()> {
-        self.check("shape")?;
-        let source = Source::Folder(Path::new(""));
-        raster::paint(self, "shape", source, &mut raster::Images::default(), cells)
     }
 
     /// Returns the matter of the shape.

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 /// The rule by which the light of one cascade is merged into the next nearer one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Merge {
     /// One ray, then the bilinear mean of the four surrounding probes. Fast; shadows ring and light
     /// leaks through thin walls, because a ray does not end where the next one starts.

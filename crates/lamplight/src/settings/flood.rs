@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// The attenuation of a lamp's rays with distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Fade {
     /// The lamp's own `falloff` and `range`.
     #[default]
@@ -20,6 +21,7 @@ pub enum Fade {
 /// The order in which neighbours are mixed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Sweeps {
     /// Both directions of an axis at once: symmetric, and energy is conserved.
     #[default]

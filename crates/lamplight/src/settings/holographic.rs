@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// The variant of holographic radiance cascades.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Variant {
     /// Ray bundles in dense directions, and a final gather that pixels trace: a third of the
     /// published variant's error.

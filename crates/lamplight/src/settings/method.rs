@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 /// A method of computing light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Method {
     /// Rays from every pixel, by jump flood and distance field or from cell to cell (Bigos 2020).
     Raymarch,

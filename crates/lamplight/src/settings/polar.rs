@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// The way in which a ray advances from the lamp outwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum Traversal {
     /// From cell edge to cell edge: lengths are exact, and no cell is missed.
@@ -22,6 +23,7 @@ pub enum Traversal {
 
 /// The filtering of shadow edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum ShadowFilter {
     /// As wide as the lamp's `size` makes them, and at least one ray. Costs about a third more.
@@ -36,6 +38,7 @@ pub enum ShadowFilter {
 /// The rule by which the light of several lamps is combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Blend {
     /// The sum, as for real light.
     #[default]

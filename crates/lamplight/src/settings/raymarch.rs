@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 /// The angle at which each pixel's first ray starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Noise {
     /// An integer hash of pixel and frame: independent, blotchy.
     White,
@@ -23,6 +24,7 @@ pub enum Noise {
 /// The angle between consecutive rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Spacing {
     /// `2π/rays`: the least error for a given number of rays.
     #[default]
@@ -34,6 +36,7 @@ pub enum Spacing {
 /// The rule by which a ray ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Hit {
     /// Exactly at the edge of a solid cell, with fog and glass on the way: converges to the truth.
     #[default]
@@ -45,6 +48,7 @@ pub enum Hit {
 
 /// The way in which `raymarch` computes bounces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum BounceMode {
     /// All bounces within one frame.

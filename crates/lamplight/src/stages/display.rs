@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 /// The curve that maps unbounded light to 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum ToneMap {
     /// Clips at 1.
     None,

@@ -7,8 +7,3 @@ pub mod distance;
 pub mod jump_flood;
 pub mod seed;
 pub mod walls;
-
-/// Paths under which `lamplight-wgpu` imports these.
-pub use crate::filters::{denoise, temporal};
-pub use crate::grid::empty_space as clearance;
-pub use crate::math::{circle, noise, transmittance};

@@ -5,7 +5,7 @@
 //! 0.)
 
 use crate::Cells;
-pub use crate::grid::class::is_occupied;
+use crate::grid::class::is_occupied;
 
 /// No seed: the value of empty cells.
 pub const NONE: u32 = u32::MAX;

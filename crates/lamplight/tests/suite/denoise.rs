@@ -1,8 +1,8 @@
 //! The blur removes only noise.
 
 use crate::common::*;
-use lamplight::filters::denoise::Denoiser;
-use lamplight::filters::estimate::Estimate;
+use lamplight::internals::Estimate;
+use lamplight::internals::denoise::Denoiser;
 use lamplight::settings;
 use lamplight::{Cells, Lamp, Light, Matter, Rgb, Sky};
 

@@ -1,9 +1,9 @@
 //! Jump flood and distance field against an exact transform.
 
 use crate::common::*;
-use lamplight::stages::distance::distance;
-use lamplight::stages::jump_flood::{SETTLED_ERROR, jump_flood, passes, settle};
-use lamplight::stages::seed::{NONE, pack, unpack};
+use lamplight::internals::distance::distance;
+use lamplight::internals::jump_flood::{SETTLED_ERROR, jump_flood, passes, settle};
+use lamplight::internals::seed::{NONE, pack, unpack};
 use lamplight::{Matter, Settings, Solver};
 
 const SIZES: [[u32; 2]; 10] = [

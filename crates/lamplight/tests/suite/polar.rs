@@ -52,6 +52,7 @@ fn curve(falloff: Falloff, d: f64, lamp: &Lamp) -> f64 {
         Falloff::Inverse => {
             (size / d.max(size)).asin() / std::f64::consts::PI * (1.0 - u.powi(4)).powi(2)
         }
+        other => panic!("no formula of {other:?}"),
     }
 }
 

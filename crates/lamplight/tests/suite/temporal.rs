@@ -1,7 +1,7 @@
 //! Mean over frames: noise falls, and removed light leaves no trail.
 
 use crate::common::*;
-use lamplight::filters::temporal::REACH;
+use lamplight::internals::temporal::REACH;
 use lamplight::settings::{BounceMode, Hit, Noise, Spacing, Temporal};
 use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Settings, Sky, Solver};
 

@@ -1,6 +1,6 @@
 //! Errors of the canvas.
 
-use super::Canvas;
+use super::limits::{MAX_CELLS, MAX_LAMPS, MAX_PIXELS};
 
 /// An error of the canvas. Its message is meant for users.
 #[derive(Debug, thiserror::Error)]
@@ -10,7 +10,7 @@ pub enum Error {
     #[error(transparent)]
     Scene(#[from] lamplight::Error),
     /// Too many cells.
-    #[error("{width}×{height} cells are more than a canvas has, {}", Canvas::MAX_CELLS)]
+    #[error("{width}×{height} cells are more than a canvas has, {}", MAX_CELLS)]
     Cells {
         /// Columns.
         width: u32,
@@ -18,10 +18,7 @@ pub enum Error {
         height: u32,
     },
     /// Too many pixels in an image.
-    #[error(
-        "an image of {width}×{height} px is refused: it may have {} px at most",
-        Canvas::MAX_PIXELS
-    )]
+    #[error("an image of {width}×{height} px is refused: it may have {} px at most", MAX_PIXELS)]
     Pixels {
         /// Columns.
         width: u32,
@@ -40,7 +37,7 @@ pub enum Error {
         most: usize,
     },
     /// Too many lamps.
-    #[error("{0} lamps are more than a canvas has, {most}", most = Canvas::MAX_LAMPS)]
+    #[error("{0} lamps are more than a canvas has, {most}", most = MAX_LAMPS)]
     Lamps(usize),
     /// No lamp of this index.
     #[error("there is no lamp {0}")]

@@ -10,6 +10,7 @@ mod export;
 mod history;
 mod import;
 mod lamps;
+mod limits;
 mod welcome;
 
 pub use brush::{Brush, Stuff, Tool};
@@ -55,11 +56,11 @@ pub struct Canvas {
 
 impl Canvas {
     /// The largest number of cells: 1920×1080 and a little more.
-    pub const MAX_CELLS: u32 = 1 << 21;
+    pub const MAX_CELLS: u32 = limits::MAX_CELLS;
     /// The largest number of lamps.
-    pub const MAX_LAMPS: usize = 1024;
+    pub const MAX_LAMPS: usize = limits::MAX_LAMPS;
     /// Most px of an image that is read: 4096×4096.
-    pub const MAX_PIXELS: u32 = 1 << 24;
+    pub const MAX_PIXELS: u32 = limits::MAX_PIXELS;
     /// The default limit on the bytes of undo and redo; see [`Canvas::set_history_limit`]. An edit that
     /// changes every cell differently fits.
     pub const HISTORY: usize = 160 << 20;

@@ -1,6 +1,6 @@
 //! `holographic` against the reference on random scenes, and against closed forms.
 
-use lamplight::methods::holographic::paper::Paper;
+use lamplight::internals::holographic::paper::Paper;
 use lamplight::settings::Holographic;
 use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Scene, Settings, Shape, Solver};
 use lamplight_truth::scenes::{

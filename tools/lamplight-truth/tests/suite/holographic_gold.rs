@@ -1,7 +1,7 @@
 //! The plain holographic cascades, stage by stage: they judge others, so they are judged first.
 
 use crate::common::{GLOW, WALL, grid};
-use lamplight::methods::holographic::paper::{Interval, Paper, Quadrant};
+use lamplight::internals::holographic::paper::{Interval, Paper, Quadrant};
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Sky};
 use lamplight_truth::closed_forms::{gradient_sky_mean_radiance, medium_square_mean_radiance};
 use lamplight_truth::random::Random;

@@ -7,8 +7,8 @@
 
 #import methods/holographic/footprint
 
-// Transmittance below which a cell counts as opaque.
-override OPAQUE_TRANSMITTANCE: f32;
+// Added to the sum of the weights at a ray's end, so that opaque cells let no light through, instead of 0 / 0.
+override WEIGHT_EPSILON: f32;
 // Cells beside the one in front of a face that are searched for a step.
 override REACH: u32;
 // True if the faces of solid cells, and media that scatter, are lit instead of pixels.
@@ -89,7 +89,7 @@ fn through(pixel: Pixel, cone: u32, at: u32, empty: bool) -> vec3f {
             weights.x = 0.0;
         }
         let beyond = weights.x * far(pixel, cone, end) + weights.y * far(pixel, cone, end + 1);
-        let all = OPAQUE_TRANSMITTANCE + weights.x + weights.y;
+        let all = WEIGHT_EPSILON + weights.x + weights.y;
         sum += near.light * bitcast<f32>(footprints[at]) + near.transmittance * (beyond / all);
     }
     return sum / f32(count);

@@ -9,7 +9,7 @@ use crate::gpu_struct::gpu_struct;
 use crate::pipeline::STEP_BYTES;
 use crate::planner::FramePlanner;
 use bytemuck::bytes_of;
-use lamplight::methods::cascades::{BRANCHES, Cascade, cascades, mean_sine};
+use lamplight::internals::cascades::{BRANCHES, Cascade, cascades, mean_sine};
 use lamplight::settings;
 use std::num::NonZeroU64;
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};

@@ -8,7 +8,7 @@
 
 pub mod ladder;
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch, WORKGROUP};
 use crate::planner::{FramePlanner, PassList, view, whole};
 use crate::programs;
@@ -20,7 +20,7 @@ use crate::stages::empty_space::EmptySpace;
 use crate::stages::medium_grid::{MediumGrid, MediumGridPipelines};
 use crate::stages::packet::PACKET;
 use ladder::Ladder;
-use lamplight::methods::cascades::{BEFORE, cosine};
+use lamplight::internals::cascades::{BEFORE, cosine};
 use lamplight::settings::{Bounces, Cascades as Settings, Merge};
 use wgpu::{BindingResource, Buffer, BufferUsages, Device, Queue};
 
@@ -65,16 +65,25 @@ const LIGHT: usize = 0;
 const OUTGOING: usize = 1;
 
 impl Cascades {
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings, bounces: Bounces) -> Self {
-        let fix = settings.merge == Merge::BilinearFix;
-        let merge = [PACKET, &[("ENDS", 1.0), ("BILINEAR_FIX", fix.into())]].concat();
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        settings: &Settings,
+        bounces: Bounces,
+    ) -> lamplight::Result<Self> {
+        let fix = match settings.merge {
+            Merge::Plain => 0.0,
+            Merge::BilinearFix => 1.0,
+            other => return Err(unsupported("cascades.merge", other)),
+        };
+        let merge = [PACKET, &[("ENDS", 1.0), ("BILINEAR_FIX", fix)]].concat();
         let gather = [&merge[..], &[("BEFORE", BEFORE.into())]].concat();
         let rays = settings.nearest_rays();
         let cosines = |cone| [0, 1, 2, 3].map(|face| cosine(face, cone, rays));
         let cosines: Vec<[f32; 4]> = (0..rays).map(cosines).collect();
         let cosines = bytemuck::cast_slice(&cosines);
         let converges = bounces == Bounces::Converged;
-        Self {
+        Ok(Self {
             settings: settings.clone(),
             // As in `raymarch`, squares are not found again in each of many recorded bounces.
             medium_grid: MediumGridPipelines::new(device, converges),
@@ -83,7 +92,7 @@ impl Cascades {
             gather: ComputePipelines::new(device, &programs::CASCADES_GATHER, &gather),
             cosines: filled(device, queue, "cosines", BufferUsages::STORAGE, cosines),
             convergence: converges.then(|| (Convergence::new(device), Compare::new(device))),
-        }
+        })
     }
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {

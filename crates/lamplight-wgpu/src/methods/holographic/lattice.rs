@@ -5,7 +5,7 @@
 //! the plane of odd index made last, of light the one that is needed. So smaller chunks take less memory and
 //! more dispatches.
 
-use lamplight::methods::holographic::lattice::{levels, planes, rays};
+use lamplight::internals::holographic::lattice::{levels, planes, rays};
 
 /// Rows of a workgroup that traces or gathers.
 pub const TILE: u32 = 64;

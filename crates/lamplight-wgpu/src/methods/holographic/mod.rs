@@ -19,10 +19,10 @@ use crate::programs;
 use crate::stage::Stage;
 use crate::stages::convergence::Convergence;
 use lamplight::Bounces;
-use lamplight::methods::holographic::lattice::GatherGeometry;
-use lamplight::methods::holographic::{EMISSIVE, MATTER, MEDIUM, OPAQUE_TRANSMITTANCE, REACH};
+use lamplight::internals::MAX_OPTICAL_DEPTH;
+use lamplight::internals::holographic::lattice::GatherGeometry;
+use lamplight::internals::holographic::{EMISSIVE, MATTER, MEDIUM, REACH, WEIGHT_EPSILON};
 use lamplight::settings::Holographic as Settings;
-use lamplight::stages::transmittance::LOG_OF_ZERO;
 use lattice::{Lattice, Packed};
 use quadrant::{Axis, PlannedWork, Quadrant};
 use sweep::Sweeps;
@@ -147,7 +147,7 @@ impl Holographic {
     pub fn new(device: &Device, settings: &Settings, bounces: Bounces) -> Self {
         let gather = |faces: bool| {
             let own = [
-                ("OPAQUE_TRANSMITTANCE", f64::from(OPAQUE_TRANSMITTANCE)),
+                ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
                 ("FACES", f64::from(faces)),
             ];
@@ -331,4 +331,4 @@ const CELLS: &[(&str, f64)] = &[
     ("EMITTING", EMISSIVE.trailing_zeros() as f64),
 ];
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.
-const MARCH: &[(&str, f64)] = &[("MAX_OPTICAL_DEPTH", -LOG_OF_ZERO as f64)];
+const MARCH: &[(&str, f64)] = &[("MAX_OPTICAL_DEPTH", MAX_OPTICAL_DEPTH as f64)];

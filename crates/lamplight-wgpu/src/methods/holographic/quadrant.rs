@@ -7,7 +7,7 @@ use super::tiles::Tiles;
 use super::traffic::traffic;
 use super::work::Work;
 use crate::traffic::Traffic;
-use lamplight::methods::holographic::lattice::{GatherGeometry, planes};
+use lamplight::internals::holographic::lattice::{GatherGeometry, planes};
 
 /// The grid along an axis.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! Tables that are the same for every frame: the footprints of rays, and the cones.
 
-use lamplight::methods::holographic::lattice::{
+use lamplight::internals::holographic::lattice::{
     Crossing, GatherGeometry, angle, bundle, rays, slope,
 };
 

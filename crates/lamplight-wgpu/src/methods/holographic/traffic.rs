@@ -4,7 +4,7 @@ use super::lattice::Packed;
 use super::sweep::Sweep;
 use super::work::Work;
 use crate::traffic::Traffic;
-use lamplight::methods::holographic::lattice::planes;
+use lamplight::internals::holographic::lattice::planes;
 
 /// Bytes of a word, of packed radiance, and of a texel or of light.
 const WORD: u64 = size_of::<u32>() as u64;

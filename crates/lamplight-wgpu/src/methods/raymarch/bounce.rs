@@ -1,7 +1,7 @@
 //! Bounces: a number of them, until light has converged, or one per frame.
 
 use super::gather::{Gather, GatherBuffers, Gathered};
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::pipeline::Dispatch;
 use crate::planner::FramePlanner;
 use crate::stages::compare::Compare;
@@ -23,15 +23,16 @@ pub enum Bounce {
 }
 
 impl Bounce {
-    pub fn new(device: &Device, settings: &Raymarch, bounces: Bounces) -> Self {
-        match (bounces, settings.bounce_mode) {
+    pub fn new(device: &Device, settings: &Raymarch, bounces: Bounces) -> lamplight::Result<Self> {
+        Ok(match (bounces, settings.bounce_mode) {
             (Bounces::Count(0), _) => Self::Times(0),
             (_, BounceMode::Feedback) => Self::Feedback(Feedback::new(device)),
             (Bounces::Count(times), BounceMode::Frame) => Self::Times(times),
             (Bounces::Converged, BounceMode::Frame) => {
                 Self::Converged(Convergence::new(device), Compare::new(device))
             }
-        }
+            (_, other) => return Err(unsupported("raymarch.bounce_mode", other)),
+        })
     }
 
     /// Returns whether media that scatter are crossed cell by cell from the start. It saves finding squares

@@ -1,16 +1,17 @@
 //! The gather of light, or of outgoing radiance, by rays from every pixel.
 
+use crate::error::unsupported;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::shared::filled;
 use crate::stages::medium_grid::MediumGrid;
 use crate::stages::packet::PACKET;
 use crate::{programs, shaders};
-use lamplight::methods::raymarch::{GOLDEN_RATIO, NEVER, SECTOR, directions};
+use lamplight::internals::distance::MARGIN;
+use lamplight::internals::noise;
+use lamplight::internals::raymarch::{GOLDEN_RATIO, NEVER, SECTOR, directions};
+use lamplight::internals::seed::NONE;
 use lamplight::settings::{Hit, Raymarch};
-use lamplight::stages::distance::MARGIN;
-use lamplight::stages::noise;
-use lamplight::stages::seed::NONE;
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
 /// The pipelines, and buffers that are the same for every grid.
@@ -47,12 +48,13 @@ impl Gather {
         settings: &Raymarch,
         tracks: bool,
         varies: bool,
-    ) -> Self {
+    ) -> lamplight::Result<Self> {
         let storage = |label, bytes| filled(device, queue, label, BufferUsages::STORAGE, bytes);
         let stops = [("STOPS", f64::from(tracks || settings.attenuation))];
         let (program, march) = match settings.hit {
             Hit::Edge => (&programs::RAYMARCH, [PACKET, &[("ENDS", 0.0)], &stops].concat()),
             Hit::Distance => (&programs::RAYMARCH_DISTANCE, MARCH_DISTANCE.to_vec()),
+            other => return Err(unsupported("raymarch.hit", other)),
         };
         let needed = [
             ("TRACKS", f64::from(tracks)),
@@ -61,11 +63,11 @@ impl Gather {
         ];
         let constants = [GATHER, &march, &shaders::LUMINANCE, &needed].concat();
         let directions: Vec<[f32; 2]> = directions(settings).collect();
-        Self {
+        Ok(Self {
             rays: ComputePipelines::new(device, program, &constants),
             blue: storage("blue noise", noise::blue()),
             directions: storage("directions", bytemuck::cast_slice(&directions)),
-        }
+        })
     }
 
     /// Plans a gather from the outgoing radiance in `from`, which counts from step 1 on, to `to`.

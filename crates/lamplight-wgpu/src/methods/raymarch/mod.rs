@@ -3,7 +3,7 @@
 mod bounce;
 mod gather;
 
-use crate::error::Result;
+use crate::error::{Result, unsupported};
 use crate::planner::{FramePlanner, PassList};
 use crate::stage::Stage;
 use crate::stages::denoise::Denoise;
@@ -39,26 +39,32 @@ enum Skipping {
 }
 
 impl Raymarch {
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings, bounces: Bounces) -> Self {
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        settings: &Settings,
+        bounces: Bounces,
+    ) -> lamplight::Result<Self> {
         let accumulates = settings.temporal.history_length > 1;
         let (tracks, varies) = (Temporal::tracks(settings), settings.denoise.passes > 0);
         let traced = tracks || varies;
         let skipping = match settings.hit {
             Hit::Edge => Skipping::Squares(EmptySpace::new(device)),
             Hit::Distance => Skipping::Distance(DistancePipelines::new(device)),
+            other => return Err(unsupported("raymarch.hit", other)),
         };
         let rejects = accumulates && settings.temporal.reject;
-        let bounce = Bounce::new(device, settings, bounces);
-        Self {
+        let bounce = Bounce::new(device, settings, bounces)?;
+        Ok(Self {
             medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
             skipping,
-            gather: Gather::new(device, queue, settings, tracks, varies),
+            gather: Gather::new(device, queue, settings, tracks, varies)?,
             bounce,
             invalidate: rejects.then(|| Invalidate::new(device)),
             temporal: accumulates.then(|| Temporal::new(device, settings, bounces, traced)),
             denoise: varies.then(|| Denoise::new(device, settings)),
             traced,
-        }
+        })
     }
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {

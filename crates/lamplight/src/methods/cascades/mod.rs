@@ -34,7 +34,7 @@ use fearless_simd::{Level, f32x16, prelude::*};
 pub use gather::BEFORE;
 use gather::FaceGather;
 use interval::{EmptyRadius, TracedScene};
-pub use ladder::{BRANCHES, Cascade, Lattice, RaySegment, cascades, cosine, mean_sine};
+pub use ladder::{BRANCHES, Cascade, cascades, cosine, mean_sine};
 use merge::{FartherCascade, PADDING, ProbeRay, ProbeTracer, ReceiverPoints};
 use rayon::prelude::*;
 

@@ -20,8 +20,9 @@ use super::trace::{
 use fearless_simd::{f32x16, prelude::*, u8x64};
 use std::ops::Range;
 
-/// Transmittance under which a cell counts as opaque.
-pub const OPAQUE_TRANSMITTANCE: f32 = 1e-6;
+/// Added to the sum of the weights at a ray's end, each a transmittance times its share of the
+/// interpolation: where both cells are opaque, no light comes from behind them, instead of 0 ÷ 0.
+pub const WEIGHT_EPSILON: f32 = 1e-6;
 
 /// The end of a ray on the plane.
 #[derive(Clone, Copy, Debug)]
@@ -293,7 +294,7 @@ fn gather_medium<S: Simd, const K: usize>(
     let transmittance = &slabs.transmittance[0][(tile.start + first).wrapping_add_signed(offset)..];
     let at = (pad + tile.row + first).wrapping_add_signed(end.row);
     let (at_edge, dropped) = end.at_edge(slabs.rows, tile.row);
-    let (mut sum, mut far_light) = (f32x16::splat(simd, OPAQUE_TRANSMITTANCE), [zero; 3]);
+    let (mut sum, mut far_light) = (f32x16::splat(simd, WEIGHT_EPSILON), [zero; 3]);
     for (i, &weight) in end.weights.iter().enumerate() {
         let mut weight = f32x16::from_slice(simd, &transmittance[i..][..LANES]) * weight;
         if i == dropped {

@@ -24,13 +24,12 @@ use crate::filters::estimate::Estimate;
 use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::grid::packet::LANES;
-pub use crate::grid::packet::NEVER;
 use crate::settings::{BounceMode, Bounces, Hit, Raymarch};
 use crate::stages::bounce::{Faces, Surfaces, mean_over_faces, solve_bounces};
 use fearless_simd::Level;
 use gather::{Directions, Gather, Mean};
 /// `gap` is the name under which `lamplight-wgpu` imports `stride`.
-pub use gather::{GOLDEN_RATIO, SECTOR, directions, stride, stride as gap};
+pub use gather::{GOLDEN_RATIO, SECTOR, directions, stride};
 use march::RayScene;
 use rayon::prelude::*;
 

@@ -1,6 +1,6 @@
 //! The CPU backend.
 
-use super::Shown;
+use super::shown::Shown;
 use anyhow::{Context as _, Result};
 use eframe::egui::{
     Color32, ColorImage, Context, Painter, Pos2, Rect, TextureHandle, TextureOptions,

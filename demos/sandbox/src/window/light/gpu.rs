@@ -1,6 +1,6 @@
 //! The GPU backend: light is submitted before the window is drawn, and composed in its render pass.
 
-use super::Shown;
+use super::shown::Shown;
 use anyhow::Result;
 use eframe::egui::{PaintCallbackInfo, Painter, Rect};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};

@@ -2,6 +2,9 @@
 
 mod cpu;
 mod gpu;
+mod shown;
+
+pub use shown::Shown;
 
 use anyhow::Result;
 use cpu::OnCpu;
@@ -10,19 +13,9 @@ use eframe::egui::{Context, Painter, Rect};
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu::DeviceType;
 use gpu::OnGpu;
-use lamplight::{Cells, Display, Light, Settings};
+use lamplight::{Cells, Light, Settings};
 use lamplight_wgpu::read_back::FetchLight;
 use std::time::Duration;
-
-/// Display options of the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Shown {
-    pub display: Display,
-    /// The light alone, on white.
-    pub light_alone: bool,
-    /// True if light is interpolated between cells.
-    pub smooth: bool,
-}
 
 /// The backend of lighting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]

@@ -13,7 +13,7 @@ use crate::look::Look;
 use crate::paint::Paint;
 use crate::random::Random;
 use element::{BURNING, LOOKS};
-use lamplight::{Cells, Display, Gradient, Rgb, Sky};
+use lamplight::{Cells, Display, Rgb, Sky};
 
 /// One cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -51,18 +51,15 @@ const PASSES: u32 = 2;
 const DRIPS: u32 = 50;
 /// Shoots of a new plant.
 const SHOOTS: u8 = 40;
+/// Columns and rows of the layout of the first cave.
+const LAYOUT: [f32; 2] = [320.0, 180.0];
+
+/// Cells per layout px, along the smaller axis.
+fn unit([width, height]: [u32; 2]) -> f32 {
+    (width as f32 / LAYOUT[0]).min(height as f32 / LAYOUT[1])
+}
 
 impl Sand {
-    /// A cave with a lake, a dune, crystals and lava.
-    ///
-    /// # Panics
-    /// If `size` is not a size of a grid; [`super::WorldKind::make`] checks that.
-    pub fn new(size: [u32; 2], seed: u64) -> Self {
-        let mut sand = Self::empty(size, seed);
-        scene::compose(&mut sand, seed as u32);
-        sand
-    }
-
     /// A world of air.
     ///
     /// # Panics
@@ -70,7 +67,7 @@ impl Sand {
     pub fn empty([width, height]: [u32; 2], seed: u64) -> Self {
         assert!(Cells::check_size(width.into(), height.into()).is_ok(), "{width}×{height}");
         let n = width as usize * height as usize;
-        let unit = scene::unit([width, height]);
+        let unit = unit([width, height]);
         let looks = |e: Element| std::array::from_fn(|look| e.paint(look).at_scale(unit));
         Self {
             width: width as i32,
@@ -123,7 +120,7 @@ impl Sand {
     }
 
     fn unit(&self) -> f32 {
-        scene::unit([self.width as u32, self.height as u32])
+        unit([self.width as u32, self.height as u32])
     }
 
     #[inline]
@@ -246,13 +243,4 @@ impl World for Sand {
         }
         .at_scale(self.unit())
     }
-}
-
-/// The evening above the cave.
-fn evening() -> Sky {
-    Sky::Gradient(Gradient {
-        zenith: [5.0, 5.6, 6.4],
-        horizon: [2.4, 2.4, 2.6],
-        ground: [0.0, 0.0, 0.0],
-    })
 }

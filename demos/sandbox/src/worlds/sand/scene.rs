@@ -1,13 +1,12 @@
 //! The initial cave of the falling-sand world, on a layout of 320×180.
 
 use super::element::Element;
-use super::{Grain, Sand, evening};
+use super::{Grain, LAYOUT, Sand};
 use crate::paint::{hex, mix};
 use crate::random::Random;
 use crate::texture::{cloud, hash, noise};
+use lamplight::{Gradient, Sky};
 
-/// Columns and rows of the layout.
-const LAYOUT: [f32; 2] = [320.0, 180.0];
 /// Left and right edge of the opening above the lake.
 const SHAFT: [f32; 2] = [66.0, 98.0];
 /// Surface rows of the lake and the lava.
@@ -47,13 +46,20 @@ const CRYSTALS: [([f32; 2], [f32; 2], f32, u8); 9] = [
     ([52.0, 168.0], [60.0, 157.0], 3.0, 0),
 ];
 
-/// Cells per layout px, along the smaller axis.
-pub(super) fn unit([width, height]: [u32; 2]) -> f32 {
-    (width as f32 / LAYOUT[0]).min(height as f32 / LAYOUT[1])
+impl Sand {
+    /// A cave with a lake, a dune, crystals and lava.
+    ///
+    /// # Panics
+    /// If `size` is not a size of a grid; [`crate::worlds::WorldKind::make`] checks that.
+    pub fn new(size: [u32; 2], seed: u64) -> Self {
+        let mut sand = Self::empty(size, seed);
+        compose(&mut sand, seed as u32);
+        sand
+    }
 }
 
 /// Fills an empty world.
-pub(super) fn compose(sand: &mut Sand, seed: u32) {
+fn compose(sand: &mut Sand, seed: u32) {
     let scale = [sand.width as f32 / LAYOUT[0], sand.height as f32 / LAYOUT[1]];
     let mut layout = Layout { sand, seed, scale, random: Random::new(u64::from(seed) + 1) };
     layout.rock_and_pools();
@@ -288,4 +294,13 @@ impl Layout<'_> {
             }
         }
     }
+}
+
+/// The evening above the cave.
+fn evening() -> Sky {
+    Sky::Gradient(Gradient {
+        zenith: [5.0, 5.6, 6.4],
+        horizon: [2.4, 2.4, 2.6],
+        ground: [0.0, 0.0, 0.0],
+    })
 }

@@ -19,9 +19,9 @@ use crate::stage::Stage;
 use crate::stages::convergence::Convergence;
 use crate::traffic::Traffic;
 use lamplight::Bounces;
-use lamplight::methods::holographic::lattice::planes;
-use lamplight::methods::holographic::paper::{Paper as Cpu, rays};
-use lamplight::stages::transmittance::LOG_OF_ZERO;
+use lamplight::internals::MAX_OPTICAL_DEPTH;
+use lamplight::internals::holographic::lattice::planes;
+use lamplight::internals::holographic::paper::{Paper as Cpu, rays};
 use std::num::NonZeroU64;
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages, Device};
 
@@ -54,7 +54,7 @@ struct LevelPipelines {
 impl LevelPipelines {
     fn new(device: &Device, words: u32) -> Self {
         let stored = ("WORDS", f64::from(words));
-        let trace = [stored, ("MAX_OPTICAL_DEPTH", -f64::from(LOG_OF_ZERO))];
+        let trace = [stored, ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH))];
         Self {
             bytes: u64::from(words) * size_of::<f32>() as u64,
             trace: ComputePipelines::new(device, &programs::PAPER_TRACE, &trace),

@@ -1,6 +1,6 @@
 //! Tables that are the same for every frame: the footprints of traced rays, and the cones.
 
-use lamplight::methods::holographic::paper::{Piece, cone, paths, rays};
+use lamplight::internals::holographic::paper::{Piece, cone, paths, rays};
 
 /// Returns where each of the levels 0 to `traced` begins, and the footprints of their rays, as trace.wgsl reads
 /// them.

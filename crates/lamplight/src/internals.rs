@@ -1,0 +1,107 @@
+//! Parts of the methods and stages that other crates of this repository use: constants and tables that
+//! `lamplight-wgpu` hands to its shaders, and single stages that tests and the reference compare with
+//! theirs.
+//!
+//! Not part of the public API, and without a promise of compatibility: any release may rename or
+//! remove what is here. It exists so that a number that the CPU and the GPU both need is written once.
+//!
+//! Names that only mean something beside their stage or method are in a module with its stem.
+
+pub use crate::filters::estimate::Estimate;
+pub use crate::grid::class::CellClass;
+pub use crate::math::transmittance::{MAX_OPTICAL_DEPTH, OPAQUE_TRANSMITTANCE, extinction};
+pub use crate::stages::bounce::CONVERGED;
+pub use crate::stages::walls::Walls;
+
+/// Radiance cascades: the ladder of cascades, and the sines of rays on faces.
+pub mod cascades {
+    pub use crate::methods::cascades::{BEFORE, BRANCHES, Cascade, cascades, cosine, mean_sine};
+}
+
+/// Evenly spread directions.
+pub mod circle {
+    pub use crate::math::circle::direction;
+}
+
+/// The edge-aware blur.
+pub mod denoise {
+    pub use crate::filters::denoise::{DEVIATIONS, Denoiser, KERNEL, OPACITY};
+}
+
+/// The curves of tone maps.
+pub mod display {
+    pub use crate::stages::display::{
+        ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_STOPS,
+        BRIGHTEST,
+    };
+}
+
+/// The distance field.
+pub mod distance {
+    pub use crate::stages::distance::{MARGIN, distance};
+}
+
+/// Empty-space skipping.
+pub mod empty_space {
+    pub use crate::grid::empty_space::{LONGEST, MATTER, empty_space};
+}
+
+/// The energy of `flood`, and how it fades.
+pub mod flood {
+    pub use crate::methods::flood::{STEEPNESS, reach};
+}
+
+/// Holographic radiance cascades.
+pub mod holographic {
+    pub use crate::methods::holographic::{EMISSIVE, MATTER, MEDIUM, REACH, WEIGHT_EPSILON};
+
+    /// Directions, levels, and where planes lie.
+    pub mod lattice {
+        pub use crate::methods::holographic::lattice::{
+            Crossing, GatherGeometry, angle, bundle, levels, planes, rays, slope,
+        };
+    }
+
+    /// The method as published.
+    pub mod paper {
+        pub use crate::methods::holographic::paper::{
+            Interval, Paper, Piece, Quadrant, cone, paths, rays,
+        };
+    }
+}
+
+/// The jump flood, and the passes that settle it.
+pub mod jump_flood {
+    pub use crate::stages::jump_flood::{SETTLED_ERROR, jump_flood, passes, settle};
+}
+
+/// Lamps drawn as discs.
+pub mod lamp {
+    pub use crate::source_normalization::gain;
+}
+
+/// The jitter of rays.
+pub mod noise {
+    pub use crate::math::noise::{FRAMES, GOLDEN, R2, SIDE, blue, fold};
+}
+
+/// The shadow maps of `polar`.
+pub mod polar {
+    pub use crate::methods::polar::{APART, FINEST, NARROWEST, NEAREST, WIDEST, rays};
+}
+
+/// The rays of `raymarch`.
+pub mod raymarch {
+    pub use crate::grid::packet::NEVER;
+    pub use crate::methods::raymarch::{GOLDEN_RATIO, SECTOR, directions, stride};
+}
+
+/// The seed map.
+pub mod seed {
+    pub use crate::stages::seed::{NONE, pack, seed, unpack};
+}
+
+/// The mean over frames.
+pub mod temporal {
+    pub use crate::filters::temporal::{FEEDBACK, REACH};
+}
