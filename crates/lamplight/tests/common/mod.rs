@@ -3,50 +3,28 @@
 // Each test program uses its own part of this.
 #![allow(dead_code)]
 
+pub use fastrand::Rng;
 use lamplight::{Cells, Light, Matter, Method, Rgb, Settings, Solver};
-use std::collections::hash_map::RandomState;
-use std::hash::BuildHasher;
 
 /// A black wall.
 pub const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
 /// A black wall that glows with radiance 1.
 pub const GLOW: Matter = Matter { emission: [1.0; 3], ..WALL };
 
-/// A random number generator (SplitMix64) with a seed.
-pub struct Random(u64);
+/// A random number generator with this seed, printed so that a failure can be repeated.
+pub fn seeded(seed: u64) -> Rng {
+    println!("seed {seed}");
+    Rng::with_seed(seed)
+}
 
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
+/// A random number generator with a new seed in each run, printed so that a failure can be repeated.
+pub fn fresh() -> Rng {
+    seeded(fastrand::u64(..))
+}
 
-    /// From a seed that is new in each run, printed so that a failure can be repeated.
-    pub fn fresh() -> Self {
-        let seed = RandomState::new().hash_one(0);
-        println!("seed {seed}");
-        Self(seed)
-    }
-
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ z >> 31
-    }
-
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1u32 << 24) as f32
-    }
-
-    /// In 0..n.
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-
-    pub fn rgb(&mut self) -> Rgb {
-        [self.unit(), self.unit(), self.unit()]
-    }
+/// A random value in [0, 1) per channel.
+pub fn rgb(random: &mut Rng) -> Rgb {
+    [random.f32(), random.f32(), random.f32()]
 }
 
 /// A grid whose cells are given by `matter`.
@@ -128,18 +106,13 @@ pub struct Sealed {
 
 impl Sealed {
     /// A room of `size` cells or as many as there are.
-    pub fn new(
-        random: &mut Random,
-        [width, height]: [u32; 2],
-        size: usize,
-        contact: Contact,
-    ) -> Self {
+    pub fn new(random: &mut Rng, [width, height]: [u32; 2], size: usize, contact: Contact) -> Self {
         let n = (width * height) as usize;
         let mut inside = vec![false; n];
-        let mut front = vec![random.below(n)];
+        let mut front = vec![random.usize(..n)];
         let mut left = size.min(n);
         while left > 0 {
-            let cell = front.swap_remove(random.below(front.len()));
+            let cell = front.swap_remove(random.usize(..front.len()));
             if !inside[cell] {
                 inside[cell] = true;
                 left -= 1;

@@ -42,13 +42,13 @@ fn near(value: f32, expected: f64, tolerance: f64) {
 
 /// Walls, fog, glass and lights, in no order, under a dim sky.
 fn jumble(width: u32, height: u32, seed: u64) -> Cells {
-    let random = &mut Random::new(seed);
+    let random = &mut seeded(seed);
     let mut cells = grid(width, height, |_, _| {
-        let glow = if random.unit() < 0.3 { random.rgb() } else { [0.0; 3] };
-        let (albedo, tint, kind) = (random.rgb(), random.rgb(), random.unit());
+        let glow = if random.f32() < 0.3 { rgb(random) } else { [0.0; 3] };
+        let (albedo, tint, kind) = (rgb(random), rgb(random), random.f32());
         match kind {
             k if k < 0.15 => Matter { emission: glow, albedo, ..WALL },
-            k if k < 0.25 => Matter { emission: glow, opacity: random.unit(), albedo, tint },
+            k if k < 0.25 => Matter { emission: glow, opacity: random.f32(), albedo, tint },
             k if k < 0.3 => Matter { tint, ..Matter::EMPTY },
             _ => Matter::EMPTY,
         }
@@ -127,19 +127,19 @@ fn a_furnace_has_uniform_light() {
 
 #[test]
 fn no_light_enters_a_sealed_room() {
-    let random = &mut Random::fresh();
+    let random = &mut fresh();
     let mut leaks = 0;
     for i in 0..40 {
         let contact = if i % 2 == 0 { Contact::Sides } else { Contact::Corners };
-        let size = [20 + random.below(60) as u32, 20 + random.below(40) as u32];
-        let room_size = 10 + random.below(200);
+        let size = [20 + random.u32(..60), 20 + random.u32(..40)];
+        let room_size = 10 + random.usize(..200);
         let sealed = Sealed::new(random, size, room_size, contact);
         let mut cells = grid(size[0], size[1], |x, y| {
             let i = (y * size[0] + x) as usize;
             match () {
                 () if sealed.wall[i] => Matter { albedo: [0.8; 3], ..WALL },
                 () if sealed.is_outside(i) => {
-                    let glow = if random.unit() < 0.1 { 50.0 } else { 0.0 };
+                    let glow = if random.f32() < 0.1 { 50.0 } else { 0.0 };
                     Matter { emission: [glow; 3], opacity: 0.1, albedo: [0.9; 3], tint: [1.0; 3] }
                 }
                 () => Matter::EMPTY,

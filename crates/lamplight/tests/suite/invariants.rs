@@ -18,13 +18,13 @@ fn bounces(count: u32, rays: u32) -> Settings {
 
 /// Walls, fog, glass and lights, in no order, under a dim sky.
 fn jumble(width: u32, height: u32, seed: u64) -> Cells {
-    let random = &mut Random::new(seed);
+    let random = &mut seeded(seed);
     let mut cells = grid(width, height, |_, _| {
-        let glow = if random.unit() < 0.3 { random.rgb() } else { [0.0; 3] };
-        let (albedo, tint, kind) = (random.rgb(), random.rgb(), random.unit());
+        let glow = if random.f32() < 0.3 { rgb(random) } else { [0.0; 3] };
+        let (albedo, tint, kind) = (rgb(random), rgb(random), random.f32());
         match kind {
             k if k < 0.15 => Matter { emission: glow, albedo, ..WALL },
-            k if k < 0.25 => Matter { emission: glow, opacity: random.unit(), albedo, tint },
+            k if k < 0.25 => Matter { emission: glow, opacity: random.f32(), albedo, tint },
             k if k < 0.3 => Matter { tint, ..Matter::EMPTY },
             _ => Matter::EMPTY,
         }
@@ -117,10 +117,10 @@ fn light_is_linear_in_emission() {
 fn more_emission_never_darkens() {
     let mut brighter = 0;
     for seed in 1..5 {
-        let random = &mut Random::new(seed);
+        let random = &mut seeded(seed);
         let cells = jumble(31, 22, seed);
         let walls: Vec<usize> = (0..cells.len()).filter(|&i| cells.is_solid(i)).collect();
-        let raised = walls[random.below(walls.len())];
+        let raised = walls[random.usize(..walls.len())];
         let after = relit(&cells, |i, e| if i == raised { e.map(|v| v + 2.0) } else { e }, 1.0);
         for settings in [bounces(0, 16), bounces(2, 16)] {
             let (before, after) = (solve(&settings, &cells), solve(&settings, &after));
