@@ -5,8 +5,8 @@
 //! irradiance E reflects `L_o = albedo·E/2` (in two dimensions `E = ∫L cosθ dθ`, and a uniform L gives
 //! 2L). The code keeps irradiance in the normalised form E/2 throughout. A cell of a medium of mean
 //! radiance J scatters `albedo·J` by the fraction of light that it stops. Per bounce a method gathers
-//! irradiance, turns it into outgoing radiance ([`Surfaces::reflect_and_scatter`]), and gathers again
-//! ([`solve_bounces`]).
+//! irradiance and mean radiance, turns them into reflected and scattered radiance
+//! ([`Surfaces::reflect_and_scatter`]), and gathers again ([`solve_bounces`]).
 
 use crate::grid::class::is_occupied;
 use crate::grid::medium_grid::MediumGrid;
@@ -54,7 +54,7 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
-    /// Finds the surfaces of a grid, without outgoing light. Media of an opacity up to `threshold` count
+    /// Finds the surfaces of a grid, without light on them. Media of an opacity up to `threshold` count
     /// as empty.
     pub fn collect(&mut self, cells: &Cells, threshold: f32) {
         self.width = cells.width();
@@ -91,7 +91,7 @@ impl Surfaces {
         self.wall_changed.resize(self.walls.len(), Default::default());
     }
 
-    /// Copies the outgoing light of the frame `before` for cells that were surfaces then. Walls that
+    /// Copies the reflected and scattered light of the frame `before` for cells that were surfaces then. Walls that
     /// no longer reflect get none, because no later gather would replace it.
     pub fn take_over(&mut self, before: &Self) {
         if (before.width, before.slots.len()) != (self.width, self.slots.len()) {
