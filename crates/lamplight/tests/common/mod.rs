@@ -4,7 +4,7 @@
 #![allow(dead_code)]
 
 pub use fastrand::Rng;
-use lamplight::{Cells, Light, Matter, Method, Rgb, Settings, Solver};
+use lamplight::{Cells, Light, Matter, Method, Rgb, Settings, Sky, Solver};
 
 /// A black wall.
 pub const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
@@ -46,6 +46,40 @@ pub fn room(width: u32, height: u32, wall: Matter) -> Cells {
     })
 }
 
+/// Walls, fog, glass and lights, in no order, under a dim sky.
+pub fn jumble(width: u32, height: u32, seed: u64) -> Cells {
+    let random = &mut seeded(seed);
+    let mut cells = grid(width, height, |_, _| {
+        let glow = if random.f32() < 0.3 { rgb(random) } else { [0.0; 3] };
+        let (albedo, tint, kind) = (rgb(random), rgb(random), random.f32());
+        match kind {
+            k if k < 0.15 => Matter { emission: glow, albedo, ..WALL },
+            k if k < 0.25 => Matter { emission: glow, opacity: random.f32(), albedo, tint },
+            k if k < 0.3 => Matter { tint, ..Matter::EMPTY },
+            _ => Matter::EMPTY,
+        }
+    });
+    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25]));
+    cells
+}
+
+/// The grid with other emission, under the sky of [`jumble`] times `sky`.
+pub fn relit(cells: &Cells, emission: impl Fn(usize, Rgb) -> Rgb, sky: f32) -> Cells {
+    let mut cells = cells.clone();
+    for (i, e) in cells.emission_mut().iter_mut().enumerate() {
+        *e = emission(i, *e);
+    }
+    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25].map(|v| v * sky)));
+    cells
+}
+
+/// Panics unless a value is the expected one, within a relative tolerance.
+#[track_caller]
+pub fn near(value: f32, expected: f64, tolerance: f64) {
+    let off = (f64::from(value) / expected - 1.0).abs();
+    assert!(off <= tolerance, "{value} is not {expected}: {off} off, {tolerance} allowed");
+}
+
 /// Settings that differ from the defaults in a few keys.
 pub fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
     let mut settings = Settings { method: Method::Raymarch, ..Settings::default() };
@@ -56,6 +90,33 @@ pub fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
 /// The first frame of a new solver.
 pub fn solve(settings: &Settings, cells: &Cells) -> Light {
     Solver::new(settings.clone()).unwrap().solve(cells).unwrap().clone()
+}
+
+/// Panics unless light is proportional to emission, and the light of two parts of the emission adds up
+/// to that of all, within `rounding`, relative.
+pub fn expect_linear_in_emission(settings: &Settings, rounding: f32) {
+    for seed in 1..4 {
+        let cells = jumble(31, 22, seed);
+        let once = solve(settings, &cells);
+        for factor in [0.25, 8.0] {
+            let bright = relit(&cells, |_, e| e.map(|v| factor * v), factor);
+            let expected: Vec<Rgb> = once.pixels().iter().map(|p| p.map(|v| factor * v)).collect();
+            assert!(solve(settings, &bright).pixels() == expected, "seed {seed}, {factor}");
+        }
+        let part = |keep: usize, sky: f32| {
+            let some = |i: usize, e: Rgb| if i % 2 == keep { e } else { [0.0; 3] };
+            solve(settings, &relit(&cells, some, sky))
+        };
+        let (even, odd) = (part(0, 1.0), part(1, 0.0));
+        for (i, all) in once.pixels().iter().enumerate() {
+            for c in 0..3 {
+                let sum = even.pixels()[i][c] + odd.pixels()[i][c];
+                assert!((sum - all[c]).abs() <= rounding * all[c], "cell {i}: {sum}, {all:?}");
+                // Light never darkens.
+                assert!(even.pixels()[i][c] <= all[c] * (1.0 + rounding), "cell {i}");
+            }
+        }
+    }
 }
 
 /// Root of the mean squared difference over open cells and channels ÷ the mean of `truth` there.
@@ -139,6 +200,14 @@ impl Sealed {
     /// Indices of the cells of the room.
     pub fn room(&self) -> Vec<usize> {
         (0..self.inside.len()).filter(|&i| self.inside[i]).collect()
+    }
+
+    /// Returns a random cell of each side of the wall that has any, with all cells of the other side.
+    pub fn sides(&self, random: &mut Rng) -> Vec<(usize, Vec<usize>)> {
+        let outside: Vec<usize> = (0..self.inside.len()).filter(|&i| self.is_outside(i)).collect();
+        let sides = [(self.room(), outside.clone()), (outside, self.room())];
+        let some = sides.into_iter().filter(|(cells, _)| !cells.is_empty());
+        some.map(|(cells, others)| (cells[random.usize(..cells.len())], others)).collect()
     }
 
     pub fn is_outside(&self, i: usize) -> bool {

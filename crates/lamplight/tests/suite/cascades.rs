@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use lamplight::settings::{Cascades, Merge};
-use lamplight::{Bounces, Cells, Error, Gradient, Light, Matter, Method, Rgb, Settings, Sky};
+use lamplight::{Bounces, Cells, Error, Gradient, Light, Matter, Method, Settings, Sky};
 use lamplight::{SettingsTable, Solver};
 
 /// Sums of some thousand f32, relative.
@@ -32,29 +32,6 @@ fn variants() -> Vec<Settings> {
         all.push(cascades(|c| (c.merge, c.interval, c.overlap) = (merge, 0.7, 0.3)));
     }
     all
-}
-
-#[track_caller]
-fn near(value: f32, expected: f64, tolerance: f64) {
-    let off = (f64::from(value) / expected - 1.0).abs();
-    assert!(off <= tolerance, "{value} is not {expected}: {off} off, {tolerance} allowed");
-}
-
-/// Walls, fog, glass and lights, in no order, under a dim sky.
-fn jumble(width: u32, height: u32, seed: u64) -> Cells {
-    let random = &mut seeded(seed);
-    let mut cells = grid(width, height, |_, _| {
-        let glow = if random.f32() < 0.3 { rgb(random) } else { [0.0; 3] };
-        let (albedo, tint, kind) = (rgb(random), rgb(random), random.f32());
-        match kind {
-            k if k < 0.15 => Matter { emission: glow, albedo, ..WALL },
-            k if k < 0.25 => Matter { emission: glow, opacity: random.f32(), albedo, tint },
-            k if k < 0.3 => Matter { tint, ..Matter::EMPTY },
-            _ => Matter::EMPTY,
-        }
-    });
-    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25]));
-    cells
 }
 
 /// Sizes that are small, odd, prime, of one row, and of more than one packet.
@@ -216,42 +193,10 @@ fn turning_the_scene_turns_the_light() {
     }
 }
 
-/// The grid with other emission and sky.
-fn relit(cells: &Cells, emission: impl Fn(usize, Rgb) -> Rgb, sky: f32) -> Cells {
-    let mut cells = cells.clone();
-    for (i, e) in cells.emission_mut().iter_mut().enumerate() {
-        *e = emission(i, *e);
-    }
-    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25].map(|v| v * sky)));
-    cells
-}
-
 #[test]
 fn light_is_linear_in_emission() {
-    for seed in 1..4 {
-        let cells = jumble(31, 22, seed);
-        for settings in [bounces(0), bounces(2), cascades(|c| c.merge = Merge::Plain)] {
-            let once = solve(&settings, &cells);
-            for factor in [0.25, 8.0] {
-                let bright = relit(&cells, |_, e| e.map(|v| factor * v), factor);
-                let expected: Vec<Rgb> =
-                    once.pixels().iter().map(|p| p.map(|v| factor * v)).collect();
-                assert!(solve(&settings, &bright).pixels() == expected, "seed {seed}, {factor}");
-            }
-            let part = |keep: usize, sky: f32| {
-                let some = |i: usize, e: Rgb| if i % 2 == keep { e } else { [0.0; 3] };
-                solve(&settings, &relit(&cells, some, sky))
-            };
-            let (even, odd) = (part(0, 1.0), part(1, 0.0));
-            for (i, all) in once.pixels().iter().enumerate() {
-                for c in 0..3 {
-                    let sum = even.pixels()[i][c] + odd.pixels()[i][c];
-                    assert!((sum - all[c]).abs() <= ROUNDING * all[c], "cell {i}: {sum}, {all:?}");
-                    // Light never darkens.
-                    assert!(even.pixels()[i][c] <= all[c] * (1.0 + ROUNDING), "cell {i}");
-                }
-            }
-        }
+    for settings in [bounces(0), bounces(2), cascades(|c| c.merge = Merge::Plain)] {
+        expect_linear_in_emission(&settings, ROUNDING);
     }
 }
 

@@ -82,19 +82,13 @@ fn no_light_gets_through_a_wall() {
         let sealed = Sealed::new(random, [37, 31], 60, contact);
         let white = Matter { albedo: [1.0; 3], ..WALL };
         let mut cells = sealed.grid(white);
-        let room = sealed.room();
-        let outside: Vec<usize> = (0..37 * 31).filter(|&i| sealed.is_outside(i)).collect();
-        for (homes, dark) in [(&room, &outside), (&outside, &room)] {
-            if homes.is_empty() {
-                continue;
-            }
-            let home = homes[random.usize(..homes.len())];
+        for (home, dark) in sealed.sides(random) {
             let position = [(home % 37) as f32 + random.f32(), (home / 37) as f32 + random.f32()];
             *cells.lamps_mut() = vec![Lamp { position, ..Lamp::default() }];
             for settings in variants() {
                 let light = frames(&mut Solver::new(settings).unwrap(), &cells, 4);
                 assert!(light.pixels()[home][0] > 0.0);
-                for &i in dark.iter() {
+                for &i in &dark {
                     assert_eq!(light.pixels()[i], [0.0; 3], "lamp at {position:?}, cell {i}");
                 }
             }
