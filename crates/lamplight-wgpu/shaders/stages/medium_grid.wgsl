@@ -42,10 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let tint_opacity = textureLoad(matter, id.xy, 0);
-    var cell_class = select(EMPTY, MEDIUM, occupied(tint_opacity));
-    if tint_opacity.a >= 1.0 {
-        cell_class = SOLID;
-    }
+    let cell_class = classify(tint_opacity, frame.threshold);
     let i = index(id.xy);
     let emitted = textureLoad(emission, id.xy, 0).rgb * frame.emission_multiplier;
     source[i] = vec4f(emitted, f32(cell_class));
