@@ -3,7 +3,7 @@
 use lamplight::internals::CONVERGED;
 use lamplight::{Bounces, Cells};
 
-/// Outgoing numbers per cell: four faces, three channels.
+/// Numbers of scattered radiance per cell: four faces, three channels.
 const NUMBERS_PER_CELL: f64 = 4.0 * 3.0;
 
 /// The granularity of the planned number of bounces, so that another albedo seldom needs another plan.
@@ -45,8 +45,8 @@ impl SceneHints {
 
 /// The number of bounces after which light between surfaces of at most this albedo has converged.
 ///
-/// The largest change of a bounce is at most albedo × that of the one before. The mean outgoing radiance, which
-/// only grows, is at least the largest change of the first bounce ÷ the count of outgoing numbers. In practice
+/// The largest change of a bounce is at most albedo × that of the one before. The mean scattered radiance, which
+/// only grows, is at least the largest change of the first bounce ÷ the count of these numbers. In practice
 /// the first is far smaller and the second far larger, which leaves room for methods that gain a little light.
 fn bounces_to_convergence(albedo: f32, cells: usize) -> u32 {
     let most = Bounces::Converged.limit();

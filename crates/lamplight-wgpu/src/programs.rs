@@ -84,7 +84,7 @@ programs! {
     JUMP_FLOOD: "stages/jump_flood", ["main"], { step: Step, before: Read, nearest: Write }
     DISTANCE: "stages/distance", ["main"], { nearest: Read, distance: Write }
     MEDIUM_GRID: "stages/medium_grid", ["main", "light_media"], {
-        emission: Texture, matter: Texture, source: Write, extinction: Write, outgoing: Read,
+        emission: Texture, matter: Texture, source: Write, extinction: Write, scattered: Read,
         albedo: Texture,
     }
     CLASS: "stages/class", ["main"], { matter: Texture, classes: Write, used: Write }
@@ -96,10 +96,10 @@ programs! {
         any_changed: Write,
     }
     FEEDBACK: "stages/feedback", ["main"], {
-        albedo: Texture, source: Read, before: Read, outgoing: Write,
+        albedo: Texture, source: Read, before: Read, scattered: Write,
     }
     COMPARE: "stages/compare", ["main"], {
-        step: Step, next: Read, outgoing: Write, changes: Write,
+        step: Step, next: Read, scattered: Write, changes: Write,
     }
     CONVERGENCE: "stages/convergence", ["begin", "decide"], {
         changes: Read, table: Read, groups: Write,
@@ -124,19 +124,19 @@ programs! {
 
     RAYMARCH: "methods/raymarch/march", ["main", "receive"], {
         blue: Read, directions: Read, source: Read, extinction: Read, squares: Read,
-        outgoing: Read, step: Step, albedo: Texture, light: Write, traced: Write,
+        scattered: Read, step: Step, albedo: Texture, light: Write, traced: Write,
     }
     RAYMARCH_DISTANCE: "methods/raymarch/march_distance", ["main", "receive"], {
         blue: Read, directions: Read, source: Read, nearest: Read, distance: Read,
-        outgoing: Read, step: Step, albedo: Texture, light: Write, traced: Write,
+        scattered: Read, step: Step, albedo: Texture, light: Write, traced: Write,
     }
 
     CASCADES_MERGE: "methods/cascades/merge", ["main"], {
-        paths: Read, far: Read, source: Read, extinction: Read, squares: Read, outgoing: Read,
+        paths: Read, far: Read, source: Read, extinction: Read, squares: Read, scattered: Read,
         step: Uniform, layer: Step, near: Write,
     }
     CASCADES_GATHER: "methods/cascades/gather", ["main", "receive"], {
-        paths: Read, far: Read, source: Read, extinction: Read, squares: Read, outgoing: Read,
+        paths: Read, far: Read, source: Read, extinction: Read, squares: Read, scattered: Read,
         step: Uniform, layer: Step, light: Write, albedo: Texture, cosines: Read,
     }
 
@@ -161,12 +161,12 @@ programs! {
     }
 
     HOLOGRAPHIC_SLABS: "methods/holographic/slabs", ["main"], {
-        sweep: Step, emission: Texture, matter: Texture, outgoing: Read, cell_bits: Write,
+        sweep: Step, emission: Texture, matter: Texture, scattered: Read, cell_bits: Write,
         irradiance: Write,
     }
     HOLOGRAPHIC_TRACE: "methods/holographic/trace", ["main"], {
         sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
-        outgoing: Read, intervals: Write,
+        scattered: Read, intervals: Write,
     }
     HOLOGRAPHIC_EXTEND: "methods/holographic/extend", ["main"], { sweep: Step, intervals: Write }
     HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "finish"], {
@@ -174,14 +174,14 @@ programs! {
     }
     HOLOGRAPHIC_GATHER: "methods/holographic/gather", ["main"], {
         sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
-        outgoing: Read, cones: Read, radiance: Read, light: Write, irradiance: Write,
+        scattered: Read, cones: Read, radiance: Read, light: Write, irradiance: Write,
         albedo: Texture,
     }
     HOLOGRAPHIC_FACES: "methods/holographic/faces", ["scatter", "show"], {
-        matter: Texture, albedo: Texture, irradiance: Read, outgoing: Write, light: Write,
+        matter: Texture, albedo: Texture, irradiance: Read, scattered: Write, light: Write,
     }
     HOLOGRAPHIC_FACES_COMPARED: "methods/holographic/faces", ["scatter_compared"], {
-        matter: Texture, albedo: Texture, irradiance: Read, outgoing: Write, light: Write,
+        matter: Texture, albedo: Texture, irradiance: Read, scattered: Write, light: Write,
         changes: Write, step: Step,
     }
 

@@ -39,7 +39,7 @@ gpu_struct! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum History {
     None,
-    /// Outgoing radiance, but neither light nor matter: the sky has changed.
+    /// Scattered radiance, but neither light nor matter: the sky has changed.
     IndirectOnly,
     Full,
 }

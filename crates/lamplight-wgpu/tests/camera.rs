@@ -4,7 +4,7 @@ mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{Sampler, device, lighting, raymarch_of, recorded};
+use common::{device, lighting, raymarch_of, recorded, seeded};
 use lamplight::settings::{BounceMode, Noise, Temporal};
 use lamplight::{Bounces, Cells, Display, Matter, Method, Settings, ToneMap};
 use lamplight_wgpu::{
@@ -18,12 +18,12 @@ struct World(Vec<([i32; 2], [i32; 2], Matter)>);
 
 impl World {
     fn new() -> Self {
-        let mut sampler = Sampler::new(5);
+        let mut random = seeded(5);
         let block = |_| {
-            let [x, y] = [0; 2].map(|_| sampler.below(74) as i32 - 40);
-            let [w, h] = [0; 2].map(|_| 1 + sampler.below(6) as i32);
-            let colour = [0; 3].map(|_| sampler.unit());
-            let matter = match sampler.below(4) {
+            let [x, y] = [0; 2].map(|_| random.i32(0..74) - 40);
+            let [w, h] = [0; 2].map(|_| 1 + random.i32(0..6));
+            let colour = [0; 3].map(|_| random.f32());
+            let matter = match random.u32(..4) {
                 0 => Matter { emission: colour.map(|v| 9.0 * v), opacity: 1.0, ..Matter::EMPTY },
                 1 => Matter { opacity: 0.1, tint: colour, ..Matter::EMPTY },
                 _ => Matter { opacity: 1.0, albedo: colour, ..Matter::EMPTY },

@@ -58,11 +58,11 @@ const WARM_UP: u32 = 6;
 
 /// Walls, fog, glass, lights and lamps; the lamps move from frame to frame.
 fn scene(fog: bool, frame: u32) -> Cells {
-    let random = &mut Random::new(7);
+    let random = &mut seeded(7);
     let mut cells = grid(61, 37, |_, _| {
-        let (kind, albedo) = (random.unit(), random.rgb());
+        let (kind, albedo) = (random.f32(), rgb(random));
         match kind {
-            k if k < 0.03 => Matter { emission: random.rgb(), albedo, ..WALL },
+            k if k < 0.03 => Matter { emission: rgb(random), albedo, ..WALL },
             k if k < 0.1 => Matter { albedo, ..WALL },
             k if k < 0.3 && fog => Matter { opacity: 0.2, albedo, ..Matter::EMPTY },
             k if k < 0.4 && fog => Matter { tint: albedo, ..Matter::EMPTY },

@@ -3,7 +3,8 @@
 #[allow(dead_code)]
 mod common;
 
-use common::{Rng, hash};
+use common::{hash, range, seeded};
+use fastrand::Rng;
 use image::{ImageFormat, RgbaImage};
 use lamplight::{Cells, Lamp, Scene, Sky};
 use lamplight_sandbox::canvas::{As, Brush, Canvas, Stuff, Tool};
@@ -12,11 +13,11 @@ use std::io::Cursor;
 const SIZE: [u32; 2] = [48, 32];
 
 fn stuff(rng: &mut Rng) -> Stuff {
-    let rgb = [0, 1, 2].map(|_| rng.range(-0.2, 1.4));
-    match rng.below(6) {
+    let rgb = [0, 1, 2].map(|_| range(rng, -0.2, 1.4));
+    match rng.usize(..6) {
         0 => Stuff::Wall(rgb),
         1 => Stuff::Glass(rgb),
-        2 => Stuff::Fog(rng.range(-0.5, 1.5), rgb),
+        2 => Stuff::Fog(range(rng, -0.5, 1.5), rgb),
         3 => Stuff::Glow(rgb.map(|v| v * 20.0)),
         4 => Stuff::Backdrop(rgb),
         _ => Stuff::Erase,
@@ -25,28 +26,28 @@ fn stuff(rng: &mut Rng) -> Stuff {
 
 /// An edit by rng, of those that there are.
 fn edit(canvas: &mut Canvas, rng: &mut Rng) {
-    let at = |rng: &mut Rng| [rng.range(-10.0, 58.0), rng.range(-10.0, 42.0)];
-    let brush = Brush { stuff: stuff(rng), radius: rng.range(0.0, 6.0) };
-    match rng.below(9) {
+    let at = |rng: &mut Rng| [range(rng, -10.0, 58.0), range(rng, -10.0, 42.0)];
+    let brush = Brush { stuff: stuff(rng), radius: range(rng, 0.0, 6.0) };
+    match rng.usize(..9) {
         0 => {
-            let points: Vec<_> = (0..rng.below(6)).map(|_| at(rng)).collect();
+            let points: Vec<_> = (0..rng.usize(..6)).map(|_| at(rng)).collect();
             canvas.stroke(brush, &points);
         }
         1 => canvas.line(brush, at(rng), at(rng)),
-        2 => canvas.rectangle(brush, at(rng), at(rng), rng.below(2) == 0),
+        2 => canvas.rectangle(brush, at(rng), at(rng), rng.bool()),
         3 => canvas.fill(brush.stuff, at(rng)),
         4 => drop(canvas.add_lamp(Lamp { position: at(rng), ..Lamp::default() })),
         5 if !canvas.lamps().is_empty() => {
-            let lamp = rng.below(canvas.lamps().len());
+            let lamp = rng.usize(..canvas.lamps().len());
             canvas.begin();
             (0..4).for_each(|_| canvas.move_lamp(lamp, at(rng)).unwrap());
             canvas.end();
         }
         6 if !canvas.lamps().is_empty() => {
-            canvas.remove_lamp(rng.below(canvas.lamps().len())).unwrap();
+            canvas.remove_lamp(rng.usize(..canvas.lamps().len())).unwrap();
         }
-        7 => canvas.set_sky(Sky::Uniform([rng.range(0.0, 1.0); 3])).unwrap(),
-        _ if rng.below(8) == 0 => canvas.clear(),
+        7 => canvas.set_sky(Sky::Uniform([range(rng, 0.0, 1.0); 3])).unwrap(),
+        _ if rng.usize(..8) == 0 => canvas.clear(),
         _ => canvas.stroke(brush, &[at(rng)]),
     }
 }
@@ -61,7 +62,7 @@ fn state(canvas: &Canvas) -> (u64, Sky, Vec<Lamp>, u64) {
 
 #[test]
 fn undo_and_redo_go_back_and_forth_to_the_bit() {
-    let mut rng = Rng::new("undo_and_redo_go_back_and_forth_to_the_bit");
+    let mut rng = seeded("undo_and_redo_go_back_and_forth_to_the_bit");
     for _ in 0..6 {
         let mut canvas = Canvas::new(SIZE).unwrap();
         let mut states = vec![state(&canvas)];
@@ -111,13 +112,13 @@ fn the_comparison_sees_every_field() {
 
 #[test]
 fn history_stays_within_its_bound() {
-    let mut rng = Rng::new("history_stays_within_its_bound");
+    let mut rng = seeded("history_stays_within_its_bound");
     let mut canvas = Canvas::new(SIZE).unwrap();
     const LIMIT: usize = 20_000;
     canvas.set_history_limit(LIMIT);
     let mut most = 0;
     for _ in 0..400 {
-        match rng.below(5) {
+        match rng.usize(..5) {
             0 => drop(canvas.undo()),
             1 => drop(canvas.redo()),
             _ => edit(&mut canvas, &mut rng),
@@ -219,7 +220,7 @@ fn bomb(width: u32, height: u32) -> Vec<u8> {
 
 #[test]
 fn images_are_scaled_down_with_a_word_and_junk_is_refused() {
-    let mut rng = Rng::new("images_are_scaled_down_with_a_word_and_junk_is_refused");
+    let mut rng = seeded("images_are_scaled_down_with_a_word_and_junk_is_refused");
     let mut canvas = Canvas::new(SIZE).unwrap();
     let large = RgbaImage::from_pixel(200, 100, image::Rgba([255, 0, 0, 255]));
     let word = canvas.place_image(&png(&large), As::Glow(4.0)).unwrap().unwrap();
@@ -245,9 +246,9 @@ fn images_are_scaled_down_with_a_word_and_junk_is_refused() {
     assert_eq!(hash(canvas.cells()), before, "what is refused paints nothing");
     for _ in 0..300 {
         let mut bytes = good.clone();
-        for _ in 0..=rng.below(6) {
-            let at = rng.below(bytes.len());
-            bytes[at] = rng.bits() as u8;
+        for _ in 0..=rng.usize(..6) {
+            let at = rng.usize(..bytes.len());
+            bytes[at] = rng.u8(..);
         }
         let _ = canvas.place_image(&bytes, As::Glass);
     }
@@ -255,7 +256,7 @@ fn images_are_scaled_down_with_a_word_and_junk_is_refused() {
 
 #[test]
 fn what_is_saved_and_read_again_is_the_same() {
-    let mut rng = Rng::new("what_is_saved_and_read_again_is_the_same");
+    let mut rng = seeded("what_is_saved_and_read_again_is_the_same");
     let folder = tempfile::tempdir().unwrap();
     let mut saved = vec![Canvas::welcome([160, 90]).unwrap(), Canvas::new(SIZE).unwrap()];
     for _ in 0..8 {

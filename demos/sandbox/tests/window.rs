@@ -36,8 +36,8 @@ impl Display {
             .spawn()
             .context("no Xvfb; on Debian: apt-get install xvfb")?;
         let mut number = String::new();
-        let told = server.stdout.take().context("Xvfb says nothing")?;
-        BufReader::new(told).read_line(&mut number)?;
+        let output = server.stdout.take().context("Xvfb says nothing")?;
+        BufReader::new(output).read_line(&mut number)?;
         Ok(Self { server, name: format!(":{}", number.trim()) })
     }
 
@@ -341,8 +341,8 @@ fn on_the_gpu_a_half_that_is_dark_leaves_the_other_lit() {
     let mut said = Vec::new();
     let args = ["--backend", "cpu", "--size", "96x54"];
     display.play(&args, &script, |line, _| said.push(line.to_owned())).unwrap();
-    let told = said.concat();
-    assert!(told.contains("on the right") && told.contains("lights lamps only"), "{told}");
+    let said = said.concat();
+    assert!(said.contains("on the right") && said.contains("lights lamps only"), "{said}");
     // Half of the middle of the window is dark.
     let [whole, split] = [whole, split].map(|path| brightness(&open(&path).unwrap()));
     assert!((0.3..0.8).contains(&(split / whole)), "{split:.1} of {whole:.1}");
@@ -353,11 +353,11 @@ fn a_script_that_is_none_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("script.txt");
     std::fs::write(&path, "frames 3\ndance\n").unwrap();
-    let told = Command::new(env!("CARGO_BIN_EXE_lamplight-sandbox"))
+    let output = Command::new(env!("CARGO_BIN_EXE_lamplight-sandbox"))
         .arg("--script")
         .arg(&path)
         .output()
         .unwrap();
-    let error = String::from_utf8_lossy(&told.stderr);
-    assert!(!told.status.success() && error.contains("line 2: `dance`"), "{error}");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && error.contains("line 2: `dance`"), "{error}");
 }

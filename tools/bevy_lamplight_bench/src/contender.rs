@@ -59,20 +59,21 @@ impl Contender {
             ),
             Self::Holographic => Some(
                 "Global illumination on a grid of half the target's resolution: every lamp has a size and \
-                 soft shadows, walls and fog send light on (one bounce here), and any sprite, text, mesh or \
-                 tile may glow, block, filter or scatter. Lamps and occluders are drawn as instanced pieces on \
-                 that grid, and light is found from the grid alone. `fast` takes fewer rays; `cascades` \
-                 finds the same light by radiance cascades, softer, and traces nothing where all around is \
-                 clear, so that sparse scenes take it less. No cap on lamps or occluders. Its camera has to \
-                 be HDR.",
+                 soft shadows, walls reflect light and fog scatters it (one bounce here), and any sprite, \
+                 text, mesh or tile may glow, block, filter or scatter. Lamps and occluders are drawn as \
+                 instanced pieces on that grid, and light is found from the grid alone. `fast` takes fewer \
+                 rays; `cascades` finds the same light by radiance cascades, softer, and traces nothing \
+                 where all around is clear, so that sparse scenes take it less. No cap on lamps or \
+                 occluders. Its camera has to be HDR.",
             ),
             Self::HolographicFast | Self::Cascades => None,
             Self::Light2d => Some(
                 "Direct light with hard shadows; only lamps give light. Each pixel takes the distance to \
-                 every occluder that a lamp reaches (a signed distance field of the target's size, anew each \
-                 frame), then visits every lamp and, where one is in range, marches that field in at most 32 \
-                 steps. Occluders are upright rectangles; their insides get ambient light only. No cap where \
-                 shaders have storage buffers; 82 point lights, 64 spots and 256 occluders in WebGL 2.",
+                 every occluder that a lamp reaches (a signed distance field of the target's size, \
+                 computed in every frame), then visits every lamp and, where one is in range, marches that \
+                 field in at most 32 steps. Occluders are upright rectangles; their insides get ambient light \
+                 only. No cap where shaders have storage buffers; 82 point lights, 64 spots and 256 \
+                 occluders in WebGL 2.",
             ),
         }
     }

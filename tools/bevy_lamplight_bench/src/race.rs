@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn milliseconds_have_three_digits() {
-        let told = [0.04, 9.96, 99.44, 99.5, 1234.4].map(milliseconds);
-        assert_eq!(told, ["0.0", "10.0", "99.4", "100", "1234"]);
+        let texts = [0.04, 9.96, 99.44, 99.5, 1234.4].map(milliseconds);
+        assert_eq!(texts, ["0.0", "10.0", "99.4", "100", "1234"]);
     }
 }

@@ -1,6 +1,7 @@
 //! The scene that every contender lights: where lamps and occluders are.
 
 use bevy::math::{Rect, Vec2};
+use fastrand::Rng;
 
 /// Pixels of the target, and world units that the camera sees: one a pixel, around the origin.
 pub const VIEW: [u32; 2] = [640, 360];
@@ -19,10 +20,10 @@ impl Scene {
     /// Occluders anywhere in the view; lamps where no occluder is, for in one most plugins would draw
     /// nothing.
     pub fn new(lamps: u32, occluders: u32) -> Self {
-        let mut places = Places(1);
+        let mut places = Places(Rng::with_seed(1));
         let occluders: Vec<_> = (0..occluders).map(|_| places.next()).collect();
         let solid = Solid::of(&occluders);
-        let mut places = Places(2);
+        let mut places = Places(Rng::with_seed(2));
         let mut free = || loop {
             let place = places.next();
             if !solid.at(place) {
@@ -72,19 +73,12 @@ fn half_view() -> Vec2 {
     0.5 * view()
 }
 
-/// Places in the view, from a linear congruential generator.
-struct Places(u64);
+/// Random places in the view.
+struct Places(Rng);
 
 impl Places {
     fn next(&mut self) -> Vec2 {
-        Vec2::new(self.share(), self.share()) * view() - half_view()
-    }
-
-    /// 0 up to 1. Knuth's multiplier and increment for 64 bits (MMIX); the high bits are the good ones.
-    fn share(&mut self) -> f32 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
+        Vec2::new(self.0.f32(), self.0.f32()) * view() - half_view()
     }
 }
 

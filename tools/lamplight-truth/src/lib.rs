@@ -14,7 +14,7 @@ pub mod heat;
 mod measures;
 mod path_tracer;
 mod progressive;
-pub mod random;
+mod random;
 pub mod scenes;
 mod traverse;
 

@@ -253,7 +253,7 @@ impl<'c> Tracer<'c> {
         let mut walk = start;
         let mut light = [0.0; 3];
         let mut weight = [1.0; 3];
-        let mut sent = 0;
+        let mut bounces = 0;
         loop {
             match walk.next() {
                 Event::Sky => {
@@ -263,12 +263,12 @@ impl<'c> Tracer<'c> {
                 }
                 Event::Wall { cell, point, normal, outside } => {
                     (0..3).for_each(|c| light[c] += weight[c] * f64::from(emission[cell][c]));
-                    if sent == self.limit || albedo[cell] == [0.0; 3] {
+                    if bounces == self.limit || albedo[cell] == [0.0; 3] {
                         return light;
                     }
                     (0..3).for_each(|c| weight[c] *= f64::from(albedo[cell][c]));
-                    sent += 1;
-                    if !russian_roulette(sent, &mut weight, &mut sampler.random) {
+                    bounces += 1;
+                    if !russian_roulette(bounces, &mut weight, &mut sampler.random) {
                         return light;
                     }
                     walk = self.leave_wall(outside, point, normal, sampler.direction());
@@ -285,7 +285,7 @@ impl<'c> Tracer<'c> {
                         light[c] += weight[c] * absorbed[c] * f64::from(emission[cell][c]);
                         go_on[c] = weight[c] * (1.0 - absorbed[c]);
                     }
-                    if sent < self.limit && albedo[cell] != [0.0; 3] {
+                    if bounces < self.limit && albedo[cell] != [0.0; 3] {
                         let mut scatter = std::array::from_fn(|c| {
                             weight[c] * absorbed[c] * f64::from(albedo[cell][c])
                         });
@@ -298,8 +298,8 @@ impl<'c> Tracer<'c> {
                                 0.0
                             };
                             weight = scatter.map(|w| w / p);
-                            sent += 1;
-                            if !russian_roulette(sent, &mut weight, &mut sampler.random) {
+                            bounces += 1;
+                            if !russian_roulette(bounces, &mut weight, &mut sampler.random) {
                                 return light;
                             }
                             walk = self

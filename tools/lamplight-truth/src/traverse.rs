@@ -278,7 +278,7 @@ impl<'g> Traversal<'g> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use fastrand::Rng;
     use lamplight::Matter;
 
     const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
@@ -355,30 +355,30 @@ mod tests {
     #[test]
     fn meets_what_brute_force_meets() {
         let seed = 7;
-        let mut random = Random::new(seed, 0, 0);
+        let mut random = Rng::with_seed(seed);
         let (mut hits, mut fogs) = (0, 0);
         for scene in 0..300 {
-            let side = |random: &mut Random| 1 + (random.unit().powi(2) * 40.0) as u32;
+            let side = |random: &mut Rng| 1 + (random.f64().powi(2) * 40.0) as u32;
             let mut cells = Cells::new(side(&mut random), side(&mut random)).unwrap();
             // From thin matter in space to thin space in fog.
-            let density = random.unit().powi(3) * 0.6;
-            let ground = if random.unit() < 0.3 { FOG } else { Matter::EMPTY };
+            let density = random.f64().powi(3) * 0.6;
+            let ground = if random.f64() < 0.3 { FOG } else { Matter::EMPTY };
             for i in 0..cells.len() {
                 cells.set_matter(i, ground);
-                if random.unit() < density {
+                if random.f64() < density {
                     let kinds = [WALL, FOG, MIST, Matter::EMPTY];
-                    cells.set_matter(i, kinds[(random.unit() * 4.0) as usize]);
+                    cells.set_matter(i, kinds[(random.f64() * 4.0) as usize]);
                 }
             }
             let grid = Grid::new(&cells);
             for _ in 0..100 {
-                let x = (random.unit() * f64::from(cells.width())) as u32;
-                let y = (random.unit() * f64::from(cells.height())) as u32;
+                let x = (random.f64() * f64::from(cells.width())) as u32;
+                let y = (random.f64() * f64::from(cells.height())) as u32;
                 if cells.is_solid(cells.index(x, y)) {
                     continue;
                 }
                 let origin = [f64::from(x) + 0.5, f64::from(y) + 0.5];
-                let (sin, cos) = (random.unit() * std::f64::consts::TAU).sin_cos();
+                let (sin, cos) = (random.f64() * std::f64::consts::TAU).sin_cos();
                 let (expected, hit) = brute_force(&cells, origin, [cos, sin]);
                 let walk = Traversal::new(&grid, [x as i32, y as i32], origin, [cos, sin]);
                 let (met, end) = walked(&cells, &grid, walk);

@@ -49,8 +49,8 @@ impl Display {
             .stderr(Stdio::null())
             .spawn()?;
         let mut number = String::new();
-        let told = server.stdout.take().context("Xvfb says nothing")?;
-        BufReader::new(told).read_line(&mut number)?;
+        let output = server.stdout.take().context("Xvfb says nothing")?;
+        BufReader::new(output).read_line(&mut number)?;
         Ok(Self { server, name: format!(":{}", number.trim()) })
     }
 }

@@ -5,6 +5,8 @@ mod args;
 mod browser;
 mod display;
 mod docs;
+#[cfg(test)]
+mod glossary;
 mod gpu;
 mod lint;
 mod optional;

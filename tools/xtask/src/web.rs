@@ -124,8 +124,8 @@ fn bindgen(target: &Path) -> Result<PathBuf> {
     let tools = target.join("tools");
     let ours = tools.join("bin/wasm-bindgen");
     let fits = |program: &Path| {
-        let told = Command::new(program).arg("--version").stderr(Stdio::null()).output();
-        told.is_ok_and(|told| String::from_utf8_lossy(&told.stdout).contains(&release))
+        let output = Command::new(program).arg("--version").stderr(Stdio::null()).output();
+        output.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).contains(&release))
     };
     for program in ["wasm-bindgen".into(), ours.clone()] {
         if fits(&program) {

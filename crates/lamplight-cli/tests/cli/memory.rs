@@ -2,7 +2,7 @@
 
 use super::sandbox::{Run, Sandbox};
 
-/// Runs the command with an address space of so many kilobytes.
+/// Runs the command with an address space of `kilobytes`.
 fn limited(sandbox: &Sandbox, kilobytes: u64, arguments: &str) -> Run {
     let binary = env!("CARGO_BIN_EXE_lamplight");
     let script = format!("ulimit -v {kilobytes} && exec {binary} {arguments}");

@@ -34,12 +34,12 @@ fn render_names_the_gpu_and_matches_the_cpu() {
     assert!(worst < 1e-3, "{worst}");
     let said = sandbox.run("render small.toml --backend gpu --method raymarch").done();
     assert!(said.contains("lit by raymarch in ") && said.contains(" ms on the GPU ("), "{said}");
-    let told = sandbox.run("render small.toml --backend gpu --method raymarch --json").done();
-    let told = json(&told);
-    assert_eq!(told["backend"], "gpu");
-    let stages = told["stages_ms"].as_object().unwrap();
+    let report = sandbox.run("render small.toml --backend gpu --method raymarch --json").done();
+    let report = json(&report);
+    assert_eq!(report["backend"], "gpu");
+    let stages = report["stages_ms"].as_object().unwrap();
     let is_named = |stage: &String| stage.starts_with("raymarch") || stage == "gpu";
-    assert!(stages.keys().any(is_named), "{told}");
+    assert!(stages.keys().any(is_named), "{report}");
 }
 
 #[test]
@@ -56,15 +56,18 @@ fn render_averages_frames() {
 #[test]
 fn render_shows_the_fields_that_it_measured() {
     let sandbox = Sandbox::small();
-    let told = |flags: &str, backend: &str| {
+    let backend_of = |flags: &str, backend: &str| {
         let flags = format!("render small.toml --json --backend {backend} {flags}");
         json(&sandbox.run(&flags).done())["backend"].clone()
     };
     for backend in ["cpu", "gpu"] {
         // Glass is occupied, and rays that go by distances leave fields of their own behind.
         let flags = "--method raymarch --set raymarch.hit=distance";
-        assert_eq!(told(&format!("{flags} --stage voronoi -o {backend}.png"), backend), backend);
-        assert_eq!(told(&format!("--stage distance -o {backend}.exr"), backend), backend);
+        assert_eq!(
+            backend_of(&format!("{flags} --stage voronoi -o {backend}.png"), backend),
+            backend
+        );
+        assert_eq!(backend_of(&format!("--stage distance -o {backend}.exr"), backend), backend);
     }
     assert!(sandbox.read("cpu.png") == sandbox.read("gpu.png"), "the jump floods differ");
     let (cpu, gpu) = (floats(&sandbox, "cpu.exr"), floats(&sandbox, "gpu.exr"));
@@ -72,7 +75,7 @@ fn render_shows_the_fields_that_it_measured() {
     for (right, seen) in cpu.iter().zip(&gpu) {
         assert!((seen - right).abs() <= 1e-6 * right, "{seen} px, not {right}");
     }
-    assert_eq!(told("--stage emission", "gpu"), "cpu", "there is nothing to compute");
+    assert_eq!(backend_of("--stage emission", "gpu"), "cpu", "there is nothing to compute");
 }
 
 #[test]
@@ -173,10 +176,13 @@ fn bench_times_frames_and_prints_their_cost() {
     let timed = bench("");
     assert_eq!(timed["backend"], "gpu");
     assert!(timed["median_ms"].as_f64() > Some(0.0) && timed["runs"].as_u64() >= Some(5));
-    let told = bench("--cost");
-    assert_eq!(told["runs"], 0);
+    let counted = bench("--cost");
+    assert_eq!(counted["runs"], 0);
     for key in ["dispatches", "bytes_read", "bytes_written", "bytes_held"] {
-        assert!(told[key].as_u64() > Some(0) && told[key] == timed[key], "{key}: {told} {timed}");
+        assert!(
+            counted[key].as_u64() > Some(0) && counted[key] == timed[key],
+            "{key}: {counted} {timed}"
+        );
     }
 }
 

@@ -1,4 +1,4 @@
-// The change of outgoing radiance in a bounce, per tile of 8×8 cells. It is always added up in the same
+// The change of scattered radiance in a bounce, per tile of 8×8 cells. It is always added up in the same
 // order, so that the same numbers give the same decision.
 
 #import shared/uniforms

@@ -1,4 +1,4 @@
-// Kinds of scatterers, in `outgoing.w`: 0 where nothing scatters.
+// Kinds of scatterers, in `scattered.w`: 0 where nothing scatters.
 
 // A face of a solid cell.
 const FACE: f32 = 1.0;

@@ -10,8 +10,8 @@ override TRACKS: bool = false;
 
 // Emitted radiance and class of each cell.
 @group(0) @binding(3) var<storage, read> source: array<vec4f>;
-// Outgoing radiance of each of four faces; it counts from step 1 on. In `w` the kind of the scatterer.
-@group(0) @binding(6) var<storage, read> outgoing: array<vec4f>;
+// Scattered radiance of each of four faces; it counts from step 1 on. In `w` the kind of the scatterer.
+@group(0) @binding(6) var<storage, read> scattered: array<vec4f>;
 @group(0) @binding(7) var<uniform> step: u32;
 
 // Fading of emission with distance, if it is switched on.
@@ -32,14 +32,14 @@ fn face(along_x: bool, direction: vec2f) -> u32 {
 fn wall(i: u32, face: u32) -> vec3f {
     var radiance = source[i].rgb;
     if step > 0u {
-        radiance += outgoing[4u * i + face].rgb;
+        radiance += scattered[4u * i + face].rgb;
     }
     return radiance;
 }
 
 // Returns whether a face of a solid cell sees matter that changed.
 fn wall_invalidated(i: u32, face: u32) -> bool {
-    return step > 0u && outgoing[4u * i + face].w >= INVALIDATED;
+    return step > 0u && scattered[4u * i + face].w >= INVALIDATED;
 }
 
 // Returns whether a face looks at a cell of the grid that is not solid.

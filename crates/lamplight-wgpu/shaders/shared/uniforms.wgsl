@@ -30,7 +30,7 @@ struct FrameUniforms {
 }
 
 const HISTORY_NONE: u32 = 0u;
-// Outgoing radiance, but neither light nor matter: the sky has changed.
+// Scattered radiance, but neither light nor matter: the sky has changed.
 const HISTORY_INDIRECT_ONLY: u32 = 1u;
 const HISTORY_FULL: u32 = 2u;
 

@@ -9,16 +9,11 @@
 // A counter that starts at 0 in every frame.
 @group(0) @binding(3) var<storage, read_write> used: u32;
 
-fn classify(at: vec2u) -> u32 {
+fn matter_class(at: vec2u) -> u32 {
     if outside(at) {
         return OUTSIDE;
     }
-    let tint_opacity = textureLoad(matter, at, 0);
-    if tint_opacity.a >= 1.0 {
-        return SOLID;
-    }
-    let attenuates = tint_opacity.a > 0.0 || any(tint_opacity.rgb != vec3f(1.0));
-    return select(EMPTY, MEDIUM, attenuates);
+    return classify(textureLoad(matter, at, 0), 0.0);
 }
 
 @compute @workgroup_size(8, 8)
@@ -29,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     var word = 0u;
     for (var cell = 0u; cell < 16u; cell++) {
-        word |= classify(4u * id.xy + vec2u(cell & 3u, cell >> 2u)) << (2u * cell);
+        word |= matter_class(4u * id.xy + vec2u(cell & 3u, cell >> 2u)) << (2u * cell);
     }
     classes[id.y * blocks.x + id.x] = word;
     if all(id.xy == vec2u(0u)) {

@@ -1,4 +1,4 @@
-// Ends bounces once the largest change is small against the mean outgoing radiance.
+// Ends bounces once the largest change is small against the mean scattered radiance.
 
 #import shared/change
 

@@ -1,4 +1,4 @@
-// The outgoing radiance of the frame before, where the same scatterer is still there.
+// The scattered radiance of the frame before, where the same scatterer is still there.
 
 #import shared/class
 #import shared/scatter
@@ -7,7 +7,7 @@
 @group(0) @binding(1) var albedo: texture_2d<f32>;
 @group(0) @binding(2) var<storage, read> source: array<vec4f>;
 @group(0) @binding(3) var<storage, read> before: array<vec4f>;
-@group(0) @binding(4) var<storage, read_write> outgoing: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> scattered: array<vec4f>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -22,6 +22,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let kind = old.w % INVALIDATED;
         let same = (kind == FACE && cell_class == SOLID) || (kind == VOLUME && cell_class == MEDIUM);
         // A face that is covered now is invisible, and the gather that follows drops it.
-        outgoing[4u * i + face] = select(vec4f(0.0), vec4f(old.rgb, kind), scatters && same);
+        scattered[4u * i + face] = select(vec4f(0.0), vec4f(old.rgb, kind), scatters && same);
     }
 }

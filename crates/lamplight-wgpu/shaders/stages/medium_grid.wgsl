@@ -17,8 +17,8 @@ override APART: bool;
 // Extinction per px. In `w` more than 0 if matter changed since the frame before, or, in media, what they
 // see; a negative number, different in each cell, if media are kept apart.
 @group(0) @binding(4) var<storage, read_write> extinction: array<vec4f>;
-// Outgoing radiance of four faces; of media in the first.
-@group(0) @binding(5) var<storage, read> outgoing: array<vec4f>;
+// Scattered radiance of four faces; of media in the first.
+@group(0) @binding(5) var<storage, read> scattered: array<vec4f>;
 @group(0) @binding(6) var albedo: texture_2d<f32>;
 
 @compute @workgroup_size(8, 8)
@@ -29,8 +29,8 @@ fn light_media(@builtin(global_invocation_id) id: vec3u) {
     let i = index(id.xy);
     if class_of(source[i]) == MEDIUM {
         let own = textureLoad(emission, id.xy, 0).rgb * frame.emission_multiplier;
-        source[i] = vec4f(own + outgoing[4u * i].rgb, f32(MEDIUM));
-        if outgoing[4u * i].w >= INVALIDATED {
+        source[i] = vec4f(own + scattered[4u * i].rgb, f32(MEDIUM));
+        if scattered[4u * i].w >= INVALIDATED {
             extinction[i].w = 1.0;
         }
     }
@@ -42,10 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let tint_opacity = textureLoad(matter, id.xy, 0);
-    var cell_class = select(EMPTY, MEDIUM, occupied(tint_opacity));
-    if tint_opacity.a >= 1.0 {
-        cell_class = SOLID;
-    }
+    let cell_class = classify(tint_opacity, frame.threshold);
     let i = index(id.xy);
     let emitted = textureLoad(emission, id.xy, 0).rgb * frame.emission_multiplier;
     source[i] = vec4f(emitted, f32(cell_class));

@@ -1,4 +1,4 @@
-//! The change of outgoing radiance in a bounce, over four faces per cell.
+//! The change of scattered radiance in a bounce, over four faces per cell.
 
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
@@ -14,17 +14,17 @@ impl Compare {
         Self(ComputePipelines::new(device, &programs::COMPARE, &[]))
     }
 
-    /// Plans the replacement of `outgoing` radiance by that of the `next` bounce, and the measurement of the
-    /// change. In step 0, the first bounce, there is no outgoing radiance before.
+    /// Plans the replacement of `scattered` radiance by that of the `next` bounce, and the measurement of the
+    /// change. In step 0, the first bounce, there is no scattered radiance before.
     pub fn plan(
         &self,
         planner: &FramePlanner,
         next: &Buffer,
-        outgoing: &Buffer,
+        scattered: &Buffer,
         changes: &Buffer,
         step: u32,
     ) -> Dispatch {
-        let resources = [planner.shared.step(), whole(next), whole(outgoing), whole(changes)];
+        let resources = [planner.shared.step(), whole(next), whole(scattered), whole(changes)];
         planner.over_cells(&self.0, 0, &planner.bind(&self.0, &resources), Some(step))
     }
 }

@@ -1,6 +1,6 @@
 //! Bounces that end once little changes any more.
 //!
-//! `bounces = "converged"` repeats bounces until the largest change of one, ÷ the mean outgoing radiance, is
+//! `bounces = "converged"` repeats bounces until the largest change of one, ÷ the mean scattered radiance, is
 //! below [`CONVERGED`]. A frame is recorded before anything is known, so all possible bounces are recorded as
 //! indirect dispatches: each bounce leaves its change, and once that is small a kernel sets their workgroup
 //! counts to 0. Empty dispatches still cost their launch, and wgpu validates each (unless the host clears

@@ -1,4 +1,4 @@
-//! Bounces by feedback: the outgoing radiance of the frame before.
+//! Bounces by feedback: the scattered radiance of the frame before.
 
 use super::medium_grid::MediumGrid;
 use crate::pipeline::{ComputePipelines, Dispatch};
@@ -15,16 +15,16 @@ impl Feedback {
         Self(ComputePipelines::new(device, &programs::FEEDBACK, &[]))
     }
 
-    /// Plans a copy of the outgoing radiance of the frame `before`, where the same scatterer is still there.
+    /// Plans a copy of the scattered radiance of the frame `before`, where the same scatterer is still there.
     pub fn plan(
         &self,
         planner: &FramePlanner,
         grid: &MediumGrid,
         before: &Buffer,
-        outgoing: &Buffer,
+        scattered: &Buffer,
     ) -> Dispatch {
         let resources =
-            [view(&planner.textures.albedo), whole(&grid.source), whole(before), whole(outgoing)];
+            [view(&planner.textures.albedo), whole(&grid.source), whole(before), whole(scattered)];
         planner.over_cells(&self.0, 0, &planner.bind(&self.0, &resources), None)
     }
 }

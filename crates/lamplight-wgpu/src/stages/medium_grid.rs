@@ -38,8 +38,8 @@ impl MediumGridPipelines {
     }
 
     /// Plans reading the host's textures into the grid.
-    pub fn read(&self, planner: &FramePlanner, grid: &MediumGrid, outgoing: &Buffer) -> Dispatch {
-        self.plan(planner, 0, grid, outgoing)
+    pub fn read(&self, planner: &FramePlanner, grid: &MediumGrid, scattered: &Buffer) -> Dispatch {
+        self.plan(planner, 0, grid, scattered)
     }
 
     /// Plans adding to the emission of media what they scatter.
@@ -47,9 +47,9 @@ impl MediumGridPipelines {
         &self,
         planner: &FramePlanner,
         grid: &MediumGrid,
-        outgoing: &Buffer,
+        scattered: &Buffer,
     ) -> Dispatch {
-        self.plan(planner, 1, grid, outgoing)
+        self.plan(planner, 1, grid, scattered)
     }
 
     fn plan(
@@ -57,14 +57,14 @@ impl MediumGridPipelines {
         planner: &FramePlanner,
         entry: usize,
         grid: &MediumGrid,
-        outgoing: &Buffer,
+        scattered: &Buffer,
     ) -> Dispatch {
         let resources = [
             view(&planner.textures.emission),
             view(&planner.textures.tint_opacity),
             whole(&grid.source),
             whole(&grid.extinction),
-            whole(outgoing),
+            whole(scattered),
             view(&planner.textures.albedo),
         ];
         planner.over_cells(&self.0, entry, &planner.bind(&self.0, &resources), None)

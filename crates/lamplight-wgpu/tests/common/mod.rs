@@ -93,42 +93,28 @@ pub fn frame(
     recorded(device, queue, lighting)
 }
 
-/// Pseudorandom numbers, the same for the same seed.
-pub struct Sampler(u64);
-
-impl Sampler {
-    pub fn new(seed: u64) -> Self {
-        println!("seed {seed}");
-        Self(seed)
-    }
-
-    pub fn below(&mut self, end: u32) -> u32 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as u32) % end
-    }
-
-    pub fn unit(&mut self) -> f32 {
-        self.below(1 << 20) as f32 / (1 << 20) as f32
-    }
+/// A random number generator with this seed, printed so that a failure can be repeated.
+pub fn seeded(seed: u64) -> fastrand::Rng {
+    println!("seed {seed}");
+    fastrand::Rng::with_seed(seed)
 }
 
 /// Random walls, lights, fog and glass, in blocks and alone, under a sky.
 pub fn cells(width: u32, height: u32, seed: u64) -> Cells {
-    let mut sampler = Sampler::new(seed);
+    let mut random = seeded(seed);
     let mut cells = Cells::new(width, height).unwrap();
     cells.set_sky(lamplight::Sky::Uniform([0.1, 0.2, 0.3]));
     let count = (width * height / 60).max(1);
     for _ in 0..count {
-        let colour: Rgb = std::array::from_fn(|_| sampler.unit());
-        let matter = match sampler.below(5) {
+        let colour: Rgb = std::array::from_fn(|_| random.f32());
+        let matter = match random.u32(..5) {
             0 => Matter { emission: colour.map(|v| 8.0 * v), opacity: 1.0, ..Matter::EMPTY },
             1 => Matter { opacity: 0.1, emission: colour, albedo: [0.5; 3], ..Matter::EMPTY },
             2 => Matter { tint: colour, ..Matter::EMPTY },
             _ => Matter { opacity: 1.0, albedo: colour, ..Matter::EMPTY },
         };
-        let [x, y] = [sampler.below(width), sampler.below(height)];
-        let [w, h] = [1 + sampler.below(6), 1 + sampler.below(3)];
+        let [x, y] = [random.u32(..width), random.u32(..height)];
+        let [w, h] = [1 + random.u32(..6), 1 + random.u32(..3)];
         for y in y..(y + h).min(height) {
             for x in x..(x + w).min(width) {
                 cells.set(x, y, matter);

@@ -53,7 +53,7 @@ fn methods(bounces: Bounces) -> Vec<(String, Settings)> {
     all
 }
 
-/// A room in which light goes on for a while: with fog that sends it on too, and with a pane of glass.
+/// A room in which light goes on for a while: with fog that scatters it, and with a pane of glass.
 fn bright_room(fog: bool, tinted: bool) -> Cells {
     let mut cells = Cells::new(33, 21).unwrap();
     let wall = Matter { opacity: 1.0, albedo: [0.8, 0.7, 0.6], ..Matter::EMPTY };
@@ -88,7 +88,7 @@ fn every_method_converges_frame_by_frame() {
             cells.set(9, 7, Matter { emission: [0.0, 0.2, 3.0], opacity: 1.0, ..Matter::EMPTY });
             both.agree(&gpu, &format!("{name}, another light"), &cells);
         }
-        // Nothing that sends light on, then nothing that is lit.
+        // Nothing that reflects light, then nothing that is lit.
         let mut dark = Cells::new(20, 13).unwrap();
         dark.set(7, 5, Matter { emission: [2.0; 3], opacity: 1.0, ..Matter::EMPTY });
         both.agree(&gpu, &format!("{name}, black"), &dark);

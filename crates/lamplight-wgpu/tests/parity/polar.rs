@@ -109,7 +109,7 @@ fn lamps_come_and_go_and_buffers_of_the_host_stay_valid() {
     for lamp in &mut all {
         // Mesa's software GPU ends all loops of a pixel after 65 535 turns altogether.
         lamp.range = 1.0 + 0.3 * lamp.range;
-        // With so many, a few would look along a line through exact corners (`TIES`).
+        // Of 640 lamps, a few would look along a line through exact corners (`TIES`).
         lamp.position = lamp.position.map(|v| v + 0.1234);
     }
     let mut light = None;

@@ -284,14 +284,11 @@ mod tests {
     use super::*;
     use crate::grid::medium_grid::Reading;
     use crate::grid::traverse::traverse;
-    use crate::math::noise;
     use crate::math::transmittance::transmittance;
-    use crate::settings::Noise;
     use crate::simd::dispatch;
     use crate::{Cells, Matter};
+    use fastrand::Rng;
     use fearless_simd::Level;
-    use std::collections::hash_map::RandomState;
-    use std::hash::BuildHasher;
     use std::ops::ControlFlow;
 
     const SIZE: u32 = 48;
@@ -299,19 +296,6 @@ mod tests {
     const TOLERANCE: f32 = 2e-4;
     /// Rays that pass a corner nearer than this, px, may go by either side.
     const CORNER: f32 = 1e-3;
-
-    /// Uniform numbers in [0, 1).
-    struct Random {
-        seed: u64,
-        count: u32,
-    }
-
-    impl Random {
-        fn next(&mut self) -> f32 {
-            self.count += 1;
-            noise::jitter(Noise::White, self.count, 0, 0, self.seed)
-        }
-    }
 
     /// The end of one ray.
     #[derive(Clone, Copy, Debug)]
@@ -337,11 +321,11 @@ mod tests {
         }
     }
 
-    fn grid(random: &mut Random) -> MediumGrid {
+    fn grid(random: &mut Rng) -> MediumGrid {
         let mut cells = Cells::new(SIZE, SIZE - 7).unwrap();
         for i in 0..cells.len() {
             let fog = Matter { opacity: 0.1, emission: [0.5; 3], ..Matter::EMPTY };
-            match random.next() {
+            match random.f32() {
                 x if x < 0.02 => cells.set_matter(i, Matter { opacity: 1.0, ..Matter::EMPTY }),
                 x if x < 0.05 || (500..700).contains(&i) => cells.set_matter(i, fog),
                 _ => (),
@@ -409,22 +393,22 @@ mod tests {
 
     #[test]
     fn a_packet_goes_where_each_of_its_rays_goes_alone() {
-        let mut random = Random { seed: RandomState::new().hash_one(0), count: 0 };
-        println!("seed {}", random.seed);
+        let mut random = Rng::new();
+        println!("seed {}", random.get_seed());
         let (mut compared, mut rejected) = (0, 0);
         for _ in 0..20 {
             let grid = grid(&mut random);
             for _ in 0..40 {
-                let open = |random: &mut Random| loop {
-                    let at = [SIZE, SIZE - 7].map(|side| random.next() * side as f32);
+                let open = |random: &mut Rng| loop {
+                    let at = [SIZE, SIZE - 7].map(|side| random.f32() * side as f32);
                     let cell = at.map(|v| v as i32);
                     if grid.class(cell).is_open() {
-                        let (sin, cos) = (random.next() * std::f32::consts::TAU).sin_cos();
+                        let (sin, cos) = (random.f32() * std::f32::consts::TAU).sin_cos();
                         return Ray { from: at, cell, direction: [cos, sin] };
                     }
                 };
                 let rays: [_; LANES] = std::array::from_fn(|_| open(&mut random));
-                let reach = 60.0 * random.next();
+                let reach = 60.0 * random.f32();
                 for (ray, end) in rays.into_iter().zip(together(&grid, &rays, reach)) {
                     let Some(wanted) = alone(&grid, ray, reach) else { continue };
                     assert!(end.agrees(&wanted), "{ray:?} up to {reach}: {end:?}, not {wanted:?}");

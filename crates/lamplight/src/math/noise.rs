@@ -93,15 +93,13 @@ fn unit(bits: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::hash_map::RandomState;
     use std::f64::consts::TAU;
-    use std::hash::BuildHasher;
 
     const ALL: [Noise; 3] = [Noise::White, Noise::Blue, Noise::Golden];
 
     /// A seed that is new in each run, printed so that a failure can be repeated.
     fn new_seed() -> u64 {
-        let seed = RandomState::new().hash_one(0);
+        let seed = fastrand::u64(..);
         println!("seed {seed}");
         seed
     }

@@ -5,8 +5,8 @@
 //! irradiance E reflects `L_o = albedo·E/2` (in two dimensions `E = ∫L cosθ dθ`, and a uniform L gives
 //! 2L). The code keeps irradiance in the normalised form E/2 throughout. A cell of a medium of mean
 //! radiance J scatters `albedo·J` by the fraction of light that it stops. Per bounce a method gathers
-//! irradiance, turns it into outgoing radiance ([`Surfaces::send_on`]), and gathers again
-//! ([`solve_bounces`]).
+//! irradiance and mean radiance, turns them into reflected and scattered radiance
+//! ([`Surfaces::reflect_and_scatter`]), and gathers again ([`solve_bounces`]).
 
 use crate::grid::class::is_occupied;
 use crate::grid::medium_grid::MediumGrid;
@@ -44,31 +44,31 @@ pub struct Surfaces {
     /// Solid cells with an exposed face.
     pub walls: Vec<Wall>,
     /// Indices of media that scatter.
-    pub fog: Vec<u32>,
+    pub media: Vec<u32>,
     /// Radiance that each wall reflects.
-    pub wall_sent: Vec<Faces>,
+    pub wall_reflected: Vec<Faces>,
     /// Radiance that each medium scatters.
-    pub fog_sent: Vec<Rgb>,
+    pub medium_scattered: Vec<Rgb>,
     /// True for each face of a wall that sees matter that changed since the frame before.
     pub wall_changed: Vec<[bool; 4]>,
 }
 
 impl Surfaces {
-    /// Finds the surfaces of a grid, without outgoing light. Media of an opacity up to `threshold` count
+    /// Finds the surfaces of a grid, without light on them. Media of an opacity up to `threshold` count
     /// as empty.
     pub fn collect(&mut self, cells: &Cells, threshold: f32) {
         self.width = cells.width();
         self.slots.clear();
         self.slots.resize(cells.len(), NONE);
         self.walls.clear();
-        self.fog.clear();
+        self.media.clear();
         let (w, h) = (cells.width() as i32, cells.height() as i32);
         cells.for_each_matter(|i| {
             let reflects = cells.albedo()[i] != [0.0; 3];
             if !cells.is_solid(i) {
                 if reflects && is_occupied(cells, i, threshold) {
-                    self.slots[i] = self.fog.len() as u32;
-                    self.fog.push(i as u32);
+                    self.slots[i] = self.media.len() as u32;
+                    self.media.push(i as u32);
                 }
                 return;
             }
@@ -83,51 +83,52 @@ impl Surfaces {
                 self.walls.push(Wall { cell: i as u32, exposed, reflects });
             }
         });
-        self.wall_sent.clear();
-        self.wall_sent.resize(self.walls.len(), Faces::default());
-        self.fog_sent.clear();
-        self.fog_sent.resize(self.fog.len(), Rgb::default());
+        self.wall_reflected.clear();
+        self.wall_reflected.resize(self.walls.len(), Faces::default());
+        self.medium_scattered.clear();
+        self.medium_scattered.resize(self.media.len(), Rgb::default());
         self.wall_changed.clear();
         self.wall_changed.resize(self.walls.len(), Default::default());
     }
 
-    /// Copies the outgoing light of the frame `before` for cells that were surfaces then. Walls that
+    /// Copies the reflected and scattered light of the frame `before` for cells that were surfaces then. Walls that
     /// no longer reflect get none, because no later gather would replace it.
     pub fn take_over(&mut self, before: &Self) {
         if (before.width, before.slots.len()) != (self.width, self.slots.len()) {
             return;
         }
-        let walls = self.walls.iter().zip(&mut self.wall_sent);
-        for (wall, sent) in walls.filter(|(wall, _)| wall.reflects) {
+        let walls = self.walls.iter().zip(&mut self.wall_reflected);
+        for (wall, reflected) in walls.filter(|(wall, _)| wall.reflects) {
             let slot = before.slots[wall.cell as usize] as usize;
             if before.walls.get(slot).is_some_and(|old| old.cell == wall.cell) {
                 for face in (0..4).filter(|&face| wall.exposed[face]) {
-                    sent[face] = before.wall_sent[slot][face];
+                    reflected[face] = before.wall_reflected[slot][face];
                 }
             }
         }
-        for (&cell, sent) in self.fog.iter().zip(&mut self.fog_sent) {
+        for (&cell, scattered) in self.media.iter().zip(&mut self.medium_scattered) {
             let slot = before.slots[cell as usize] as usize;
-            if before.fog.get(slot) == Some(&cell) {
-                *sent = before.fog_sent[slot];
+            if before.media.get(slot) == Some(&cell) {
+                *scattered = before.medium_scattered[slot];
             }
         }
     }
 
-    /// Returns the index of a cell in `walls` (solid cells) or `fog` (others).
+    /// Returns the index of a cell in `walls` (solid cells) or `media` (others).
     #[inline]
     pub fn slot(&self, cell: usize) -> Option<usize> {
         let slot = self.slots[cell];
         (slot != NONE).then_some(slot as usize)
     }
 
-    /// Turns irradiance into outgoing radiance, in the order of `walls` and `fog`. The irradiance of walls
+    /// Turns the irradiance of walls into the radiance that they reflect, and the mean radiance in media
+    /// into the radiance that they scatter, in the order of `walls` and `media`. The irradiance of walls
     /// that do not reflect is not read. Returns the largest change relative to the mean.
-    pub fn send_on<'a>(
+    pub fn reflect_and_scatter<'a>(
         &mut self,
         cells: &Cells,
         walls: impl Iterator<Item = &'a Faces>,
-        fog: impl Iterator<Item = &'a Rgb>,
+        media: impl Iterator<Item = &'a Rgb>,
     ) -> f32 {
         let (mut largest, mut sum, mut count) = (0.0f32, 0.0f64, 0u32);
         let mut update = |old: &mut f32, new: f32| {
@@ -136,20 +137,22 @@ impl Surfaces {
             count += 1;
             *old = new;
         };
-        for ((wall, faces), sent) in self.walls.iter().zip(walls).zip(&mut self.wall_sent) {
+        for ((wall, faces), reflected) in self.walls.iter().zip(walls).zip(&mut self.wall_reflected)
+        {
             if !wall.reflects {
                 continue;
             }
             let albedo = cells.albedo()[wall.cell as usize];
-            for (face, sent) in
-                faces.iter().zip(sent).zip(wall.exposed).filter(|f| f.1).map(|f| f.0)
+            for (face, reflected) in
+                faces.iter().zip(reflected).zip(wall.exposed).filter(|f| f.1).map(|f| f.0)
             {
-                (0..3).for_each(|c| update(&mut sent[c], albedo[c] * face[c]));
+                (0..3).for_each(|c| update(&mut reflected[c], albedo[c] * face[c]));
             }
         }
-        for ((&i, light), sent) in self.fog.iter().zip(fog).zip(&mut self.fog_sent) {
+        for ((&i, light), scattered) in self.media.iter().zip(media).zip(&mut self.medium_scattered)
+        {
             let albedo = cells.albedo()[i as usize];
-            (0..3).for_each(|c| update(&mut sent[c], albedo[c] * light[c]));
+            (0..3).for_each(|c| update(&mut scattered[c], albedo[c] * light[c]));
         }
         let mean = (sum / f64::from(count.max(1))) as f32;
         if largest == 0.0 { 0.0 } else { largest / mean }
@@ -158,17 +161,17 @@ impl Surfaces {
     /// Sets the source radiance of media that scatter: emitted, times `multiplier`, and scattered.
     /// Returns true if there are any; the empty space then has to be measured again.
     pub fn scatter_into(&self, cells: &Cells, multiplier: f32, grid: &mut MediumGrid) -> bool {
-        for (&i, scattered) in self.fog.iter().zip(&self.fog_sent) {
+        for (&i, scattered) in self.media.iter().zip(&self.medium_scattered) {
             let i = i as usize;
             let emission = cells.emission()[i];
             grid.source[i] = std::array::from_fn(|c| emission[c] * multiplier + scattered[c]);
         }
-        !self.fog.is_empty()
+        !self.media.is_empty()
     }
 
     /// Returns true if anything reflects or scatters.
-    pub fn reflect(&self) -> bool {
-        !self.fog.is_empty() || self.walls.iter().any(|wall| wall.reflects)
+    pub fn reflects_or_scatters(&self) -> bool {
+        !self.media.is_empty() || self.walls.iter().any(|wall| wall.reflects)
     }
 }
 

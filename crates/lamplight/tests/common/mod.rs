@@ -3,51 +3,29 @@
 // Each test program uses its own part of this.
 #![allow(dead_code)]
 
+pub use fastrand::Rng;
 use lamplight::settings::Raymarch;
-use lamplight::{Cells, Light, Matter, Method, Rgb, Settings, Solver};
-use std::collections::hash_map::RandomState;
-use std::hash::BuildHasher;
+use lamplight::{Cells, Light, Matter, Method, Rgb, Settings, Sky, Solver};
 
 /// A black wall.
 pub const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
 /// A black wall that glows with radiance 1.
 pub const GLOW: Matter = Matter { emission: [1.0; 3], ..WALL };
 
-/// A random number generator (SplitMix64) with a seed.
-pub struct Random(u64);
+/// A random number generator with this seed, printed so that a failure can be repeated.
+pub fn seeded(seed: u64) -> Rng {
+    println!("seed {seed}");
+    Rng::with_seed(seed)
+}
 
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
+/// A random number generator with a new seed in each run, printed so that a failure can be repeated.
+pub fn fresh() -> Rng {
+    seeded(fastrand::u64(..))
+}
 
-    /// From a seed that is new in each run, printed so that a failure can be repeated.
-    pub fn fresh() -> Self {
-        let seed = RandomState::new().hash_one(0);
-        println!("seed {seed}");
-        Self(seed)
-    }
-
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ z >> 31
-    }
-
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1u32 << 24) as f32
-    }
-
-    /// In 0..n.
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-
-    pub fn rgb(&mut self) -> Rgb {
-        [self.unit(), self.unit(), self.unit()]
-    }
+/// A random value in [0, 1) per channel.
+pub fn rgb(random: &mut Rng) -> Rgb {
+    [random.f32(), random.f32(), random.f32()]
 }
 
 /// A grid whose cells are given by `matter`.
@@ -69,6 +47,40 @@ pub fn room(width: u32, height: u32, wall: Matter) -> Cells {
     })
 }
 
+/// Walls, fog, glass and lights, in no order, under a dim sky.
+pub fn jumble(width: u32, height: u32, seed: u64) -> Cells {
+    let random = &mut seeded(seed);
+    let mut cells = grid(width, height, |_, _| {
+        let glow = if random.f32() < 0.3 { rgb(random) } else { [0.0; 3] };
+        let (albedo, tint, kind) = (rgb(random), rgb(random), random.f32());
+        match kind {
+            k if k < 0.15 => Matter { emission: glow, albedo, ..WALL },
+            k if k < 0.25 => Matter { emission: glow, opacity: random.f32(), albedo, tint },
+            k if k < 0.3 => Matter { tint, ..Matter::EMPTY },
+            _ => Matter::EMPTY,
+        }
+    });
+    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25]));
+    cells
+}
+
+/// The grid with other emission, under the sky of [`jumble`] times `sky`.
+pub fn relit(cells: &Cells, emission: impl Fn(usize, Rgb) -> Rgb, sky: f32) -> Cells {
+    let mut cells = cells.clone();
+    for (i, e) in cells.emission_mut().iter_mut().enumerate() {
+        *e = emission(i, *e);
+    }
+    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25].map(|v| v * sky)));
+    cells
+}
+
+/// Panics unless a value is the expected one, within a relative tolerance.
+#[track_caller]
+pub fn near(value: f32, expected: f64, tolerance: f64) {
+    let off = (f64::from(value) / expected - 1.0).abs();
+    assert!(off <= tolerance, "{value} is not {expected}: {off} off, {tolerance} allowed");
+}
+
 /// Settings of `raymarch` that differ from the defaults in a few keys.
 pub fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
     let mut settings = Settings::new(Method::Raymarch);
@@ -84,6 +96,33 @@ pub fn raymarch_of(settings: &mut Settings) -> &mut Raymarch {
 /// The first frame of a new solver.
 pub fn solve(settings: &Settings, cells: &Cells) -> Light {
     Solver::new(settings.clone()).unwrap().solve(cells).unwrap().clone()
+}
+
+/// Panics unless light is proportional to emission, and the light of two parts of the emission adds up
+/// to that of all, within `rounding`, relative.
+pub fn expect_linear_in_emission(settings: &Settings, rounding: f32) {
+    for seed in 1..4 {
+        let cells = jumble(31, 22, seed);
+        let once = solve(settings, &cells);
+        for factor in [0.25, 8.0] {
+            let bright = relit(&cells, |_, e| e.map(|v| factor * v), factor);
+            let expected: Vec<Rgb> = once.pixels().iter().map(|p| p.map(|v| factor * v)).collect();
+            assert!(solve(settings, &bright).pixels() == expected, "seed {seed}, {factor}");
+        }
+        let part = |keep: usize, sky: f32| {
+            let some = |i: usize, e: Rgb| if i % 2 == keep { e } else { [0.0; 3] };
+            solve(settings, &relit(&cells, some, sky))
+        };
+        let (even, odd) = (part(0, 1.0), part(1, 0.0));
+        for (i, all) in once.pixels().iter().enumerate() {
+            for c in 0..3 {
+                let sum = even.pixels()[i][c] + odd.pixels()[i][c];
+                assert!((sum - all[c]).abs() <= rounding * all[c], "cell {i}: {sum}, {all:?}");
+                // Light never darkens.
+                assert!(even.pixels()[i][c] <= all[c] * (1.0 + rounding), "cell {i}");
+            }
+        }
+    }
 }
 
 /// Root of the mean squared difference over open cells and channels ÷ the mean of `truth` there.
@@ -134,18 +173,13 @@ pub struct Sealed {
 
 impl Sealed {
     /// A room of `size` cells or as many as there are.
-    pub fn new(
-        random: &mut Random,
-        [width, height]: [u32; 2],
-        size: usize,
-        contact: Contact,
-    ) -> Self {
+    pub fn new(random: &mut Rng, [width, height]: [u32; 2], size: usize, contact: Contact) -> Self {
         let n = (width * height) as usize;
         let mut inside = vec![false; n];
-        let mut front = vec![random.below(n)];
+        let mut front = vec![random.usize(..n)];
         let mut left = size.min(n);
         while left > 0 {
-            let cell = front.swap_remove(random.below(front.len()));
+            let cell = front.swap_remove(random.usize(..front.len()));
             if !inside[cell] {
                 inside[cell] = true;
                 left -= 1;
@@ -172,6 +206,14 @@ impl Sealed {
     /// Indices of the cells of the room.
     pub fn room(&self) -> Vec<usize> {
         (0..self.inside.len()).filter(|&i| self.inside[i]).collect()
+    }
+
+    /// Returns a random cell of each side of the wall that has any, with all cells of the other side.
+    pub fn sides(&self, random: &mut Rng) -> Vec<(usize, Vec<usize>)> {
+        let outside: Vec<usize> = (0..self.inside.len()).filter(|&i| self.is_outside(i)).collect();
+        let sides = [(self.room(), outside.clone()), (outside, self.room())];
+        let some = sides.into_iter().filter(|(cells, _)| !cells.is_empty());
+        some.map(|(cells, others)| (cells[random.usize(..cells.len())], others)).collect()
     }
 
     pub fn is_outside(&self, i: usize) -> bool {

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use lamplight::settings::{Cascades, Merge};
-use lamplight::{Bounces, Cells, Error, Gradient, Light, Matter, Rgb, Settings, Sky};
+use lamplight::{Bounces, Cells, Error, Gradient, Light, Matter, Settings, Sky};
 use lamplight::{SettingsTable, Solver};
 
 /// Sums of some thousand f32, relative.
@@ -31,29 +31,6 @@ fn variants() -> Vec<Settings> {
         all.push(cascades(|c| (c.merge, c.interval, c.overlap) = (merge, 0.7, 0.3)));
     }
     all
-}
-
-#[track_caller]
-fn near(value: f32, expected: f64, tolerance: f64) {
-    let off = (f64::from(value) / expected - 1.0).abs();
-    assert!(off <= tolerance, "{value} is not {expected}: {off} off, {tolerance} allowed");
-}
-
-/// Walls, fog, glass and lights, in no order, under a dim sky.
-fn jumble(width: u32, height: u32, seed: u64) -> Cells {
-    let random = &mut Random::new(seed);
-    let mut cells = grid(width, height, |_, _| {
-        let glow = if random.unit() < 0.3 { random.rgb() } else { [0.0; 3] };
-        let (albedo, tint, kind) = (random.rgb(), random.rgb(), random.unit());
-        match kind {
-            k if k < 0.15 => Matter { emission: glow, albedo, ..WALL },
-            k if k < 0.25 => Matter { emission: glow, opacity: random.unit(), albedo, tint },
-            k if k < 0.3 => Matter { tint, ..Matter::EMPTY },
-            _ => Matter::EMPTY,
-        }
-    });
-    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25]));
-    cells
 }
 
 /// Sizes that are small, odd, prime, of one row, and of more than one packet.
@@ -126,19 +103,19 @@ fn a_furnace_has_uniform_light() {
 
 #[test]
 fn no_light_enters_a_sealed_room() {
-    let random = &mut Random::fresh();
+    let random = &mut fresh();
     let mut leaks = 0;
     for i in 0..40 {
         let contact = if i % 2 == 0 { Contact::Sides } else { Contact::Corners };
-        let size = [20 + random.below(60) as u32, 20 + random.below(40) as u32];
-        let room_size = 10 + random.below(200);
+        let size = [20 + random.u32(..60), 20 + random.u32(..40)];
+        let room_size = 10 + random.usize(..200);
         let sealed = Sealed::new(random, size, room_size, contact);
         let mut cells = grid(size[0], size[1], |x, y| {
             let i = (y * size[0] + x) as usize;
             match () {
                 () if sealed.wall[i] => Matter { albedo: [0.8; 3], ..WALL },
                 () if sealed.is_outside(i) => {
-                    let glow = if random.unit() < 0.1 { 50.0 } else { 0.0 };
+                    let glow = if random.f32() < 0.1 { 50.0 } else { 0.0 };
                     Matter { emission: [glow; 3], opacity: 0.1, albedo: [0.9; 3], tint: [1.0; 3] }
                 }
                 () => Matter::EMPTY,
@@ -215,42 +192,10 @@ fn turning_the_scene_turns_the_light() {
     }
 }
 
-/// The grid with other emission and sky.
-fn relit(cells: &Cells, emission: impl Fn(usize, Rgb) -> Rgb, sky: f32) -> Cells {
-    let mut cells = cells.clone();
-    for (i, e) in cells.emission_mut().iter_mut().enumerate() {
-        *e = emission(i, *e);
-    }
-    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25].map(|v| v * sky)));
-    cells
-}
-
 #[test]
 fn light_is_linear_in_emission() {
-    for seed in 1..4 {
-        let cells = jumble(31, 22, seed);
-        for settings in [bounces(0), bounces(2), cascades(|c| c.merge = Merge::Plain)] {
-            let once = solve(&settings, &cells);
-            for factor in [0.25, 8.0] {
-                let bright = relit(&cells, |_, e| e.map(|v| factor * v), factor);
-                let expected: Vec<Rgb> =
-                    once.pixels().iter().map(|p| p.map(|v| factor * v)).collect();
-                assert!(solve(&settings, &bright).pixels() == expected, "seed {seed}, {factor}");
-            }
-            let part = |keep: usize, sky: f32| {
-                let some = |i: usize, e: Rgb| if i % 2 == keep { e } else { [0.0; 3] };
-                solve(&settings, &relit(&cells, some, sky))
-            };
-            let (even, odd) = (part(0, 1.0), part(1, 0.0));
-            for (i, all) in once.pixels().iter().enumerate() {
-                for c in 0..3 {
-                    let sum = even.pixels()[i][c] + odd.pixels()[i][c];
-                    assert!((sum - all[c]).abs() <= ROUNDING * all[c], "cell {i}: {sum}, {all:?}");
-                    // Light never darkens.
-                    assert!(even.pixels()[i][c] <= all[c] * (1.0 + ROUNDING), "cell {i}");
-                }
-            }
-        }
+    for settings in [bounces(0), bounces(2), cascades(|c| c.merge = Merge::Plain)] {
+        expect_linear_in_emission(&settings, ROUNDING);
     }
 }
 

@@ -65,8 +65,8 @@ fn noise_falls_and_features_stay() {
 #[test]
 fn light_without_noise_stays() {
     let drawn = hall().drawn().into_owned();
-    let random = &mut Random::new(4);
-    let light: Vec<Rgb> = (0..drawn.len()).map(|_| random.rgb()).collect();
+    let random = &mut seeded(4);
+    let light: Vec<Rgb> = (0..drawn.len()).map(|_| rgb(random)).collect();
     let most = |variance| {
         let after = blurred(&drawn, &light, variance, 5);
         let channels = light.as_flattened().iter().zip(after.as_flattened());
@@ -89,17 +89,17 @@ fn a_uniform_picture_does_not_change() {
 
 #[test]
 fn the_blur_does_not_cross_walls() {
-    let random = &mut Random::fresh();
+    let random = &mut fresh();
     for round in 0..60 {
         let contact = if round % 2 == 0 { Contact::Sides } else { Contact::Corners };
-        let size = [2 + random.below(60) as u32, 2 + random.below(40) as u32];
-        let count = 1 + random.below((size[0] * size[1]) as usize / 2);
+        let size = [2 + random.u32(..60), 2 + random.u32(..40)];
+        let count = 1 + random.usize(..(size[0] * size[1]) as usize / 2);
         let sealed = Sealed::new(random, size, count, contact);
         let cells = grid(size[0], size[1], |x, y| {
             let i = (y * size[0] + x) as usize;
             if sealed.wall[i] { WALL } else { Matter::EMPTY }
         });
-        let inside = |i: usize| if sealed.inside[i] { [1e6 * random.unit(); 3] } else { [0.0; 3] };
+        let inside = |i: usize| if sealed.inside[i] { [1e6 * random.f32(); 3] } else { [0.0; 3] };
         let light: Vec<Rgb> = (0..cells.len()).map(inside).collect();
         let after = blurred(&cells, &light, 1e12, 6);
         for i in 0..cells.len() {
@@ -111,9 +111,9 @@ fn the_blur_does_not_cross_walls() {
 
 #[test]
 fn the_blur_crosses_open_space() {
-    let noise = &mut Random::new(1);
+    let noise = &mut seeded(1);
     let cells = Cells::new(20, 20).unwrap();
-    let left = |i: usize| if i % 20 < 10 { [noise.unit() + 1.0; 3] } else { [0.0; 3] };
+    let left = |i: usize| if i % 20 < 10 { [noise.f32() + 1.0; 3] } else { [0.0; 3] };
     let light: Vec<Rgb> = (0..400).map(left).collect();
     assert!(blurred(&cells, &light, 0.02, 1)[10][0] > 0.0);
 }
@@ -127,9 +127,9 @@ fn edges_of_opacity_stay() {
             Matter { opacity, ..Matter::EMPTY }
         })
     };
-    let noise = &mut Random::new(2);
+    let noise = &mut seeded(2);
     let light: Vec<Rgb> =
-        (0..1200).map(|i| [noise.unit() * 0.5 + if i % 40 < 20 { 1.0 } else { 2.0 }; 3]).collect();
+        (0..1200).map(|i| [noise.f32() * 0.5 + if i % 40 < 20 { 1.0 } else { 2.0 }; 3]).collect();
     let step = |light: &[Rgb]| {
         let column = |x: usize| (0..30).map(|y| light[y * 40 + x][0]).sum::<f32>() / 30.0;
         column(20) - column(19)
@@ -146,8 +146,8 @@ fn edges_of_opacity_stay() {
 fn walls_keep_their_light_at_any_size() {
     for (w, h) in [(1, 1), (1, 40), (40, 1), (2, 2), (7, 3)] {
         let cells = grid(w, h, |x, y| if (x + y) % 3 == 1 { WALL } else { Matter::EMPTY });
-        let noise = &mut Random::new(3);
-        let light: Vec<Rgb> = (0..cells.len()).map(|_| noise.rgb()).collect();
+        let noise = &mut seeded(3);
+        let light: Vec<Rgb> = (0..cells.len()).map(|_| rgb(noise)).collect();
         for (i, after) in blurred(&cells, &light, 1.0, 6).iter().enumerate() {
             assert!(!cells.is_solid(i) || *after == light[i]);
             assert!(after.iter().all(|v| (0.0..=1.0 + ROUNDING).contains(v)), "{after:?}");

@@ -47,11 +47,11 @@ fn with_lamp(mut cells: Cells, lamp: Lamp) -> Cells {
 
 /// Random walls of many albedos, fog, glass and emitters.
 fn jumble(width: u32, height: u32, seed: u64) -> Cells {
-    let random = &mut Random::new(seed);
-    grid(width, height, |_, _| match random.unit() {
-        v if v < 0.02 => Matter { emission: random.rgb(), albedo: random.rgb(), ..WALL },
-        v if v < 0.12 => Matter { albedo: random.rgb(), ..WALL },
-        v if v < 0.2 => Matter { opacity: random.unit(), tint: random.rgb(), ..Matter::EMPTY },
+    let random = &mut seeded(seed);
+    grid(width, height, |_, _| match random.f32() {
+        v if v < 0.02 => Matter { emission: rgb(random), albedo: rgb(random), ..WALL },
+        v if v < 0.12 => Matter { albedo: rgb(random), ..WALL },
+        v if v < 0.2 => Matter { opacity: random.f32(), tint: rgb(random), ..Matter::EMPTY },
         _ => Matter::EMPTY,
     })
 }
@@ -75,25 +75,19 @@ fn total(light: &Light) -> f64 {
 
 #[test]
 fn no_light_gets_through_a_wall() {
-    let random = &mut Random::fresh();
+    let random = &mut fresh();
     for round in 0..40 {
         let contact = if round % 2 == 0 { Contact::Sides } else { Contact::Corners };
         let sealed = Sealed::new(random, [37, 31], 60, contact);
         let white = Matter { albedo: [1.0; 3], ..WALL };
         let mut cells = sealed.grid(white);
-        let room = sealed.room();
-        let outside: Vec<usize> = (0..37 * 31).filter(|&i| sealed.is_outside(i)).collect();
-        for (homes, dark) in [(&room, &outside), (&outside, &room)] {
-            if homes.is_empty() {
-                continue;
-            }
-            let home = homes[random.below(homes.len())];
-            let position = [(home % 37) as f32 + random.unit(), (home / 37) as f32 + random.unit()];
+        for (home, dark) in sealed.sides(random) {
+            let position = [(home % 37) as f32 + random.f32(), (home / 37) as f32 + random.f32()];
             *cells.lamps_mut() = vec![Lamp { position, ..Lamp::default() }];
             for settings in variants() {
                 let light = frames(&mut Solver::new(settings).unwrap(), &cells, 4);
                 assert!(light.pixels()[home][0] > 0.0);
-                for &i in dark.iter() {
+                for &i in &dark {
                     assert_eq!(light.pixels()[i], [0.0; 3], "lamp at {position:?}, cell {i}");
                 }
             }

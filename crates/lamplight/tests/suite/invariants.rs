@@ -16,39 +16,6 @@ fn bounces(count: u32, rays: u32) -> Settings {
     settings(|s| (s.bounces, raymarch_of(s).rays) = (Bounces::Count(count), rays))
 }
 
-/// Walls, fog, glass and lights, in no order, under a dim sky.
-fn jumble(width: u32, height: u32, seed: u64) -> Cells {
-    let random = &mut Random::new(seed);
-    let mut cells = grid(width, height, |_, _| {
-        let glow = if random.unit() < 0.3 { random.rgb() } else { [0.0; 3] };
-        let (albedo, tint, kind) = (random.rgb(), random.rgb(), random.unit());
-        match kind {
-            k if k < 0.15 => Matter { emission: glow, albedo, ..WALL },
-            k if k < 0.25 => Matter { emission: glow, opacity: random.unit(), albedo, tint },
-            k if k < 0.3 => Matter { tint, ..Matter::EMPTY },
-            _ => Matter::EMPTY,
-        }
-    });
-    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25]));
-    cells
-}
-
-/// The grid with other emission and sky.
-fn relit(cells: &Cells, emission: impl Fn(usize, Rgb) -> Rgb, sky: f32) -> Cells {
-    let mut cells = cells.clone();
-    for (i, e) in cells.emission_mut().iter_mut().enumerate() {
-        *e = emission(i, *e);
-    }
-    cells.set_sky(Sky::Uniform([0.125, 0.0625, 0.25].map(|v| v * sky)));
-    cells
-}
-
-#[track_caller]
-fn near(value: f32, expected: f64, tolerance: f64) {
-    let off = (f64::from(value) / expected - 1.0).abs();
-    assert!(off <= tolerance, "{value} is not {expected}: {off} off, {tolerance} allowed");
-}
-
 #[test]
 fn under_a_uniform_sky_light_is_the_sky() {
     let sky = [0.3, 1.0, 700.0];
@@ -87,29 +54,8 @@ fn turning_the_scene_turns_the_light() {
 
 #[test]
 fn light_is_linear_in_emission() {
-    for seed in 1..4 {
-        let cells = jumble(31, 22, seed);
-        for settings in [bounces(0, 16), bounces(3, 16), Settings { wall_depth: 3.0, ..rays(8) }] {
-            let once = solve(&settings, &cells);
-            for factor in [0.25, 8.0] {
-                let bright = relit(&cells, |_, e| e.map(|v| factor * v), factor);
-                let expected: Vec<Rgb> =
-                    once.pixels().iter().map(|p| p.map(|v| factor * v)).collect();
-                assert!(solve(&settings, &bright).pixels() == expected, "seed {seed}, {factor}");
-            }
-            // Lights add up.
-            let part = |keep: usize, sky: f32| {
-                let some = |i: usize, e: Rgb| if i % 2 == keep { e } else { [0.0; 3] };
-                solve(&settings, &relit(&cells, some, sky))
-            };
-            let (even, odd) = (part(0, 1.0), part(1, 0.0));
-            for (i, all) in once.pixels().iter().enumerate() {
-                for c in 0..3 {
-                    let sum = even.pixels()[i][c] + odd.pixels()[i][c];
-                    assert!((sum - all[c]).abs() <= ROUNDING * all[c], "cell {i}: {sum}, {all:?}");
-                }
-            }
-        }
+    for settings in [bounces(0, 16), bounces(3, 16), Settings { wall_depth: 3.0, ..rays(8) }] {
+        expect_linear_in_emission(&settings, ROUNDING);
     }
 }
 
@@ -117,10 +63,10 @@ fn light_is_linear_in_emission() {
 fn more_emission_never_darkens() {
     let mut brighter = 0;
     for seed in 1..5 {
-        let random = &mut Random::new(seed);
+        let random = &mut seeded(seed);
         let cells = jumble(31, 22, seed);
         let walls: Vec<usize> = (0..cells.len()).filter(|&i| cells.is_solid(i)).collect();
-        let raised = walls[random.below(walls.len())];
+        let raised = walls[random.usize(..walls.len())];
         let after = relit(&cells, |i, e| if i == raised { e.map(|v| v + 2.0) } else { e }, 1.0);
         for settings in [bounces(0, 16), bounces(2, 16)] {
             let (before, after) = (solve(&settings, &cells), solve(&settings, &after));

@@ -56,17 +56,17 @@ const DENSITIES: [Density; 6] = [
     Density::Share(0.5),
 ];
 
-fn scatter(random: &mut Random, [w, h]: [u32; 2], density: Density) -> Vec<u32> {
+fn scatter(random: &mut Rng, [w, h]: [u32; 2], density: Density) -> Vec<u32> {
     let mut seeds = vec![NONE; (w * h) as usize];
     let own = |i: usize| pack(i as u32 % w, i as u32 / w);
     match density {
         Density::Count(n) => (0..n).for_each(|_| {
-            let i = random.below(seeds.len());
+            let i = random.usize(..seeds.len());
             seeds[i] = own(i);
         }),
         Density::Share(share) => {
             for (i, seed) in seeds.iter_mut().enumerate() {
-                if random.unit() < share {
+                if random.f32() < share {
                     *seed = own(i);
                 }
             }
@@ -116,7 +116,7 @@ impl Errors {
 
 #[test]
 fn few_cells_are_wrong_and_by_little() {
-    let mut random = Random::fresh();
+    let mut random = fresh();
     let mut errors = [Errors::default(); 3];
     for size in SIZES {
         for density in DENSITIES {
@@ -144,7 +144,7 @@ fn few_cells_are_wrong_and_by_little() {
 #[test]
 fn the_measure_rejects_one_wrong_cell() {
     let size = [31, 17];
-    let seeds = scatter(&mut Random::new(1), size, Density::Count(7));
+    let seeds = scatter(&mut seeded(1), size, Density::Count(7));
     let exact = exact(size, &seeds);
     let mut map = flood(Flood::Settled, size, &seeds);
     let before = {
@@ -185,7 +185,7 @@ fn by_the_book([w, h]: [u32; 2], offsets: impl Iterator<Item = i64>, seeds: &[u3
 
 #[test]
 fn ties_go_to_the_smaller_position_in_any_order_of_taps() {
-    let mut random = Random::fresh();
+    let mut random = fresh();
     for size in SIZES {
         for density in DENSITIES {
             let seeds = scatter(&mut random, size, density);
@@ -244,7 +244,7 @@ fn without_seeds_every_distance_is_infinite() {
 
 #[test]
 fn the_solver_shows_the_fields_of_its_grid() {
-    let mut random = Random::fresh();
+    let mut random = fresh();
     for size @ [w, h] in SIZES {
         let seeds = scatter(&mut random, size, Density::Share(0.05));
         let fog = Matter { opacity: 0.1, ..Matter::EMPTY };

@@ -131,11 +131,11 @@ fn visible(cells: &Cells, from: [f64; 2], to: [f64; 2]) -> bool {
 
 /// Blocks here and there, none within 6 px of the middle.
 fn blocks(seed: u64) -> Cells {
-    let random = &mut Random::new(seed);
+    let random = &mut seeded(seed);
     let mut cells = Cells::new(97, 101).unwrap();
     for _ in 0..30 {
-        let (x, y) = (random.below(90) as u32, random.below(94) as u32);
-        let (w, h) = (1 + random.below(6) as u32, 1 + random.below(6) as u32);
+        let (x, y) = (random.u32(..90), random.u32(..94));
+        let (w, h) = (1 + random.u32(..6), 1 + random.u32(..6));
         for (x, y) in (x..x + w).flat_map(|x| (y..y + h).map(move |y| (x, y))) {
             if (x as f32 - 48.0).hypot(y as f32 - 50.0) > 6.0 {
                 cells.set(x, y, WALL);
@@ -243,20 +243,13 @@ fn variants() -> impl Iterator<Item = (Traversal, ShadowFilter)> {
 
 #[test]
 fn no_light_gets_through_a_wall() {
-    let random = &mut Random::fresh();
+    let random = &mut fresh();
     for round in 0..40 {
         let contact = if round % 2 == 0 { Contact::Sides } else { Contact::Corners };
         let sealed = Sealed::new(random, [37, 31], 60, contact);
         let mut cells = sealed.grid(WALL);
-        let room = sealed.room();
-        let outside: Vec<usize> = (0..37 * 31).filter(|&i| sealed.is_outside(i)).collect();
-        // A lamp on this side, and nothing arrives on the other; and the other way round.
-        for (homes, dark) in [(&room, &outside), (&outside, &room)] {
-            if homes.is_empty() {
-                continue;
-            }
-            let home = homes[random.below(homes.len())];
-            let place = |at: usize| at as f32 + random_fraction(home, at);
+        for (home, dark) in sealed.sides(random) {
+            let mut place = |at: usize| at as f32 + 0.1 + 0.8 * random.f32();
             let position = [place(home % 37), place(home / 37)];
             cells.lamps_mut().clear();
             cells.lamps_mut().push(Lamp { position, size: 6.0, ..Lamp::default() });
@@ -269,7 +262,7 @@ fn no_light_gets_through_a_wall() {
                     &polar(|s| (s.traversal, s.shadow_filter) = (traversal, shadow_filter)),
                     &cells,
                 );
-                for &i in dark.iter() {
+                for &i in &dark {
                     assert_eq!(
                         light.pixels()[i],
                         [0.0; 3],
@@ -279,11 +272,6 @@ fn no_light_gets_through_a_wall() {
             }
         }
     }
-}
-
-/// Some place within a cell.
-fn random_fraction(seed: usize, salt: usize) -> f32 {
-    0.1 + 0.8 * Random::new((seed * 1000 + salt) as u64).unit()
 }
 
 #[test]
@@ -482,10 +470,10 @@ fn every_size_place_and_range_is_lit() {
         ]
     };
     for (w, h) in [(1, 1), (1, 7), (7, 1), (97, 101)] {
-        let random = &mut Random::new(3);
-        let cells = grid(w, h, |_, _| match random.unit() {
+        let random = &mut seeded(3);
+        let cells = grid(w, h, |_, _| match random.f32() {
             v if v < 0.1 => WALL,
-            v if v < 0.2 => Matter { opacity: random.unit(), tint: random.rgb(), ..Matter::EMPTY },
+            v if v < 0.2 => Matter { opacity: random.f32(), tint: rgb(random), ..Matter::EMPTY },
             _ => Matter::EMPTY,
         });
         for position in places(w as f32, h as f32) {

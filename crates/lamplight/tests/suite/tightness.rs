@@ -6,6 +6,7 @@
 //! a corner hold light back).
 
 use crate::common::*;
+use fastrand::Rng;
 use lamplight::settings::{BounceMode, Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
 use lamplight::{Bounces, Cells, Matter, Rgb, Settings, Solver};
 use proptest::prelude::*;
@@ -13,25 +14,25 @@ use proptest::prelude::*;
 const BRIGHT: Rgb = [1000.0, 800.0, 1e6];
 
 /// The room, its light and what stands round it: fog, glass and mirrors that would show a leak.
-fn world(sealed: &Sealed, size: [u32; 2], random: &mut Random) -> Cells {
+fn world(sealed: &Sealed, size: [u32; 2], random: &mut Rng) -> Cells {
     let mut cells = Cells::new(size[0], size[1]).unwrap();
     for i in 0..cells.len() {
-        let albedo = random.rgb();
-        let kind = random.unit();
+        let albedo = rgb(random);
+        let kind = random.f32();
         cells.set_matter(
             i,
             match kind {
                 _ if sealed.wall[i] => Matter { albedo, ..WALL },
                 k if k < 0.1 && !sealed.inside[i] => Matter { albedo, ..WALL },
-                k if k < 0.2 => Matter { opacity: random.unit() * 0.9, albedo, ..Matter::EMPTY },
-                k if k < 0.25 => Matter { tint: random.rgb(), albedo, ..Matter::EMPTY },
+                k if k < 0.2 => Matter { opacity: random.f32() * 0.9, albedo, ..Matter::EMPTY },
+                k if k < 0.25 => Matter { tint: rgb(random), albedo, ..Matter::EMPTY },
                 _ => Matter::EMPTY,
             },
         );
     }
     let room = sealed.room();
-    let lamp = room[random.below(room.len())];
-    let opacity = if random.unit() < 0.5 { 1.0 } else { 0.7 };
+    let lamp = room[random.usize(..room.len())];
+    let opacity = if random.f32() < 0.5 { 1.0 } else { 0.7 };
     // Cells beside it see it under every rule.
     for beside in around(size[0], size[1], lamp, Contact::Sides).filter(|&i| sealed.inside[i]) {
         cells.set_matter(beside, Matter::EMPTY);
@@ -112,7 +113,7 @@ proptest! {
         corners: bool,
         settings in any_settings(),
     ) {
-        let random = &mut Random::new(seed);
+        let random = &mut Rng::with_seed(seed);
         let contact = if corners { Contact::Corners } else { Contact::Sides };
         let room = 2 + (share * share * (size[0] * size[1]) as f32) as usize;
         let sealed = Sealed::new(random, size, room, contact);
@@ -151,7 +152,7 @@ fn every_setting() -> Vec<Settings> {
 
 #[test]
 fn every_setting_lights_only_the_inside() {
-    let random = &mut Random::fresh();
+    let random = &mut fresh();
     for contact in [Contact::Sides, Contact::Corners] {
         for settings in every_setting() {
             let sealed = Sealed::new(random, [23, 17], 60, contact);
@@ -165,7 +166,7 @@ fn every_setting_lights_only_the_inside() {
 
 #[test]
 fn no_preset_of_holographic_lets_light_out() {
-    let random = &mut Random::fresh();
+    let random = &mut fresh();
     for contact in [Contact::Sides, Contact::Corners] {
         for preset in ["default", "fast", "quality"] {
             for bounces in [0, 2] {

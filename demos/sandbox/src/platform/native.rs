@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 pub const CELLS_ON_CPU: [u32; 2] = CELLS;
 
 /// The flag of a window that continues another one.
-const ANEW: &str = "--anew";
+const CONTINUED: &str = "--continued";
 /// If a continued window loses its GPU within this time, the GPU is gone for good.
 const SOON: Duration = Duration::from_secs(10);
 
@@ -76,7 +76,7 @@ fn open_another(next: &Handover, closes: bool) -> Result<()> {
     let script = opened.unwrap_or_default() + &next.lines.join("\n");
     let script = put("script.txt", script.as_bytes())?;
     let mut window = Command::new(std::env::current_exe()?);
-    window.args(&next.arguments).arg(ANEW);
+    window.args(&next.arguments).arg(CONTINUED);
     window.arg(if closes { "--script" } else { "--begin" }).arg(script);
     window.spawn()?;
     Ok(())

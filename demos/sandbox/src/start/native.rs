@@ -25,16 +25,16 @@ struct Args {
     begin: Option<PathBuf>,
     /// Continue where another window was
     #[arg(long, hide = true)]
-    anew: bool,
+    continued: bool,
 }
 
 /// Opens the window and returns when it is closed.
 pub fn run() -> Result<()> {
-    let Args { start, script, begin, anew } = Args::parse();
+    let Args { start, script, begin, continued } = Args::parse();
     check(&start)?;
     let closes = script.is_some();
     let script = script.or(begin).map(|path| read_script(&path, closes)).transpose()?;
-    platform::set_is_continued(anew);
+    platform::set_is_continued(continued);
     let options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("lamplight sandbox")

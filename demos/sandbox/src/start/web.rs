@@ -36,8 +36,8 @@ pub fn run() -> Result<()> {
     // No other logger can be set before it.
     let _ = WebLogger::init(log::LevelFilter::Warn);
     wasm_bindgen_futures::spawn_local(async {
-        let told = open().await.err().map(|why| format!("{why:#}"));
-        show_message(told.as_deref().unwrap_or_default());
+        let error = open().await.err().map(|why| format!("{why:#}"));
+        show_message(error.as_deref().unwrap_or_default());
     });
     Ok(())
 }
@@ -49,7 +49,7 @@ async fn open() -> Result<()> {
         show_message(&format!("lamplight broke: {what}. To start again, load this page again."));
         known(what);
     }));
-    let (mut start, mut told) = query()?;
+    let (mut start, mut messages) = query()?;
     if start.backend != Backend::Cpu {
         let why = match start.backend {
             Backend::Gpu => None,
@@ -57,16 +57,16 @@ async fn open() -> Result<()> {
         };
         let why = match why {
             Some(why) => why,
-            None => match show(&runner, Renderer::Wgpu, &start, &told).await {
+            None => match show(&runner, Renderer::Wgpu, &start, &messages).await {
                 Ok(()) => return Ok(()),
                 Err(why) => format!("WebGPU cannot be used ({why:#})"),
             },
         };
-        told.push(format!("{why}: light is found on the CPU, with fewer cells."));
+        messages.push(format!("{why}: light is found on the CPU, with fewer cells."));
         new_canvas()?;
     }
     start.backend = Backend::Cpu;
-    show(&runner, Renderer::Glow, &start, &told).await.context(
+    show(&runner, Renderer::Glow, &start, &messages).await.context(
         "This browser can show neither WebGPU nor WebGL 2; another one, or a newer one, may",
     )
 }
@@ -76,7 +76,7 @@ async fn show(
     runner: &WebRunner,
     renderer: Renderer,
     start: &Start,
-    told: &[String],
+    messages: &[String],
 ) -> Result<()> {
     let options = WebOptions {
         renderer,
@@ -86,10 +86,10 @@ async fn show(
         },
         ..WebOptions::default()
     };
-    let (start, told) = (start.clone(), told.join(" "));
+    let (start, message) = (start.clone(), messages.join(" "));
     let begin = move |context: &eframe::CreationContext| {
         let mut app = App::new(context, &start, None)?;
-        app.say(Ok(Some(told).filter(|told| !told.is_empty())));
+        app.say(Ok(Some(message).filter(|message| !message.is_empty())));
         Ok(Box::new(app) as Box<dyn eframe::App>)
     };
     let canvas = canvas()?;
@@ -106,7 +106,7 @@ fn query() -> Result<(Start, Vec<String>)> {
     if let Some(script) = pairs.get("script") {
         play(script);
     }
-    let (mut given, mut told) = (vec!["lamplight".to_owned()], Vec::new());
+    let (mut given, mut messages) = (vec!["lamplight".to_owned()], Vec::new());
     for known in Query::command().get_arguments() {
         let name = known.get_id().as_str();
         let Some(value) = pairs.get(name) else { continue };
@@ -115,17 +115,17 @@ fn query() -> Result<(Start, Vec<String>)> {
         match Query::try_parse_from(&with) {
             Ok(query) => match check(&query.start) {
                 Ok(()) => given = with,
-                Err(why) => told.push(format!("{name}={value} is left out: {why}.")),
+                Err(why) => messages.push(format!("{name}={value} is left out: {why}.")),
             },
             Err(why) => {
                 let why = why.to_string();
                 let why = why.split("\n\n").next().unwrap_or_default();
                 let words: Vec<&str> = why.split_whitespace().skip(1).collect();
-                told.push(format!("{name}={value} is left out: {}.", words.join(" ")));
+                messages.push(format!("{name}={value} is left out: {}.", words.join(" ")));
             }
         }
     }
-    Ok((Query::try_parse_from(given)?.start, told))
+    Ok((Query::try_parse_from(given)?.start, messages))
 }
 
 fn canvas() -> Result<HtmlCanvasElement> {

@@ -143,7 +143,7 @@ impl Inspector {
         self.message.clear();
         let looked = self.picture(cells, settings, display, light);
         // After an error, the picture of another view must not stay.
-        let (picture, told) = match looked {
+        let (picture, result) = match looked {
             Ok(picture) => (picture, Ok(())),
             Err(why) => (None, Err(why)),
         };
@@ -157,7 +157,7 @@ impl Inspector {
             );
             self.texture.set(image, TextureOptions::NEAREST);
         }
-        told
+        result
     }
 
     /// The picture of the current view; `None` for light itself, and while there is nothing to show.

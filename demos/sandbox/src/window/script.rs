@@ -183,11 +183,11 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        for (text, told) in
+        for (text, line) in
             [("frames", "line 1"), ("press\nworld moon", "line 2"), ("move 1 x", "line 1")]
         {
             let error = format!("{:#}", Script::read(text, true).unwrap_err());
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(line), "{error}");
         }
     }
 }

@@ -9,7 +9,7 @@ const ROCK: &[u32] = &[0x2e2a3c, 0x433d52, 0x5f5668, 0x80737c, 0xa79891];
 const BACK: &[u32] = &[0x3c3a55, 0x4d4b69, 0x62607f, 0x7d7b97];
 const MOSS: &[u32] = &[0x3c5a3a, 0x5c8347, 0x8fb35a];
 const WOOD: &[u32] = &[0x5a3d2b, 0x7d5738, 0xa77a4a];
-/// Share of light that rock sends on.
+/// Albedo of rock.
 const ROCK_ALBEDO: Color = hex(0xb0a8a4);
 
 pub fn draw() -> Art {

@@ -93,8 +93,8 @@ fn a_floor_reflects_the_sky_once() {
     for at in [[20, 14], [0, 19], [30, 2]] {
         let seen = rect_mean_radiance(1.0, centre(at), [3.0, 15.0], [38.0, 18.0]);
         let expected = [0, 1, 2].map(|c| {
-            let sent = f64::from(wall.emission[c]) + f64::from(RHO[c]) * 0.5;
-            (1.0 - seen) * 0.5 + seen * sent
+            let outgoing = f64::from(wall.emission[c]) + f64::from(RHO[c]) * 0.5;
+            (1.0 - seen) * 0.5 + seen * outgoing
         });
         // A convex thing never lights itself: one bounce is all there is.
         for bounces in [Bounces::Count(1), Bounces::Converged] {
@@ -215,9 +215,9 @@ fn solve(cells: &Cells, bounces: u32, sky: f64) -> Vec<[f64; 3]> {
             .map(|i| {
                 let m = cells.matter(i);
                 [0, 1, 2].map(|c| {
-                    let sent =
+                    let scattered =
                         if k > 0 { f64::from(m.albedo[c]) * mean_radiance[i][c] } else { 0.0 };
-                    f64::from(m.emission[c]) + sent
+                    f64::from(m.emission[c]) + scattered
                 })
             })
             .collect();

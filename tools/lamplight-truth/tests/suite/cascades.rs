@@ -1,10 +1,10 @@
 //! `cascades` held to the reference.
 
+use crate::common::fresh;
+use fastrand::Rng;
 use lamplight::settings::{Cascades, Merge};
 use lamplight::{Bounces, Cells, Light, Matter, Rgb, Settings, Solver};
 use lamplight_truth::{Measures, PathTracer};
-use std::collections::hash_map::RandomState;
-use std::hash::BuildHasher;
 
 /// Relative RMSE that the issue allows with the bilinear fix and 16 rays where all that glows is at
 /// least 4 px in radius.
@@ -24,33 +24,15 @@ const LOOKS: usize = 800;
 /// Paths of the reference per cell: its own error is about a tenth of the tolerance.
 const SAMPLES: u32 = 8192;
 
-/// A random number generator (LCG) with a seed.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f32 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u32 << 24) as f32
-    }
-
-    fn below(&mut self, n: u32) -> u32 {
-        (self.unit() * n as f32) as u32
-    }
-
-    fn rgb(&mut self) -> Rgb {
-        [self.unit(), self.unit(), self.unit()]
-    }
-}
-
 /// Discs of 4 to 12 px radius, a third of which emit light.
-fn discs(random: &mut Random, width: u32, height: u32) -> Cells {
+fn discs(random: &mut Rng, width: u32, height: u32) -> Cells {
     let mut cells = Cells::new(width, height).unwrap();
     for k in 0..width * height / 1500 {
-        let centre = [random.unit() * width as f32, random.unit() * height as f32];
-        let radius = 4.0 + 8.0 * random.unit();
-        let emission = if k % 3 == 0 { random.rgb().map(|v| 0.5 + 4.0 * v) } else { [0.0; 3] };
-        let albedo = random.rgb();
+        let centre = [random.f32() * width as f32, random.f32() * height as f32];
+        let radius = 4.0 + 8.0 * random.f32();
+        let mut rgb = || [random.f32(), random.f32(), random.f32()];
+        let emission = if k % 3 == 0 { rgb().map(|v| 0.5 + 4.0 * v) } else { [0.0; 3] };
+        let albedo = rgb();
         let wall = Matter { emission, opacity: 1.0, albedo, ..Matter::EMPTY };
         for y in 0..height {
             for x in 0..width {
@@ -62,13 +44,6 @@ fn discs(random: &mut Random, width: u32, height: u32) -> Cells {
         }
     }
     cells
-}
-
-/// A seed that is new in each run, printed so that a failure can be repeated.
-fn seed() -> u64 {
-    let seed = RandomState::new().hash_one(0);
-    println!("seed {seed}");
-    seed
 }
 
 fn settings(cascades: Cascades, bounces: u32) -> Settings {
@@ -86,9 +61,9 @@ struct Truth {
 }
 
 impl Truth {
-    fn of(cells: &Cells, bounces: u32, random: &mut Random) -> Self {
+    fn of(cells: &Cells, bounces: u32, random: &mut Rng) -> Self {
         let at: Vec<[u32; 2]> =
-            std::iter::repeat_with(|| [random.below(cells.width()), random.below(cells.height())])
+            std::iter::repeat_with(|| [random.u32(..cells.width()), random.u32(..cells.height())])
                 .filter(|&[x, y]| !cells.is_solid(cells.index(x, y)))
                 .take(LOOKS)
                 .collect();
@@ -109,7 +84,7 @@ impl Truth {
 
 #[test]
 fn direct_light_of_discs_is_right() {
-    let random = &mut Random(seed());
+    let random = &mut fresh();
     for size in [[256, 256], [250, 141], [131, 197]] {
         let cells = discs(random, size[0], size[1]);
         let truth = Truth::of(&cells, 0, random);
@@ -128,7 +103,7 @@ fn direct_light_of_discs_is_right() {
 
 #[test]
 fn bounced_light_of_discs_is_right() {
-    let random = &mut Random(seed());
+    let random = &mut fresh();
     let cells = discs(random, 160, 120);
     let truth = Truth::of(&cells, 2, random);
     let error = |bounces| {
@@ -141,7 +116,7 @@ fn bounced_light_of_discs_is_right() {
 
 #[test]
 fn light_in_fog_and_behind_glass_is_right() {
-    let random = &mut Random(seed());
+    let random = &mut fresh();
     let mut cells = discs(random, 160, 120);
     let fog = Matter { opacity: 0.02, albedo: [0.8, 0.6, 0.4], ..Matter::EMPTY };
     let glass = Matter { opacity: 0.05, tint: [0.9, 0.5, 0.3], ..Matter::EMPTY };

@@ -1,10 +1,10 @@
 //! The plain holographic cascades, stage by stage: they judge others, so they are judged first.
 
-use crate::common::{GLOW, WALL, grid};
+use crate::common::{GLOW, WALL, grid, seeded};
+use fastrand::Rng;
 use lamplight::internals::holographic::paper::{Interval, Paper, Quadrant};
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Sky};
 use lamplight_truth::closed_forms::{gradient_sky_mean_radiance, medium_square_mean_radiance};
-use lamplight_truth::random::Random;
 use lamplight_truth::{Measures, PathTracer, scenes};
 
 /// f32 sums and products over ten levels, relative to a radiance of about 1: measured 1e-6.
@@ -19,9 +19,9 @@ fn solve(cells: &Cells) -> Vec<Rgb> {
 }
 
 /// Walls, lights, fog, and glass where `tint`, from nearly empty to crowded.
-fn chaos(random: &mut Random, [width, height]: [u32; 2], tint: bool) -> Cells {
-    let crowd = 0.5 * random.unit();
-    let mut rgb = || -> Rgb { std::array::from_fn(|_| random.unit() as f32) };
+fn chaos(random: &mut Rng, [width, height]: [u32; 2], tint: bool) -> Cells {
+    let crowd = 0.5 * random.f64();
+    let mut rgb = || -> Rgb { std::array::from_fn(|_| random.f32()) };
     let palette: Vec<Matter> = (0..4)
         .map(|i| Matter {
             emission: if i == 3 { [0.0; 3] } else { rgb() },
@@ -31,14 +31,14 @@ fn chaos(random: &mut Random, [width, height]: [u32; 2], tint: bool) -> Cells {
         })
         .collect();
     grid(width, height, |_, _| {
-        let lot = random.unit() / crowd.max(1e-9);
+        let lot = random.f64() / crowd.max(1e-9);
         palette.get((lot * 4.0) as usize).copied().unwrap_or(Matter::EMPTY)
     })
 }
 
 /// A size from 1 to `most`, small ones often.
-fn side(random: &mut Random, most: u32) -> u32 {
-    1 + (random.unit() * random.unit() * f64::from(most)) as u32
+fn side(random: &mut Rng, most: u32) -> u32 {
+    1 + (random.f64() * random.f64() * f64::from(most)) as u32
 }
 
 // --- intervals -------------------------------------------------------------------------------
@@ -176,7 +176,7 @@ fn check_intervals(made_of: &Cells, judged_by: &Cells, traced: u32) -> Result<us
 #[test]
 fn intervals_are_means_over_bent_paths() {
     let seed = 11;
-    let mut random = Random::new(seed, 0, 0);
+    let mut random = seeded(seed);
     let mut count = 0;
     for scene in 0..24 {
         let size = [side(&mut random, 20), side(&mut random, 20)];
@@ -191,7 +191,7 @@ fn intervals_are_means_over_bent_paths() {
 
 #[test]
 fn an_interval_through_another_cell_is_rejected() {
-    let cells = chaos(&mut Random::new(12, 0, 0), [13, 9], true);
+    let cells = chaos(&mut seeded(12), [13, 9], true);
     let mut other = cells.clone();
     let fog = Matter { opacity: 0.01, ..Matter::EMPTY };
     other.set(6, 4, if cells.get(6, 4) == Some(Matter::EMPTY) { fog } else { Matter::EMPTY });
@@ -202,7 +202,7 @@ fn an_interval_through_another_cell_is_rejected() {
 
 #[test]
 fn without_tint_one_transmittance_serves_all_channels() {
-    let mut random = Random::new(13, 0, 0);
+    let mut random = seeded(13);
     let cells = chaos(&mut random, [23, 17], false);
     let (mut grey, mut rgb) = (Quadrant::<f32>::default(), Quadrant::<Rgb>::default());
     for turn in 0..4 {
@@ -265,12 +265,12 @@ fn fog_as_bright_as_the_sky_is_invisible() {
     // Of every interval ⟨r, t⟩ then r = (1 − t)·L, and J = L whatever the fog: only if near is
     // joined with far before means are taken.
     let seed = 14;
-    let mut random = Random::new(seed, 0, 0);
+    let mut random = seeded(seed);
     for [w, h] in SIZES {
         let mut cells = grid(w, h, |_, _| Matter {
             emission: [0.7; 3],
-            opacity: 0.9 * random.unit().powi(2) as f32,
-            tint: [1.0, random.unit() as f32, 0.5],
+            opacity: 0.9 * random.f32().powi(2),
+            tint: [1.0, random.f32(), 0.5],
             albedo: [0.0; 3],
         });
         cells.set_sky(Sky::Uniform([0.7; 3]));
@@ -310,15 +310,15 @@ fn fog_of_a_square_has_its_closed_form() {
 #[test]
 fn a_sealed_room_is_black() {
     let seed = 15;
-    let mut random = Random::new(seed, 0, 0);
+    let mut random = seeded(seed);
     let mut rooms = 0;
     for scene in 0..60 {
         let (w, h) = (side(&mut random, 60), side(&mut random, 60));
         // A room of any shape round its middle, and a wall round it whose cells may touch by
         // corners only; everything else glows, and so does the sky, but where the border is part of
         // the wall: there a ray with `traced = 0` may go round.
-        let centre = [random.unit() * f64::from(w), random.unit() * f64::from(h)];
-        let shape: Vec<f64> = (0..7).map(|_| 1.0 + 12.0 * random.unit()).collect();
+        let centre = [random.f64() * f64::from(w), random.f64() * f64::from(h)];
+        let shape: Vec<f64> = (0..7).map(|_| 1.0 + 12.0 * random.f64()).collect();
         let in_room = |x: i64, y: i64| {
             let (dx, dy) = (x as f64 + 0.5 - centre[0], y as f64 + 0.5 - centre[1]);
             let angle = (dy.atan2(dx) + std::f64::consts::PI) / std::f64::consts::TAU;
@@ -330,7 +330,7 @@ fn a_sealed_room_is_black() {
             match () {
                 () if in_room(x, y) => Matter::EMPTY,
                 () if beside.iter().any(|(dx, dy)| in_room(x + dx, y + dy)) => WALL,
-                () => Matter { emission: [random.unit() as f32; 3], opacity: 0.3, ..GLOW },
+                () => Matter { emission: [random.f32(); 3], opacity: 0.3, ..GLOW },
             }
         });
         let at_border = (0..cells.len()).any(|i| {
@@ -402,7 +402,7 @@ fn moves_along(
 #[test]
 fn turned_and_mirrored_scenes_have_turned_and_mirrored_light() {
     let seed = 16;
-    let mut random = Random::new(seed, 0, 0);
+    let mut random = seeded(seed);
     for scene in 0..12 {
         let (w, h) = (side(&mut random, 70), side(&mut random, 70));
         let mut cells = chaos(&mut random, [w, h], scene % 2 == 0);
@@ -436,12 +436,12 @@ fn a_changed_scene_is_rejected() {
 #[test]
 fn light_is_linear_in_emission() {
     let seed = 17;
-    let mut random = Random::new(seed, 0, 0);
+    let mut random = seeded(seed);
     let cells = chaos(&mut random, [61, 43], true);
     let (mut one, mut two, mut double) = (cells.clone(), cells.clone(), cells.clone());
     for i in 0..cells.len() {
         let e = cells.emission()[i];
-        let share = random.unit() as f32;
+        let share = random.f32();
         one.emission_mut()[i] = e.map(|v| v * share);
         two.emission_mut()[i] = std::array::from_fn(|c| e[c] - one.emission()[i][c]);
         double.emission_mut()[i] = e.map(|v| 2.0 * v);

@@ -7,11 +7,8 @@ use std::sync::Mutex;
 
 /// Walls, fog, glass and lights, in no order; 1 of 3 cells holds something.
 fn jumble(width: u32, height: u32) -> Cells {
-    let mut state = 12345u32;
-    let mut random = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1u32 << 24) as f32
-    };
+    let mut generator = seeded(12345);
+    let mut random = || generator.f32();
     let mut cells = Cells::new(width, height).unwrap();
     for i in 0..cells.len() {
         let glow = if random() < 0.3 { [random(), random(), 3.0 * random()] } else { [0.0; 3] };

@@ -1,5 +1,6 @@
 //! `raymarch` held to the reference on the project's own scenes.
 
+use crate::common::seeded;
 use lamplight::settings::Raymarch;
 use lamplight::{Bounces, Cells, Lamp, Light, Rgb, Scene, Settings, Solver};
 use lamplight_truth::{Measures, PathTracer};
@@ -34,14 +35,9 @@ fn solve(cells: &Cells, rays: u32, bounces: u32) -> Light {
 
 /// Open cells spread at random.
 fn looks(cells: &Cells) -> Vec<[u32; 2]> {
-    let mut state = 0x1a3b_u64;
-    let mut next = |below: u32| {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 33) as u32) % below
-    };
+    let mut random = seeded(0x1a3b);
     let drawn = cells.drawn();
-    std::iter::repeat_with(|| [next(cells.width()), next(cells.height())])
+    std::iter::repeat_with(|| [random.u32(..cells.width()), random.u32(..cells.height())])
         .filter(|&[x, y]| !drawn.is_solid(drawn.index(x, y)))
         .take(LOOKS)
         .collect()

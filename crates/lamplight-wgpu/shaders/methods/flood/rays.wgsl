@@ -79,11 +79,11 @@ fn draw(origin: vec2f, ray: Direction, leaving: bool) {
     if all(own == vec3f(0.0)) {
         return;
     }
-    let outgoing = color * own;
+    let reflected = color * own;
     let start = vec2f(last_cell) + 0.5;
     energy *= fade(hit.length);
     for (var i = 0u; i < BOUNCE_RAYS; i++) {
-        color = outgoing;
+        color = reflected;
         _ = traverse(start, direction_at(RAYS + MATTER_RAYS + i), fading.reach, false, true);
     }
 }

@@ -1,4 +1,4 @@
-// The faces of solid cells, and media: `scatter` turns irradiance into outgoing radiance (`scatter_compared`
+// The faces of solid cells, and media: `scatter` turns irradiance into scattered radiance (`scatter_compared`
 // also measures the change), `show` shows the mean over its faces on each solid cell.
 
 #import methods/holographic/packed_rgb
@@ -9,7 +9,7 @@
 
 @group(0) @binding(2) var albedo: texture_2d<f32>;
 @group(0) @binding(3) var<storage, read> irradiance: array<vec2u>;
-@group(0) @binding(4) var<storage, read_write> outgoing: array<vec2u>;
+@group(0) @binding(4) var<storage, read_write> scattered: array<vec2u>;
 @group(0) @binding(5) var<storage, read_write> light: array<vec4f>;
 // Bound if light bounces until it has converged.
 @group(0) @binding(6) var<storage, read_write> changes: array<Change>;
@@ -43,7 +43,7 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
     let tint_opacity = textureLoad(matter, id.xy, 0);
     for (var face = 0u; face < 4u; face++) {
         let radiance = own_albedo * incoming(id.xy, face, tint_opacity).rgb;
-        outgoing[4u * index(id.xy) + face] = pack_rgb(radiance);
+        scattered[4u * index(id.xy) + face] = pack_rgb(radiance);
     }
 }
 
@@ -61,9 +61,9 @@ fn scatter_compared(thread: TileThread) {
             let slot = 4u * index(id.xy) + face;
             let light = incoming(id.xy, face, tint_opacity);
             let now = pack_rgb(own_albedo * light.rgb);
-            // Before the first bounce there is no outgoing radiance.
-            let old = select(outgoing[slot], vec2u(0u), step == 0u);
-            outgoing[slot] = now;
+            // Before the first bounce there is no scattered radiance.
+            let old = select(scattered[slot], vec2u(0u), step == 0u);
+            scattered[slot] = now;
             if scatters && light.w > 0.0 {
                 own = both(own, change_of(unpack_rgb(old), unpack_rgb(now)));
             }

@@ -22,7 +22,7 @@ const ASIDE: i32 = 32;
 @group(0) @binding(3) var<storage, read> cell_bits: array<u32>;
 @group(0) @binding(4) var emission: texture_2d<f32>;
 @group(0) @binding(5) var matter: texture_2d<f32>;
-@group(0) @binding(6) var<storage, read> outgoing: array<vec2u>;
+@group(0) @binding(6) var<storage, read> scattered: array<vec2u>;
 
 // By bit, slab and word.
 var<workgroup> near: array<u32, 3u * SLABS * ACROSS>;
@@ -83,7 +83,7 @@ fn radiance_of(at: vec2u, solid: bool, face: u32) -> vec3f {
         let front = select(2u * sweep.axis, 2u * sweep.axis + 1u, sweep.reversed == 1u);
         let side = 2u * (1u - sweep.axis) + face - 1u;
         let met = select(select(side, front, face == 0u), 0u, !solid);
-        light += unpack_rgb(outgoing[4u * index(at) + met]);
+        light += unpack_rgb(scattered[4u * index(at) + met]);
     }
     return light;
 }

@@ -5,14 +5,14 @@
 #import methods/holographic/sweep
 #import shared/uniforms
 
-// The bits: anything but empty space; a medium; emission, or outgoing radiance.
+// The bits: anything but empty space; a medium; emission, or scattered radiance.
 override OCCUPIED: u32;
 override MEDIUM: u32;
 override EMITTING: u32;
 
 @group(0) @binding(2) var emission: texture_2d<f32>;
 @group(0) @binding(3) var matter: texture_2d<f32>;
-@group(0) @binding(4) var<storage, read> outgoing: array<vec2u>;
+@group(0) @binding(4) var<storage, read> scattered: array<vec2u>;
 @group(0) @binding(5) var<storage, read_write> cell_bits: array<u32>;
 @group(0) @binding(6) var<storage, read_write> irradiance: array<vec2u>;
 
@@ -22,7 +22,7 @@ fn emits(at: vec2u) -> bool {
     }
     var emits = false;
     for (var face = 0u; face < 4u && sweep.indirect == 1u; face++) {
-        emits = emits || any(unpack_rgb(outgoing[4u * index(at) + face]) != vec3f(0.0));
+        emits = emits || any(unpack_rgb(scattered[4u * index(at) + face]) != vec3f(0.0));
     }
     return emits;
 }

@@ -43,7 +43,7 @@ struct Sweep {
     below_planes: u32,
     // The first word of the cell bits of this axis.
     cell_bits: u32,
-    // 1 if outgoing radiance is added to emission.
+    // 1 if scattered radiance is added to emission.
     indirect: u32,
     // Minimum distance in px from a pixel to the plane that it gathers from. Planes lie 2^level px apart.
     gather_length: u32,

@@ -17,7 +17,7 @@ override TRACED: bool = false;
 
 @group(0) @binding(2) var<storage, read> directions: array<vec2f>;
 @group(0) @binding(8) var albedo: texture_2d<f32>;
-// Light of each cell, or outgoing radiance of its faces.
+// Light of each cell, or scattered radiance of its faces.
 @group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
 // Variance of the light's noise; 1 if what the cell sees changed.
 @group(0) @binding(10) var<storage, read_write> traced: array<vec2f>;
@@ -80,19 +80,19 @@ fn over_faces(at: vec2u) -> Mean {
     return sum;
 }
 
-// The outgoing radiance of a scatterer. Once it has seen a change it stays invalidated for this frame.
-fn scattered(slot: u32, kind: f32, albedo: vec3f, incoming: Mean) -> vec4f {
+// The scattered radiance of a scatterer. Once it has seen a change it stays invalidated for this frame.
+fn scatterer(slot: u32, kind: f32, albedo: vec3f, incoming: Mean) -> vec4f {
     let invalidated = TRACKS
-        && (incoming.invalidated > 0.0 || (step > 0u && outgoing[slot].w >= INVALIDATED));
+        && (incoming.invalidated > 0.0 || (step > 0u && scattered[slot].w >= INVALIDATED));
     return vec4f(albedo * incoming.light, kind + select(0.0, INVALIDATED, invalidated));
 }
 
 fn reflect_face(slot: u32, albedo: vec3f, at: vec2u, face: u32) {
-    light[slot] = scattered(slot, FACE, albedo, over_face(at, face, vec2f(normal(face))));
+    light[slot] = scatterer(slot, FACE, albedo, over_face(at, face, vec2f(normal(face))));
 }
 
 fn scatter(slot: u32, albedo: vec3f, at: vec2u) {
-    light[slot] = scattered(slot, VOLUME, albedo, over_circle(at));
+    light[slot] = scatterer(slot, VOLUME, albedo, over_circle(at));
 }
 
 @compute @workgroup_size(8, 8)

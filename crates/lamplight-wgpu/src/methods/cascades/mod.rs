@@ -54,15 +54,15 @@ struct Plan<'a> {
 struct GatherTarget<'a> {
     /// Entry of [`programs::CASCADES_GATHER`].
     entry: usize,
-    /// Outgoing radiance counts from step 1 on.
+    /// Scattered radiance counts from step 1 on.
     step: u32,
-    outgoing: &'a Buffer,
+    scattered: &'a Buffer,
     to: &'a Buffer,
 }
 
-/// Entries of [`programs::CASCADES_GATHER`]: light, or the outgoing radiance of the next bounce.
+/// Entries of [`programs::CASCADES_GATHER`]: light, or the scattered radiance of the next bounce.
 const LIGHT: usize = 0;
-const OUTGOING: usize = 1;
+const SCATTERED: usize = 1;
 
 impl Cascades {
     pub fn new(
@@ -102,17 +102,17 @@ impl Cascades {
         let grid = self.medium_grid.buffers(planner)?;
         let bounces = planner.settings.bounces.limit();
         let faces = if planner.settings.bounces == Bounces::Count(0) { 0 } else { 4 };
-        let outgoing = planner.pair::<[f32; 4]>("outgoing", (planner.cells() * faces).max(1))?;
+        let scattered = planner.pair::<[f32; 4]>("scattered", (planner.cells() * faces).max(1))?;
         let (squares, find_squares) = self.empty_space.plan(planner, &grid)?;
         let plan = Plan { planner, ladder, paths, layers, halves, grid, squares };
 
-        let mut dispatches = vec![self.medium_grid.read(planner, &plan.grid, &outgoing[0])];
+        let mut dispatches = vec![self.medium_grid.read(planner, &plan.grid, &scattered[0])];
         dispatches.extend_from_slice(&find_squares);
-        let [mut from, mut to] = outgoing.each_ref();
+        let [mut from, mut to] = scattered.each_ref();
         if let Some((convergence, compare)) = &self.convergence {
             let changes = Convergence::changes(planner)?;
             let [first, later] = [0, 1].map(|step| {
-                let target = GatherTarget { entry: OUTGOING, step, outgoing: from, to };
+                let target = GatherTarget { entry: SCATTERED, step, scattered: from, to };
                 let mut bounce = self.gather(&plan, target);
                 bounce.push(compare.plan(planner, to, from, &changes, step));
                 bounce.push(self.medium_grid.light_media(planner, &plan.grid, from));
@@ -122,7 +122,7 @@ impl Cascades {
         } else {
             for bounce in 0..bounces {
                 let target =
-                    GatherTarget { entry: OUTGOING, step: bounce.min(1), outgoing: from, to };
+                    GatherTarget { entry: SCATTERED, step: bounce.min(1), scattered: from, to };
                 dispatches.extend(self.gather(&plan, target));
                 dispatches.push(self.medium_grid.light_media(planner, &plan.grid, to));
                 // Media that scatter other light are other matter to empty-space skipping.
@@ -130,7 +130,8 @@ impl Cascades {
                 (from, to) = (to, from);
             }
         }
-        let target = GatherTarget { entry: LIGHT, step: bounces.min(1), outgoing: from, to: light };
+        let target =
+            GatherTarget { entry: LIGHT, step: bounces.min(1), scattered: from, to: light };
         dispatches.extend(self.gather(&plan, target));
         let stages = vec![(Stage::EmptySpace, plan.squares), (Stage::Light, light.clone())];
         Ok(PassList { dispatches, stages, lamps: None })
@@ -177,7 +178,7 @@ impl Plan<'_> {
             whole(&grid.source),
             whole(&grid.extinction),
             whole(&self.squares),
-            whole(target.outgoing),
+            whole(target.scattered),
             planner.shared.number(target.step),
             ladder::selected(&self.layers),
             whole(target.to),

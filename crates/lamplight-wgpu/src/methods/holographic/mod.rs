@@ -131,7 +131,7 @@ struct Buffers {
     intervals: Buffer,
     radiance: Buffer,
     irradiance: Buffer,
-    outgoing: Buffer,
+    scattered: Buffer,
 }
 
 /// The bound resources of each program.
@@ -200,7 +200,8 @@ impl Holographic {
             intervals: planner.buffer::<u32>("intervals", interval_words)?,
             radiance: planner.buffer::<Packed>("light of cones", radiance)?,
             irradiance: planner.buffer::<Packed>("irradiance", faces)?,
-            outgoing: planner.buffer::<Packed>("outgoing", if bounces > 0 { faces } else { 1 })?,
+            scattered: planner
+                .buffer::<Packed>("scattered", if bounces > 0 { faces } else { 1 })?,
         };
 
         let mut quadrant = Quadrant::new(
@@ -230,7 +231,7 @@ impl Holographic {
             view(&planner.textures.tint_opacity),
             view(&planner.textures.albedo),
             whole(&buffers.irradiance),
-            whole(&buffers.outgoing),
+            whole(&buffers.scattered),
             whole(light),
         ];
         let faces = planner.bind(&self.faces, &resources);
@@ -262,14 +263,14 @@ impl Holographic {
         light: &Buffer,
     ) -> Bindings {
         let Buffers { footprints, cones, cell_bits, intervals: held, .. } = buffers;
-        let Buffers { radiance, irradiance, outgoing, .. } = buffers;
+        let Buffers { radiance, irradiance, scattered, .. } = buffers;
         let emission = view(&planner.textures.emission);
         let matter = view(&planner.textures.tint_opacity);
         let slabs = [
             sweeps.binding(),
             emission.clone(),
             matter.clone(),
-            whole(outgoing),
+            whole(scattered),
             whole(cell_bits),
             whole(irradiance),
         ];
@@ -279,7 +280,7 @@ impl Holographic {
             whole(cell_bits),
             emission,
             matter,
-            whole(outgoing),
+            whole(scattered),
         ];
         let merge = [sweeps.binding(), whole(cones), whole(held), whole(radiance)];
         let gather = [

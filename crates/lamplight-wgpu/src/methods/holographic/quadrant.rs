@@ -65,7 +65,7 @@ impl Quadrant {
         &self.sweeps
     }
 
-    /// Plans a gather of light from all sides. `indirect`: with outgoing radiance; `all`: for all pixels, else
+    /// Plans a gather of light from all sides. `indirect`: with scattered radiance; `all`: for all pixels, else
     /// for faces and media only.
     pub fn gather(&mut self, axes: &[Axis], indirect: bool, all: bool) -> Vec<PlannedWork> {
         for axis in axes {

@@ -42,7 +42,7 @@ impl Bounce {
         matches!(self, Self::Converged(..))
     }
 
-    /// Creates the buffers of outgoing radiance before and after a bounce; of a single value if light does not
+    /// Creates the buffers of scattered radiance before and after a bounce; of a single value if light does not
     /// bounce.
     pub fn buffers(&self, planner: &FramePlanner) -> Result<[Buffer; 2]> {
         let count = match self {
@@ -50,13 +50,13 @@ impl Bounce {
             _ => planner.cells() * FACES,
         };
         let after = match self {
-            Self::Feedback(_) => planner.history::<[f32; 4]>("outgoing", count)?,
-            _ => planner.buffer::<[f32; 4]>("outgoing", count)?,
+            Self::Feedback(_) => planner.history::<[f32; 4]>("scattered", count)?,
+            _ => planner.buffer::<[f32; 4]>("scattered", count)?,
         };
-        Ok([planner.buffer::<[f32; 4]>("outgoing", count)?, after])
+        Ok([planner.buffer::<[f32; 4]>("scattered", count)?, after])
     }
 
-    /// Plans all bounces. Returns the outgoing radiance after the last. `find_squares` is repeated whenever
+    /// Plans all bounces. Returns the scattered radiance after the last. `find_squares` is repeated whenever
     /// media scatter other light.
     pub fn plan(
         &self,
@@ -64,14 +64,14 @@ impl Bounce {
         medium_grid: &MediumGridPipelines,
         gather: &Gather,
         buffers: &GatherBuffers,
-        outgoing: &[Buffer; 2],
+        scattered: &[Buffer; 2],
         find_squares: &[Dispatch],
     ) -> Result<(Vec<Dispatch>, Buffer)> {
-        let [one, other] = outgoing;
+        let [one, other] = scattered;
         let gather =
-            |step, from, to| gather.plan(planner, Gathered::Outgoing, buffers, step, from, to);
-        let light_media = |outgoing: &Buffer| {
-            let lit = medium_grid.light_media(planner, &buffers.grid, outgoing);
+            |step, from, to| gather.plan(planner, Gathered::Scattered, buffers, step, from, to);
+        let light_media = |scattered: &Buffer| {
+            let lit = medium_grid.light_media(planner, &buffers.grid, scattered);
             let mut dispatches = vec![lit];
             dispatches.extend_from_slice(find_squares);
             dispatches

@@ -1,4 +1,4 @@
-//! The gather of light, or of outgoing radiance, by rays from every pixel.
+//! The gather of light, or of scattered radiance, by rays from every pixel.
 
 use crate::error::unsupported;
 use crate::pipeline::{ComputePipelines, Dispatch};
@@ -36,8 +36,8 @@ pub struct GatherBuffers {
 pub enum Gathered {
     /// The light of every cell.
     Light = 0,
-    /// The outgoing radiance of the next bounce.
-    Outgoing = 1,
+    /// The scattered radiance of the next bounce.
+    Scattered = 1,
 }
 
 impl Gather {
@@ -70,7 +70,7 @@ impl Gather {
         })
     }
 
-    /// Plans a gather from the outgoing radiance in `from`, which counts from step 1 on, to `to`.
+    /// Plans a gather from the scattered radiance in `from`, which counts from step 1 on, to `to`.
     pub fn plan(
         &self,
         planner: &FramePlanner,

@@ -69,8 +69,8 @@ impl Raymarch {
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
         let grid = self.medium_grid.buffers(planner)?;
-        let outgoing = self.bounce.buffers(planner)?;
-        let mut dispatches = vec![self.medium_grid.read(planner, &grid, &outgoing[0])];
+        let scattered = self.bounce.buffers(planner)?;
+        let mut dispatches = vec![self.medium_grid.read(planner, &grid, &scattered[0])];
         let mut any_changed = None;
         if let Some(invalidate) = &self.invalidate {
             let (any, marks) = invalidate.plan(planner, &grid)?;
@@ -97,11 +97,11 @@ impl Raymarch {
         let repeats = repeats && !self.bounce.keeps_media_apart();
         let find = if repeats { find } else { Vec::new() };
         let (grid, gather) = (&self.medium_grid, &self.gather);
-        let (bounces, outgoing) =
-            self.bounce.plan(planner, grid, gather, &buffers, &outgoing, &find)?;
+        let (bounces, scattered) =
+            self.bounce.plan(planner, grid, gather, &buffers, &scattered, &find)?;
         dispatches.extend(bounces);
         let step = planner.settings.bounces.limit().min(1);
-        dispatches.push(gather.plan(planner, Gathered::Light, &buffers, step, &outgoing, light));
+        dispatches.push(gather.plan(planner, Gathered::Light, &buffers, step, &scattered, light));
 
         let GatherBuffers { fields: [_, near], traced, .. } = &buffers;
         if let Some(temporal) = &self.temporal {

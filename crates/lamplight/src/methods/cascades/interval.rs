@@ -178,7 +178,7 @@ impl TracedScene<'_> {
             _ => entry_axis([stopped.at[0][lane], stopped.at[1][lane]], cell, direction),
         };
         let face = 2 * axis + (direction[axis] < 0.0) as usize;
-        let reflected = self.surfaces.wall_sent[slot][face];
+        let reflected = self.surfaces.wall_reflected[slot][face];
         [emission[0] + reflected[0], emission[1] + reflected[1], emission[2] + reflected[2]]
     }
 

@@ -100,11 +100,11 @@ impl Cascades {
         cascades(size, settings, &mut self.cascades);
         clock.lap("clearance");
 
-        if bounces != Bounces::Count(0) && self.surfaces.reflect() {
+        if bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters() {
             solve_bounces(bounces, || {
                 self.gather_surfaces(cells, settings);
                 let (faces, media) = (self.faces.walls.iter(), self.media.iter());
-                let change = self.surfaces.send_on(cells, faces, media);
+                let change = self.surfaces.reflect_and_scatter(cells, faces, media);
                 if self.surfaces.scatter_into(cells, 1.0, &mut self.grid) {
                     self.grid.measure_empty_space(|_, _| false);
                 }
@@ -121,9 +121,9 @@ impl Cascades {
     fn gather_surfaces(&mut self, cells: &Cells, settings: &settings::Cascades) {
         let mut media = std::mem::take(&mut self.media);
         media.clear();
-        media.resize(self.surfaces.fog.len(), Rgb::default());
+        media.resize(self.surfaces.media.len(), Rgb::default());
         let gather = |level, tracer: &ProbeTracer, cone| {
-            let selected = &tracer.scene.surfaces.fog;
+            let selected = &tracer.scene.surfaces.media;
             gather::add_to_selected(level, tracer, cells, selected, cone, &mut media);
         };
         self.each_cone(cells, settings, gather, |_, _, _| ());

@@ -238,17 +238,17 @@ mod tests {
     /// Random solids, emissive media and tinted glass.
     fn cells(tint: bool) -> Cells {
         let mut cells = Cells::new(37, 21).unwrap();
-        let mut state = 5u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 40) as f32 / (1u32 << 24) as f32
-        };
+        let seed = 5;
+        println!("seed {seed}");
+        let mut random = fastrand::Rng::with_seed(seed);
         for i in 0..cells.len() {
-            let matter = match random() {
+            let matter = match random.f32() {
                 v if v < 0.05 => {
                     Matter { emission: [2.0, 1.0, 0.5], opacity: 1.0, ..Matter::EMPTY }
                 }
-                v if v < 0.2 => Matter { emission: [0.3; 3], opacity: random(), ..Matter::EMPTY },
+                v if v < 0.2 => {
+                    Matter { emission: [0.3; 3], opacity: random.f32(), ..Matter::EMPTY }
+                }
                 v if v < 0.25 && tint => Matter { tint: [0.9, 0.5, 0.1], ..Matter::EMPTY },
                 _ => Matter::EMPTY,
             };

@@ -202,7 +202,7 @@ impl Receivers {
                 }
             }
         }
-        for &i in &surfaces.fog {
+        for &i in &surfaces.media {
             self.surfaces.set(i as usize % w, i as usize / w);
         }
     }

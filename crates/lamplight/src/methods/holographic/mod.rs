@@ -112,7 +112,7 @@ impl Holographic {
         receivers.add_surfaces(cells, surfaces);
         clock.lap("surfaces");
         let mut reflected = false;
-        if bounces != Bounces::Count(0) && self.surfaces.reflect() {
+        if bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters() {
             solve_bounces(bounces, || {
                 self.sweep(cells, settings, reflected, false);
                 reflected = true;
@@ -207,14 +207,15 @@ impl Holographic {
         let w = cells.width() as usize;
         let mut wall_light = std::mem::take(&mut self.wall_light);
         let mut medium_light = std::mem::take(&mut self.medium_light);
-        let Surfaces { walls, fog, .. } = &self.surfaces;
+        let Surfaces { walls, media, .. } = &self.surfaces;
         let irradiance = |wall: &Wall| self.irradiance(wall.cell as usize, wall.exposed, w);
         let mean_radiance = |&i: &u32| self.mean_radiance(i as usize % w, i as usize / w);
         wall_light.clear();
         wall_light.extend(walls.iter().map(irradiance));
         medium_light.clear();
-        medium_light.extend(fog.iter().map(mean_radiance));
-        let change = self.surfaces.send_on(cells, wall_light.iter(), medium_light.iter());
+        medium_light.extend(media.iter().map(mean_radiance));
+        let change =
+            self.surfaces.reflect_and_scatter(cells, wall_light.iter(), medium_light.iter());
         (self.wall_light, self.medium_light) = (wall_light, medium_light);
         change
     }

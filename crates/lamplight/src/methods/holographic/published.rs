@@ -30,7 +30,7 @@ impl Published {
     pub fn solve(&mut self, cells: &Cells, bounces: Bounces, light: &mut Vec<Rgb>) {
         self.surfaces.collect(cells, 0.0);
         self.find_light(cells, light);
-        if bounces == Bounces::Count(0) || !self.surfaces.reflect() {
+        if bounces == Bounces::Count(0) || !self.surfaces.reflects_or_scatters() {
             return;
         }
         let mut lit = self.lit.take().unwrap_or_else(|| cells.clone());
@@ -51,7 +51,7 @@ impl Published {
                 }
             }
             self.find_light(&lit, light);
-            let count = 3 * (self.surfaces.walls.len() + self.surfaces.fog.len()).max(1);
+            let count = 3 * (self.surfaces.walls.len() + self.surfaces.media.len()).max(1);
             if largest == 0.0 { 0.0 } else { largest * count as f32 / sum }
         });
         self.lit = Some(lit);

@@ -170,7 +170,7 @@ impl Slabs {
         axis: Axis,
     ) -> bool {
         if !solid {
-            let scattered = surfaces.fog_sent[slot];
+            let scattered = surfaces.medium_scattered[slot];
             (0..3).for_each(|c| self.source[c][at] += scattered[c]);
             return scattered != [0.0; 3];
         }
@@ -185,10 +185,10 @@ impl Slabs {
                 (_, -1) => 2,
                 _ => 3,
             };
-            let reflected = surfaces.wall_sent[slot][face];
+            let reflected = surfaces.wall_reflected[slot][face];
             (0..3).for_each(|c| self.reflected[to][c][at] = reflected[c]);
         }
-        surfaces.wall_sent[slot] != [[0.0; 3]; 4]
+        surfaces.wall_reflected[slot] != [[0.0; 3]; 4]
     }
 
     /// Reverses the order in which slabs are read.

@@ -240,11 +240,11 @@ impl RayScene<'_> {
     /// Ends a ray at a face of a wall.
     #[inline(always)]
     fn arrive(&self, path: &mut RayState, index: usize, face: usize) -> Seen {
-        let sent = self.surfaces.slot(index).map(|slot| {
+        let reflected = self.surfaces.slot(index).map(|slot| {
             path.seen.changed |= self.surfaces.wall_changed[slot][face];
-            self.surfaces.wall_sent[slot][face]
+            self.surfaces.wall_reflected[slot][face]
         });
-        self.end(path, index, sent)
+        self.end(path, index, reflected)
     }
 
     /// Ends a ray near an occupied cell, on the side of one of its faces.
@@ -258,10 +258,10 @@ impl RayScene<'_> {
     }
 
     #[inline(always)]
-    fn end(&self, path: &mut RayState, index: usize, sent: Option<Rgb>) -> Seen {
+    fn end(&self, path: &mut RayState, index: usize, reflected: Option<Rgb>) -> Seen {
         path.seen.changed |= self.has_changed(index);
-        let (emission, sent) = (self.grid.source[index], sent.unwrap_or_default());
-        let radiance = std::array::from_fn(|c| emission[c] + sent[c]);
+        let (emission, reflected) = (self.grid.source[index], reflected.unwrap_or_default());
+        let radiance = std::array::from_fn(|c| emission[c] + reflected[c]);
         path.add(self.attenuate(radiance, path.travelled));
         path.seen
     }

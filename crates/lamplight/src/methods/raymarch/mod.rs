@@ -108,7 +108,7 @@ impl RaymarchSolver {
         self.surfaces.collect(cells, threshold);
         clock.lap("clearance");
 
-        if input.bounces != Bounces::Count(0) && self.surfaces.reflect() {
+        if input.bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters() {
             self.bounce(input);
             clock.lap("bounce");
         }
@@ -133,23 +133,23 @@ impl RaymarchSolver {
         };
         solve_bounces(bounces, || {
             self.receive(input);
-            self.send_on(input.cells, input.settings)
+            self.reflect_and_scatter(input.cells, input.settings)
         });
     }
 
     /// Gathers the irradiance of walls and the mean radiance in media.
     fn receive(&mut self, input: Input) {
         let mut irradiance = std::mem::take(&mut self.irradiance);
-        let Surfaces { walls, fog, .. } = &self.surfaces;
+        let Surfaces { walls, media, .. } = &self.surfaces;
         let gather = self.gatherer(input);
         irradiance.walls.resize(walls.len(), Default::default());
-        irradiance.media.resize(fog.len(), Default::default());
+        irradiance.media.resize(media.len(), Default::default());
         irradiance.walls.par_iter_mut().zip(walls).for_each(|(received, wall)| {
             if wall.reflects {
                 *received = gather.faces(wall);
             }
         });
-        irradiance.media.par_chunks_mut(LANES).zip(fog.par_chunks(LANES)).for_each(
+        irradiance.media.par_chunks_mut(LANES).zip(media.par_chunks(LANES)).for_each(
             |(received, cells)| {
                 received.copy_from_slice(&gather.mean_radiance(cells)[..cells.len()]);
             },
@@ -157,10 +157,11 @@ impl RaymarchSolver {
         self.irradiance = irradiance;
     }
 
-    /// Turns irradiance into outgoing radiance; returns the largest change relative to the mean.
-    fn send_on(&mut self, cells: &Cells, settings: &Raymarch) -> f32 {
+    /// Turns irradiance into the radiance that walls reflect and media scatter. Returns the largest change
+    /// relative to the mean.
+    fn reflect_and_scatter(&mut self, cells: &Cells, settings: &Raymarch) -> f32 {
         let Irradiance { walls, media } = &self.irradiance;
-        let change = self.surfaces.send_on(
+        let change = self.surfaces.reflect_and_scatter(
             cells,
             walls.iter().map(|(faces, _)| faces),
             media.iter().map(|mean| &mean.light),
@@ -172,7 +173,7 @@ impl RaymarchSolver {
                 (0..4).for_each(|face| before[face] |= changed[face]);
             }
         }
-        for (&i, _) in self.surfaces.fog.iter().zip(media).filter(|(_, mean)| mean.changed) {
+        for (&i, _) in self.surfaces.media.iter().zip(media).filter(|(_, mean)| mean.changed) {
             if let Some(changed) = self.changed.get_mut(i as usize) {
                 *changed = true;
             }

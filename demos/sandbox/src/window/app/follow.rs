@@ -87,8 +87,8 @@ impl App {
             }
             Line::Say(word) => platform::say(&word),
             Line::Tell => {
-                let told = self.message.as_ref().or(self.unlit.as_ref());
-                platform::say(told.map_or("all is well", String::as_str));
+                let message = self.message.as_ref().or(self.unlit.as_ref());
+                platform::say(message.map_or("all is well", String::as_str));
             }
             Line::Place => {
                 let place = self.view.as_ref().context("there is no picture yet")?.place;

@@ -23,14 +23,14 @@ impl App {
         let passed = f64::from(ui.input(|input| input.stable_dt));
         // Scripts are deterministic.
         let seconds = if self.script.is_some() { STEP } else { passed };
-        let told = match &mut self.subject {
+        let applied = match &mut self.subject {
             Subject::Canvas(canvas) => self.tools.apply(canvas, pointer),
             Subject::World(playing) => {
                 playing.play(seconds, &self.tools.input(ui, pointer));
                 Ok(())
             }
         };
-        if let Err(why) = told {
+        if let Err(why) = applied {
             self.message = Some(why);
         }
         match self.light(pointer.at, passed) {

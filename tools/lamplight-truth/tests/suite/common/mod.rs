@@ -3,6 +3,7 @@
 // Each test program uses its own part of this.
 #![allow(dead_code)]
 
+use fastrand::Rng;
 use lamplight::{Bounces, Cells, Matter, Rgb};
 use lamplight_truth::PathTracer;
 
@@ -25,6 +26,17 @@ pub fn tracer(samples: u32, bounces: Bounces) -> PathTracer {
 /// Direct light.
 pub fn direct(samples: u32) -> PathTracer {
     tracer(samples, Bounces::Count(0))
+}
+
+/// A random number generator with this seed, printed so that a failure can be repeated.
+pub fn seeded(seed: u64) -> Rng {
+    println!("seed {seed}");
+    Rng::with_seed(seed)
+}
+
+/// A random number generator with a new seed in each run, printed so that a failure can be repeated.
+pub fn fresh() -> Rng {
+    seeded(fastrand::u64(..))
 }
 
 /// A grid whose cells are given by `matter`.

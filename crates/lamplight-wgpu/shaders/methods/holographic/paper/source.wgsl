@@ -13,16 +13,12 @@
 @group(0) @binding(5) var<storage, read_write> source: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> changes: array<Change>;
 
-fn classify(at: vec2u) -> u32 {
-    let tint_opacity = textureLoad(matter, at, 0);
-    if tint_opacity.a >= 1.0 {
-        return SOLID;
-    }
-    return select(EMPTY, MEDIUM, any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)));
+fn matter_class(at: vec2u) -> u32 {
+    return classify(textureLoad(matter, at, 0), 0.0);
 }
 
 fn put(at: vec2u, added: vec3f) {
-    source[index(at)] = vec4f(textureLoad(emission, at, 0).rgb + added, f32(classify(at)));
+    source[index(at)] = vec4f(textureLoad(emission, at, 0).rgb + added, f32(matter_class(at)));
 }
 
 fn scattered(at: vec2u) -> vec3f {
@@ -31,15 +27,15 @@ fn scattered(at: vec2u) -> vec3f {
 
 // Returns whether a cell scatters light; of solid cells, whether it has an open face.
 fn scatters(at: vec2u) -> bool {
-    if classify(at) == MEDIUM {
+    if matter_class(at) == MEDIUM {
         return any(textureLoad(albedo, at, 0).rgb != vec3f(0.0));
     }
     var seen = false;
     for (var face = 0u; face < 4u; face++) {
         let front = vec2i(at) + normal(face);
-        seen = seen || (inside(front) && classify(vec2u(front)) != SOLID);
+        seen = seen || (inside(front) && matter_class(vec2u(front)) != SOLID);
     }
-    return seen && classify(at) == SOLID;
+    return seen && matter_class(at) == SOLID;
 }
 
 @compute @workgroup_size(8, 8)
