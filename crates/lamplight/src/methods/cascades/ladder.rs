@@ -111,7 +111,6 @@ impl Lattice {
     }
 
     /// Returns the number of probes.
-    #[expect(clippy::len_without_is_empty, reason = "there are always four probes at least")]
     pub fn len(&self) -> usize {
         self.count[0] as usize * self.count[1] as usize
     }

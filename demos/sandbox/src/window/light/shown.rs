@@ -1,4 +1,4 @@
-//! What a picture of light shows.
+//! The options of a shown light: its display, and the way in which pixels are drawn.
 
 use lamplight::Display;
 
