@@ -1,6 +1,7 @@
 //! Jump flood and distance field against an exact transform.
 
 use crate::common::*;
+use fastrand::Rng;
 use lamplight::stages::distance::distance;
 use lamplight::stages::jump_flood::{SETTLED_ERROR, jump_flood, passes, settle};
 use lamplight::stages::seed::{NONE, pack, unpack};

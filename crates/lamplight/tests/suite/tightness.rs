@@ -6,6 +6,7 @@
 //! a corner hold light back).
 
 use crate::common::*;
+use fastrand::Rng;
 use lamplight::settings::{BounceBy, Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
 use lamplight::{Bounces, Cells, Matter, Method, Rgb, Settings, Solver};
 use proptest::prelude::*;

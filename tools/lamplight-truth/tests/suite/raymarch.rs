@@ -1,5 +1,6 @@
 //! `raymarch` held to the reference on the project's own scenes.
 
+use crate::common::seeded;
 use lamplight::{Bounces, Cells, Lamp, Light, Method, Rgb, Scene, Settings, Solver};
 use lamplight_truth::{Measures, PathTracer};
 use std::path::{Path, PathBuf};
