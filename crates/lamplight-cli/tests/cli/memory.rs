@@ -33,14 +33,42 @@ fn a_scene_that_is_too_large_is_refused_with_the_bytes_it_takes() {
     assert_eq!(sandbox.files(), ["large.toml"]);
 }
 
+/// A scene of 1024×768 cells with some of everything that takes memory.
+fn write_scene(sandbox: &Sandbox) {
+    let shapes = "[[shape]]\nrect = { min = [9, 9], max = [300, 40] }\nalbedo = [0.5, 0.5, 0.5]\n\
+                  color = [0.1, 0.2, 0.3]\n[[lamp]]\nposition = [600, 500]\n";
+    sandbox.write("s.toml", format!("size = [1024, 768]\n{shapes}"));
+}
+
+/// Under every limit the scene is lit or refused: no allocation fails on the way.
+#[test]
+#[cfg(target_os = "linux")]
+fn no_limit_ends_in_an_abort() {
+    let sandbox = Sandbox::new();
+    write_scene(&sandbox);
+    for flags in ["--method holographic --bounces 1", "--method polar", "--method cascades"] {
+        let codes = (120..768).step_by(60).map(|megabytes| {
+            let arguments = format!("render s.toml -q --backend cpu --threads 2 {flags} -o o.exr");
+            let run = limited(&sandbox, megabytes * 1024, &arguments);
+            assert!(
+                matches!(run.code, 0 | 1),
+                "{flags}, {megabytes} MB: {}: {}",
+                run.code,
+                run.err
+            );
+            run.code
+        });
+        let codes: Vec<_> = codes.collect();
+        assert!(codes.contains(&0) && codes.contains(&1), "{flags}: {codes:?}");
+    }
+}
+
 /// The estimate is not far too large: what takes up to 768 MB is not refused with that much.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_estimate_leaves_room_for_what_fits() {
     let sandbox = Sandbox::new();
-    let shapes = "[[shape]]\nrect = { min = [9, 9], max = [300, 40] }\nalbedo = [0.5, 0.5, 0.5]\n\
-                  color = [0.1, 0.2, 0.3]\n[[lamp]]\nposition = [600, 500]\n";
-    sandbox.write("s.toml", format!("size = [1024, 768]\n{shapes}"));
+    write_scene(&sandbox);
     for flags in [
         "--method holographic",
         "--method holographic --quality high --bounces 1",

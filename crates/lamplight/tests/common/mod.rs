@@ -3,7 +3,7 @@
 // Each test program uses its own part of this.
 #![allow(dead_code)]
 
-pub use fastrand::Rng;
+use fastrand::Rng;
 use lamplight::settings::Raymarch;
 use lamplight::{Cells, Light, Matter, Method, Rgb, Settings, Sky, Solver};
 

@@ -1,6 +1,7 @@
 //! Jump flood and distance field against an exact transform.
 
 use crate::common::*;
+use fastrand::Rng;
 use lamplight::internals::distance::distance;
 use lamplight::internals::jump_flood::{SETTLED_ERROR, jump_flood, passes, settle};
 use lamplight::internals::seed::{NONE, pack, unpack};

@@ -10,7 +10,7 @@
 //!
 //! Settings: `rays` and `steps` (quality), `hit` (exact, or by the distance field as in the sources),
 //! `noise` and `spacing` (the look of the noise), `attenuation` and `emission_*` (Bigos' fading),
-//! `threshold`, `bounce`.
+//! `threshold`, `bounce_mode`.
 //!
 //! Cost: cells × rays × steps of a ray. Known failures: most rays miss lamps that are small and far
 //! away (noise, no bias); with `hit = "distance"` corners are round and media end rays.
