@@ -47,7 +47,7 @@ fn no_limit_ends_in_an_abort() {
     let sandbox = Sandbox::new();
     write_scene(&sandbox);
     for flags in ["--method holographic --bounces 1", "--method polar", "--method cascades"] {
-        let codes = (120..768).step_by(60).map(|megabytes| {
+        let codes = (120..1000).step_by(80).map(|megabytes| {
             let arguments = format!("render s.toml -q --backend cpu --threads 2 {flags} -o o.exr");
             let run = limited(&sandbox, megabytes * 1024, &arguments);
             assert!(
