@@ -4,12 +4,12 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Stage {
-    /// The seed map, one `u32` per cell; made by [`crate::Lighting::record_fields`].
+    /// The seed map, one `u32` per cell; made with [`crate::FrameInput::distance_field`].
     Seeds,
-    /// The Voronoi map, one `u32` per cell; made by [`crate::Lighting::record_fields`].
+    /// The Voronoi map, one `u32` per cell; made with [`crate::FrameInput::distance_field`].
     Nearest,
-    /// The distance field, one `f32` per cell, `f32::MAX` in a grid without matter; made by
-    /// [`crate::Lighting::record_fields`].
+    /// The distance field, one `f32` per cell, `f32::MAX` in a grid without matter; made with
+    /// [`crate::FrameInput::distance_field`].
     Distance,
     /// The squares of empty space of `raymarch` and `cascades`, four bytes per cell, one per quadrant.
     EmptySpace,

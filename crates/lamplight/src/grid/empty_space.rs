@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// The longest side that is stored.
 pub const LONGEST: u8 = 127;
-/// Added where the square holds a medium: [`side`] takes it off.
+/// Added where the square holds a medium: `side` takes it off.
 pub const MATTER: u8 = 128;
 
 /// Returns the side of a square, px; 0 in a solid cell.

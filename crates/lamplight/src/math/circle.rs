@@ -7,7 +7,7 @@ pub fn angle(i: u32, n: u32) -> f32 {
     (f64::from(TAU) * f64::from(i) / f64::from(n)) as f32
 }
 
-/// Returns the unit vector at [`angle`]. Directions that are images of one another, mirrored or turned by
+/// Returns the unit vector at `angle`. Directions that are images of one another, mirrored or turned by
 /// quarters, are so to the bit, which `sin` and `cos` of rounded angles are not: each is computed
 /// in the first eighth of the circle. `n` is less than 2^29.
 pub fn direction(i: u32, n: u32) -> [f32; 2] {

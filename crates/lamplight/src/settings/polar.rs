@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 /// The way in which a ray advances from the lamp outwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Traversal {
     /// From cell edge to cell edge: lengths are exact, and no cell is missed.
     #[default]
@@ -23,8 +23,8 @@ pub enum Traversal {
 
 /// The filtering of shadow edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum ShadowFilter {
     /// As wide as the lamp's `size` makes them, and at least one ray. Costs about a third more.
     #[default]

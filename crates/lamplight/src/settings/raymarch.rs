@@ -48,8 +48,8 @@ pub enum Hit {
 
 /// The way in which `raymarch` computes bounces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum BounceMode {
     /// All bounces within one frame.
     #[default]

@@ -175,7 +175,7 @@ pub fn mean_sine(k: u32, rays: u32) -> f32 {
 }
 
 /// Returns `½∫cosθ dθ` over cone `k` of `rays`, with θ from the normal of a face in the order of
-/// [`NORMALS`]; negative behind it. No cone is on both sides.
+/// `NORMALS`; negative behind it. No cone is on both sides.
 pub fn cosine(face: usize, k: u32, rays: u32) -> f32 {
     let ([x, y], [from, to]) = (NORMALS[face].map(f64::from), edges(k, rays));
     let weight = 0.5 * (x * (to.sin() - from.sin()) - y * (to.cos() - from.cos()));

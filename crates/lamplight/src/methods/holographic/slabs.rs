@@ -15,13 +15,13 @@ use fearless_simd::{f32x16, prelude::*};
 /// Empty rows on both sides of a slab: more than any ray of the final gather rises.
 pub const MARGIN: usize = 64;
 
-/// Bit of [`Slabs::classes`]: the cell holds matter.
+/// Bit of `Slabs::classes`: the cell holds matter.
 pub const MATTER: u8 = 1;
 
-/// Bit of [`Slabs::classes`]: the cell holds a participating medium.
+/// Bit of `Slabs::classes`: the cell holds a participating medium.
 pub const MEDIUM: u8 = 2;
 
-/// Bit of [`Slabs::classes`]: the cell emits, reflects or scatters light.
+/// Bit of `Slabs::classes`: the cell emits, reflects or scatters light.
 pub const EMISSIVE: u8 = 4;
 
 /// Stands for the infinite extinction of a solid, 1/px.

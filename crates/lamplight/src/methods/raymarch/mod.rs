@@ -28,7 +28,6 @@ use crate::settings::{BounceMode, Bounces, Hit, Raymarch};
 use crate::stages::bounce::{Faces, Surfaces, mean_over_faces, solve_bounces};
 use fearless_simd::Level;
 use gather::{Directions, Gather, Mean};
-/// `gap` is the name under which `lamplight-wgpu` imports `stride`.
 pub use gather::{GOLDEN_RATIO, SECTOR, directions, stride};
 use march::RayScene;
 use rayon::prelude::*;
