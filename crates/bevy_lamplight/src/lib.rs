@@ -1,4 +1,4 @@
-//! 2D global illumination for Bevy: one component on a camera, and the scene is lit.
+//! 2D global illumination for Bevy: one component on a camera lights the scene.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -22,10 +22,11 @@
 //!
 //! [`Lighting2d`] lights a camera. [`Matter2d`] makes anything that is drawn emit, block, filter or
 //! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, and [`LightOccluder2d`] is an invisible
-//! shape that blocks light. [`Unlit2d`] entities are not lit.
+//! shape that blocks light. Entities with [`Unlit2d`] are drawn unlit, over the lit picture.
+//! [`LightQuery`] returns the light at a place, for game rules.
 //!
-//! `docs/light.md` of the project defines light. World units take the place of its cells: opacity and
-//! tint are per world unit.
+//! `docs/light.md` of the project defines light. Where it measures in cells, this crate measures in
+//! world units: opacity and tint are per world unit.
 
 mod components;
 #[cfg(feature = "gizmos")]

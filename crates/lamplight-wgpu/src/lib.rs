@@ -2,8 +2,8 @@
 //! that has a wgpu device.
 //!
 //! It is middleware: [`Lighting`] uses the host's [`wgpu::Device`] and [`wgpu::Queue`], records into the host's
-//! [`wgpu::CommandEncoder`], and never creates a device, submits or waits. The same settings give the same light
-//! as on the CPU, up to rounding. All stages, methods and settings of the library are here. Matter comes from
+//! [`wgpu::CommandEncoder`], and never creates a device, submits or waits. All stages, methods and settings of the
+//! library are supported. The same settings give the same light as on the CPU, to within 0.1 %. Matter comes from
 //! cells, which are uploaded, or from the host's textures and lamps ([`SceneInput`]).
 //!
 //! [`Compose`] draws the light on the host's target, [`Camera2dView`] moves a camera over a larger world, and
@@ -15,13 +15,13 @@
 //! use lamplight_wgpu::{FrameInput, Lighting, LightingOptions};
 //!
 //! let mut lighting = Lighting::new(device, queue, &LightingOptions::default())?;
-//! let settings = Settings { method: Method::Raymarch, ..Settings::default() };
+//! let settings = Settings::new(Method::Raymarch);
 //! // Every frame:
 //! let cells = Cells::new(320, 180)?;
 //! lighting.prepare(&FrameInput::of_cells(&settings, &cells))?;
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! lighting.record(&mut encoder)?;
-//! // Then `Compose` draws it, or `FrameInput::output` receives it.
+//! // Then `Compose` draws the light, or `FrameInput::output` receives it.
 //! queue.submit([encoder.finish()]);
 //! # Ok(())
 //! # }

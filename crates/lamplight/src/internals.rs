@@ -1,11 +1,11 @@
 //! Parts of the methods and stages that other crates of this repository use: constants and tables that
-//! `lamplight-wgpu` hands to its shaders, and single stages that tests and the reference compare with
-//! theirs.
+//! `lamplight-wgpu` passes to its shaders, and single stages with which tests and the reference compare
+//! their own.
 //!
-//! Not part of the public API, and without a promise of compatibility: any release may rename or
-//! remove what is here. It exists so that a number that the CPU and the GPU both need is written once.
+//! This module is not part of the public API: any release may rename or remove its items. It exists so
+//! that a number that the CPU and the GPU both need is written once.
 //!
-//! Names that only mean something beside their stage or method are in a module with its stem.
+//! Items of a single method or stage are in a module with its stem.
 
 pub use crate::filters::estimate::Estimate;
 pub use crate::grid::class::CellClass;
@@ -13,7 +13,7 @@ pub use crate::math::transmittance::{MAX_OPTICAL_DEPTH, OPAQUE_TRANSMITTANCE, ex
 pub use crate::stages::bounce::CONVERGED;
 pub use crate::stages::walls::Walls;
 
-/// Radiance cascades: the ladder of cascades, and the sines of rays on faces.
+/// Radiance cascades: the cascades of a grid, and the cosines and sines of rays on faces.
 pub mod cascades {
     pub use crate::methods::cascades::{BEFORE, BRANCHES, Cascade, cascades, cosine, mean_sine};
 }
@@ -55,7 +55,7 @@ pub mod flood {
 pub mod holographic {
     pub use crate::methods::holographic::{EMISSIVE, MATTER, MEDIUM, REACH, WEIGHT_EPSILON};
 
-    /// Directions, levels, and where planes lie.
+    /// Directions, levels, and the positions of planes.
     pub mod lattice {
         pub use crate::methods::holographic::lattice::{
             Crossing, GatherGeometry, angle, bundle, levels, planes, rays, slope,
@@ -70,7 +70,7 @@ pub mod holographic {
     }
 }
 
-/// The jump flood, and the passes that settle it.
+/// The jump flood, and the passes that correct its remaining errors.
 pub mod jump_flood {
     pub use crate::stages::jump_flood::{SETTLED_ERROR, jump_flood, passes, settle};
 }

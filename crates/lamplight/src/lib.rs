@@ -2,7 +2,7 @@
 //!
 //! The input is a grid of [`Cells`] that emit, absorb, tint and reflect, filled by hand or drawn from
 //! a [`Scene`]. The output is [`Light`]: the mean radiance at every cell, in linear RGB. A [`Solver`]
-//! computes it with one of the [`Method`]s and keeps its buffers between frames.
+//! computes it with one [`Method`], chosen by [`Settings`], and keeps its buffers between frames.
 //!
 //! All lengths are in cells ("px"): x to the right, y down, the centre of cell (i, j) at
 //! (i + ½, j + ½). All light is linear RGB; sRGB is decoded on the way in and encoded on the way

@@ -53,13 +53,13 @@ impl Method {
         }
     }
 
-    /// Returns whether the method evaluates lamps analytically, with range, falloff and cone. The
-    /// others draw them as glowing discs.
+    /// Returns whether the method lights lamps by rule: with their range, falloff and cone. The other
+    /// methods draw lamps as glowing discs.
     pub fn lights_lamps(self) -> bool {
         matches!(self, Self::Flood | Self::Polar)
     }
 
-    /// Returns whether a static scene yields identical frames (no noise, no history).
+    /// Returns whether all frames of a static scene are identical: no noise and no history.
     pub fn repeats(self) -> bool {
         matches!(self, Self::Polar | Self::Cascades | Self::Holographic)
     }
@@ -75,7 +75,7 @@ impl Method {
     }
 }
 
-/// A method with its settings.
+/// One method with its own settings.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MethodSettings {
@@ -162,7 +162,7 @@ macro_rules! variants {
                     }
                 }
 
-                #[doc = concat!("Like [`Self::", stringify!($get), "`], to be changed.")]
+                #[doc = concat!("Like [`Self::", stringify!($get), "`], as a mutable reference.")]
                 pub fn $get_mut(&mut self) -> Option<&mut $method> {
                     match self {
                         Self::$method(settings) => Some(settings),

@@ -1,10 +1,12 @@
 //! Every setting, with its default, its range, and the cost of higher and lower values.
 //!
-//! A [`Settings`] says which method lights a scene, with that method's own settings
-//! ([`MethodSettings`]) and the few that all share. In files and flags settings come in layers: the
-//! defaults, the scene file's `[light]`, the flags. A layer is a [`SettingsTable`];
-//! [`SettingsTable::resolve`] expands presets, rejects unknown keys and values out of range, and
-//! returns typed [`Settings`].
+//! A [`Settings`] holds one method with its own settings ([`MethodSettings`]), and the few settings
+//! that all methods share.
+//!
+//! In files and flags, settings come in layers: the defaults, the scene file's `[light]`, the flags.
+//! Each layer is a [`SettingsTable`], which may have tables of several methods.
+//! [`SettingsTable::merge`] lays one layer over another. [`SettingsTable::resolve`] expands presets,
+//! rejects unknown keys and values out of range, and returns typed [`Settings`].
 
 mod bounces;
 mod cascades;

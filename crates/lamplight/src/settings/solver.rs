@@ -6,7 +6,8 @@ use super::{Bounces, Method, MethodSettings, Quality, Raymarch};
 use crate::Result;
 use serde::{Deserialize, Serialize};
 
-/// The settings of a solver: a method with its own settings, and those that all methods share.
+/// The settings of a solver: one method with its own settings, and the settings that all methods
+/// share.
 ///
 /// ```
 /// use lamplight::settings::{Bounces, Method, Raymarch, Settings};
@@ -20,27 +21,29 @@ use serde::{Deserialize, Serialize};
 /// # assert_ne!(cascades, noisy);
 /// ```
 ///
-/// In files and flags the same settings are a [`SettingsTable`](super::SettingsTable), which may hold
-/// tables of several methods; `serde` writes a `Settings` in that form, with the table of its method.
+/// In files and flags, the same settings are a [`SettingsTable`](super::SettingsTable), which may have
+/// tables of several methods. `serde` writes a `Settings` in that form, with the table of its method
+/// only.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(from = "SettingsFile", into = "SettingsFile")]
 pub struct Settings {
     /// The method with its settings.
     pub method: MethodSettings,
-    /// Maximum number of bounces of light off walls and fog, 0 to 256. Each bounce costs one more
-    /// gather over the surfaces that reflect. `polar` makes none, and `flood` has its own
-    /// (`flood.bounce_rays`).
+    /// Maximum number of bounces of light off walls and fog, 0 to 256; 0 is direct light only. Each
+    /// bounce costs one more gather over the faces that reflect and the media that scatter. `polar`
+    /// has no bounces, and `flood` has a setting of its own
+    /// ([`Flood::bounce_rays`](super::Flood::bounce_rays)).
     pub bounces: Bounces,
-    /// Depth in px, 0 to 64, to which light penetrates solid walls, so that they are visible; with 0
-    /// only the cells that touch open space are lit. Costs next to nothing.
+    /// Depth in px, 0 to 64, over which light fades into solid walls, so that they are visible. With 0,
+    /// only solid cells that touch an open cell are lit. The cost is negligible.
     pub wall_depth: f32,
     /// Seed of all random numbers. The same seed gives the same bytes.
     pub seed: u64,
 }
 
 impl Settings {
-    /// Returns the settings of a method, or of its defaults if a [`Method`] is given, with the
-    /// defaults of the others.
+    /// Returns settings with this method, and the defaults for bounces, wall depth and seed. A
+    /// [`Method`] stands for the default settings of that method.
     pub fn new(method: impl Into<MethodSettings>) -> Self {
         Self { method: method.into(), ..Self::default() }
     }
@@ -50,7 +53,7 @@ impl Settings {
         self.method.method()
     }
 
-    /// Returns the cheapest settings that have the same seed map, Voronoi map and distance field.
+    /// Returns the cheapest settings that produce the same seed map, Voronoi map and distance field.
     #[must_use]
     pub fn fields_only(&self) -> Self {
         // Of all settings they depend on this one; a ray is the least that a frame can have.
@@ -67,7 +70,7 @@ impl Settings {
     }
 
     /// Replaces the settings of the current method by one of its presets ([`Method::presets`]). The
-    /// filters that follow `raymarch` stay.
+    /// temporal accumulation and the denoiser of `raymarch` keep their settings.
     ///
     /// # Errors
     /// Fails, and changes nothing, if the method has no preset of this name.
@@ -83,7 +86,8 @@ impl Settings {
         Ok(())
     }
 
-    /// Replaces the settings of the current method by its preset at a quality level.
+    /// Replaces the settings of the current method by its preset at a quality level, as
+    /// [`Self::set_preset`] does.
     pub fn set_quality(&mut self, quality: Quality) -> Result<()> {
         self.set_preset(quality.preset(self.method()))
     }
