@@ -1,6 +1,6 @@
 //! Lamps: small lights with a range.
 //!
-//! Two kinds of method read them. `polar` and `flood` evaluate lamps analytically, with range, falloff
+//! Two kinds of method read them. `polar` and `flood` light lamps by rule, with range, falloff
 //! and cone. The others read only matter, into which lamps are drawn as glowing discs
 //! (`lamp_discs.rs`): light falls off as in the plane, without a range, and **in all directions**,
 //! because matter cannot emit in a cone.
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
 use std::fmt::Display;
 
-/// The falloff of a lamp with distance, in the methods that evaluate lamps analytically.
+/// The falloff of a lamp with distance, in the methods that light lamps by rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
@@ -50,7 +50,7 @@ impl Falloff {
 #[expect(clippy::approx_constant, reason = "6.2832 in a file means the whole circle")]
 const TURN: f32 = 6.2832;
 
-/// The cone of a spotlight, in the methods that evaluate lamps analytically.
+/// The cone of a spotlight, in the methods that light lamps by rule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cone {
@@ -104,17 +104,17 @@ pub struct Lamp {
     /// disc of radius R gives about `radiance·R/(π·d)` of light at distance d.
     #[serde(default = "default_intensity")]
     pub intensity: f32,
-    /// The range in px, in the methods that evaluate lamps analytically; 1 to 100 000.
+    /// The range in px, in the methods that light lamps by rule; 1 to 100 000.
     #[serde(default = "default_range")]
     pub range: f32,
     /// The radius of the disc in px, 0.05 to 512. Higher: more light and softer shadows.
     #[serde(default = "default_size")]
     pub size: f32,
-    /// The falloff, in the methods that evaluate lamps analytically.
+    /// The falloff, in the methods that light lamps by rule.
     #[serde(default)]
     pub falloff: Falloff,
     /// The cone of a spotlight, such as `{ direction = 1.57, angle = 0.8, softness = 0.3 }`; without
-    /// it the lamp shines in all directions. Only for the methods that evaluate lamps analytically:
+    /// it the lamp shines in all directions. Only for the methods that light lamps by rule:
     /// the others draw a disc that glows in all directions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cone: Option<Cone>,

@@ -108,7 +108,7 @@ pub enum LightMethod {
     /// Holographic radiance cascades: no noise, and a cost that does not depend on the scene.
     #[default]
     Holographic,
-    /// Radiance cascades. Cheaper and softer.
+    /// Radiance cascades. Softer, and cheaper where much of the picture is empty.
     Cascades,
     /// Rays from every cell. Few rays are noisy.
     Raymarch,
@@ -216,7 +216,7 @@ pub enum LightToneMap {
     /// Narkowicz's fit of the ACES curve (2015). [`Unlit2d`](crate::Unlit2d) entities keep their colours,
     /// as with every tone map except the camera's own.
     Aces,
-    /// AgX, which desaturates bright colours more than `Aces`.
+    /// AgX, in which bright colours keep their hue longer than in `Aces`.
     Agx,
 }
 

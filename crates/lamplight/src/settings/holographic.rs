@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Variant {
-    /// Ray bundles in dense directions, and a final gather that pixels trace: a third of the
-    /// published variant's error.
+    /// Ray bundles in dense directions, and a final gather that pixels trace: about a fifth of
+    /// the published variant's error.
     #[default]
     Bundles,
     /// As published, for comparison (Freeman, Sannikov and Margel 2025). The other settings have no

@@ -113,7 +113,7 @@ impl Raymarch {
 
     /// Returns the preset of a name.
     ///
-    /// `fast` and `high` take 16 and 128 rays. `godot` is the demo of Bigos 2020 (32 rays a golden
+    /// `fast` and `high` take 16 and 128 rays. `godot` follows Bigos 2020 (32 rays a golden
     /// angle apart, 128 steps, white noise, feedback bounce), and `unity` its port with tone mapping
     /// (16 rays, evenly spaced, 16 steps, hit at 0.8 px).
     pub fn preset(name: &str) -> Option<Self> {

@@ -1,10 +1,10 @@
 //! From linear light to a picture: exposure, tone map, sRGB.
 //!
 //! The final picture shows, per channel and in linear light,
-//! `color × light + (1 − T)·E`, with `T = (1 − opacity)·tint` over 1 px: the background lit by
+//! `color × light + (1 − T)·L_e`, with `T = (1 − opacity)·tint` over 1 px: the background lit by
 //! the light, plus the radiance that the cell emits. In a solid cell [`Light`] already includes the
-//! emission E in addition to the light on the faces, so the picture there is
-//! `color × (light − E) + E`. That sum × 2^exposure is tone mapped to 0 to 1 and then encoded as sRGB,
+//! emission L_e in addition to the light on the faces, so the picture there is
+//! `color × (light − L_e) + L_e`. That sum × 2^exposure is tone mapped to 0 to 1 and then encoded as sRGB,
 //! once.
 
 use crate::{Cells, Error, Light, Result, Rgb, srgb};

@@ -2,7 +2,7 @@
 //!
 //! Near light changes from px to px but needs few directions. Far light changes slowly over space but
 //! needs many directions. So cascade c has probes `2^c` px apart with `rays·4^c` rays, each of which
-//! covers only its interval, from `L₀(4^c − 1)/3` px on for `L₀·4^c` px. From the last to the first,
+//! covers only its interval, from `ℓ₀(4^c − 1)/3` px on for `ℓ₀·4^c` px. From the last to the first,
 //! each cascade takes the light beyond its own interval from the four surrounding probes of the next
 //! one: `L = r + t·L_next`. Behind the last one lies the sky.
 //!
