@@ -1,5 +1,6 @@
 //! Flags that several commands share.
 
+use crate::available_memory;
 use crate::error::{CliError, Result};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -189,6 +190,7 @@ impl MachineArgs {
     /// Runs work on the number of threads that the flags name, and passes it that number.
     pub fn run<T: Send>(&self, work: impl FnOnce(usize) -> Result<T> + Send) -> Result<T> {
         let threads = self.threads.map_or(0, usize::from);
+        available_memory::threads_are_about_to_start();
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()

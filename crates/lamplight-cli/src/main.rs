@@ -6,6 +6,7 @@
 //! A command resolves its arguments first ([`job`]), then runs, then writes ([`output`]).
 
 mod args;
+mod available_memory;
 mod bench_scene;
 mod commands;
 mod comparison;

@@ -1,13 +1,13 @@
-//! Memory: an estimate of what lighting a scene takes, and the most that this process can get.
+//! Memory: an estimate of what lighting a scene takes, against what this process can get.
 //!
 //! An allocation that fails ends a Rust program at once. So the need is estimated before anything
 //! that grows with the scene is allocated, and a scene that cannot fit is rejected with both figures.
 
 use crate::args::{Backend, Renderer};
+use crate::available_memory::available;
 use crate::error::{CliError, Result};
 use lamplight::settings::{MethodSettings, Variant};
 use lamplight::{Bounces, Settings};
-use std::fs;
 
 /// Bytes that do not grow with the scene: the program, its threads and tables.
 const BASE: u64 = 48 << 20;
@@ -17,9 +17,6 @@ const SCENE: u64 = 185;
 const MOST: u64 = 1200;
 /// Bytes per cell of the light of a row, kept until all rows are compared.
 const ROW: u64 = 16;
-/// Address space that each thread reserves and hardly uses: its stack, and the allocator's arena, 64 MB
-/// with glibc.
-const THREAD: u64 = 66 << 20;
 /// Bytes per cell of FLIP.
 const FLIP: u64 = 80;
 
@@ -76,43 +73,6 @@ pub fn check(needed: u64, what: impl std::fmt::Display) -> Result {
     }
 }
 
-/// The number of bytes that this process can still allocate, if the system reports it.
-fn available() -> Option<u64> {
-    [address_space(), physical(), container()].into_iter().flatten().min()
-}
-
-/// Returns the bytes that remain under the limit on the address space (`ulimit -v`), if there is one.
-fn address_space() -> Option<u64> {
-    #[cfg(unix)]
-    {
-        let limit = rustix::process::getrlimit(rustix::process::Resource::As).current?;
-        let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-        let reserved = THREAD * rayon::current_num_threads() as u64;
-        let taken = kilobytes(&status, "VmSize:").unwrap_or(0) + reserved;
-        Some(limit.saturating_sub(taken))
-    }
-    #[cfg(not(unix))]
-    None
-}
-
-/// Free memory of the machine (Linux).
-fn physical() -> Option<u64> {
-    let info = fs::read_to_string("/proc/meminfo").ok()?;
-    Some(kilobytes(&info, "MemAvailable:")? + kilobytes(&info, "SwapFree:").unwrap_or(0))
-}
-
-/// The limit of the container (Linux, cgroup 2).
-fn container() -> Option<u64> {
-    fs::read_to_string("/sys/fs/cgroup/memory.max").ok()?.trim().parse().ok()
-}
-
-/// The bytes of a line such as `VmSize:  1234 kB`.
-fn kilobytes(text: &str, key: &str) -> Option<u64> {
-    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
-    let number: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(number * 1024)
-}
-
 /// A number of bytes in MB or GB.
 fn in_words(bytes: u64) -> String {
     match bytes as f64 / 1e6 {
@@ -124,14 +84,6 @@ fn in_words(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lines_of_proc_are_read() {
-        let text = "VmPeak:\t    10 kB\nVmSize:\t  2048 kB\nHugePages_Free: 3\n";
-        assert_eq!(kilobytes(text, "VmSize:"), Some(2048 * 1024));
-        assert_eq!(kilobytes(text, "VmSwap:"), None);
-        assert_eq!(kilobytes(text, "HugePages_Free:"), None, "it is no size");
-    }
 
     #[test]
     fn bytes_are_worded_for_people() {
