@@ -134,16 +134,20 @@ fn bindgen(target: &Path) -> Result<PathBuf> {
     }
     println!("== wasm-bindgen {release} is not found: installing it into {}", tools.display());
     let version = format!("={release}");
-    let status = command(root())
-        .args(["install", "--locked", "wasm-bindgen-cli", "--version", &version, "--root"])
-        .arg(&tools)
-        .status()?;
-    if !status.success() || !fits(&ours) {
-        bail!(
-            "wasm-bindgen could not be installed; to do so: cargo install wasm-bindgen-cli --version {version}"
-        );
+    // Its own lock file names releases that may have been withdrawn since.
+    for locked in [&["--locked"][..], &[]] {
+        let status = command(root())
+            .args(["install", "wasm-bindgen-cli", "--version", &version, "--root"])
+            .arg(&tools)
+            .args(locked)
+            .status()?;
+        if status.success() && fits(&ours) {
+            return Ok(ours);
+        }
     }
-    Ok(ours)
+    bail!(
+        "wasm-bindgen could not be installed; to do so: cargo install wasm-bindgen-cli --version {version}"
+    );
 }
 
 /// The release of a package in `Cargo.lock`.

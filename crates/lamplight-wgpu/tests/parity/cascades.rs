@@ -12,6 +12,9 @@ use lamplight::{Bounces, Cells, Gradient, Scene, Settings, Sky};
 /// read each probe. Measured at 8.6e-4 in `dungeon` (126 pixels, by up to 3.7e-3) and 3.5e-5 in
 /// `night_street` (2 pixels, by 1.4e-3), otherwise none.
 const TIES: f64 = 1e-3;
+/// The fraction with the bilinear fix on a large grid of random cells, many of whose corners some ray
+/// passes as closely. Measured at 2e-5 (3 pixels of 147 456, by 1.03e-3).
+const TIES_OF_LARGE_GRIDS: f64 = 1e-4;
 
 fn cascades(change: impl FnOnce(&mut Cascades)) -> Settings {
     let mut cascades = Cascades::default();
@@ -23,11 +26,14 @@ fn cascades(change: impl FnOnce(&mut Cascades)) -> Settings {
 fn cascades_agree_at_every_size() {
     let gpu = device();
     for [w, h] in SIZES {
+        let is_large = w * h > 100_000;
+        let ties = if is_large { TIES_OF_LARGE_GRIDS } else { 0.0 };
         // The largest takes seconds a gather.
-        let bounces: &[u32] = if w * h > 100_000 { &[1] } else { &[0, 2] };
+        let bounces: &[u32] = if is_large { &[1] } else { &[0, 2] };
         for bounces in bounces.iter().copied().map(Bounces::Count) {
             let settings = Settings { wall_depth: 3.0, bounces, ..cascades(|_| ()) };
-            agree(&gpu, &format!("{w}×{h}, {bounces:?}"), &cells(w, h, 3), settings);
+            let name = format!("{w}×{h}, {bounces:?}");
+            agree_but_for(ties, &gpu, &name, &cells(w, h, 3), settings);
         }
     }
 }
