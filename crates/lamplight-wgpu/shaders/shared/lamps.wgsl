@@ -56,9 +56,9 @@ struct RayThread {
     @builtin(local_invocation_index) lane: u32,
 }
 
-// The number of the first ray of a thread's workgroup.
-fn first_ray(thread: RayThread) -> u32 {
-    return (thread.group.y * thread.groups.x + thread.group.x) * 64u;
+// The number of the first ray of a workgroup.
+fn first_ray(group: vec3u, groups: vec3u) -> u32 {
+    return (group.y * groups.x + group.x) * 64u;
 }
 
 // A ray: its index among those of all lamps, its lamp, and its number among that lamp's.
@@ -72,7 +72,7 @@ struct LampRay {
 
 // The ray of a thread.
 fn ray_of(thread: RayThread) -> LampRay {
-    let ray = first_ray(thread) + thread.lane;
+    let ray = first_ray(thread.group, thread.groups) + thread.lane;
     if ray >= lamps.rays {
         return LampRay();
     }

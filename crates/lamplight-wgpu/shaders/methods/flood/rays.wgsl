@@ -155,7 +155,7 @@ fn matter_rays(
 // Rays from the middle of every outer side of a cell at the border.
 @compute @workgroup_size(64)
 fn sky_rays(thread: RayThread) {
-    let task = first_ray(thread) + thread.lane;
+    let task = first_ray(thread.group, thread.groups) + thread.lane;
     let ray = direction_at(RAYS + task % MATTER_RAYS);
     let size = frame.size;
     var side = task / MATTER_RAYS;

@@ -61,12 +61,17 @@ fn dark_from(own: u32) -> f32 {
 }
 
 @compute @workgroup_size(64)
-fn main(thread: RayThread) {
-    let start = first_ray(thread);
+fn main(
+    // Not a `RayThread`: browsers take all fields of a parameter that differs by thread to differ by thread,
+    // and a barrier may stand only where the whole workgroup goes.
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let start = first_ray(group, groups);
     if start >= lamps.rays {
         return;
     }
-    let lane = thread.lane;
     let lamp = lamps.list[lamp_of(start)];
     let n = lamp.count;
     let own = start - lamp.first + lane;
