@@ -7,7 +7,7 @@ use crate::error::{CliError, Result};
 use crate::frames::Frames;
 use crate::gpu::Gpu;
 use crate::progress::Progress;
-use lamplight::settings::{BounceMode, Denoise, MethodSettings, Raymarch, Temporal};
+use lamplight::settings::{Denoise, MethodSettings, Raymarch, Temporal};
 use lamplight::{Bounces, Cells, Display, Light, Method, Quality, Rgb, Settings, SettingsTable};
 use lamplight_truth::Measures;
 use lamplight_truth::flip::{PIXELS_PER_DEGREE, flip};
@@ -203,10 +203,8 @@ impl Entry {
 
     fn new(label: String, settings: Settings) -> Self {
         // With feedback each frame adds a bounce, so as many frames are needed.
-        let feedback = matches!(
-            &settings.method,
-            MethodSettings::Raymarch(raymarch) if raymarch.bounce_mode == BounceMode::Feedback
-        );
+        let raymarch = settings.method.as_raymarch();
+        let feedback = raymarch.is_some_and(|raymarch| raymarch.feeds_back(settings.bounces));
         let bounces = match settings.bounces {
             Bounces::Count(k) if feedback => k,
             Bounces::Converged if feedback => 16,

@@ -9,8 +9,8 @@ use crate::output::OutputFiles;
 use crate::solve;
 use crate::stage::{Fields, check_scale};
 use crate::warnings;
-use lamplight::settings::{BounceMode, MethodSettings};
-use lamplight::{Bounces, Cells, Display, Scene, Settings};
+use lamplight::settings::MethodSettings;
+use lamplight::{Cells, Display, Scene, Settings};
 use std::path::Path;
 
 /// Paths per pixel of the reference, unless a flag sets them.
@@ -135,8 +135,7 @@ fn warn_of_what_is_ignored(
 fn average(settings: &mut Settings, frames: u32) {
     let MethodSettings::Raymarch(raymarch) = &mut settings.method else { return };
     // Frames that each add a bounce are not to be averaged: the first ones are darker.
-    let growing =
-        raymarch.bounce_mode == BounceMode::Feedback && settings.bounces != Bounces::Count(0);
+    let growing = raymarch.feeds_back(settings.bounces);
     if frames > 1 && raymarch.temporal.history_length <= 1 && !growing {
         raymarch.temporal.history_length = frames;
     }

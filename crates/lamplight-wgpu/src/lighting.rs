@@ -21,7 +21,6 @@ use crate::stages::reproject::Reproject;
 use crate::stages::walls::Walls;
 use crate::timing::Timer;
 use crate::uniforms::{FrameUniforms, GridPosition, History};
-use lamplight::settings::MethodSettings;
 use lamplight::{Lamp, Settings, Sky};
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
@@ -278,10 +277,8 @@ impl Lighting {
         let Some(before) = self.before.as_ref().filter(|before| before.size == size) else {
             return (History::None, [0; 2]);
         };
-        let rejects = match &input.settings.method {
-            MethodSettings::Raymarch(raymarch) => raymarch.temporal.reject,
-            _ => true,
-        };
+        let raymarch = input.settings.method.as_raymarch();
+        let rejects = raymarch.is_none_or(|raymarch| raymarch.temporal.reject);
         let other_sky = rejects && before.sky != sky;
         let history = if other_sky { History::IndirectOnly } else { History::Full };
         (history, [0, 1].map(|a| input.origin[a].saturating_sub(before.origin[a])))

@@ -4,7 +4,7 @@ use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
 use lamplight::internals::noise::fold;
 use lamplight::internals::raymarch::stride;
-use lamplight::settings::{MethodSettings, Noise, Raymarch};
+use lamplight::settings::{Noise, Raymarch};
 use lamplight::{Settings, Sky};
 
 gpu_struct! {
@@ -70,10 +70,7 @@ impl FrameUniforms {
         };
         // Only `raymarch` uses these settings; `cascades`, which shares its shaders, needs the defaults.
         let neutral = Raymarch::default();
-        let raymarch = match &settings.method {
-            MethodSettings::Raymarch(raymarch) => raymarch,
-            _ => &neutral,
-        };
+        let raymarch = settings.method.as_raymarch().unwrap_or(&neutral);
         let fade_range = if raymarch.attenuation {
             raymarch.emission_range * position.size[1] as f32
         } else {

@@ -9,7 +9,7 @@ use crate::methods::flood::FloodSolver;
 use crate::methods::holographic::Holographic;
 use crate::methods::polar::PolarSolver;
 use crate::methods::raymarch::{Input, RaymarchSolver};
-use crate::settings::{self, BounceMode, Bounces, Hit, Method, MethodSettings, Traversal};
+use crate::settings::{self, Hit, Method, MethodSettings, Traversal};
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::{Cells, Light, Result, Settings};
@@ -179,8 +179,7 @@ impl Solver {
         self.raymarch.solve(input, &mut self.estimate, &mut self.clock);
 
         if accumulates {
-            let feedback =
-                bounces != Bounces::Count(0) && settings.bounce_mode == BounceMode::Feedback;
+            let feedback = settings.feeds_back(bounces);
             let width = self.cells.width();
             self.temporal.accumulate(&settings.temporal, width, feedback, &mut self.estimate);
             self.clock.lap("temporal");

@@ -14,13 +14,10 @@ pub struct Look {
 }
 
 impl Look {
-    /// The largest wall depth, px.
-    const MAX_WALL_DEPTH: f32 = 64.0;
-
     /// Scales to a layout that is drawn with `unit` cells per px.
     #[must_use]
     pub fn at_scale(self, unit: f32) -> Self {
-        Self { wall_depth: (self.wall_depth * unit).clamp(0.0, Self::MAX_WALL_DEPTH), ..self }
+        Self { wall_depth: (self.wall_depth * unit).clamp(0.0, Settings::MAX_WALL_DEPTH), ..self }
     }
 
     /// Converts to settings of a solver; the others are defaults.

@@ -5,7 +5,7 @@ use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
 use lamplight::internals::temporal::{FEEDBACK, REACH};
-use lamplight::settings::{BounceMode, Bounces, Hit, Raymarch};
+use lamplight::settings::{Bounces, Hit, Raymarch};
 use wgpu::{Buffer, Device};
 
 /// The pipelines.
@@ -27,7 +27,7 @@ impl Temporal {
     /// updated.
     pub fn new(device: &Device, settings: &Raymarch, bounces: Bounces, traced: bool) -> Self {
         let temporal = &settings.temporal;
-        let feedback = bounces != Bounces::Count(0) && settings.bounce_mode == BounceMode::Feedback;
+        let feedback = settings.feeds_back(bounces);
         let everywhere = settings.hit == Hit::Distance;
         let constants = [
             ("HISTORY_LENGTH", f64::from(temporal.history_length)),

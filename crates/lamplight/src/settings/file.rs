@@ -1,5 +1,6 @@
 //! Settings as files hold them: a table for each method, whichever is chosen.
 
+use super::range::MAX_WALL_DEPTH;
 use super::{Bounces, Cascades, Denoise, Flood, Holographic, Method, Polar, Raymarch, Temporal};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,7 +19,7 @@ pub struct SettingsFile {
     pub bounces: Bounces,
     /// Depth in px, 0 to 64, to which light penetrates solid walls, so that they are visible; with 0
     /// only the cells that touch open space are lit. Costs next to nothing.
-    #[schemars(range(min = 0.0, max = 64.0))]
+    #[schemars(range(min = 0.0, max = MAX_WALL_DEPTH))]
     pub wall_depth: f32,
     /// Seed of all random numbers. The same seed gives the same bytes.
     pub seed: u64,

@@ -4,6 +4,9 @@ use crate::{Error, Result};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
+/// The largest depth in px to which light may penetrate walls.
+pub const MAX_WALL_DEPTH: f32 = 64.0;
+
 /// Rejects a value out of its range.
 pub fn within<T: PartialOrd + Display>(
     key: &str,

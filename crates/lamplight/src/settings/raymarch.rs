@@ -1,5 +1,6 @@
 //! The settings of `raymarch`.
 
+use super::bounces::Bounces;
 use super::declare::settings;
 use super::filters::{Denoise, Temporal};
 use super::preset::with_preset;
@@ -108,6 +109,11 @@ settings! {
 }
 
 impl Raymarch {
+    /// Returns whether each frame adds a bounce to the light of the frame before.
+    pub fn feeds_back(&self, bounces: Bounces) -> bool {
+        bounces != Bounces::Count(0) && self.bounce_mode == BounceMode::Feedback
+    }
+
     /// Names of the presets; the first is the default.
     pub const PRESETS: &'static [&'static str] = &["default", "fast", "high", "godot", "unity"];
 

@@ -1,7 +1,7 @@
 //! The settings of a solver.
 
 use super::file::SettingsFile;
-use super::range::within;
+use super::range::{MAX_WALL_DEPTH, within};
 use super::{Bounces, Method, MethodSettings, Quality, Raymarch};
 use crate::Result;
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,9 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The largest `wall_depth`, px.
+    pub const MAX_WALL_DEPTH: f32 = MAX_WALL_DEPTH;
+
     /// Returns settings with this method, and the defaults for bounces, wall depth and seed. A
     /// [`Method`] stands for the default settings of that method.
     pub fn new(method: impl Into<MethodSettings>) -> Self {
@@ -63,10 +66,8 @@ impl Settings {
 
     /// Opacity above which a cell is occupied in the seed map.
     pub(crate) fn seed_threshold(&self) -> f32 {
-        match &self.method {
-            MethodSettings::Raymarch(raymarch) => raymarch.threshold,
-            _ => Raymarch::default().threshold,
-        }
+        let neutral = Raymarch::default();
+        self.method.as_raymarch().unwrap_or(&neutral).threshold
     }
 
     /// Replaces the settings of the current method by one of its presets ([`Method::presets`]). The
@@ -95,7 +96,7 @@ impl Settings {
     /// Rejects values out of their range.
     pub fn check(&self) -> Result<()> {
         within("bounces", self.bounces.limit(), 0..=Bounces::MAX)?;
-        within("wall_depth", self.wall_depth, 0.0..=64.0)?;
+        within("wall_depth", self.wall_depth, 0.0..=Self::MAX_WALL_DEPTH)?;
         self.method.check()
     }
 
