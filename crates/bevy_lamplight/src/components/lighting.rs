@@ -90,9 +90,7 @@ impl Lighting2d {
             table.set_from_text(text)?;
         }
         let mut settings = table.resolve()?;
-        /// The largest wall depth of `lamplight`, cells.
-        const MAX_WALL_DEPTH: f32 = 64.0;
-        settings.wall_depth = (self.wall_depth / cell).clamp(0.0, MAX_WALL_DEPTH);
+        settings.wall_depth = (self.wall_depth / cell).clamp(0.0, Settings::MAX_WALL_DEPTH);
         settings.check()?;
         Ok(settings)
     }
