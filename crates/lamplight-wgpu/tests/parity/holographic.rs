@@ -67,7 +67,7 @@ fn every_setting_agrees() {
     let gpu = device();
     let cells = cells(53, 37, 23);
     for (gather_level, gather_length, gather_rays, bundle_rays) in
-        [(1, 16, 1, 1), (2, 1, 3, 16), (3, 5, 16, 3), (4, 16, 2, 8)]
+        [(1, 15, 1, 1), (2, 1, 3, 16), (3, 5, 16, 3), (4, 15, 2, 8)]
     {
         let variant = Holographic::default().variant;
         let settings =

@@ -33,7 +33,7 @@ settings! {
         /// Minimum length of the final gather in px; its maximum is 2^level px more. Values above
         /// 2^level count as 2^level. Higher: fewer stars round small lights; the gather's time grows
         /// in proportion.
-        gather_length: u32 = 2, in 1..=16;
+        gather_length: u32 = 2, in 1..=15;
         /// Rays per cone of the final gather if something in it glows; other cones take one. Higher:
         /// smoother light right beside small lights, for time where there are some.
         gather_rays: u32 = 2, in 1..=16;

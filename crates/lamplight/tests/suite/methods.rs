@@ -172,7 +172,7 @@ fn invalid_settings_are_rejected_by_name() {
         ("holographic.gather_level=0", "holographic.gather_level"),
         ("holographic.gather_level=5", "holographic.gather_level"),
         ("holographic.gather_length=0", "holographic.gather_length"),
-        ("holographic.gather_length=17", "holographic.gather_length"),
+        ("holographic.gather_length=16", "holographic.gather_length"),
         ("holographic.gather_rays=0", "holographic.gather_rays"),
         ("holographic.gather_rays=17", "holographic.gather_rays"),
         ("holographic.bundle_rays=0", "holographic.bundle_rays"),

@@ -36,13 +36,13 @@ struct Pixel {
 // The light of a cone on the plane ahead.
 fn far(pixel: Pixel, cone: u32, row: i32) -> vec3f {
     if row < 0 || row >= i32(sweep.rows) || pixel.plane >= planes(sweep.level) {
-        return sky_in(cones[sweep.cones_top + cone]);
+        return sky_in(cones[sweep.cones_above + cone]);
     }
     // A plane of even index is a plane of the level above.
     let odd = (pixel.plane & 1u) == 1u;
     let slot = select(sweep.far - pixel.plane / 2u, sweep.far - (pixel.plane + 1u) / 2u, odd);
     let base = select(sweep.above, sweep.below, odd);
-    let at = (slot * (4u << sweep.level) + cone) * sweep.rows + u32(row);
+    let at = (slot * cone_count(sweep.level + 1u) + cone) * sweep.rows + u32(row);
     return unpack_rgb(radiance[base + at]);
 }
 
@@ -60,8 +60,8 @@ fn end_transmittance(pixel: Pixel, rows: i32) -> f32 {
 }
 
 // The light through a cone, whose entry begins at `at`: its angle and its cosines to the axis and to higher
-// rows; rays of four words: first crossing, number of crossings, the row of the end, and how far past its
-// middle; a mask of two words per slab.
+// rows; rays of four words: first crossing, number of crossings, the row nearest to the end, and how far past
+// its middle that is; a mask of two words per slab.
 fn through(pixel: Pixel, cone: u32, at: u32, empty: bool) -> vec3f {
     let rays = at + 4u;
     let mask = rays + 4u * (sweep.rays + 1u);
@@ -75,21 +75,24 @@ fn through(pixel: Pixel, cone: u32, at: u32, empty: bool) -> vec3f {
         let row = bitcast<i32>(footprints[footprint + 2u]);
         let past = bitcast<f32>(footprints[footprint + 3u]);
         var near = nothing();
-        var weights = vec2f(1.0 - past, past);
+        // A quadratic B-spline over the rows before, at and after the nearest one.
+        let sides = vec2f(0.5 - past, 0.5 + past);
+        var weights = vec3f(0.5 * sides.x * sides.x, 0.75 - past * past, 0.5 * sides.y * sides.y);
         if meets {
             let crossings = footprints[footprint];
             near = march(pixel.slab, pixel.row, pixel.lane, crossings, footprints[footprint + 1u]);
-            weights *= vec2f(end_transmittance(pixel, row), end_transmittance(pixel, row + 1));
+            weights.x *= end_transmittance(pixel, row - 1);
+            weights.y *= end_transmittance(pixel, row);
+            weights.z *= end_transmittance(pixel, row + 1);
         }
         // A ray that has left the grid, perhaps over the end of a wall, takes no light from inside.
         let end = i32(pixel.row) + row;
-        if past < 0.5 && end == -1 {
-            weights.y = 0.0;
-        } else if past >= 0.5 && end == i32(sweep.rows) - 1 {
-            weights.x = 0.0;
-        }
-        let beyond = weights.x * far(pixel, cone, end) + weights.y * far(pixel, cone, end + 1);
-        let all = WEIGHT_EPSILON + weights.x + weights.y;
+        weights.x = select(weights.x, 0.0, end == i32(sweep.rows));
+        weights.z = select(weights.z, 0.0, end == -1);
+        var beyond = weights.x * far(pixel, cone, end - 1);
+        beyond += weights.y * far(pixel, cone, end);
+        beyond += weights.z * far(pixel, cone, end + 1);
+        let all = WEIGHT_EPSILON + weights.x + weights.y + weights.z;
         sum += near.light * bitcast<f32>(footprints[at]) + near.transmittance * (beyond / all);
     }
     return sum / f32(count);
@@ -149,7 +152,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
             return;
         }
     }
-    let count = 4u << sweep.level;
+    let count = cone_count(sweep.level + 1u) - 2u;
     let size = 4u + 4u * (sweep.rays + 1u) + 2u * (ahead + 1u);
     let view = footprints[sweep.footprints + ahead - sweep.gather_length];
     var sum = vec3f(0.0);
@@ -166,7 +169,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     }
     for (var cone = 0u; cone < count; cone++) {
         let at = view + cone * size;
-        let found = through(pixel, cone, at, empty);
+        // The outermost cones have no light.
+        let found = through(pixel, cone + 1u, at, empty);
         sum += found;
         if FACES {
             let angle = bitcast<f32>(footprints[at]);

@@ -17,7 +17,7 @@ struct Sweep {
     levels: u32,
     // The first plane of the topmost level, or the first slab, of this dispatch.
     first: u32,
-    // The plane of the topmost level at the far end.
+    // The plane of the level above that is stored first.
     far: u32,
     // The first word of planes of odd index, of the four lowest levels and of the topmost, and half the index
     // of the first of them.
@@ -30,17 +30,16 @@ struct Sweep {
     even_first: u32,
     even_top: u32,
     even_top_first: u32,
-    // The first entry of the topmost level in the table of cones; `cones` for the four lowest.
-    cones_top: u32,
+    // The first entry of the level above in the table of cones.
+    cones_above: u32,
     // 1 in the first quadrant, which overwrites light.
     first_quadrant: u32,
-    cones: vec4u,
-    // The first entry of the light of the topmost and of the lowest level; of the lowest, the plane that is
-    // stored first, and the number of planes before it.
+    // The first entry of the light of the level above and of the level itself; of the latter, the plane that
+    // is stored first, and 1 if half cones are stored.
     above: u32,
     below: u32,
     below_far: u32,
-    below_planes: u32,
+    halves: u32,
     // The first word of the cell bits of this axis.
     cell_bits: u32,
     // 1 if scattered radiance is added to emission.
@@ -54,6 +53,14 @@ struct Sweep {
 }
 
 @group(0) @binding(1) var<uniform> sweep: Sweep;
+
+// Cones beyond each edge of the quadrant.
+const BEYOND: i32 = 2;
+
+// The number of cones of a level, with those beyond the edges.
+fn cone_count(level: u32) -> u32 {
+    return (2u << level) + 2u * u32(BEYOND);
+}
 
 // The number of planes of a level.
 fn planes(level: u32) -> u32 {

@@ -5,7 +5,7 @@
 //! the plane of odd index made last, of light the one that is needed. So smaller chunks take less memory and
 //! more dispatches.
 
-use lamplight::internals::holographic::lattice::{levels, planes, rays};
+use lamplight::internals::holographic::lattice::{BEYOND, cones, levels, planes, rays};
 
 /// Rows of a workgroup that traces or gathers.
 pub const TILE: u32 = 64;
@@ -81,13 +81,14 @@ impl Lattice {
         }
         self.even = [self.intervals, self.intervals + even[0]];
         self.intervals += even[0] + even[1];
-        // 2^(t−n) planes of 2·2^n cones, whatever the level.
-        let all = (2 * self.rows as u64) << self.chunk;
+        // 2^(t−n) planes of 2·2^n cones, whatever the level, and the cones beyond the edges of planes.
+        let planes = 1u64 << (self.chunk - self.first - 1);
+        let all = ((2 << self.chunk) + planes * 2 * BEYOND as u64) * self.rows as u64;
         self.turns = [0, all];
         self.radiance = 2 * all;
         for level in self.chunk..self.end {
             self.chain.push(self.radiance);
-            self.radiance += (2 * self.rows as u64) << level;
+            self.radiance += (cones(level) * self.rows) as u64;
         }
     }
 
@@ -143,15 +144,11 @@ impl Lattice {
         }
     }
 
-    /// The place of the light of a level. Neighbouring groups use different places.
+    /// The place of the light of a level. Neighbouring levels use different places.
     pub fn light(&self, level: u32) -> u32 {
         if let Some(above) = level.checked_sub(self.chunk) {
             return self.chain.get(above as usize).map_or(0, |&at| at as u32);
         }
-        let group = match level.checked_sub(self.first + 1) {
-            Some(above) => above.div_ceil(self.fused) as usize % 2,
-            None => 1,
-        };
-        self.turns[group] as u32
+        self.turns[(level - self.first) as usize % 2] as u32
     }
 }

@@ -24,10 +24,9 @@ use lamplight::internals::holographic::lattice::GatherGeometry;
 use lamplight::internals::holographic::{EMISSIVE, MATTER, MEDIUM, REACH, WEIGHT_EPSILON};
 use lamplight::settings::Holographic as Settings;
 use lattice::{Lattice, Packed};
-use quadrant::{Axis, PlannedWork, Quadrant};
+use quadrant::{Axis, PlannedWork, Quadrant, RUN};
 use sweep::Sweeps;
 use tables::Footprints;
-use tiles::Tiles;
 use wgpu::{Buffer, BufferUsages, Device};
 use work::Work;
 
@@ -58,7 +57,8 @@ pub struct Holographic {
 struct IntervalPipelines {
     /// Words of an interval.
     words: u32,
-    tiles: Tiles,
+    /// Rows of a tile that extends them.
+    tile: u32,
     trace: ComputePipelines,
     extend: ComputePipelines,
     merge: ComputePipelines,
@@ -67,14 +67,14 @@ struct IntervalPipelines {
 impl IntervalPipelines {
     fn new(device: &Device, words: u32) -> Self {
         let stored = ("WORDS", f64::from(words));
-        let tiles = Tiles::new(device.limits().max_compute_workgroup_storage_size, words);
-        let fused = |tile: u32, held: u32| [stored, ("TILE", tile.into()), ("HELD", held.into())];
+        let tile = tiles::tile(device.limits().max_compute_workgroup_storage_size, words);
+        let held = tiles::intervals(tile) * words;
         let trace = [CELLS, MARCH, &[stored]].concat();
-        let extend = fused(tiles.extend, tiles.intervals() * words);
-        let merge = fused(tiles.merge, tiles.light());
+        let extend = [stored, ("TILE", tile.into()), ("HELD", held.into())];
+        let merge = [stored, ("RUN", RUN.into())];
         Self {
             words,
-            tiles,
+            tile,
             trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
             extend: ComputePipelines::new(device, &programs::HOLOGRAPHIC_EXTEND, &extend),
             merge: ComputePipelines::new(device, &programs::HOLOGRAPHIC_MERGE, &merge),
@@ -208,7 +208,7 @@ impl Holographic {
             geometry,
             &footprints,
             settings.bundle_rays,
-            intervals.tiles,
+            intervals.tile,
             intervals.words,
         );
         // Bounces after the first are all the same.

@@ -3,11 +3,13 @@
 use super::lattice::{Lattice, TILE};
 use super::sweep::Sweep;
 use super::tables::Footprints;
-use super::tiles::Tiles;
 use super::traffic::traffic;
 use super::work::Work;
 use crate::traffic::Traffic;
-use lamplight::internals::holographic::lattice::{GatherGeometry, planes};
+use lamplight::internals::holographic::lattice::{GatherGeometry, cones, planes};
+
+/// Cones that a thread merges, one after another.
+pub const RUN: u32 = 8;
 
 /// The grid along an axis.
 #[derive(Debug)]
@@ -15,7 +17,7 @@ pub struct Axis {
     /// 0: slabs are columns; 1: rows.
     pub axis: u32,
     pub lattice: Lattice,
-    /// The first entry of each level in the table of cones.
+    /// The first entry of each level, from the second on, in the table of cones.
     pub cones: Vec<u32>,
     /// The first word of the cell bits.
     pub cell_bits: u32,
@@ -40,7 +42,8 @@ pub struct Quadrant {
     views: u32,
     /// Rays of a bundle.
     width: u32,
-    tiles: Tiles,
+    /// Rows of a tile that extends intervals.
+    tile: u32,
     /// Words of an interval.
     words: u32,
     sweeps: Vec<Sweep>,
@@ -52,12 +55,12 @@ impl Quadrant {
         geometry: GatherGeometry,
         footprints: &Footprints,
         width: u32,
-        tiles: Tiles,
+        tile: u32,
         words: u32,
     ) -> Self {
         let Footprints { bundles, views, .. } = *footprints;
         let (sweeps, planned) = (Vec::new(), Vec::new());
-        Self { geometry, bundles, views, width, tiles, words, sweeps, planned }
+        Self { geometry, bundles, views, width, tile, words, sweeps, planned }
     }
 
     /// The sweeps of all dispatches planned so far.
@@ -181,32 +184,21 @@ impl Quadrant {
             ..sweep
         };
         let slant = ((1usize << levels) - 2) << level;
-        let tiles = tiles(lattice.rows, slant, self.tiles.extend as usize);
+        let tiles = tiles(lattice.rows, slant, self.tile as usize);
         self.push(Work::Extend, sweep, [tiles, 2 << level, planes.len()]);
     }
 
     /// Plans light at the far end of the chunk, from that at the planes of higher levels behind it.
     fn merge_chain(&mut self, axis: &Axis, sweep: Sweep, chunk: usize, chain: &mut Chain) {
-        let lattice = &axis.lattice;
-        for (level, plane) in chain.missing(lattice, chunk + 1) {
-            let above = plane.div_ceil(2) as u32;
+        for (level, plane) in chain.missing(&axis.lattice, chunk + 1) {
             let sweep = Sweep {
-                level,
-                levels: 1,
-                first: above,
-                far: above,
-                odd: [lattice.odd(level), 0, 0, 0],
+                first: plane as u32,
+                far: plane.div_ceil(2) as u32,
                 odd_first: [plane as u32 / 2; 4],
-                above: lattice.light(level + 1),
-                below: lattice.light(level),
                 below_far: plane as u32,
-                below_planes: 1,
-                cones: axis.cones_from(level),
-                cones_top: axis.cones_from(level + 1)[0],
                 ..sweep
             };
-            let tiles = tiles(lattice.rows, 1 << level, self.tiles.merge as usize);
-            self.push(Work::Merge, sweep, [tiles, 2 << level, 1]);
+            self.merge_level(axis, sweep, level, 1);
         }
     }
 
@@ -214,36 +206,41 @@ impl Quadrant {
     fn merge(&mut self, axis: &Axis, sweep: Sweep, chunk: usize) {
         let lattice = &axis.lattice;
         let (first, depth) = (lattice.first, lattice.depth);
-        for [level, levels] in lattice.groups(first + 1, lattice.chunk).rev() {
-            let all = 1 << (lattice.chunk - level - levels);
-            // Planes whose group has any plane in the grid.
-            let last = (planes(depth, level).saturating_sub(2) >> levels) + 2;
-            let sources = range(chunk * all + 1, all, last, 1);
-            let of = |up: usize| level + up as u32;
+        for level in (first + 1..lattice.chunk).rev() {
+            let all = 1 << (lattice.chunk - level);
+            // From behind the near end of the chunk to its far end.
+            let made = range(chunk * all + 1, all, planes(depth, level), 1);
             let sweep = Sweep {
-                level,
-                levels,
-                first: sources.start as u32,
-                far: ((chunk + 1) * all) as u32,
-                odd: std::array::from_fn(|up| lattice.odd(of(up))),
-                odd_first: std::array::from_fn(|up| lattice.first_of(of(up), chunk)),
-                above: lattice.light(level + levels),
-                below: lattice.light(level),
-                below_far: ((chunk + 1) << (lattice.chunk - level)) as u32,
-                below_planes: 1 << (lattice.chunk - level),
-                cones: axis.cones_from(level),
-                cones_top: axis.cones_from(level + levels)[0],
+                first: made.start as u32,
+                far: ((chunk + 1) * all / 2) as u32,
+                odd_first: [lattice.first_of(level, chunk); 4],
+                below_far: ((chunk + 1) * all) as u32,
                 ..sweep
             };
-            let slant = ((1usize << levels) - 1) << level;
-            let tiles = tiles(lattice.rows, slant, self.tiles.merge as usize);
-            self.push(Work::Merge, sweep, [tiles, 2 << level, sources.len()]);
+            self.merge_level(axis, sweep, level, made.len());
         }
         let all = 1 << (lattice.chunk - first - 1);
         let sources = range(chunk * all + 1, all, planes(depth, first) / 2 + 1, 1);
         let sweep = Sweep { first: sources.start as u32, ..self.gathered(axis, sweep, chunk) };
         let rows = lattice.rows.div_ceil(TILE as usize);
-        self.push(Work::Finish, sweep, [rows, 4 << first, sources.len()]);
+        self.push(Work::Finish, sweep, [rows, cones(first + 1) - 2, sources.len()]);
+    }
+
+    /// Plans light at some planes of a level, from that of the level above.
+    fn merge_level(&mut self, axis: &Axis, sweep: Sweep, level: u32, planes: usize) {
+        let lattice = &axis.lattice;
+        let sweep = Sweep {
+            level,
+            odd: [lattice.odd(level), 0, 0, 0],
+            above: lattice.light(level + 1),
+            below: lattice.light(level),
+            halves: u32::from(level > lattice.first + 1),
+            cones_above: axis.cones(level + 1),
+            ..sweep
+        };
+        let rows = lattice.rows.div_ceil(TILE as usize);
+        let runs = cones(level).div_ceil(RUN as usize);
+        self.push(Work::Merge, sweep, [rows, runs, planes]);
     }
 
     /// The parameters of dispatches that gather from the first level.
@@ -259,8 +256,7 @@ impl Quadrant {
             above: lattice.light(level + 1),
             below: lattice.light(level),
             below_far: ((chunk + 1) << (lattice.chunk - level)) as u32,
-            cones: axis.cones_from(level),
-            cones_top: axis.cones_from(level + 1)[0],
+            cones_above: axis.cones(level + 1),
             footprints: self.views,
             rays: self.geometry.rays,
             ..sweep
@@ -285,10 +281,9 @@ impl Quadrant {
 }
 
 impl Axis {
-    /// The first entries of four levels in the table of cones, from one on.
-    fn cones_from(&self, level: u32) -> [u32; 4] {
-        let first = (level - self.lattice.first) as usize;
-        std::array::from_fn(|up| self.cones.get(first + up).copied().unwrap_or(0))
+    /// The first entry of a level, from the second on, in the table of cones.
+    fn cones(&self, level: u32) -> u32 {
+        self.cones[(level - self.lattice.first - 1) as usize]
     }
 }
 

@@ -1,7 +1,8 @@
 //! Tables that are the same for every frame: the footprints of rays, and the cones.
 
 use lamplight::internals::holographic::lattice::{
-    Crossing, GatherGeometry, angle, bundle, rays, slope,
+    self,
+    Crossing, GatherGeometry, bundle, cones_of_halves, edges, halves, rays,
 };
 
 /// Rows to either side that a mask covers.
@@ -50,13 +51,12 @@ impl Footprints {
                 for ray in &cone.rays {
                     let first = self.crossings(&ray.crossings);
                     let count = ray.crossings.len() as u32;
-                    let past = ray.weights[1].to_bits();
-                    records.extend([first, count, ray.row as i32 as u32, past]);
+                    records.extend([first, count, ray.row as i32 as u32, ray.past.to_bits()]);
                 }
                 let crossed = cone.rays.iter().flat_map(|ray| &ray.crossings);
                 let crossed = crossed.map(|crossing| (crossing.slab, crossing.row));
                 let ends =
-                    cone.rays.iter().flat_map(|ray| [(ahead, ray.row), (ahead, ray.row + 1)]);
+                    cone.rays.iter().flat_map(|ray| [-1, 0, 1].map(|side| (ahead, ray.row + side)));
                 records.extend(mask(ahead + 1, crossed.chain(ends)));
             }
             begins.push(self.words.len() as u32);
@@ -88,27 +88,35 @@ fn mask(slabs: usize, cells: impl Iterator<Item = (usize, isize)>) -> Vec<u32> {
     words
 }
 
-/// Returns where each of the levels `first` to `end` begins, and for each of their cones: ∫ dθ, ∫ |sin θ| dθ
-/// where the sine is negative, and where it is positive, ∫ cos θ dθ. As on the CPU, they are sums over the
-/// cones of the last level.
+/// Returns where each of the levels `first + 1` to `end` begins, and for each of their cones, or of the half
+/// cones of those above the first two levels: ∫ dθ, ∫ |sin θ| dθ where the sine is negative, and where it is
+/// positive, ∫ cos θ dθ. As on the CPU, they are made from those of the last level.
 pub fn cones(first: u32, end: u32) -> (Vec<u32>, Vec<[f32; 4]>) {
-    let top: Vec<[f64; 4]> = (0..2usize << end)
-        .map(|cone| {
-            let (from, angle) = (slope(end, cone).atan(), angle(end, cone));
-            let middle = from + 0.5 * angle;
-            let up = (-middle.sin()).max(0.0) * angle;
-            let down = middle.sin().max(0.0) * angle;
-            [angle, up, down, middle.cos() * angle]
-        })
-        .collect();
-    let (mut begins, mut cones) = (Vec::new(), Vec::new());
-    for level in first..=end {
-        begins.push(cones.len() as u32);
-        for parts in top.chunks_exact(1 << (end - level)) {
-            cones.push(std::array::from_fn(|i| {
-                parts.iter().map(|part| part[i]).sum::<f64>() as f32
-            }));
+    let mut parts: [Vec<f64>; 4] = Default::default();
+    for cone in 0..lattice::cones(end) {
+        let [from, to] = edges(end, cone);
+        let (middle, angle) = (0.5 * (from + to), to - from);
+        let up = (-middle.sin()).max(0.0) * angle;
+        let down = middle.sin().max(0.0) * angle;
+        let integrals = [angle, up, down, middle.cos() * angle];
+        parts.iter_mut().zip(integrals).for_each(|(part, integral)| part.push(integral));
+    }
+    let mut levels: Vec<Vec<[f32; 4]>> = Vec::new();
+    for level in (first + 1..=end).rev() {
+        let halved = level > first + 1;
+        if halved {
+            parts = parts.map(|part| halves(&part));
         }
+        let cone = |cone: usize| [0, 1, 2, 3].map(|i| parts[i][cone] as f32);
+        levels.push((0..parts[0].len()).map(cone).collect());
+        if halved {
+            parts = parts.map(|part| cones_of_halves(&part));
+        }
+    }
+    let (mut begins, mut cones) = (Vec::new(), Vec::new());
+    for level in levels.iter().rev() {
+        begins.push(cones.len() as u32);
+        cones.extend_from_slice(level);
     }
     (begins, cones)
 }

@@ -4,7 +4,7 @@ use super::lattice::Packed;
 use super::sweep::Sweep;
 use super::work::Work;
 use crate::traffic::Traffic;
-use lamplight::internals::holographic::lattice::planes;
+use lamplight::internals::holographic::lattice::{cones, planes};
 
 /// Bytes of a word, of packed radiance, and of a texel or of light.
 const WORD: u64 = size_of::<u32>() as u64;
@@ -35,14 +35,15 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
             Traffic { read, written }
         }
         Work::Merge => {
-            // Planes of odd index of all levels but the topmost.
-            let near: u64 = (0..levels).map(|up| 1u64 << (levels - up - 1) << up).sum();
-            let made = u64::from(sweep.below_planes.min(1 << levels));
+            let first = u64::from(sweep.first);
+            let last = first + deep - 1;
+            let odd = last.div_ceil(2) - first / 2;
             // Beyond the last plane there is sky, which is not stored.
-            let end = planes(sweep.depth as usize, level + levels) as u64;
-            let stored = end.saturating_sub(sweep.first.into()).min(deep);
-            let read = (PACKED << levels) * stored + near * interval * deep;
-            Traffic { read: across * rows * read, written: across * rows * deep * made * PACKED }
+            let end = planes(sweep.depth as usize, level + 1) as u64;
+            let stored = (last.div_ceil(2) + 1).min(end).saturating_sub(first.div_ceil(2));
+            let near = odd * (2 * level_size + 1) * rows * interval;
+            let light = |level: u32, planes: u64| planes * cones(level) as u64 * rows * PACKED;
+            Traffic { read: near + light(level + 1, stored), written: light(level, deep) }
         }
         // Each ray serves two cones.
         Work::Finish => Traffic {
@@ -50,7 +51,7 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
             written: across * deep * rows * PACKED,
         },
         Work::Gather => {
-            let cones = 4 * level_size;
+            let cones = cones(level + 1) as u64;
             Traffic {
                 read: across * (bits(2 * level_size) + rows * (cones * PACKED + VEC4)),
                 written: across * rows * VEC4,

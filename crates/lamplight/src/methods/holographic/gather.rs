@@ -3,13 +3,13 @@
 //! Next to small lights the lattice of planes and rays is too coarse, and its steps would show as
 //! stars and crosses. So merging stops at level m, and every pixel gathers from the next plane
 //! itself: through each cone it sends a ray, traced exactly over the L px to the plane, and adds
-//! `A·r + t·R_m(X, y + L·slope)`, with R_m linear between the two rows.
+//! `A·r + t·R_m(X, y + L·slope)`, with R_m a quadratic B-spline over three rows.
 //!
 //! If one of these rows is in matter and the ray is not, its light is the outgoing radiance of the
 //! matter, which would look up to a px too wide. So rows count by the transmittance of their cells.
 
 use super::interval::{LANES, RowIntervals};
-use super::lattice::{ConeRays, GatherGeometry, GatherRay};
+use super::lattice::{ConeRays, GatherGeometry, GatherRay, cones};
 use super::merge::{ConeLight, MergedLight};
 use super::slabs::Slabs;
 use super::trace::{
@@ -27,30 +27,38 @@ pub const WEIGHT_EPSILON: f32 = 1e-6;
 /// The end of a ray on the plane.
 #[derive(Clone, Copy, Debug)]
 struct RayEnd {
-    /// Rows from the start to the row before the end.
+    /// Rows from the start to the row nearest to the end.
     row: isize,
-    /// Weights of that row and of the next in the light there.
-    weights: [f32; 2],
-    /// Index of that row's cell in [`BundleSet::cells`]; the next row's follows.
+    /// Weights of the rows before, at and after it in the light there.
+    weights: [f32; 3],
+    /// Index of the first of their cells in [`BundleSet::cells`]; the others follow.
     cell: usize,
 }
 
 impl RayEnd {
-    /// Returns, for the 64 rows from `first` on, the bit of the row from which the ray ends on one side
-    /// of the grid's edge but takes part of its light from the other, and the index of the weight to
-    /// drop. Such a ray has left the grid, perhaps over the end of a wall, and must not re-enter.
+    /// Returns, for the 64 rows from `first` on, the bits of those from which the ray ends beyond the
+    /// grid's edge, but next to a row of the grid: the row after, and the row before its end. Such a ray
+    /// has left the grid, perhaps over the end of a wall, and must not re-enter.
     #[inline(always)]
-    fn at_edge(&self, rows: usize, first: usize) -> (u64, usize) {
-        let (row, dropped) = if self.weights[1] < 0.5 {
-            (-1 - self.row, 1)
-        } else {
-            (rows as isize - 1 - self.row, 0)
-        };
-        match row - first as isize {
-            row @ 0..64 => (1 << row, dropped),
-            _ => (0, dropped),
+    fn at_edges(&self, rows: usize, first: usize) -> RowsAtEdges {
+        RowsAtEdges {
+            before: bit(rows as isize - self.row - first as isize),
+            after: bit(-1 - self.row - first as isize),
         }
     }
+}
+
+/// Bit masks of pixels whose ray must not take light from one of the rows at its end.
+#[derive(Clone, Copy)]
+struct RowsAtEdges {
+    before: u64,
+    after: u64,
+}
+
+/// Returns the bit mask of one pixel of a tile; none if it is not in the tile.
+#[inline(always)]
+fn bit(pixel: isize) -> u64 {
+    if (0..TILE as isize).contains(&pixel) { 1 << pixel } else { 0 }
 }
 
 /// A cone of the final gather.
@@ -86,28 +94,28 @@ impl GatherTable {
     /// Makes the table of pixels `distance` slabs before a plane, for slabs that are `stride` apart.
     fn new(geometry: GatherGeometry, distance: usize, stride: isize) -> Self {
         let cones = geometry.cones(distance);
-        let end_offset = |ray: &GatherRay| distance as isize * stride + ray.row;
+        let end_offset = |ray: &GatherRay| distance as isize * stride + ray.row - 1;
         let rays = |cone: &ConeRays| BundleRays {
             footprints: cone.rays.iter().map(|ray| ray.crossings.clone()).collect(),
             others: cone
                 .rays
                 .iter()
-                .flat_map(|ray| [end_offset(ray), end_offset(ray) + 1])
+                .flat_map(|ray| (0..3).map(move |row| end_offset(ray) + row))
                 .collect(),
         };
         let bundles = BundleSet::new(&cones.iter().map(rays).collect::<Vec<_>>(), stride);
         let end = |ray: &GatherRay| RayEnd {
             row: ray.row,
-            weights: ray.weights,
+            weights: ray.weights(),
             cell: bundles.index(end_offset(ray)),
         };
-        let cone = |(number, cone): (usize, &ConeRays)| GatherCone {
-            number,
+        let cone = |cone: &ConeRays| GatherCone {
+            number: cone.number,
             angle: cone.angle,
             cosines: cone.cosines,
             ends: cone.rays.iter().map(end).collect(),
         };
-        Self { cones: cones.iter().enumerate().map(cone).collect(), bundles }
+        Self { cones: cones.iter().map(cone).collect(), bundles }
     }
 }
 
@@ -150,7 +158,7 @@ impl FinalGather {
             });
             let cells = self.tables.iter().flatten().map(|table| table.bundles.cells.len());
             self.cells.resize(cells.max().unwrap_or(0), CellBits::default());
-            self.sums.resize(4 << geometry.level, [[0.0; TILE]; 3]);
+            self.sums.resize(cones(geometry.level + 1), [[0.0; TILE]; 3]);
         }
     }
 
@@ -190,7 +198,8 @@ impl FinalGather {
                 (_, 0) => classes_of(tile.cells, &bundle.cells),
                 _ => classes_at(simd, &slabs.classes, start, bundles.offsets(i)),
             };
-            let at_edge = if inside { 0 } else { middle.at_edge(slabs.rows, row).0 };
+            let RowsAtEdges { before, after } = middle.at_edges(slabs.rows, row);
+            let at_edge = if inside { 0 } else { before | after };
             let busy = whole_vectors(crossed.matter & lit | at_edge);
             let at = (pad + row).wrapping_add_signed(middle.row);
             far.add(simd, at, &middle.weights, !busy, &mut sum);
@@ -268,10 +277,9 @@ fn gather_solid<S: Simd>(
         return;
     }
     let Behind { end, weight, pad, light: far, .. } = behind;
-    let (at_edge, dropped) = end.at_edge(slabs.rows, tile.row);
-    let solid = [tile.cells[end.cell].solid, tile.cells[end.cell + 1].solid];
-    let mut rows = [open & !solid[0], open & !solid[1]];
-    rows[dropped] &= !at_edge;
+    let at_edges = end.at_edges(slabs.rows, tile.row);
+    let [before, own, after] = [0, 1, 2].map(|row| open & !tile.cells[end.cell + row].solid);
+    let rows = [before & !at_edges.before, own, after & !at_edges.after];
     let at = (pad + tile.row).wrapping_add_signed(end.row);
     far.add_open(simd, at, &end.weights, rows, weight, light);
 }
@@ -293,14 +301,15 @@ fn gather_medium<S: Simd, const K: usize>(
     let first = vector * LANES;
     let transmittance = &slabs.transmittance[0][(tile.start + first).wrapping_add_signed(offset)..];
     let at = (pad + tile.row + first).wrapping_add_signed(end.row);
-    let (at_edge, dropped) = end.at_edge(slabs.rows, tile.row);
+    let at_edges = end.at_edges(slabs.rows, tile.row);
+    let dropped = [at_edges.before, 0, at_edges.after];
     let (mut sum, mut far_light) = (f32x16::splat(simd, WEIGHT_EPSILON), [zero; 3]);
     for (i, &weight) in end.weights.iter().enumerate() {
         let mut weight = f32x16::from_slice(simd, &transmittance[i..][..LANES]) * weight;
-        if i == dropped {
-            weight = mask(simd, at_edge, vector).select(zero, weight);
+        if any_in_vector(dropped[i], first) {
+            weight = mask(simd, dropped[i], vector).select(zero, weight);
         }
-        let light = far.load(simd, at + i);
+        let light = far.load(simd, at + i - 1);
         for c in 0..3 {
             far_light[c] = weight.mul_add(light[c], far_light[c]);
         }

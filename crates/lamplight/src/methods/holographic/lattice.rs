@@ -2,7 +2,8 @@
 //!
 //! Planes of level n lie 2ⁿ slabs apart. From each row of a plane the rays `v_n(k) = (2ⁿ, k − 2ⁿ)`,
 //! k = 0 … 2ⁿ⁺¹, lead to the next plane ("dense" directions: their far ends are 1 px apart). Cone i of
-//! a level lies between the rays i and i + 1.
+//! a level lies between the rays i and i + 1; two cones beyond each edge of the quadrant come before and
+//! after these.
 //!
 //! From every row of a slab a ray of one direction crosses the same cells relative to its start, over
 //! the same lengths, so they are found once for all rows.
@@ -30,14 +31,45 @@ pub fn levels(depth: usize, first: u32) -> u32 {
     depth.next_power_of_two().trailing_zeros().max(first + 1)
 }
 
-/// Returns the slope of the lower edge of a cone of a level.
-pub fn slope(level: u32, cone: usize) -> f64 {
-    cone as f64 / f64::from(1u32 << level) - 1.0
+/// Cones beyond each edge of the quadrant.
+pub const BEYOND: usize = 2;
+
+/// Returns the number of cones of a level, with those beyond the edges of the quadrant.
+pub const fn cones(level: u32) -> usize {
+    (2 << level) + 2 * BEYOND
 }
 
-/// Returns the angle of a cone of a level, radians.
-pub fn angle(level: u32, cone: usize) -> f64 {
-    slope(level, cone + 1).atan() - slope(level, cone).atan()
+/// Returns the slope of the lower edge of a cone of a level.
+pub fn slope(level: u32, cone: usize) -> f64 {
+    (cone as f64 - BEYOND as f64) / f64::from(1u32 << level) - 1.0
+}
+
+/// Returns the directions between which a cone of a level lies in the quadrant, radians from the axis.
+pub fn edges(level: u32, cone: usize) -> [f64; 2] {
+    [cone, cone + 1].map(|cone| slope(level, cone).clamp(-1.0, 1.0).atan())
+}
+
+/// Returns the angles of the cones of a level as far as they lie in the quadrant, radians.
+pub fn angles(level: u32) -> Vec<f64> {
+    let angle = |cone| {
+        let [from, to] = edges(level, cone);
+        to - from
+    };
+    (0..cones(level)).map(angle).collect()
+}
+
+/// Returns the light of half cones of the level below from that of the cones of a level: the sums of
+/// two halves are the cones of the level below ([`cones_of_halves`]).
+pub fn halves(cones: &[f64]) -> Vec<f64> {
+    let light = |cone: usize| cones.get(cone).copied().unwrap_or(0.0);
+    let half = |i: usize| 0.25 * light(i.wrapping_sub(1)) + 0.5 * light(i) + 0.25 * light(i + 1);
+    (0..cones.len()).map(half).collect()
+}
+
+/// Returns the light of the cones of a level from that of its half cones.
+pub fn cones_of_halves(halves: &[f64]) -> Vec<f64> {
+    let sums = halves.chunks_exact(2).map(|pair| pair[0] + pair[1]);
+    std::iter::once(0.0).chain(sums).chain(std::iter::once(0.0)).collect()
 }
 
 /// The face by which a ray of the quadrant enters a cell.
@@ -141,23 +173,28 @@ impl GatherGeometry {
     /// Returns the cones through which pixels gather from a plane `distance` slabs ahead.
     pub fn cones(&self, distance: usize) -> Vec<ConeRays> {
         let fine = self.level + 1;
-        let cone = |number| {
-            let (from, angle) = (slope(fine, number).atan(), angle(fine, number));
-            let spread = (0..self.rays).map(|i| (f64::from(i) + 0.5) / f64::from(self.rays));
-            let places = std::iter::once(0.5).chain(spread);
-            let ray = |place: f64| GatherRay::new(distance, (from + place * angle).tan());
-            let middle = from + 0.5 * angle;
+        let angles = angles(fine);
+        let cone = |number: usize| {
+            let [from, to] = [number, number + 1].map(|cone| slope(fine, cone).atan());
+            let (middle, angle) = (0.5 * (from + to), angles[number]);
+            // Cones beyond the edges of the quadrant find nothing on the way.
+            let across = |i| angle * ((f64::from(i) + 0.5) / f64::from(self.rays) - 0.5);
+            let places = std::iter::once(0.0).chain((0..self.rays).map(across));
+            let ray = |place: f64| GatherRay::new(distance, (middle + place).tan());
             let cosines = [middle.cos() as f32, middle.sin() as f32];
-            ConeRays { angle: angle as f32, cosines, rays: places.map(ray).collect() }
+            ConeRays { number, angle: angle as f32, cosines, rays: places.map(ray).collect() }
         };
-        (0..2usize << fine).map(cone).collect()
+        // The outermost have no light.
+        (1..cones(fine) - 1).map(cone).collect()
     }
 }
 
 /// The rays that a pixel sends through one cone.
 #[derive(Clone, Debug)]
 pub struct ConeRays {
-    /// Angle of the cone, radians.
+    /// Index of the cone.
+    pub number: usize,
+    /// Angle of the cone within the quadrant, radians.
     pub angle: f32,
     /// Cosines between the middle of the cone and the axis, and the direction of higher rows.
     pub cosines: [f32; 2],
@@ -170,18 +207,26 @@ pub struct ConeRays {
 pub struct GatherRay {
     /// The cells that it crosses.
     pub crossings: Vec<Crossing>,
-    /// Rows from the start to the row before its end on the plane.
+    /// Rows from the start to the row nearest to its end on the plane.
     pub row: isize,
-    /// Weights of that row and of the next in the light there.
-    pub weights: [f32; 2],
+    /// Rows from there to the end, −½ to ½.
+    pub past: f32,
 }
 
 impl GatherRay {
     fn new(distance: usize, slope: f64) -> Self {
         let rise = slope * distance as f64;
-        let past = (rise - rise.floor()) as f32;
+        let row = rise.round();
         let crossings = footprint(distance, slope, 0.0);
-        Self { crossings, row: rise.floor() as isize, weights: [1.0 - past, past] }
+        Self { crossings, row: row as isize, past: (rise - row) as f32 }
+    }
+
+    /// Returns the weights of the rows before, at and after the nearest one in the light at its end: a
+    /// quadratic B-spline. It blurs by ½ px wherever the ray ends, while linear interpolation would
+    /// blur more between two rows than at one, and this draws stripes.
+    pub fn weights(&self) -> [f32; 3] {
+        let [before, after] = [0.5 - self.past, 0.5 + self.past];
+        [0.5 * before * before, 0.75 - self.past * self.past, 0.5 * after * after]
     }
 }
 
@@ -192,8 +237,25 @@ mod tests {
     #[test]
     fn the_cones_of_a_level_fill_the_quadrant() {
         for level in 0..10 {
-            let sum: f64 = (0..2 << level).map(|cone| angle(level, cone)).sum();
+            let sum: f64 = angles(level).iter().sum();
             assert!((sum - std::f64::consts::FRAC_PI_2).abs() < 1e-12, "level {level}: {sum}");
+        }
+    }
+
+    #[test]
+    fn halves_keep_the_sum_and_the_mean_direction() {
+        let level = 3;
+        let count = cones(level);
+        for cone in BEYOND..count - BEYOND {
+            let mut light = vec![0.0; count];
+            light[cone] = 1.0;
+            let merged = cones_of_halves(&halves(&light));
+            assert_eq!(merged.len(), cones(level - 1));
+            assert_eq!([merged[0], merged[merged.len() - 1]], [0.0; 2]);
+            assert!((merged.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let middle = |level, cone| 0.5 * (slope(level, cone) + slope(level, cone + 1));
+            let mean: f64 = (0..merged.len()).map(|i| merged[i] * middle(level - 1, i)).sum();
+            assert!((mean - middle(level, cone)).abs() < 1e-12, "cone {cone}: {mean}");
         }
     }
 

@@ -1,12 +1,28 @@
 //! Light through cones, merged down from the far end of the grid.
 //!
-//! `R_n(p, i)` is the light that reaches p through cone i of level n, between the rays i and i + 1:
-//! an integral of radiance over the angle `A_n(i)`. Level by level, down from the sky (Freeman,
-//! Sannikov and Margel 2025), with s ∈ {0, 1}, j = 2i + s, k = i + s:
+//! `R_n(p, i)` is the light that reaches p through cone i of level n, whose middle lies between the rays
+//! i and i + 1: an integral of radiance over the angle, weighted by a quadratic B-spline over slope, three
+//! cones wide. So neighbouring cones overlap, and their weights add up to 1 for every direction. If cones
+//! ended sharply, the light on both sides of an end would be taken from places of the next plane that lie
+//! too far apart or too close, at every level, and a small light would be seen once too often or not at
+//! all: bricks.
 //!
-//! * planes of odd index: `R_n(p, i) = Σ_s A_{n+1}(j)·r(T_n(p, k)) + t(T_n(p, k))·R_{n+1}(p + v_n(k), j)`;
-//! * planes of even index are planes of the level above: `R_n(p, i) = Σ_s R_{n+1}(p, j)`, exactly.
+//! A B-spline is the sum of narrower ones, `b_n,i = ¼·b_{n+1,2i−1} + ¾·b_{n+1,2i} + ¾·b_{n+1,2i+1} +
+//! ¼·b_{n+1,2i+2}` (Chaikin 1974). Taken apart into two halves,
+//! `H_n(p, j) = ¼·R_n(p, j − 1) + ½·R_n(p, j) + ¼·R_n(p, j + 1)`, each belongs to one ray. Level by level,
+//! down from the sky (Freeman, Sannikov and Margel 2025, with their cones in place of our halves), with
+//! s ∈ {0, 1}, j = 2i + s, k = i + s:
+//!
+//! * planes of odd index: `R_n(p, i) = Σ_s A_{n+1}(j)·r(T_n(p, k)) + t(T_n(p, k))·H_{n+1}(p + v_n(k), j)`,
+//!   A the angle of the half cone, found like H;
+//! * planes of even index are planes of the level above: `R_n(p, i) = Σ_s H_{n+1}(p, j)`, exactly.
 //!   (The paper takes the mean of this and of a path over the next plane, which blurs.)
+//!
+//! On the whole, light of the direction of any half cone arrives, at every level, from the right place
+//! with the same blur of about half a px.
+//!
+//! At the edges of the quadrant cones overlap with one cone beyond, which holds only light from within. The
+//! rays beyond the edges are not made; the intervals of the rays at the edges stand for them.
 //!
 //! The first level m, which pixels gather from, has cones half as wide, those of the level above.
 //! Otherwise the light of a whole cone would come from one place of the plane, and distant edges would
@@ -17,8 +33,9 @@
 //! Pixels are lit from the far end to the near one, so one plane per level is held at any time.
 
 use super::extend::IntervalLevels;
+use super::gather::WEIGHT_EPSILON;
 use super::interval::{LANES, PAD, RowIntervals, words};
-use super::lattice::{angle, planes, slope};
+use super::lattice::{BEYOND, angles, cones, cones_of_halves, edges, halves, planes};
 use super::trace::{TILE, TileLight, VECTORS, any_in_vector, mask};
 use crate::Rgb;
 use crate::simd::dispatch_wide;
@@ -28,6 +45,8 @@ use std::ops::Range;
 /// The light of one plane of a level.
 #[derive(Debug, Default)]
 struct PlaneLight {
+    /// True if it is the light of half cones of the level below, otherwise that of cones.
+    halves: bool,
     /// Cone by cone, channel by channel, all rows.
     rows: Vec<f32>,
     /// Index of the plane; none if it is the sky.
@@ -72,6 +91,10 @@ pub struct MergedLight {
     levels: Vec<PlaneLight>,
     /// The level that pixels gather from: the first, or the second.
     shown: usize,
+    /// Light of the sky in the cones of the last level.
+    sky: Vec<Rgb>,
+    /// The light of three consecutive cones, in turns.
+    latest: [Vec<f32>; 3],
 }
 
 /// The light of a cone at the rows of a plane.
@@ -103,55 +126,71 @@ impl ConeLight<'_> {
         light
     }
 
-    /// Adds the weighted light at the rows of a tile from `at` on and at the rows one further on, in
-    /// the vectors of which `lit` has bits.
+    /// Adds the weighted light at the rows before, at and after those of a tile from `at` on, in the
+    /// vectors of which `lit` has bits. The weights add up to 1.
     #[inline(always)]
     pub fn add<S: Simd>(
         &self,
         simd: S,
         at: usize,
-        weights: &[f32; 2],
+        weights: &[f32; 3],
         lit: u64,
         light: &mut TileLight<S>,
     ) {
-        for v in 0..VECTORS {
-            if !any_in_vector(lit, v * LANES) {
-                continue;
-            }
-            let near = self.load(simd, at + v * LANES);
-            let next = self.load(simd, at + v * LANES + 1);
-            for c in 0..3 {
-                light[c][v] = near[c].mul_add(weights[0], light[c][v]);
-                light[c][v] = next[c].mul_add(weights[1], light[c][v]);
+        for c in 0..3 {
+            match self {
+                Self::Rows(rows) => {
+                    let rows = &rows[c][at - 1..][..TILE + 2];
+                    for v in 0..VECTORS {
+                        if any_in_vector(lit, v * LANES) {
+                            for (row, weight) in weights.iter().enumerate() {
+                                let row = f32x16::from_slice(simd, &rows[v * LANES + row..][..LANES]);
+                                light[c][v] = row.mul_add(*weight, light[c][v]);
+                            }
+                        }
+                    }
+                }
+                Self::Sky(sky) => {
+                    for v in 0..VECTORS {
+                        if any_in_vector(lit, v * LANES) {
+                            light[c][v] += sky[c];
+                        }
+                    }
+                }
             }
         }
     }
 
-    /// Like [`Self::add`], for rows that are open only in part: `open` has the bits of either row. If
-    /// only one of them is open, it counts for both. The sum is scaled by `weight`.
+    /// Like [`Self::add`], for rows that are open only in part, `open` by row: the others do not count.
+    /// The sum is scaled by `weight`.
     #[inline(always)]
     pub fn add_open<S: Simd>(
         &self,
         simd: S,
         at: usize,
-        weights: &[f32; 2],
-        open: [u64; 2],
+        weights: &[f32; 3],
+        open: [u64; 3],
         weight: f32,
         light: &mut TileLight<S>,
     ) {
-        let both = open[0] & open[1];
+        let zero = f32x16::splat(simd, 0.0);
         for v in 0..VECTORS {
-            if !any_in_vector(open[0] | open[1], v * LANES) {
+            if !any_in_vector(open[0] | open[1] | open[2], v * LANES) {
                 continue;
             }
+            let mut norm = f32x16::splat(simd, WEIGHT_EPSILON);
+            let mut sum = [zero; 3];
             for (i, &part) in weights.iter().enumerate() {
-                let part = mask(simd, both, v)
-                    .select(f32x16::splat(simd, part * weight), f32x16::splat(simd, weight));
-                let part = mask(simd, open[i], v).select(part, f32x16::splat(simd, 0.0));
-                let row = self.load(simd, at + v * LANES + i);
+                let part = mask(simd, open[i], v).select(f32x16::splat(simd, part), zero);
+                let row = self.load(simd, at + v * LANES + i - 1);
                 for c in 0..3 {
-                    light[c][v] = row[c].mul_add(part, light[c][v]);
+                    sum[c] = row[c].mul_add(part, sum[c]);
                 }
+                norm += part;
+            }
+            let norm = f32x16::splat(simd, weight) / norm;
+            for c in 0..3 {
+                light[c][v] = sum[c].mul_add(norm, light[c][v]);
             }
         }
     }
@@ -167,45 +206,70 @@ impl MergedLight {
         }
         (self.depth, self.rows, self.first, self.pad) = now;
         self.stride = rows.next_multiple_of(LANES) + 2 * pad;
+        for latest in &mut self.latest {
+            *latest = vec![0.0; 3 * self.stride];
+        }
+        self.sky = vec![[0.0; 3]; cones(intervals.end)];
         self.levels.clear();
         for level in self.first..=intervals.end {
-            let width = if level == self.first { level + 1 } else { level };
-            let cones = 2 << width;
+            let cones = cones(level.max(self.first + 1));
             // The topmost is the sky, which has no rows.
             let held = if level < intervals.end { cones * 3 * self.stride } else { 0 };
             self.levels.push(PlaneLight {
+                halves: level > self.first + 1,
                 rows: vec![0.0; held],
-                plane: None,
                 sky: vec![[0.0; 3]; cones],
-                angles: (0..cones).map(|cone| angle(width, cone) as f32).collect(),
+                ..PlaneLight::default()
             });
         }
+        self.descend(angles(intervals.end), |level, angles| {
+            level.angles = angles.iter().map(|&angle| angle as f32).collect();
+        });
     }
 
     /// Starts at the far end of the grid. `sky` returns the radiance of the sky by angle, 0 straight
     /// ahead.
     pub fn begin(&mut self, sky: impl Fn(f64) -> Rgb) {
-        let top = self.levels.len() - 1;
-        let level = self.first + top as u32;
+        let end = self.first + self.levels.len() as u32 - 1;
         let mut changed = false;
-        for (cone, held) in self.levels[top].sky.iter_mut().enumerate() {
-            let [from, to] = [cone, cone + 1].map(|cone| slope(level, cone).atan());
+        for (cone, held) in self.sky.iter_mut().enumerate() {
+            let [from, to] = edges(end, cone);
             let light = sky(0.5 * (from + to)).map(|v| v * (to - from) as f32);
             changed |= std::mem::replace(held, light) != light;
         }
-        for at in (0..=top).rev() {
-            let (below, above) = self.levels.split_at_mut(at + 1);
-            let Some(PlaneLight { rows, plane, sky, .. }) = below.last_mut() else { return };
-            *plane = None;
-            if let (true, Some(above)) = (changed, above.first()) {
-                let parts = above.sky.len() / sky.len();
-                for (sky, above) in sky.iter_mut().zip(above.sky.chunks_exact(parts)) {
-                    *sky = [0, 1, 2].map(|c| above.iter().map(|part| part[c]).sum());
+        for level in &mut self.levels {
+            level.plane = None;
+        }
+        if !changed {
+            return;
+        }
+        for c in 0..3 {
+            let light = self.sky.iter().map(|sky| f64::from(sky[c])).collect();
+            self.descend(light, |level, light| {
+                for (sky, &light) in level.sky.iter_mut().zip(light) {
+                    sky[c] = light as f32;
                 }
-                for (rows, sky) in rows.chunks_exact_mut(3 * self.stride).zip(sky) {
-                    sky_rows(rows, self.stride, 0..self.pad, sky);
-                    sky_rows(rows, self.stride, self.pad + self.rows..self.stride, sky);
-                }
+            });
+        }
+        let (stride, held) = (self.stride, self.pad..self.pad + self.rows);
+        for PlaneLight { rows, sky, .. } in &mut self.levels {
+            for (rows, sky) in rows.chunks_exact_mut(3 * stride).zip(sky) {
+                sky_rows(rows, stride, 0..held.start, sky);
+                sky_rows(rows, stride, held.end..stride, sky);
+            }
+        }
+    }
+
+    /// Calls `set` for each level, from the sky down, with what `of_sky` is in its cones or halves.
+    fn descend(&mut self, of_sky: Vec<f64>, mut set: impl FnMut(&mut PlaneLight, &[f64])) {
+        let mut cones = of_sky;
+        for level in self.levels.iter_mut().rev() {
+            if level.halves {
+                let halves = halves(&cones);
+                set(level, &halves);
+                cones = cones_of_halves(&halves);
+            } else {
+                set(level, &cones);
             }
         }
     }
@@ -215,7 +279,8 @@ impl MergedLight {
         self.pad
     }
 
-    /// Returns the light of a cone at the plane that [`Self::merge_down`] made last.
+    /// Returns the light of a cone of the final gather at the plane that [`Self::merge_down`] made
+    /// last.
     #[inline(always)]
     pub fn cone(&self, cone: usize) -> ConeLight<'_> {
         self.levels[self.shown].cone(cone, self.stride)
@@ -257,63 +322,122 @@ impl MergedLight {
         plane: usize,
     ) {
         let level = self.first + at as u32;
-        let (stride, pad, count) = (self.stride, self.pad, self.rows);
+        let (stride, pad) = (self.stride, self.pad);
+        let layout = RowLayout { interval_stride: intervals.stride, stride, pad };
         let [made, above, ..] = &mut self.levels[at..] else { return };
         made.plane = Some(plane);
-        let PlaneLight { rows, sky, .. } = made;
-        let parts = above.sky.len() / sky.len();
-        let end = count.next_multiple_of(LANES);
-        for (cone, (rows, sky)) in rows.chunks_exact_mut(3 * stride).zip(sky).enumerate() {
-            if plane.is_multiple_of(2) {
-                let (first, last) = (parts * cone, parts * cone + parts - 1);
-                if above.plane.is_some() {
-                    let (first, last) = (above.rows(first, stride), above.rows(last, stride));
-                    for at in [pad, stride + pad, 2 * stride + pad] {
-                        let (first, last) = (&first[at..][..end], &last[at..][..end]);
-                        let to = &mut rows[at..][..end];
-                        for y in (0..end).step_by(LANES) {
-                            let first = f32x16::from_slice(simd, &first[y..][..LANES]);
-                            let last = f32x16::from_slice(simd, &last[y..][..LANES]);
-                            (first + last).store_slice(&mut to[y..][..LANES]);
-                        }
-                    }
+        let PlaneLight { halves, rows, sky, .. } = made;
+        let rounded = self.rows.next_multiple_of(LANES);
+        let merge = PlaneMerge { intervals, level, plane, above, layout, rows: rounded };
+        let count = sky.len();
+        let size = 3 * stride;
+        if *halves {
+            // Two cones beyond each edge: the outer ones have no light.
+            let [a, b, c] = &mut self.latest;
+            let (mut before, mut own, mut after) = (a, b, c);
+            before.fill(0.0);
+            own.fill(0.0);
+            for cone in 0..count {
+                if cone + BEYOND / 2 < count - 1 {
+                    merge.cone::<S, K>(simd, cone + 1, after);
                 } else {
-                    sky_rows(rows, stride, pad..pad + end, sky);
+                    after.fill(0.0);
                 }
-            } else {
-                let (ray, part, weights) = match parts {
-                    1 if cone.is_multiple_of(2) => (cone / 2, [cone; 2], [0.75, 0.25]),
-                    1 => (cone / 2, [cone; 2], [0.25, 0.75]),
-                    _ => (cone, [2 * cone, 2 * cone + 1], [1.0; 2]),
-                };
-                let mut paths = [MergePath::default(); 2];
-                for (i, path) in paths.iter_mut().enumerate() {
-                    *path = MergePath {
-                        near: intervals.ray(level, ray + i),
-                        rise: (ray + i) as isize - (1 << level),
-                        angle: above.angles[part[i]] * weights[i],
-                        weight: weights[i],
-                        far: above.rows(part[i], stride),
-                        sky: above.sky[part[i]],
-                    };
-                }
-                // Rows from which both paths end on held rows, pads included.
-                let mut range = 0..0;
-                if above.plane.is_some() {
-                    let last = (stride - LANES) as isize - pad as isize;
-                    let from = (-(pad as isize) - paths[0].rise).clamp(0, end as isize) as usize;
-                    range.start = from.next_multiple_of(LANES);
-                    let to = (last - paths[1].rise).clamp(0, end as isize) as usize;
-                    range.end = (to / LANES * LANES).max(range.start);
-                }
-                let layout = RowLayout { interval_stride: intervals.stride, stride, pad };
-                add_paths::<S, K, true>(simd, &paths, rows, layout, range.clone());
-                for range in [0..range.start, range.end..end] {
-                    add_paths::<S, K, false>(simd, &paths, rows, layout, range);
+                let to = &mut rows[cone * size..][..size];
+                halve(simd, [before, own, after], to, layout, rounded);
+                (before, own, after) = (own, after, before);
+            }
+        } else {
+            let inner = 1..count - 1;
+            for (cone, to) in inner.clone().zip(rows.chunks_exact_mut(size).skip(inner.start)) {
+                merge.cone::<S, K>(simd, cone, to);
+            }
+        }
+        for (rows, sky) in rows.chunks_exact_mut(size).zip(sky) {
+            // Whole vectors reach past the last row.
+            sky_rows(rows, stride, pad + self.rows..(pad + self.rows + LANES).min(stride), sky);
+        }
+    }
+}
+
+/// The merge of one plane of a level from one of the level above.
+struct PlaneMerge<'a> {
+    intervals: &'a IntervalLevels,
+    level: u32,
+    plane: usize,
+    above: &'a PlaneLight,
+    layout: RowLayout,
+    /// Rows of the grid, in whole vectors.
+    rows: usize,
+}
+
+impl PlaneMerge<'_> {
+    /// Stores the light of a cone.
+    #[inline(always)]
+    fn cone<S: Simd, const K: usize>(&self, simd: S, cone: usize, to: &mut [f32]) {
+        let Self { intervals, level, plane, above, layout, rows } = *self;
+        let RowLayout { stride, pad, .. } = layout;
+        let number = cone as isize - BEYOND as isize;
+        let (first_ray, parts, weights) = match (above.halves, number.rem_euclid(2)) {
+            (true, _) => (number, [2 * cone - 2, 2 * cone - 1], [1.0; 2]),
+            (false, 0) => (number.div_euclid(2), [cone; 2], [0.75, 0.25]),
+            (false, _) => (number.div_euclid(2), [cone; 2], [0.25, 0.75]),
+        };
+        if plane.is_multiple_of(2) {
+            let [one, other] = parts.map(|part| above.cone(part, stride));
+            for y in (pad..pad + rows).step_by(LANES) {
+                let [one, other] = [one.load(simd, y), other.load(simd, y)];
+                for c in 0..3 {
+                    (one[c] + other[c]).store_slice(&mut to[c * stride + y..][..LANES]);
                 }
             }
-            // Whole vectors reach past the last row.
-            sky_rows(rows, stride, pad + count..(pad + count + LANES).min(stride), sky);
+            return;
+        }
+        let mut paths = [MergePath::default(); 2];
+        for (i, path) in paths.iter_mut().enumerate() {
+            let ray = (first_ray + i as isize).clamp(0, 2 << level);
+            *path = MergePath {
+                near: intervals.ray(level, ray as usize),
+                rise: ray - (1 << level),
+                angle: above.angles[parts[i]] * weights[i],
+                weight: weights[i],
+                far: above.rows(parts[i], stride),
+                sky: above.sky[parts[i]],
+            };
+        }
+        // Rows from which both paths end on held rows, pads included.
+        let mut range = 0..0;
+        if above.plane.is_some() {
+            let last = (stride - LANES) as isize - pad as isize;
+            let from = (-(pad as isize) - paths[0].rise).clamp(0, rows as isize) as usize;
+            range.start = from.next_multiple_of(LANES);
+            let end = (last - paths[1].rise).clamp(0, rows as isize) as usize;
+            range.end = (end / LANES * LANES).max(range.start);
+        }
+        add_paths::<S, K, true>(simd, &paths, to, layout, range.clone());
+        for range in [0..range.start, range.end..rows] {
+            add_paths::<S, K, false>(simd, &paths, to, layout, range);
+        }
+    }
+}
+
+/// Stores the light of a half cone, from that of the cones before, at and after it.
+#[inline(always)]
+fn halve<S: Simd>(
+    simd: S,
+    [before, own, after]: [&[f32]; 3],
+    to: &mut [f32],
+    layout: RowLayout,
+    rows: usize,
+) {
+    let count = rows / LANES;
+    for channel in 0..3 {
+        let at = channel * layout.stride + layout.pad;
+        let [before, own, after] = [before, own, after].map(|rows| vectors(rows, at, count));
+        for (i, to) in vectors_mut(to, at, count).iter_mut().enumerate() {
+            let beside = f32x16::from_slice(simd, &before[i]) + f32x16::from_slice(simd, &after[i]);
+            let own = f32x16::from_slice(simd, &own[i]);
+            own.mul_add(0.5, beside * 0.25).store_slice(to);
         }
     }
 }

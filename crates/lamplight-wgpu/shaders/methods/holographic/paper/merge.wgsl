@@ -29,7 +29,7 @@ fn is_top() -> bool {
 fn far(plane: u32, cone: u32, row: i32) -> vec3f {
     let level = sweep.level + 1u;
     if is_top() || plane >= planes(level) || row < 0 || row >= i32(sweep.rows) {
-        return sky_in(cones[sweep.cones_top + cone]);
+        return sky_in(cones[sweep.cones_above + cone]);
     }
     let at = ((plane << level) + cone) * 3u * sweep.rows + u32(row);
     return vec3f(above[at], above[at + sweep.rows], above[at + 2u * sweep.rows]);
@@ -39,7 +39,7 @@ fn far(plane: u32, cone: u32, row: i32) -> vec3f {
 fn arrives(level: u32, plane: u32, ray: u32, end: u32, cone: u32, row: i32) -> vec3f {
     let ahead = load(level, plane, ray, row);
     let behind = far(end, cone, row + rise(level, ray));
-    return cones[sweep.cones_top + cone].x * ahead.light + ahead.transmittance * behind;
+    return cones[sweep.cones_above + cone].x * ahead.light + ahead.transmittance * behind;
 }
 
 fn merged(plane: u32, i: u32, row: i32) -> vec3f {

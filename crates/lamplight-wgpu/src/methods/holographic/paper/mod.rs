@@ -246,7 +246,7 @@ impl Paper {
                     reversed,
                     level,
                     levels: u32::from(level < axis.top()),
-                    cones_top: cone_begins[level as usize],
+                    cones_above: cone_begins[level as usize],
                     first_quadrant: u32::from(axis.axis == 0 && reversed == 0),
                     footprints: footprint_begins.get(level as usize).copied().unwrap_or(0),
                     ..Sweep::default()
