@@ -9,8 +9,9 @@ use crate::gpu::Gpu;
 use crate::progress::Progress;
 use lamplight::settings::{Denoise, MethodSettings, Raymarch, Temporal};
 use lamplight::{Bounces, Cells, Display, Light, Method, Quality, Rgb, Settings, SettingsTable};
-use lamplight_truth::Measures;
 use lamplight_truth::flip::{PIXELS_PER_DEGREE, flip};
+use lamplight_truth::grain::grain;
+use lamplight_truth::{Estimate, Measures};
 use std::time::{Duration, Instant};
 
 /// The time for which a frame is repeated,
@@ -49,6 +50,8 @@ pub struct Row {
     /// The median time of a frame.
     pub time: Duration,
     pub measures: Measures,
+    /// The fine structure in even light, if all of it is compared and some is lit.
+    pub grain: Option<f64>,
     /// The mean FLIP error of the final picture, if all of it is compared.
     pub flip: Option<f64>,
     pub light: Light,
@@ -83,7 +86,7 @@ pub struct Comparison {
 /// The light of the reference.
 pub enum ReferenceLight {
     /// At every cell.
-    Everywhere(Light),
+    Everywhere(Estimate),
     /// At some open cells.
     At(Vec<[u32; 2]>, Vec<Rgb>),
 }
@@ -98,13 +101,20 @@ pub struct Evaluator<'a> {
 impl Evaluator<'_> {
     fn measures(&self, light: &Light) -> Measures {
         match self.truth {
-            ReferenceLight::Everywhere(truth) => {
+            ReferenceLight::Everywhere(Estimate { light: truth, .. }) => {
                 Measures::of(light.pixels(), truth.pixels(), truth.solid())
             }
             ReferenceLight::At(cells, truth) => {
                 let seen: Vec<Rgb> = cells.iter().map(|&[x, y]| light.at(x, y)).collect();
                 Measures::of(&seen, truth, &vec![false; truth.len()])
             }
+        }
+    }
+
+    fn grain(&self, light: &Light) -> Option<f64> {
+        match self.truth {
+            ReferenceLight::Everywhere(truth) => grain(light, &truth.light, &truth.standard_error),
+            ReferenceLight::At(..) => None,
         }
     }
 
@@ -124,7 +134,7 @@ pub fn run(
 ) -> Result<Comparison> {
     let progress = Progress::new("solving", entries.len() as u64, quiet);
     let picture = match evaluator.truth {
-        ReferenceLight::Everywhere(light) => Some(evaluator.picture(light)?),
+        ReferenceLight::Everywhere(truth) => Some(evaluator.picture(&truth.light)?),
         ReferenceLight::At(..) => None,
     };
     let mut comparison = Comparison { rows: Vec::new(), refusals: Vec::new() };
@@ -307,6 +317,7 @@ fn rows(
             frames,
             time: solved.time,
             measures: evaluator.measures(&light),
+            grain: evaluator.grain(&light),
             flip,
             light,
         })

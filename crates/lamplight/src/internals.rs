@@ -58,7 +58,7 @@ pub mod holographic {
     /// Directions, levels, and the positions of planes.
     pub mod lattice {
         pub use crate::methods::holographic::lattice::{
-            Crossing, GatherGeometry, BEYOND, bundle, cones, cones_of_halves, edges, halves,
+            BEYOND, Crossing, GatherGeometry, bundle, cones, cones_of_halves, edges, halves,
             levels, planes, rays,
         };
     }

@@ -285,17 +285,18 @@ fn errors(method: &[&str], machine: &str) -> Result<String> {
     let judged: Value = serde_json::from_str(&said)?;
     let percent = |row: &Value, key: &str| Ok::<_, anyhow::Error>(number(row, key)? * 100.0);
     let mut table = String::from(
-        "| settings | relative RMSE | bias | 99th percentile | FLIP | per frame |\n\
-         | --- | --- | --- | --- | --- | --- |\n",
+        "| settings | relative RMSE | bias | 99th percentile | grain | FLIP | per frame |\n\
+         | --- | --- | --- | --- | --- | --- | --- |\n",
     );
     for row in judged["rows"].as_array().context("compare has rows")? {
         writeln!(
             table,
-            "| {} | {:.1} % | {:+.2} % | {:.1} % | {:.3} | {:.0} ms |",
+            "| {} | {:.1} % | {:+.2} % | {:.1} % | {:.2} % | {:.3} | {:.0} ms |",
             row["name"].as_str().context("a row has a name")?,
             percent(row, "relative_rmse")?,
             percent(row, "bias")?,
             percent(row, "p99")?,
+            percent(row, "grain")?,
             number(row, "flip")?,
             number(row, "ms")?
         )?;

@@ -3,13 +3,14 @@
 //! - [`PathTracer`] computes the light of a grid straight from the definitions, with its own
 //!   standard error for every cell; [`ProgressiveReference`] does so pass by pass, for display.
 //! - [`closed_forms`] has scenes whose light is known in closed form.
-//! - [`Measures`] and [`mod@flip`] measure the error of light and of pictures.
+//! - [`Measures`], [`mod@grain`] and [`mod@flip`] measure the error of light and of pictures.
 //! - [`scenes`] has random scenes of the kinds on which methods are compared.
 //!
 //! No tracing code is shared with the methods, so that no mistake of theirs can hide here.
 
 pub mod closed_forms;
 pub mod flip;
+pub mod grain;
 pub mod heat;
 mod measures;
 mod path_tracer;

@@ -81,13 +81,13 @@ pub fn run(args: CompareArgs) -> Result {
         let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
         let bounces = to_json(&settings.bounces)?;
         let bounces = bounces.as_str().map_or_else(|| bounces.to_string(), str::to_owned);
-        if let (Some(folder), ReferenceLight::Everywhere(light)) = (&args.report, &truth) {
+        if let (Some(folder), ReferenceLight::Everywhere(truth)) = (&args.report, &truth) {
             let subject = report::Subject {
                 name: &name,
                 bounces: &bounces,
                 device: &device,
                 evaluator: &evaluator,
-                truth: light,
+                truth: &truth.light,
                 reference: &reference,
                 rows: &rows,
                 refusals: &refusals,
@@ -180,7 +180,7 @@ fn trace_reference(
         let (estimate, time) = solve::trace(cells, settings, samples, args.machine.quiet)?;
         let standard_error = solve::relative_standard_error(&estimate);
         return Ok((
-            ReferenceLight::Everywhere(estimate.light),
+            ReferenceLight::Everywhere(estimate),
             ReferenceStats { samples, cells: None, standard_error, time },
         ));
     };
@@ -198,8 +198,12 @@ fn trace_reference(
 }
 
 fn rows_table(rows: &[Row]) -> String {
+    let grain = rows.iter().any(|row| row.grain.is_some());
     let flip = rows.iter().any(|row| row.flip.is_some());
     let mut header = vec!["", "rel. RMSE %", "bias %", "p99 %"];
+    if grain {
+        header.push("grain %");
+    }
     if flip {
         header.push("FLIP");
     }
@@ -209,6 +213,9 @@ fn rows_table(rows: &[Row]) -> String {
         let m = &row.measures;
         let bias = format!("{:+.2}", m.bias * 100.0);
         let mut cells = vec![row.name(), percent(m.relative_rmse), bias, percent(m.p99)];
+        if grain {
+            cells.push(row.grain.map_or_else(String::new, percent));
+        }
         if flip {
             cells.push(row.flip.map_or_else(String::new, |flip| format!("{flip:.4}")));
         }
@@ -223,6 +230,6 @@ fn row_json(row: &Row) -> Value {
     json!({
         "name": row.name(), "method": row.method.name(), "preset": row.preset, "frames": row.frames,
         "relative_rmse": m.relative_rmse, "bias": m.bias, "median": m.median, "p99": m.p99,
-        "flip": row.flip, "ms": ms(row.time),
+        "grain": row.grain, "flip": row.flip, "ms": ms(row.time),
     })
 }

@@ -65,14 +65,15 @@ standard error is {own:.2} % of the mean light.</figcaption>
 <h2>Errors and times</h2>
 <div class="scroll">
 <table>
-<thead><tr><th></th><th>rel. RMSE</th><th></th><th>bias</th><th>p99</th><th>FLIP</th>
-<th>ms per frame</th></tr></thead>
+<thead><tr><th></th><th>rel. RMSE</th><th></th><th>bias</th><th>p99</th>
+<th>grain</th><th>FLIP</th><th>ms per frame</th></tr></thead>
 <tbody>
 {table}</tbody>
 </table>
 </div>
 {refused}<p class="dim">Errors are those of the open cells ÷ the mean of the reference. A positive bias is too
-bright; 99 of 100 values are off by less than p99; FLIP compares the final pictures as an eye
+bright; 99 of 100 values are off by less than p99; grain is the fine structure in even light, such as noise and
+stripes; FLIP compares the final pictures as an eye
 does, 0 to 1. Times are medians per frame{clock}.</p>
 
 <h2>Error against time</h2>
@@ -118,13 +119,14 @@ fn table(rows: &[Row]) -> String {
             html,
             "<tr><td><a href=\"#row{i}\">{}</a></td><td>{:.2} %</td>\
              <td class=\"bar\"><i style=\"width: {:.1}%; background: {}\"></i></td>\
-             <td>{:+.2} %</td><td>{:.2} %</td><td>{}</td><td>{:.1}</td></tr>",
+             <td>{:+.2} %</td><td>{:.2} %</td><td>{}</td><td>{}</td><td>{:.1}</td></tr>",
             escape(&row.name()),
             m.relative_rmse * 100.0,
             if worst > 0.0 { (m.relative_rmse / worst * 100.0).max(0.5) } else { 0.5 },
             css(plot::color(row.method)),
             m.bias * 100.0,
             m.p99 * 100.0,
+            row.grain.map_or_else(String::new, |grain| format!("{:.2} %", grain * 100.0)),
             row.flip.map_or_else(String::new, |flip| format!("{flip:.4}")),
             ms(row.time),
         );

@@ -26,8 +26,7 @@ fn holographic_fuses_levels_and_takes_little_memory() {
             let [one, fused] = [1, LightingOptions::MAX_FUSED_LEVELS]
                 .map(|levels| cost(&gpu, preset, side, levels));
             let moved = |cost: &Cost, all: bool| {
-                let levels =
-                    |shader, entry| entry == "main" && shader == "holographic/extend";
+                let levels = |shader, entry| entry == "main" && shader == "holographic/extend";
                 let counted = cost.pipelines.iter().filter(|p| all || levels(p.shader, p.entry));
                 counted.map(|k| k.traffic.read + k.traffic.written).sum::<u64>() as f64 / 1e6
             };

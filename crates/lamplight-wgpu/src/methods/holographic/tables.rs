@@ -1,8 +1,7 @@
 //! Tables that are the same for every frame: the footprints of rays, and the cones.
 
 use lamplight::internals::holographic::lattice::{
-    self,
-    Crossing, GatherGeometry, bundle, cones_of_halves, edges, halves, rays,
+    self, Crossing, GatherGeometry, bundle, cones_of_halves, edges, halves, rays,
 };
 
 /// Rows to either side that a mask covers.

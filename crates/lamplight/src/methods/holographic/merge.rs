@@ -144,7 +144,8 @@ impl ConeLight<'_> {
                     for v in 0..VECTORS {
                         if any_in_vector(lit, v * LANES) {
                             for (row, weight) in weights.iter().enumerate() {
-                                let row = f32x16::from_slice(simd, &rows[v * LANES + row..][..LANES]);
+                                let row =
+                                    f32x16::from_slice(simd, &rows[v * LANES + row..][..LANES]);
                                 light[c][v] = row.mul_add(*weight, light[c][v]);
                             }
                         }
