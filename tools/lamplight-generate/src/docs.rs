@@ -6,7 +6,9 @@ use crate::frontier::{self, Scene};
 use crate::generated::{self, Mode, root};
 use crate::scenes;
 use anyhow::{Context, Result, ensure};
-use lamplight::Method;
+use lamplight::settings::MethodSettings;
+use lamplight::{Cells, Lamp, Method, Settings, Solver};
+use lamplight_truth::grain::{FAR, ripple};
 use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
@@ -51,6 +53,7 @@ pub fn run() -> Result<()> {
     insert("docs/polar.md", "costs", &costs(Method::Polar, POLAR_SIZES, lamps, &machine)?)?;
     insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, lights, &machine)?)?;
     methods(&machine)?;
+    insert("docs/methods.md", "ripples", &ripples()?)?;
     insert("docs/holographic.md", "errors", &errors(&["holographic"], &machine)?)?;
     insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
     insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)
@@ -170,6 +173,42 @@ fn methods(machine: &str) -> Result<()> {
         frontier::SAMPLES,
     );
     insert("docs/methods.md", "methods", &table)
+}
+
+/// Positions and radii of lone lamps in a room of [`ROOM`] cells.
+const LONE: [([f32; 2], f32); 4] =
+    [([60.5, 90.5], 2.0), ([100.3, 60.8], 1.5), ([160.0, 40.0], 2.5), ([33.7, 141.2], 3.0)];
+const ROOM: [u32; 2] = [320, 180];
+
+/// The ripple of lone lamps by method and preset; the worst of several lamps.
+fn ripples() -> Result<String> {
+    let mut table =
+        String::from("| method | preset | ripple | worst place |\n| --- | --- | --- | --- |\n");
+    for &method in Method::ALL.iter().filter(|method| !method.lights_lamps()) {
+        for &preset in method.presets() {
+            println!("ripple {} {preset}", method.name());
+            let settings = MethodSettings::preset(method, preset).context("a preset")?;
+            let mut solver = Solver::new(Settings::new(settings))?;
+            let (mut rms, mut worst) = (0.0f64, 0.0f64);
+            for (position, size) in LONE {
+                let mut cells = Cells::new(ROOM[0], ROOM[1])?;
+                cells.lamps_mut().push(Lamp { position, size, ..Lamp::default() });
+                let found = ripple(solver.solve(&cells)?, position, size.into());
+                (rms, worst) = (rms.max(found.rms), worst.max(found.worst));
+            }
+            let [rms, worst] = [rms, worst].map(|part| 100.0 * part);
+            let method = method.name();
+            writeln!(table, "| {method} | {preset} | {rms:.2} % | {worst:.1} % |")?;
+        }
+    }
+    let sizes = LONE.map(|(_, size)| size.to_string()).join(", ");
+    writeln!(
+        table,
+        "\nRoot mean square, and the worst place, over {}×{} cells farther than {FAR} px from the lamp; the worst \
+         of four lamps of radius {sizes} px at different places.",
+        ROOM[0], ROOM[1]
+    )?;
+    Ok(table)
 }
 
 /// Time per frame of a method in the built-in scene, by preset and size.

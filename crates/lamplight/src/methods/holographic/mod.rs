@@ -28,8 +28,8 @@
 //! cell.
 //!
 //! Known failures: up to 5 % of error at the worst angle of a ring around a light; a ripple of half a
-//! percent far from small lights, more on the diagonals; where a plane of the lattice cuts a light, its two halves together look up to a
-//! third of a px too wide.
+//! percent far from small lights, more on the diagonals; where a plane of the lattice cuts a light, its
+//! two halves together look up to a third of a px too wide.
 
 mod axis_sweep;
 mod debug_view;
