@@ -171,6 +171,14 @@ fn matter(in: VertexOut) -> Matter {
     );
 }
 
+// The emission coefficient of a lamp of this radiance L and radius R, `2L/(πR)`, by coverage: the counterpart
+// of `lamp_discs.rs` in `lamplight`.
+@fragment
+fn lamp(in: VertexOut) -> @location(0) vec4f {
+    let material = materials[quads[in.index].material];
+    return vec4f(material.emission * (color_at(in).a * 0.6366197724 / in.disc.z), 0.0);
+}
+
 // The emitted radiance of a quad on the screen, which is added to the light that it reflects.
 @fragment
 fn glow(in: VertexOut) -> @location(0) vec4f {

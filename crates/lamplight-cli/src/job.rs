@@ -84,6 +84,15 @@ impl RenderJob {
         }
     }
 
+    /// The cells with their lamps drawn in.
+    pub fn drawn(&self) -> Cells {
+        let mut drawn = self.cells.clone();
+        self.settings.method.draw_lamps(&mut drawn);
+        // Those that the method lights by rule.
+        drawn.draw_lamps();
+        drawn
+    }
+
     /// Finds the nearest occupied cell of each cell, and the distance to it.
     pub fn fields(&self, drawn: &Cells) -> Result<Fields> {
         match &self.gpu {

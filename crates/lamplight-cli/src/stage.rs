@@ -82,6 +82,7 @@ impl Stage {
 /// The parts of a frame, and how they are shown.
 pub struct FrameView<'a> {
     cells: &'a Cells,
+    drawn: &'a Cells,
     light: Option<&'a Light>,
     fields: Option<&'a Fields>,
     display: Display,
@@ -98,9 +99,9 @@ pub struct Fields {
 }
 
 impl<'a> FrameView<'a> {
-    /// A view of cells that have their lamps drawn in.
-    pub fn new(cells: &'a Cells, display: Display) -> Self {
-        Self { cells, light: None, fields: None, display }
+    /// A view of cells; `drawn` have their lamps drawn in.
+    pub fn new(cells: &'a Cells, drawn: &'a Cells, display: Display) -> Self {
+        Self { cells, drawn, light: None, fields: None, display }
     }
 
     /// Adds light.
@@ -118,10 +119,10 @@ impl<'a> FrameView<'a> {
     /// A stage as a picture, with `scale` × `scale` pixels per cell.
     pub fn picture(&self, stage: Stage, scale: u32) -> Result<RgbImage> {
         let picture = match stage {
-            Stage::Emission => debug_views::emission(self.cells, &self.display),
-            Stage::Albedo => debug_views::albedo(self.cells),
-            Stage::Opacity => debug_views::opacity(self.cells),
-            Stage::Tint => debug_views::tint(self.cells),
+            Stage::Emission => debug_views::emission(self.drawn, &self.display),
+            Stage::Albedo => debug_views::albedo(self.drawn),
+            Stage::Opacity => debug_views::opacity(self.drawn),
+            Stage::Tint => debug_views::tint(self.drawn),
             Stage::Voronoi => debug_views::seeds(self.cells.width(), &self.fields()?.nearest),
             Stage::Distance => debug_views::distance(self.cells.width(), &self.fields()?.distance),
             Stage::Light => self.light()?.picture(&self.display),
@@ -134,10 +135,10 @@ impl<'a> FrameView<'a> {
     pub fn floats(&self, stage: Stage) -> Result<Vec<Rgb>> {
         let grey = |values: &[f32]| values.iter().map(|&v| [v; 3]).collect();
         Ok(match stage {
-            Stage::Emission => self.cells.emission().to_vec(),
-            Stage::Opacity => grey(self.cells.opacity()),
-            Stage::Albedo => self.cells.albedo().to_vec(),
-            Stage::Tint => self.cells.tint().to_vec(),
+            Stage::Emission => debug_views::emitted(self.drawn).into_owned(),
+            Stage::Opacity => grey(self.drawn.opacity()),
+            Stage::Albedo => self.drawn.albedo().to_vec(),
+            Stage::Tint => self.drawn.tint().to_vec(),
             Stage::Voronoi => {
                 return Err(CliError::bad_input(
                     "the stage voronoi is a picture of cells, not of numbers",

@@ -75,11 +75,15 @@ pub fn idle_display_flags(flags: &DisplayArgs, stage: Stage, format: Format) -> 
 
 /// The parts of a scene that `renderer` leaves out, as one sentence.
 pub fn left_out(renderer: Renderer, cells: &Cells, settings: &Settings) -> Option<String> {
+    let glows = cells.glow().is_some_and(|glow| glow.as_flattened().iter().any(|&j| j > 0.0));
+    if renderer == Renderer::Method(Method::Raymarch) && !settings.method.reads_glow() && glows {
+        return Some("raymarch with `hit = \"distance\"` leaves out the glow of cells".into());
+    }
     if renderer != Renderer::Method(Method::Polar) {
         return None;
     }
     let mut parts = Vec::new();
-    if cells.emission().iter().flatten().any(|&e| e > 0.0) {
+    if glows || cells.emission().iter().flatten().any(|&e| e > 0.0) {
         parts.push("glowing matter".to_owned());
     }
     if !cells.sky().is_black() {

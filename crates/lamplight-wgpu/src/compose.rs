@@ -100,7 +100,7 @@ pub struct Compose {
 /// A bind group and its resources.
 #[derive(Debug)]
 struct BoundGroup {
-    resources: [Resource; 7],
+    resources: [Resource; 8],
     group: BindGroup,
 }
 
@@ -198,6 +198,7 @@ impl Compose {
         uniforms.keep_alpha = (color_from == 3).into();
         uniforms.color_emits = params.emission.is_some().into();
         uniforms.more_light = params.more.is_some().into();
+        uniforms.has_shown = lit.shown.is_some().into();
         uniforms.ambient = params.ambient;
         if let Some(VisibleRect { corner, right, down }) = params.visible {
             (uniforms.corner, uniforms.right, uniforms.down) = (corner, right, down);
@@ -218,6 +219,7 @@ impl Compose {
             Resource::View(color.clone()),
             Resource::View(params.emission.unwrap_or(nothing).clone()),
             Resource::View(params.more.unwrap_or(nothing).clone()),
+            Resource::View(lit.shown.unwrap_or(nothing).clone()),
         ];
         if self.bound.as_ref().is_none_or(|bound| bound.resources != resources) {
             let bind = || Ok(self.bind(&resources));
@@ -227,7 +229,7 @@ impl Compose {
         Ok(())
     }
 
-    fn bind(&self, [frame, rest @ ..]: &[Resource; 7]) -> BindGroup {
+    fn bind(&self, [frame, rest @ ..]: &[Resource; 8]) -> BindGroup {
         let uniforms = self.uniforms.as_entire_binding();
         let all = [frame.binding(), uniforms].into_iter().chain(rest.iter().map(Resource::binding));
         let entries: Vec<_> = (0..)

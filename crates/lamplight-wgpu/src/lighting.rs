@@ -16,6 +16,7 @@ use crate::planner::{FramePlanner, Grid, HistoryBuffer, PassList};
 use crate::shared::Shared;
 use crate::stage::Stage;
 use crate::stages::distance::DistancePipelines;
+use crate::stages::glow::Glow;
 use crate::stages::output::Output;
 use crate::stages::reproject::Reproject;
 use crate::stages::walls::Walls;
@@ -42,6 +43,7 @@ pub struct Lighting {
     options: LightingOptions,
     shared: Shared,
     pipelines: PipelineCache,
+    glow: Glow,
     walls: Walls,
     reproject: Reproject,
     output: Output,
@@ -59,6 +61,8 @@ pub struct Lighting {
 pub struct ComposeInputs<'a> {
     pub size: [u32; 2],
     pub textures: &'a Textures,
+    /// Emission in place of the textures'.
+    pub shown: Option<&'a TextureView>,
     pub light: &'a Buffer,
     pub frame: &'a Buffer,
 }
@@ -77,6 +81,8 @@ struct PreparedFrame {
     settings: Settings,
     size: GridSize,
     textures: Textures,
+    /// The emission of the displayed picture, if it is not that of the textures.
+    shown: Option<TextureView>,
     hints: SceneHints,
     capacity: Capacity,
     light: Buffer,
@@ -115,6 +121,7 @@ struct Extras {
 /// The scene of an input, checked.
 struct CheckedScene<'a> {
     grid: Grid<'a>,
+    shown: Option<&'a TextureView>,
     lamps: &'a [Lamp],
     sky: Sky,
 }
@@ -156,6 +163,7 @@ impl Lighting {
                 options: *options,
                 shared: Shared::new(device, queue),
                 pipelines: PipelineCache::default(),
+                glow: Glow::new(device),
                 walls: Walls::new(device),
                 reproject: Reproject::new(device),
                 output: Output::new(device),
@@ -214,10 +222,11 @@ impl Lighting {
                     None => with_error_scope(device, || Upload::new(device, size))?,
                 };
                 let upload = upload.insert(uploaded);
-                upload.write(queue, cells, !method.lights_lamps());
+                upload.write(device, queue, cells, &input.settings.method);
                 let hints = SceneHints::of(cells, input.settings.bounces);
                 let grid = Grid { size, textures: &upload.textures, hints };
-                Ok(CheckedScene { grid, lamps: cells.lamps(), sky: cells.sky() })
+                let shown = upload.shown.as_ref();
+                Ok(CheckedScene { grid, shown, lamps: cells.lamps(), sky: cells.sky() })
             }
             SceneInput::Textures { textures, lamps, sky } => {
                 sky.check()?;
@@ -226,13 +235,13 @@ impl Lighting {
                 }
                 let size = GridSize::new(device, textures.size()?)?;
                 let grid = Grid { size, textures, hints: SceneHints::UNKNOWN };
-                Ok(CheckedScene { grid, lamps, sky })
+                Ok(CheckedScene { grid, shown: None, lamps, sky })
             }
         }
     }
 
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
-        let CheckedScene { grid, lamps, sky } = scene;
+        let CheckedScene { grid, shown, lamps, sky } = scene;
         let Shared { device, queue, .. } = &self.shared;
         let method = self.pipelines.method::<PrepareError>(device, queue, input.settings)?;
         if input.distance_field && self.distance.is_none() {
@@ -257,6 +266,7 @@ impl Lighting {
         self.frame = fresh.or(self.frame.take());
         let Some(frame) = &mut self.frame else { return Ok(()) };
         frame.settings.clone_from(input.settings);
+        frame.shown = shown.cloned();
         frame.moved = moved != [0; 2];
         frame.records_fields = input.distance_field;
         frame.output = extras.output;
@@ -298,7 +308,14 @@ impl Lighting {
                 Some(frame) => planner.counted(frame.light.clone()),
                 None => planner.buffer::<[f32; 4]>("light", planner.cells())?,
             };
+            let glow = grid.textures.glow.as_ref().filter(|_| settings.method.reads_glow());
+            let media = glow.map(|glow| self.glow.plan(&planner, glow));
+            let planner = match &media {
+                Some((media, _)) => planner.with_textures(media),
+                None => planner,
+            };
             let mut passes = method.plan(&planner, &light)?;
+            passes.dispatches.splice(0..0, media.iter().map(|(_, dispatch)| dispatch.clone()));
             passes.dispatches.extend(self.walls.plan(&planner, &light)?);
             if let Some(lamps) = &passes.lamps {
                 // Written here too, so that a lost device is reported.
@@ -308,6 +325,7 @@ impl Lighting {
                 settings: settings.clone(),
                 size: grid.size,
                 textures: grid.textures.clone(),
+                shown: None,
                 hints: grid.hints,
                 capacity: planner.capacity,
                 memory: planner.memory(),
@@ -417,8 +435,9 @@ impl Lighting {
 
     /// The inputs of the compose pass; `None` before the first frame.
     pub(crate) fn compose_inputs(&self) -> Option<ComposeInputs<'_>> {
-        let PreparedFrame { size, textures, light, .. } = self.frame.as_ref()?;
-        Some(ComposeInputs { size: (*size).into(), textures, light, frame: &self.shared.frame })
+        let PreparedFrame { size, textures, shown, light, .. } = self.frame.as_ref()?;
+        let (size, shown, frame) = ((*size).into(), shown.as_ref(), &self.shared.frame);
+        Some(ComposeInputs { size, textures, shown, light, frame })
     }
 
     /// The cost of the frame prepared last; `None` before the first.

@@ -2,7 +2,10 @@
 
 use crate::error::{PrepareError, Result};
 use crate::grid_size::GridSize;
-use lamplight::Cells;
+use lamplight::internals::display::emitted;
+use lamplight::internals::lamp::show_lamps;
+use lamplight::settings::MethodSettings;
+use lamplight::{Cells, Rgb};
 use wgpu::{
     Device, Extent3d, Origin3d, Queue, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture,
     TextureAspect, TextureDescriptor, TextureDimension, TextureFormat, TextureSampleType,
@@ -25,6 +28,10 @@ pub struct Textures {
     pub tint_opacity: TextureView,
     /// Red, green, blue: albedo, the fraction of light that is scattered.
     pub albedo: TextureView,
+    /// Red, green, blue: the emission coefficient, radiance per px, also of cells without opacity. `None` if
+    /// nothing glows. Here hosts add up their lamps: as a disc of radius R, with `2·radiance/(π·R)` times the
+    /// covered fraction of each cell, a lamp blocks nothing. It is not displayed.
+    pub glow: Option<TextureView>,
 }
 
 impl Textures {
@@ -41,7 +48,8 @@ impl Textures {
             return Err(PrepareError::Texture { name: "tint_opacity", problem });
         }
         let size = readable("emission", &self.emission)?;
-        for (name, view) in named {
+        let glow = self.glow.iter().map(|view| ("glow", view));
+        for (name, view) in named.into_iter().chain(glow) {
             check_size(name, readable(name, view)?, "emission", size)?;
         }
         Ok(size)
@@ -111,58 +119,95 @@ fn single(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
 pub struct Upload {
     pub size: GridSize,
     pub textures: Textures,
-    /// The cells with their lamps drawn in, if they have any.
-    drawn: Cells,
+    /// The radiance that the displayed picture shows of each cell itself, if it differs from the emission of
+    /// the matter that was lit: solid lamps that are not visible, visible ones that are not solid, glow.
+    pub shown: Option<TextureView>,
+    /// Made when something first glows, and when `shown` is first needed.
+    spare: [Option<TextureView>; 2],
+    /// The cells with their lamps drawn in, and with those that are shown.
+    drawn: [Cells; 2],
     /// Texels of the current upload.
     texels: Vec<[f32; 4]>,
 }
 
 impl Upload {
     pub fn new(device: &Device, size: GridSize) -> Result<Self> {
-        let GridSize { width, height } = size;
-        let view = |label| {
-            let texture = device.create_texture(&TextureDescriptor {
-                label: Some(label),
-                size: Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: TextureDimension::D2,
-                format: TextureFormat::Rgba32Float,
-                usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-                view_formats: &[],
-            });
-            texture.create_view(&Default::default())
-        };
+        let view = |label| texture(device, label, size, UPLOADED);
         let textures = Textures {
             emission: view("emission"),
             tint_opacity: view("tint and opacity"),
             albedo: view("albedo"),
+            glow: None,
         };
-        Ok(Self { size, textures, drawn: Cells::new(1, 1)?, texels: Vec::new() })
+        let drawn = [Cells::new(1, 1)?, Cells::new(1, 1)?];
+        Ok(Self { size, textures, shown: None, spare: [None, None], drawn, texels: Vec::new() })
     }
 
-    /// Uploads cells; `draw`: with their lamps as emitting discs. Allocates nothing the second time.
-    pub fn write(&mut self, queue: &Queue, cells: &Cells, draw: bool) {
-        let Self { textures, drawn, texels, .. } = self;
-        let cells = if cells.lamps().is_empty() || !draw {
+    /// Uploads cells, with lamps as a method reads them. Allocates nothing the second time.
+    pub fn write(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        cells: &Cells,
+        method: &MethodSettings,
+    ) {
+        let Self { size, textures, spare: [glow, shown], drawn: [drawn, seen], texels, .. } = self;
+        let lamps = cells.lamps();
+        let lit = if lamps.is_empty() {
             cells
         } else {
             drawn.clone_from(cells);
-            drawn.draw_lamps();
+            method.draw_lamps(drawn);
             drawn
         };
-        for (view, rgb) in
-            [(&textures.emission, cells.emission()), (&textures.albedo, cells.albedo())]
-        {
+        let made = |view: &mut Option<TextureView>, label| {
+            view.get_or_insert_with(|| texture(device, label, *size, UPLOADED)).clone()
+        };
+        let mut write = |view: &TextureView, contents: &mut dyn Iterator<Item = [f32; 4]>| {
             texels.clear();
-            texels.extend(rgb.iter().map(|&[r, g, b]| [r, g, b, 0.0]));
+            texels.extend(contents);
             write(queue, view.texture(), texels);
-        }
-        texels.clear();
-        let tints = cells.tint().iter().zip(cells.opacity());
-        texels.extend(tints.map(|(&[r, g, b], &opacity)| [r, g, b, opacity]));
-        write(queue, textures.tint_opacity.texture(), texels);
+        };
+        let rgb = |[r, g, b]: Rgb| [r, g, b, 0.0];
+        write(&textures.emission, &mut lit.emission().iter().copied().map(rgb));
+        write(&textures.albedo, &mut lit.albedo().iter().copied().map(rgb));
+        let tints = lit.tint().iter().zip(lit.opacity());
+        write(&textures.tint_opacity, &mut tints.map(|(&[r, g, b], &opacity)| [r, g, b, opacity]));
+        textures.glow = lit.glow().map(|values| {
+            let view = made(glow, "glow");
+            write(&view, &mut values.iter().copied().map(rgb));
+            view
+        });
+        // Where lamps are solid by the method's rule, they are visible too.
+        let by_flag = method.reads_glow() || method.method().lights_lamps();
+        let marked = by_flag && lamps.iter().any(|lamp| lamp.solid || lamp.visible);
+        self.shown = (marked || cells.glow().is_some()).then(|| {
+            seen.clone_from(cells);
+            show_lamps(seen);
+            let view = made(shown, "emission of the picture");
+            write(&view, &mut (0..seen.len()).map(|i| rgb(emitted(&seen.matter(i)))));
+            view
+        });
     }
+}
+
+/// The usage of textures that are uploaded to.
+const UPLOADED: TextureUsages = TextureUsages::TEXTURE_BINDING.union(TextureUsages::COPY_DST);
+
+/// Creates a texture of four floats per cell.
+pub fn texture(device: &Device, label: &str, size: GridSize, usage: TextureUsages) -> TextureView {
+    let GridSize { width, height } = size;
+    let texture = device.create_texture(&TextureDescriptor {
+        label: Some(label),
+        size: Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format: TextureFormat::Rgba32Float,
+        usage,
+        view_formats: &[],
+    });
+    texture.create_view(&Default::default())
 }
 
 fn write(queue: &Queue, texture: &Texture, texels: &[[f32; 4]]) {

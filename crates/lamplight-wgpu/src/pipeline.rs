@@ -110,7 +110,7 @@ fn traffic(binding: Binding, resource: &BindingResource) -> Traffic {
         _ => 0,
     };
     match binding {
-        Binding::Write | Binding::Output => Traffic { read: 0, written: bytes },
+        Binding::Write | Binding::Output | Binding::Floats => Traffic { read: 0, written: bytes },
         _ => Traffic { read: bytes, written: 0 },
     }
 }

@@ -33,7 +33,7 @@ pub struct FramePlanner<'a> {
     pub hints: SceneHints,
     /// Capacity for lamps of methods that light them by rule.
     pub capacity: Capacity,
-    /// Bytes of the buffers made so far.
+    /// Bytes of the buffers and textures made so far.
     memory: Cell<u64>,
     /// History of the plan before, for a grid of this size.
     before: &'a [HistoryBuffer],
@@ -142,6 +142,17 @@ impl<'a> FramePlanner<'a> {
             usage,
             mapped_at_creation: false,
         }))
+    }
+
+    /// Reads other textures from here on.
+    pub fn with_textures(self, textures: &'a Textures) -> Self {
+        Self { textures, ..self }
+    }
+
+    /// Counts a texture of four floats per cell among the memory.
+    pub fn counted_texture(&self, view: TextureView) -> TextureView {
+        self.memory.set(self.memory.get() + self.cells() * size_of::<[f32; 4]>() as u64);
+        view
     }
 
     /// Counts a buffer that exists already among those made.

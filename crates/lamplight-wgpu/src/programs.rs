@@ -18,6 +18,8 @@ pub enum Binding {
     Texture,
     /// A texture of half floats that is written.
     Output,
+    /// A texture of floats that is written.
+    Floats,
     /// A storage buffer that is read.
     Read,
     /// A storage buffer that is read and written.
@@ -32,16 +34,18 @@ impl Binding {
             has_dynamic_offset,
             min_binding_size: None,
         };
+        let written = |format| BindingType::StorageTexture {
+            access: StorageTextureAccess::WriteOnly,
+            format,
+            view_dimension: TextureViewDimension::D2,
+        };
         let ty = match self {
             Self::Uniform => buffer(BufferBindingType::Uniform, false),
             Self::Step => buffer(BufferBindingType::Uniform, true),
             Self::Read => buffer(BufferBindingType::Storage { read_only: true }, false),
             Self::Write => buffer(BufferBindingType::Storage { read_only: false }, false),
-            Self::Output => BindingType::StorageTexture {
-                access: StorageTextureAccess::WriteOnly,
-                format: TextureFormat::Rgba16Float,
-                view_dimension: TextureViewDimension::D2,
-            },
+            Self::Output => written(TextureFormat::Rgba16Float),
+            Self::Floats => written(TextureFormat::Rgba32Float),
             Self::Texture => BindingType::Texture {
                 sample_type: TextureSampleType::Float { filterable: false },
                 view_dimension: TextureViewDimension::D2,
@@ -98,6 +102,10 @@ programs! {
     FEEDBACK: "stages/feedback", ["main"], {
         albedo: Texture, source: Read, before: Read, scattered: Write,
     }
+    GLOW: "stages/glow", ["main"], {
+        emission: Texture, matter: Texture, albedo: Texture, glow: Texture, media_emission: Floats,
+        media_matter: Floats, media_albedo: Floats,
+    }
     COMPARE: "stages/compare", ["main"], {
         step: Step, next: Read, scattered: Write, changes: Write,
     }
@@ -119,7 +127,7 @@ programs! {
     OUTPUT: "stages/output", ["main"], { light: Read, picture: Output }
     DISPLAY: "stages/display", ["cover", "show"], {
         params: Uniform, light: Read, emission: Texture, matter: Texture, color: Texture,
-        color_emission: Texture, more: Texture,
+        color_emission: Texture, more: Texture, shown: Texture,
     }
 
     RAYMARCH: "methods/raymarch/march", ["main", "receive"], {
@@ -211,7 +219,9 @@ mod tests {
     use super::*;
     use crate::shaders;
     use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-    use naga::{AddressSpace, GlobalVariable, ImageClass, Module, StorageAccess, TypeInner};
+    use naga::{
+        AddressSpace, GlobalVariable, ImageClass, Module, StorageAccess, StorageFormat, TypeInner,
+    };
 
     /// The resource that a variable of a shader stands for. A step is a uniform in the shader.
     fn kind(module: &Module, variable: &GlobalVariable) -> Option<Binding> {
@@ -221,9 +231,11 @@ mod tests {
                 Some(Binding::Write)
             }
             (AddressSpace::Storage { .. }, _) => Some(Binding::Read),
-            (_, TypeInner::Image { class: ImageClass::Storage { .. }, .. }) => {
-                Some(Binding::Output)
-            }
+            (_, TypeInner::Image { class: ImageClass::Storage { format, .. }, .. }) => match format
+            {
+                StorageFormat::Rgba32Float => Some(Binding::Floats),
+                _ => Some(Binding::Output),
+            },
             (_, TypeInner::Image { class: ImageClass::Sampled { .. }, .. }) => {
                 Some(Binding::Texture)
             }

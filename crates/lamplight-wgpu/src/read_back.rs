@@ -24,8 +24,8 @@ pub fn read_back<T: Pod>(
     Fetch::new(device, queue, buffer)?.wait()
 }
 
-/// Copies the light of the last frame of these cells, for queries as on the CPU: lamps that were drawn in count
-/// as solid discs.
+/// Copies the light of the last frame of these cells, for queries as on the CPU: solid lamps count as solid
+/// cells.
 ///
 /// # Errors
 /// If nothing was lit, if the cells have another number than those lit, and as [`read_back`].
@@ -107,8 +107,10 @@ impl FetchLight {
     /// Starts the transfer of the light of the last frame of these cells, as [`light`] does.
     pub fn new(lighting: &Lighting, cells: &Cells) -> Result<Self, ReadBackError> {
         let buffer = lighting.stage(Stage::Light).ok_or(ReadBackError::NothingLit)?;
-        let by_rule = lighting.settings().is_some_and(|s| s.method().lights_lamps());
-        let cells = if by_rule { cells.clone() } else { cells.drawn().into_owned() };
+        let mut cells = cells.clone();
+        if let Some(settings) = lighting.settings() {
+            settings.method.draw_lamps(&mut cells);
+        }
         let (device, queue) = lighting.device();
         Ok(Self { numbers: Fetch::new(device, queue, buffer)?, cells: LitCells(cells) })
     }

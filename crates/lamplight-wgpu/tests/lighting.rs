@@ -6,7 +6,7 @@ mod textures;
 
 use common::{cells, device, frame, lighting, raymarch_of, recorded};
 use lamplight::settings::BounceMode;
-use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky};
+use lamplight::{Bounces, Cells, Lamp, Matter, Method, Rgb, Settings, Sky};
 use lamplight_wgpu::error::{PrepareError, RecordError};
 use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Stage, Textures};
 use textures::{fetch, filled, float, texture, view};
@@ -100,14 +100,17 @@ fn host_textures(device: &Device, queue: &Queue) -> (Textures, Cells) {
         cells.set(12, y, Matter { tint: [0.0, 1.0, 0.0], ..Matter::EMPTY });
     }
     cells.set(20, 16, Matter { emission: [8.0, 4.0, 2.0], opacity: 1.0, ..Matter::EMPTY });
+    cells.set(5, 8, Matter { glow: [0.5, 0.0, 2.0], ..Matter::EMPTY });
     let half = |v: f32| {
         if v == 0.0 {
             return 0u16;
         }
         (((v.to_bits() >> 23) as u16 - 112) << 10) | (v.to_bits() >> 13 & 0x3ff) as u16
     };
-    let emission: Vec<[u16; 4]> =
-        cells.emission().iter().map(|&[r, g, b]| [half(r), half(g), half(b), 0]).collect();
+    let halves = |rgb: &[Rgb]| -> Vec<[u16; 4]> {
+        rgb.iter().map(|&[r, g, b]| [half(r), half(g), half(b), 0]).collect()
+    };
+    let (emission, glow) = (halves(cells.emission()), halves(cells.glow().unwrap()));
     let unorm = |v: f32| (v * 255.0) as u8;
     let tints = cells.tint().iter().zip(cells.opacity());
     let tints: Vec<[u8; 4]> =
@@ -119,6 +122,7 @@ fn host_textures(device: &Device, queue: &Queue) -> (Textures, Cells) {
         emission: made(TextureFormat::Rgba16Float, bytemuck::cast_slice(&emission)),
         tint_opacity: made(TextureFormat::Rgba8Unorm, bytemuck::cast_slice(&tints)),
         albedo: made(TextureFormat::Rgba8Unorm, bytemuck::cast_slice(&albedo)),
+        glow: Some(made(TextureFormat::Rgba16Float, bytemuck::cast_slice(&glow))),
     };
     (textures, cells)
 }

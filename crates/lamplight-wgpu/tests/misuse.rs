@@ -37,7 +37,12 @@ fn several(device: &Device, layers: u32, levels: u32, format: TextureFormat) -> 
 
 /// Textures that are all the same view.
 fn textures_like(view: &TextureView) -> Textures {
-    Textures { emission: view.clone(), tint_opacity: view.clone(), albedo: view.clone() }
+    Textures {
+        emission: view.clone(),
+        tint_opacity: view.clone(),
+        albedo: view.clone(),
+        glow: None,
+    }
 }
 
 /// Prepares a frame of textures without lamps, under a black sky.

@@ -1,8 +1,8 @@
 //! The grid of matter that every method reads.
 //!
 //! A struct of arrays in row order (index `y * width + x`), one array per field, so that a stage
-//! touches only what it needs. Lamps are listed beside the matter: [`Cells::drawn`] draws them as
-//! glowing discs for the methods that read only matter.
+//! touches only what it needs. Lamps are listed beside the matter: [`Cells::drawn`] draws them into it
+//! as glowing discs, for the methods that read only matter.
 
 use crate::limits;
 use crate::{Error, Lamp, Result, Rgb, Sky};
@@ -11,12 +11,15 @@ use crate::{Error, Lamp, Result, Rgb, Sky};
 ///
 /// Crossing `s` px of a cell multiplies the radiance behind it by its transmittance
 /// `T = ((1 − opacity)·tint)^s` and adds `(1 − T)·(emission + albedo·J)`, where J is the mean radiance
-/// at the cell. A cell of opacity 1 is solid: the outgoing radiance of its four faces is
-/// `emission + albedo·E/2`, where E is a face's irradiance.
+/// at the cell, and `glow·s` as far as the cell itself does not absorb it. A cell of opacity 1 is solid:
+/// the outgoing radiance of its four faces is `emission + albedo·E/2`, where E is a face's irradiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matter {
     /// Emitted radiance `L_e`, linear RGB, from 0, unbounded.
     pub emission: Rgb,
+    /// Emission coefficient `j`: radiance added per px, linear RGB, from 0, unbounded. Unlike emission
+    /// it needs no opacity: fire, plasma. A solid cell does not glow.
+    pub glow: Rgb,
     /// Fraction of light absorbed per px, 0 to 1; 1 is solid.
     pub opacity: f32,
     /// Colour filter per px, 0 to 1 per channel; 1 transmits everything.
@@ -28,13 +31,13 @@ pub struct Matter {
 impl Matter {
     /// Empty space.
     pub const EMPTY: Self =
-        Self { emission: [0.0; 3], opacity: 0.0, tint: [1.0; 3], albedo: [0.0; 3] };
+        Self { emission: [0.0; 3], glow: [0.0; 3], opacity: 0.0, tint: [1.0; 3], albedo: [0.0; 3] };
 
     /// Composites this matter over `below`, covering a fraction (0 to 1) of the cell.
     ///
     /// Opacity is `coverage·opacity` plus the rest of the layer below. Emission and albedo are weighted
     /// by each layer's part of the cell's opacity, so that the emitted light, which is emission ×
-    /// opacity, follows the coverage.
+    /// opacity, follows the coverage. Tint and glow are weighted by area.
     #[must_use]
     pub fn over(self, below: Self, coverage: f32) -> Self {
         if coverage <= 0.0 {
@@ -57,6 +60,7 @@ impl Matter {
         };
         Self {
             emission: mix(self.emission, below.emission, above, under),
+            glow: mix(self.glow, below.glow, coverage, 1.0 - coverage),
             opacity,
             tint: mix(self.tint, below.tint, coverage, 1.0 - coverage),
             albedo: mix(self.albedo, below.albedo, above, under),
@@ -76,6 +80,8 @@ pub struct Cells {
     width: u32,
     height: u32,
     emission: Vec<Rgb>,
+    /// Empty while nothing glows.
+    glow: Vec<Rgb>,
     opacity: Vec<f32>,
     tint: Vec<Rgb>,
     albedo: Vec<Rgb>,
@@ -104,6 +110,7 @@ impl Cells {
             width,
             height,
             emission: vec![[0.0; 3]; n],
+            glow: Vec::new(),
             opacity: vec![0.0; n],
             tint: vec![[1.0; 3]; n],
             albedo: vec![[0.0; 3]; n],
@@ -163,6 +170,7 @@ impl Cells {
     pub fn matter(&self, index: usize) -> Matter {
         Matter {
             emission: self.emission[index],
+            glow: self.glow.get(index).copied().unwrap_or_default(),
             opacity: self.opacity[index],
             tint: self.tint[index],
             albedo: self.albedo[index],
@@ -180,6 +188,9 @@ impl Cells {
     #[inline]
     pub fn set_matter(&mut self, index: usize, matter: Matter) {
         self.emission[index] = matter.emission;
+        if !self.glow.is_empty() || matter.glow != [0.0; 3] {
+            self.glow_mut()[index] = matter.glow;
+        }
         self.opacity[index] = matter.opacity;
         self.tint[index] = matter.tint;
         self.albedo[index] = matter.albedo;
@@ -193,6 +204,17 @@ impl Cells {
     /// The emission of every cell, mutably.
     pub fn emission_mut(&mut self) -> &mut [Rgb] {
         &mut self.emission
+    }
+
+    /// The emission coefficient of every cell, radiance per px; `None` while nothing glows.
+    pub fn glow(&self) -> Option<&[Rgb]> {
+        (!self.glow.is_empty()).then_some(&self.glow)
+    }
+
+    /// The emission coefficient of every cell, mutably. The first call creates them, all black.
+    pub fn glow_mut(&mut self) -> &mut [Rgb] {
+        self.glow.resize(self.opacity.len(), [0.0; 3]);
+        &mut self.glow
     }
 
     /// The opacity of every cell.
@@ -254,6 +276,7 @@ impl Cells {
     /// Removes all matter, lamps and colours. The sky stays.
     pub fn clear(&mut self) {
         self.emission.fill(Matter::EMPTY.emission);
+        self.glow.clear();
         self.opacity.fill(Matter::EMPTY.opacity);
         self.tint.fill(Matter::EMPTY.tint);
         self.albedo.fill(Matter::EMPTY.albedo);
@@ -311,6 +334,7 @@ impl Cells {
         let emission = || {
             let expected = "finite and 0 or more";
             self.check_field("emission", expected, self.emission.as_flattened(), 3, radiance)?;
+            self.check_field("glow", expected, self.glow.as_flattened(), 3, radiance)?;
             self.check_field("opacity", "0 to 1", &self.opacity, 1, unit)
         };
         let colours = || {
@@ -354,6 +378,7 @@ impl Clone for Cells {
             width: self.width,
             height: self.height,
             emission: self.emission.clone(),
+            glow: self.glow.clone(),
             opacity: self.opacity.clone(),
             tint: self.tint.clone(),
             albedo: self.albedo.clone(),
@@ -365,7 +390,8 @@ impl Clone for Cells {
 
     /// Copies into the existing buffers: a solver does this every frame without allocating.
     fn clone_from(&mut self, source: &Self) {
-        let Self { width, height, emission, opacity, tint, albedo, color, lamps, sky } = source;
+        let Self { width, height, emission, glow, opacity, tint, albedo, color, lamps, sky } =
+            source;
         (self.width, self.height, self.sky) = (*width, *height, *sky);
         rayon::join(
             || {
@@ -374,6 +400,7 @@ impl Clone for Cells {
                 self.color.clone_from(color);
             },
             || {
+                self.glow.clone_from(glow);
                 self.tint.clone_from(tint);
                 self.albedo.clone_from(albedo);
             },

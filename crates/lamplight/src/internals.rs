@@ -32,7 +32,7 @@ pub mod denoise {
 pub mod display {
     pub use crate::stages::display::{
         ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_STOPS,
-        BRIGHTEST,
+        BRIGHTEST, emitted,
     };
 }
 
@@ -76,8 +76,14 @@ pub mod jump_flood {
     pub use crate::stages::jump_flood::{SETTLED_ERROR, jump_flood, passes, settle};
 }
 
+/// Cells that glow, as media.
+pub mod glow {
+    pub use crate::stages::glow::{Glow, THINNEST};
+}
+
 /// Lamps drawn as discs.
 pub mod lamp {
+    pub use crate::lamp_discs::{LEAST_RADIUS, show_lamps};
     pub use crate::source_normalization::gain;
 }
 

@@ -1,4 +1,4 @@
-//! Lamps: small lights with a range.
+//! Lamps: small lights that block nothing.
 //!
 //! Two kinds of method read them. `polar` and `flood` light lamps by rule, with range, falloff
 //! and cone. The others read only matter, into which lamps are drawn as glowing discs
@@ -100,8 +100,8 @@ pub struct Lamp {
     /// The colour, linear RGB.
     #[serde(default = "default_color", deserialize_with = "exact::one")]
     pub color: Rgb,
-    /// Factor on the colour, 0 to 1e6; 0 is off. `color · intensity` is the radiance of the disc. A
-    /// disc of radius R gives about `radiance·R/(π·d)` of light at distance d.
+    /// Factor on the colour, 0 to 1e6; 0 is off. `color · intensity` is the radiance of the ideal disc,
+    /// whose radius R gives about `radiance·R/(π·d)` of light at distance d.
     #[serde(default = "default_intensity")]
     pub intensity: f32,
     /// The range in px, in the methods that light lamps by rule; 1 to 100 000.
@@ -118,6 +118,17 @@ pub struct Lamp {
     /// the others draw a disc that glows in all directions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cone: Option<Cone>,
+    /// If true, the lamp is a solid disc, which blocks the light of others. Only for the methods that
+    /// draw lamps.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub solid: bool,
+    /// If true, the final picture shows the lamp itself, as a disc of its radiance.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub visible: bool,
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 fn default_color() -> Rgb {
@@ -146,6 +157,8 @@ impl Default for Lamp {
             size: 2.0,
             falloff: Falloff::Linear,
             cone: None,
+            solid: false,
+            visible: false,
         }
     }
 }
@@ -159,6 +172,11 @@ impl Lamp {
         check::number(format_args!("{key}.range"), self.range, 1.0..=1e5)?;
         check::number(format_args!("{key}.size"), self.size, 0.05..=512.0)?;
         self.cone.map_or(Ok(()), |cone| cone.check(&format_args!("{key}.cone")))
+    }
+
+    /// The radiance of the ideal disc, `color · intensity`.
+    pub(crate) fn radiance(&self) -> Rgb {
+        self.color.map(|c| c * self.intensity)
     }
 
     /// Returns whether the lamp emits no light.

@@ -4,7 +4,8 @@
 //! many as the block is wide, so that a wall of one px stays shut, or if a solid cell in it emits, so
 //! that small lights are not lost; gaps narrower than a block close. Its emission is reduced by the
 //! ratio of the emitter's width to the block's, so that it looks as bright from afar. Fog and glass keep
-//! their transmittance over the block: `T = Π Tᵢ^(1/factor)` over its cells, the mean path.
+//! their transmittance over the block: `T = Π Tᵢ^(1/factor)` over its cells, the mean path. Glow, which is
+//! per px, is `factor` times as strong in a cell that many px wide.
 
 use crate::math::transmittance::extinction;
 use crate::{Cells, Error, Lamp, Light, Matter, Result, Rgb};
@@ -141,7 +142,11 @@ impl<'a> Block<'a> {
         (self.y[0]..self.y[1]).all(|y| {
             let row = y * width + left..y * width + right;
             self.from.opacity()[row.clone()].iter().all(|&opacity| opacity == 0.0)
-                && self.from.tint()[row].iter().all(|&tint| tint == [1.0; 3])
+                && self.from.tint()[row.clone()].iter().all(|&tint| tint == [1.0; 3])
+                && self
+                    .from
+                    .glow()
+                    .is_none_or(|glow| glow[row].iter().all(|&glow| glow == [0.0; 3]))
         })
     }
 
@@ -169,16 +174,19 @@ impl<'a> Block<'a> {
             let fraction = self.extent(walls()) as f32 / self.extent(self.cells()) as f32;
             let over = |values: &[Rgb]| mean(walls().map(|i| (values[i], 1.0)));
             let emission = over(from.emission()).map(|v| v * fraction);
-            return Matter { opacity: 1.0, emission, tint: [1.0; 3], albedo: over(from.albedo()) };
+            let albedo = over(from.albedo());
+            return Matter { opacity: 1.0, emission, albedo, ..Matter::EMPTY };
         }
         // The mean optical depth of a path through the block, `factor` px long. Walls too few to shut
         // the block are ignored.
         let open = || self.cells().filter(|&i| !from.is_solid(i));
         let deep = factor as f32 / self.cells().count() as f32;
-        let mut depth = [0.0f32; 3];
+        let (mut depth, mut glow) = ([0.0f32; 3], [0.0f32; 3]);
         for i in open().filter(|&i| !is_clear(from, i)) {
-            let of_cell = extinction(from.opacity()[i], from.tint()[i]);
+            let cell = from.matter(i);
+            let of_cell = extinction(cell.opacity, cell.tint);
             (0..3).for_each(|c| depth[c] += deep * of_cell[c]);
+            (0..3).for_each(|c| glow[c] += deep * cell.glow[c]);
         }
         let through = depth.map(|depth| (-depth).exp());
         let most = through.into_iter().fold(0.0, f32::max);
@@ -188,13 +196,15 @@ impl<'a> Block<'a> {
         let stops =
             |i: usize| 1.0 - (1.0 - from.opacity()[i]) * from.tint()[i].iter().sum::<f32>() / 3.0;
         let by_fog = |values: &[Rgb]| mean(open().map(|i| (values[i], stops(i))));
-        Matter { opacity, tint, emission: by_fog(from.emission()), albedo: by_fog(from.albedo()) }
+        let (emission, albedo) = (by_fog(from.emission()), by_fog(from.albedo()));
+        Matter { emission, glow, opacity, tint, albedo }
     }
 }
 
 /// Returns whether a cell has no effect on light.
 fn is_clear(cells: &Cells, i: usize) -> bool {
-    cells.opacity()[i] == 0.0 && cells.tint()[i] == [1.0; 3]
+    let matter = cells.matter(i);
+    matter.opacity == 0.0 && matter.tint == [1.0; 3] && matter.glow == [0.0; 3]
 }
 
 /// The weighted mean of values; black if all weights are 0.

@@ -10,6 +10,7 @@ use crate::methods::holographic::Holographic;
 use crate::methods::polar::PolarSolver;
 use crate::methods::raymarch::{Input, RaymarchSolver};
 use crate::settings::{self, Hit, Method, MethodSettings, Traversal};
+use crate::stages::glow::Glow;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::{Cells, Light, Result, Settings};
@@ -24,6 +25,7 @@ pub struct Solver {
     pub(crate) settings: Settings,
     frame: u32,
     pub(crate) cells: Cells,
+    glow: Glow,
     fields: Fields,
     pub(crate) raymarch: RaymarchSolver,
     flood: FloodSolver,
@@ -76,6 +78,7 @@ impl Solver {
             settings,
             frame: 0,
             cells: Cells::new(1, 1)?,
+            glow: Glow::default(),
             fields: Fields::default(),
             raymarch: RaymarchSolver::default(),
             flood: FloodSolver::default(),
@@ -123,8 +126,10 @@ impl Solver {
         let method = self.settings.method();
         method.suits(cells)?;
         self.cells.clone_from(cells);
-        if !method.lights_lamps() {
-            self.cells.draw_lamps();
+        self.settings.method.draw_lamps(&mut self.cells);
+        let glows = self.settings.method.reads_glow();
+        if glows {
+            self.glow.to_media(&mut self.cells);
         }
         self.fields.measured = false;
         self.clock.lap("cells");
@@ -148,6 +153,9 @@ impl Solver {
             }
         }
 
+        if glows {
+            self.glow.restore(&mut self.cells);
+        }
         self.light.width = self.cells.width();
         self.light.height = self.cells.height();
         self.light.solid.clear();

@@ -4,7 +4,7 @@ use lamplight::resample::{MAX_FACTOR, downsample, max_factor, upsample};
 use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Settings, Solver};
 use lamplight_sandbox::pace::{FRAME, Pace};
 
-const WALL: Matter = Matter { opacity: 1.0, emission: [0.0; 3], tint: [1.0; 3], albedo: [0.0; 3] };
+const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
 
 fn coarse(cells: &Cells, factor: u32) -> Cells {
     let mut to = Cells::new(1, 1).unwrap();

@@ -79,6 +79,28 @@ pub fn medium_square_mean_radiance(e: f64, sigma: f64, a: f64) -> f64 {
     4.0 / PI * integral(0.0, PI / 4.0, |theta| e * -(-sigma * a / theta.cos()).exp_m1())
 }
 
+/// Mean radiance at the centre of an axis-aligned square of half-side `a` of emission coefficient `j`, in
+/// empty space: `J = (4/π)·∫₀^(π/4) j·a/cosθ dθ = (4/π)·j·a·ln(1 + √2)`. In fog of extinction σ it is
+/// [`medium_square_mean_radiance`] of the source j/σ.
+pub fn glow_square_mean_radiance(j: f64, a: f64) -> f64 {
+    4.0 / PI * j * a * (1.0 + 2f64.sqrt()).ln()
+}
+
+/// Mean radiance at a distance `d` ≥ 0 from the centre of a disc of radius `r` and emission coefficient
+/// `j`: `J = (1/2π)·∫ j·s(θ) dθ` over the chords s, by quadrature (outside, in `d·sinθ = r·sin u`). Far
+/// away it is that of an opaque disc of radiance `πjr/2`.
+pub fn glow_disc_mean_radiance(j: f64, r: f64, d: f64) -> f64 {
+    if d < r {
+        let to_edge = |t: f64| d * t.cos() + (r * r - (d * t.sin()).powi(2)).sqrt();
+        return j * integral(0.0, TAU, to_edge) / TAU;
+    }
+    let integrand = |u: f64| {
+        let sin = r / d * u.sin();
+        2.0 * r * u.cos() * r / d * u.cos() / (1.0 - sin * sin).sqrt()
+    };
+    j * integral(-PI / 2.0, PI / 2.0, integrand) / TAU
+}
+
 /// Mean radiance of a disc of radius `r` and radiance `l` seen from `d` through fog of extinction `sigma`
 /// that fills all space (and emits no light itself):
 /// `J = (1/2π)·L∫exp(−σ(d·cosθ − √(r² − d² sin²θ)))dθ` over |θ| < asin(r/d), by quadrature (in
@@ -163,8 +185,17 @@ mod tests {
         same(furnace_mean_radiance(2.0, 1.0, Some(3)), 8.0);
         // Thin media: the first term of the exponential.
         let thin = medium_square_mean_radiance(1.0, 1e-6, 1.0);
-        let mean_path = 4.0 / PI * (1.0 + 2f64.sqrt()).ln();
-        assert!((thin / (1e-6 * mean_path) - 1.0).abs() < 1e-5, "{thin}");
+        assert!((thin / glow_square_mean_radiance(1e-6, 1.0) - 1.0).abs() < 1e-5, "{thin}");
+        // The chords from the middle of a disc are its radius; far away it is an opaque one.
+        same(glow_disc_mean_radiance(2.0, 3.0, 0.0), 6.0);
+        let far = glow_disc_mean_radiance(2.0 / (PI * 3.0), 3.0, 300.0);
+        assert!((far / disc_mean_radiance(1.0, 3.0, 300.0) - 1.0).abs() < 1e-4, "{far}");
+        assert!(
+            (glow_disc_mean_radiance(1.0, 3.0, 2.999) / glow_disc_mean_radiance(1.0, 3.0, 3.001)
+                - 1.0)
+                .abs()
+                < 1e-2
+        );
     }
 
     #[test]

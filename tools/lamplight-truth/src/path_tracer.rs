@@ -28,8 +28,8 @@ const SPREAD: [f64; 3] =
 /// - **Solid cell** with a face towards an open cell: the mean of the normalised irradiance
 ///   `E/2 = ½∫ L cosθ dθ` over those faces and their length. Faces on the grid's border touch no cell and do not count.
 ///   [`PathTracer::render`] then completes solid cells with [`Walls::sink`].
-/// - A path that crosses `s` px of a cell with opacity α < 1 gains `(1 − T)·L_e`,
-///   `T = ((1 − α)·tint)^s`; it then either continues, or is scattered from the cell's *centre* into
+/// - A path that crosses `s` px of a cell with opacity α < 1 gains `(1 − T)·L_e + ∫ j·T(t) dt`,
+///   `T(s) = ((1 − α)·tint)^s`; it then either continues, or is scattered from the cell's *centre* into
 ///   a random direction. The choice is random, with weights that keep every channel unbiased.
 /// - A path that reaches a wall gains its `L_e` and is reflected at the point it hit,
 ///   cosine-distributed.
@@ -250,6 +250,7 @@ impl<'c> Tracer<'c> {
     #[inline]
     fn radiance(&self, start: Traversal, sampler: &mut Sampler) -> [f64; 3] {
         let (emission, albedo) = (self.cells.emission(), self.cells.albedo());
+        let glow = self.cells.glow();
         let mut walk = start;
         let mut light = [0.0; 3];
         let mut weight = [1.0; 3];
@@ -280,9 +281,15 @@ impl<'c> Tracer<'c> {
                     }
                     let extinction = self.grid.extinction[stretch.extinction];
                     let absorbed = absorbed(extinction, length);
+                    let glow = glow.map_or([0.0; 3], |glow| glow[cell].map(f64::from));
                     let mut go_on = [0.0; 3];
                     for c in 0..3 {
-                        light[c] += weight[c] * absorbed[c] * f64::from(emission[cell][c]);
+                        // The length over which the glow of the stretch reaches its near end.
+                        let e = extinction[c];
+                        let reaches = if e == 0.0 { length } else { absorbed[c] / e };
+                        let emitted =
+                            absorbed[c] * f64::from(emission[cell][c]) + reaches * glow[c];
+                        light[c] += weight[c] * emitted;
                         go_on[c] = weight[c] * (1.0 - absorbed[c]);
                     }
                     if bounces < self.limit && albedo[cell] != [0.0; 3] {

@@ -106,9 +106,9 @@ fn transmittance(cells: &Cells, i: usize) -> [f64; 3] {
     cells.tint()[i].map(|t| kept * f64::from(t))
 }
 
-/// True if a cell does not change light.
+/// True if a cell neither changes light nor adds any.
 fn is_clear(cells: &Cells, i: usize) -> bool {
-    transmittance(cells, i) == [1.0; 3]
+    transmittance(cells, i) == [1.0; 3] && cells.glow().is_none_or(|glow| glow[i] == [0.0; 3])
 }
 
 /// The side of the largest square of one matter with its near corner at each cell, looking left or

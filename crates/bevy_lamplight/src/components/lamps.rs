@@ -15,7 +15,7 @@ use std::f32::consts::{FRAC_PI_3, PI};
 ///
 /// This is `intensity` at a quarter of the range and a quarter of it at the range. `polar` and `flood`
 /// evaluate lamps analytically: `intensity` at the lamp, nothing beyond the range. Matter around the
-/// lamp blocks its light. A lamp inside a wall shines out of it.
+/// lamp blocks its light, and a lamp inside a wall gives none. The lamp itself blocks nothing.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
@@ -34,6 +34,10 @@ pub struct PointLight2d {
     pub radius: f32,
     /// Falloff with distance, for `polar` and `flood`.
     pub falloff: Falloff2d,
+    /// If true, the lamp is a solid disc, which blocks the light of others.
+    pub solid: bool,
+    /// If true, the lamp itself is drawn, as a glowing disc.
+    pub visible: bool,
 }
 
 impl Default for PointLight2d {
@@ -44,6 +48,8 @@ impl Default for PointLight2d {
             range: 128.0,
             radius: 8.0,
             falloff: Falloff2d::default(),
+            solid: false,
+            visible: false,
         }
     }
 }
@@ -198,12 +204,14 @@ pub(crate) struct WorldLamp {
     pub falloff: Falloff2d,
     /// Direction (radians, y up), angle and softness of a spot.
     pub cone: Option<[f32; 3]>,
+    pub solid: bool,
+    pub visible: bool,
 }
 
 impl WorldLamp {
     /// `None` if the lamp is off or any of its values is not finite.
     pub fn point(lamp: &PointLight2d, transform: &GlobalTransform) -> Option<Self> {
-        let PointLight2d { color, intensity, range, radius, falloff } = *lamp;
+        let PointLight2d { color, intensity, range, radius, falloff, solid, visible } = *lamp;
         let position = transform.translation().truncate();
         let color = radiance(color, intensity);
         let is_a_size = range.is_finite() && range > 0.0 && radius.is_finite() && radius >= 0.0;
@@ -214,16 +222,18 @@ impl WorldLamp {
             radius,
             falloff,
             cone: None,
+            solid,
+            visible,
         })
     }
 
     /// Like [`Self::point`], for a spot.
     pub fn spot(lamp: &SpotLight2d, transform: &GlobalTransform) -> Option<Self> {
         let SpotLight2d { color, intensity, range, radius, angle, softness, falloff } = *lamp;
-        let point = PointLight2d { color, intensity, range, radius, falloff };
+        let lamp = PointLight2d { color, intensity, range, radius, falloff, ..default() };
         let ahead = transform.affine().transform_vector3(Vec3::X).truncate();
         let cone = [ahead.to_angle(), angle, softness];
-        let lamp = Self::point(&point, transform)?;
+        let lamp = Self::point(&lamp, transform)?;
         (cone.iter().all(|v| v.is_finite()) && ahead != Vec2::ZERO && angle > 0.0)
             .then_some(Self { cone: Some(cone), ..lamp })
     }
@@ -243,6 +253,8 @@ impl WorldLamp {
                 angle: angle.clamp(0.001, 2.0 * PI),
                 softness: softness.clamp(0.0, 1.0),
             }),
+            solid: self.solid,
+            visible: self.visible,
         }
     }
 

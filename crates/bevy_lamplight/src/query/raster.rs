@@ -57,6 +57,7 @@ fn draw(
                 opacity,
                 tint,
                 albedo: product(material.albedo, 1.0),
+                ..Matter::EMPTY
             };
             let i = (y * to.width() + x) as usize;
             to.set(x, y, matter.over(to.matter(i), color.w.min(1.0)));

@@ -52,7 +52,9 @@ pub fn prepare(
             let [width, height] = viewport.physical_size.to_array().map(|v| v as f32);
             pass.set_viewport(x, y, width, height, 0.0, 1.0);
         }
-        lit.quads.draw(&mut pass, &pipelines.glow, &lit.draw, &images, QuadTarget::Screen);
+        for batches in [&lit.draw.batches, &lit.draw.lamp_batches] {
+            lit.quads.draw(&mut pass, &pipelines.glow, batches, &images, QuadTarget::Screen);
+        }
     }
     let params = ComposeParams {
         display: Display { tonemap: view.tone_map, exposure: view.lighting.exposure },

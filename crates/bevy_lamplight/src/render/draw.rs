@@ -6,8 +6,8 @@ use bevy::asset::AssetId;
 use bevy::image::Image;
 use bevy::math::Vec2;
 use bevy::platform::collections::HashMap;
-use lamplight::Lamp;
 use lamplight::internals::lamp;
+use lamplight::{Lamp, Settings};
 use std::ops::Range;
 
 /// Quads on the grid of a camera, in cells and y down, in drawing order.
@@ -16,6 +16,8 @@ pub struct DrawList {
     pub quads: Vec<Quad>,
     pub materials: Vec<QuadMaterial>,
     pub batches: Vec<QuadBatch>,
+    /// The batches of lamps that glow, which block nothing.
+    pub lamp_batches: Vec<QuadBatch>,
     /// True if anything on the screen emits light.
     pub glows: bool,
     /// Lamps that the method evaluates analytically instead of as discs.
@@ -33,16 +35,17 @@ pub struct QuadBatch {
 }
 
 impl DrawList {
-    /// Lists everything on the grid of a camera. Spots, and with `analytic` all lamps, are evaluated
-    /// analytically; other lamps are drawn as discs.
-    pub fn fill(&mut self, view: &LitCameraView, scene: &ExtractedScene, analytic: bool) {
+    /// Lists everything on the grid of a camera. Spots, and with [`LampModel::Analytic`] all lamps, are
+    /// evaluated analytically; other lamps are drawn as discs.
+    pub fn fill(&mut self, view: &LitCameraView, scene: &ExtractedScene, model: LampModel) {
         self.quads.clear();
         self.batches.clear();
+        self.lamp_batches.clear();
         self.lamps.clear();
         self.materials.clone_from(&scene.materials);
         self.glows = false;
         self.add_groups(view, scene);
-        self.add_lamps(view, scene, analytic);
+        self.add_lamps(view, scene, model);
     }
 
     /// Lists the quads of matter, with neighbours of one image in one batch.
@@ -73,12 +76,11 @@ impl DrawList {
     }
 
     /// Lists lamps: analytic ones as they are, the others as the quads of their discs.
-    fn add_lamps(&mut self, view: &LitCameraView, scene: &ExtractedScene, analytic: bool) {
+    fn add_lamps(&mut self, view: &LitCameraView, scene: &ExtractedScene, model: LampModel) {
         let placement = &view.placement;
         let corner = placement.corner();
-        let begin = self.quads.len() as u32;
         for (lamp, layers) in &scene.lamps {
-            let is_analytic = analytic || lamp.cone.is_some();
+            let is_analytic = model == LampModel::Analytic || lamp.cone.is_some();
             let on_grid = if is_analytic {
                 lamp.on_grid(corner, placement.cell)
             } else {
@@ -97,22 +99,59 @@ impl DrawList {
             if past.max_element() > on_grid.size {
                 continue;
             }
-            let gain = self.normalization.of(on_grid.position, on_grid.size);
-            let material = self.materials.len() as u32;
-            self.materials.push(QuadMaterial::lamp(on_grid.color.map(|c| c * gain)));
-            let size = Vec2::splat(2.0 * on_grid.size);
-            let map = QuadMap {
-                x_axis: [size.x, 0.0],
-                y_axis: [0.0, size.y],
-                origin: (middle - 0.5 * size).to_array(),
-            };
-            self.quads.push(Quad { material, ..Quad::shape(map, QuadShape::Lamp) });
-            self.glows = true;
+            // Where all lamps are solid by the method's rule, all are visible.
+            let all_solid = model == LampModel::Solid;
+            self.add_disc(&on_grid, all_solid || on_grid.solid, all_solid || on_grid.visible);
         }
-        let end = self.quads.len() as u32;
-        if end > begin {
-            let image = AssetId::default();
-            self.batches.push(QuadBatch { image, quads: begin..end, is_drawn: true });
+    }
+
+    /// Lists the quad of a lamp's disc.
+    fn add_disc(&mut self, lamp: &Lamp, is_solid: bool, is_drawn: bool) {
+        let gain = if is_solid { self.normalization.of(lamp.position, lamp.size) } else { 1.0 };
+        let material = self.materials.len() as u32;
+        self.materials.push(QuadMaterial::lamp(lamp.color.map(|c| c * gain)));
+        let size = Vec2::splat(2.0 * lamp.size);
+        let map = QuadMap {
+            x_axis: [size.x, 0.0],
+            y_axis: [0.0, size.y],
+            origin: (Vec2::from(lamp.position) - 0.5 * size).to_array(),
+        };
+        let begin = self.quads.len() as u32;
+        self.quads.push(Quad { material, ..Quad::shape(map, QuadShape::Lamp) });
+        self.glows |= is_drawn;
+        let batches = if is_solid { &mut self.batches } else { &mut self.lamp_batches };
+        let image = AssetId::default();
+        match batches.last_mut() {
+            Some(last)
+                if (last.image, last.is_drawn, last.quads.end) == (image, is_drawn, begin) =>
+            {
+                last.quads.end += 1;
+            }
+            _ => batches.push(QuadBatch { image, quads: begin..begin + 1, is_drawn }),
+        }
+    }
+}
+
+/// The way in which a method lights lamps without a cone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LampModel {
+    /// By range and falloff.
+    Analytic,
+    /// As discs that glow and block nothing, unless they are solid.
+    Glow,
+    /// As solid discs.
+    Solid,
+}
+
+impl LampModel {
+    /// The model of settings.
+    pub fn of(settings: &Settings) -> Self {
+        if settings.method().lights_lamps() {
+            Self::Analytic
+        } else if settings.method.reads_glow() {
+            Self::Glow
+        } else {
+            Self::Solid
         }
     }
 }

@@ -111,7 +111,7 @@ pub fn prepare(
         });
         match prepared {
             Ok(lit) => {
-                for batch in &lit.draw.batches {
+                for batch in lit.draw.batches.iter().chain(&lit.draw.lamp_batches) {
                     bindings.bind(device, &pipelines, batch.image, &images);
                 }
                 if let Some(texture) = &lit.texture {
@@ -179,8 +179,17 @@ fn draw_matter(
         color_attachments: &sums,
         ..RenderPassDescriptor::default()
     });
-    lit.quads.draw(&mut pass, &pipelines.matter, &lit.draw, images, QuadTarget::Grid);
+    lit.quads.draw(&mut pass, &pipelines.matter, &lit.draw.batches, images, QuadTarget::Grid);
     drop(pass);
+    if let Some(lamps) = &grid.lamps {
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("lamplight lamps"),
+            color_attachments: &[Some(attachment(lamps, LoadOp::Clear(Color::TRANSPARENT)))],
+            ..RenderPassDescriptor::default()
+        });
+        let batches = &lit.draw.lamp_batches;
+        lit.quads.draw(&mut pass, &pipelines.lamps, batches, images, QuadTarget::Grid);
+    }
     let matter = grid
         .matter
         .each_ref()

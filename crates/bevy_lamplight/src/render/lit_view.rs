@@ -1,9 +1,9 @@
 //! State of each lit camera that persists across frames.
 
 use super::budget::Budget;
-use super::draw::DrawList;
+use super::draw::{DrawList, LampModel};
 use super::extract::LitCameraView;
-use super::pipelines::{GLOW, MATTER, Pipelines, SUMS, TargetTransform};
+use super::pipelines::{GLOW, LAMPS, MATTER, Pipelines, SUMS, TargetTransform};
 use super::quad_buffers::QuadBuffers;
 use crate::components::Lighting2d;
 use crate::quads::ExtractedScene;
@@ -89,6 +89,8 @@ pub struct MatterTextures {
     pub sums: [TextureView; 4],
     pub sums_group: BindGroup,
     pub matter: [TextureView; 3],
+    /// The emission coefficient of lamps, from the first one that glows on.
+    pub lamps: Option<TextureView>,
 }
 
 impl MatterTextures {
@@ -100,12 +102,20 @@ impl MatterTextures {
             sums_group: pipelines.bind_sums(device, &sums),
             sums,
             matter: MATTER.map(|format| texture(device, "lamplight matter", size, format, usage)),
+            lamps: None,
         }
+    }
+
+    /// Makes room for lamps that glow.
+    fn add_lamps(&mut self, device: &Device) {
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+        let lamps = || texture(device, "lamplight lamps", self.size, LAMPS, usage);
+        self.lamps.get_or_insert_with(lamps);
     }
 
     fn textures(&self) -> Textures {
         let [emission, tint_opacity, albedo] = self.matter.clone();
-        Textures { emission, tint_opacity, albedo }
+        Textures { emission, tint_opacity, albedo, glow: self.lamps.clone() }
     }
 }
 
@@ -154,8 +164,12 @@ impl LitView {
         if placed.size != self.grid.size {
             self.grid = MatterTextures::new(device, pipelines, placed.size);
         }
-        let analytic = lighting.method.is_analytic();
-        self.draw.fill(view, scene, analytic);
+        let model = LampModel::of(&self.settings);
+        let analytic = model == LampModel::Analytic;
+        self.draw.fill(view, scene, model);
+        if !self.draw.lamp_batches.is_empty() {
+            self.grid.add_lamps(device);
+        }
         let [width, height] = placed.size.map(|v| v as f32);
         let grid = TargetTransform {
             x_axis: [2.0 / width, 0.0],

@@ -36,6 +36,8 @@ pub const SUMS: [TextureFormat; 4] = [
 ];
 /// Formats of matter: emission, tint and opacity, albedo. See [`lamplight_wgpu::Textures`].
 pub const MATTER: [TextureFormat; 3] = [TextureFormat::Rgba16Float; 3];
+/// Format of the emission coefficient of lamps.
+pub const LAMPS: TextureFormat = TextureFormat::Rgba16Float;
 /// Format of the texture of what glows on the screen.
 pub const GLOW: TextureFormat = TextureFormat::Rgba16Float;
 
@@ -46,6 +48,7 @@ pub struct Pipelines {
     image_layout: BindGroupLayout,
     sums_layout: BindGroupLayout,
     pub matter: RenderPipeline,
+    pub lamps: RenderPipeline,
     pub glow: RenderPipeline,
     pub resolve: RenderPipeline,
 }
@@ -84,12 +87,14 @@ impl Pipelines {
         let of_quads = [&quads_layout, &image_layout];
         let sums = SUMS.map(|format| color_target(format, Some(OVER)));
         let matter = MATTER.map(|format| color_target(format, None));
+        let lamps = [color_target(LAMPS, Some(ADD))];
         let glow = [color_target(GLOW, Some(OVER))];
         let pipeline = |label, layouts: &[&BindGroupLayout], module, entries, targets: &[_]| {
             pipeline(device, label, layouts, module, entries, targets)
         };
         Self {
             matter: pipeline("lamplight matter", &of_quads, &quads, ["place", "matter"], &sums),
+            lamps: pipeline("lamplight lamps", &of_quads, &quads, ["place", "lamp"], &lamps),
             glow: pipeline("lamplight glow", &of_quads, &quads, ["place", "glow"], &glow),
             resolve: pipeline(
                 "lamplight resolve",
@@ -132,14 +137,16 @@ pub fn bind<'a>(
 }
 
 /// The over operator with premultiplied alpha.
-const OVER: BlendState = {
-    let component = BlendComponent {
-        src_factor: BlendFactor::One,
-        dst_factor: BlendFactor::OneMinusSrcAlpha,
-        operation: BlendOperation::Add,
-    };
+const OVER: BlendState = blend(BlendFactor::OneMinusSrcAlpha);
+
+/// The sum.
+const ADD: BlendState = blend(BlendFactor::One);
+
+const fn blend(dst_factor: BlendFactor) -> BlendState {
+    let src_factor = BlendFactor::One;
+    let component = BlendComponent { src_factor, dst_factor, operation: BlendOperation::Add };
     BlendState { color: component, alpha: component }
-};
+}
 
 fn color_target(format: TextureFormat, blend: Option<BlendState>) -> Option<ColorTargetState> {
     Some(ColorTargetState { format, blend, write_mask: ColorWrites::ALL })

@@ -1,6 +1,6 @@
 //! The quads of a camera on the GPU.
 
-use super::draw::DrawList;
+use super::draw::{DrawList, QuadBatch};
 use super::image_bindings::ImageBindings;
 use super::pipelines::{Pipelines, TargetTransform, bind};
 use lamplight_wgpu::Error;
@@ -88,12 +88,12 @@ impl QuadBuffers {
         Ok(())
     }
 
-    /// Draws every batch whose image is loaded; on the screen only what Bevy draws there.
+    /// Draws batches whose image is loaded; on the screen only what Bevy draws there.
     pub fn draw(
         &self,
         pass: &mut RenderPass,
         pipeline: &RenderPipeline,
-        draw: &DrawList,
+        batches: &[QuadBatch],
         images: &ImageBindings,
         target: QuadTarget,
     ) {
@@ -101,7 +101,7 @@ impl QuadBuffers {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, group, &[]);
         let is_on_grid = matches!(target, QuadTarget::Grid);
-        for batch in draw.batches.iter().filter(|batch| batch.is_drawn || is_on_grid) {
+        for batch in batches.iter().filter(|batch| batch.is_drawn || is_on_grid) {
             let Some(image) = images.get(batch.image) else { continue };
             pass.set_bind_group(1, image, &[]);
             pass.draw(0..6, batch.quads.clone());

@@ -12,6 +12,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::stage::{FrameView, Stage};
 use crate::table::table;
+use lamplight::internals::glow::Glow;
 use lamplight::internals::holographic::paper::Paper;
 use lamplight::{Cells, Display, Method, Scene, Settings, SettingsTable, Solver};
 use lamplight_wgpu::{Cost, PipelineCost};
@@ -288,7 +289,8 @@ impl Times {
 fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) -> Result<Times> {
     let mut solver = Solver::new(settings)?;
     solver.solve(cells)?;
-    let drawn = cells.drawn();
+    let mut drawn = cells.drawn().into_owned();
+    Glow::default().to_media(&mut drawn);
     let mut plain = Paper::yardstick();
     if yardstick {
         plain.solve(&drawn);
@@ -310,7 +312,7 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) 
     }
     let mut presents = Vec::new();
     if let Some(scale) = scale {
-        let view = FrameView::new(&drawn, Display::default()).lit(solver.light());
+        let view = FrameView::new(cells, &drawn, Display::default()).lit(solver.light());
         for _ in 0..LEAST_RUNS {
             let present = Instant::now();
             view.picture(Stage::Final, scale)?;

@@ -52,10 +52,10 @@ pub fn run(args: RenderArgs) -> Result {
             idle_display_flags(&args.display, stage, format).iter().for_each(|text| warn(text));
         }
 
-        let drawn = job.cells.drawn();
+        let drawn = job.drawn();
         let fields = stage.needs_fields().then(|| job.fields(&drawn)).transpose()?;
         let lit = stage.needs_light().then(|| job.light()).transpose()?;
-        let mut view = FrameView::new(&drawn, job.display);
+        let mut view = FrameView::new(&job.cells, &drawn, job.display);
         if let Some(fields) = &fields {
             view = view.with_fields(fields);
         }

@@ -35,10 +35,11 @@ pub fn run(args: StagesArgs) -> Result {
             let names = Stage::ALL.into_iter().map(file_name).chain([SHEET.to_owned()]);
             names.into_iter().try_for_each(|name| job.outputs.check(&args.output.join(name)))?;
         }
-        let drawn = job.cells.drawn();
+        let drawn = job.drawn();
         let fields = job.fields(&drawn)?;
         let lit = job.light()?;
-        let view = FrameView::new(&drawn, job.display).with_fields(&fields).lit(&lit.light);
+        let view =
+            FrameView::new(&job.cells, &drawn, job.display).with_fields(&fields).lit(&lit.light);
         // Everything is made before anything is written.
         let mut pictures = Vec::new();
         for stage in Stage::ALL {

@@ -1,6 +1,7 @@
 // A ray through empty cells and media, as each lane of the library's packets of sixteen: it skips empty
 // space square by square, and goes from cell edge to cell edge through media.
 
+#import shared/absorptance
 #import shared/surfaces
 #import shared/uniforms
 
@@ -85,9 +86,9 @@ fn skip(ray: ptr<function, Ray>, heading: Heading, i: u32, square: u32, end: f32
     (*ray).along_x = crosses.x;
     (*ray).travelled += length;
     if square >= HAS_MEDIUM {
-        let transmittance = exp(-extinction[i].rgb * max(length, 0.0));
-        (*ray).light += before.transmittance * (1.0 - transmittance) * fade(source[i].rgb, before.travelled);
-        (*ray).transmittance *= transmittance;
+        let depth = extinction[i].rgb * max(length, 0.0);
+        (*ray).light += before.transmittance * absorptance(depth) * fade(source[i].rgb, before.travelled);
+        (*ray).transmittance *= exp(-depth);
     }
     return ends;
 }

@@ -7,5 +7,8 @@ override MAX_OPTICAL_DEPTH: f32;
 fn extinction_of(tint_opacity: vec4f) -> vec3f {
     let transmittance = (1.0 - tint_opacity.a) * tint_opacity.rgb;
     let depth = select(-log(transmittance), vec3f(MAX_OPTICAL_DEPTH), transmittance <= vec3f(0.0));
-    return min(depth, vec3f(MAX_OPTICAL_DEPTH));
+    // Thin media take the series, because GPUs compute logarithms near 0 with few digits.
+    let absorbed = 1.0 - transmittance;
+    let series = absorbed * (1.0 + absorbed * (0.5 + absorbed * (0.33333334 + absorbed * 0.25)));
+    return min(select(depth, series, absorbed < vec3f(0.02)), vec3f(MAX_OPTICAL_DEPTH));
 }

@@ -43,6 +43,8 @@ struct ComposeUniforms {
     outset: mat3x3f,
     // Coefficients of x⁶ … x³, then x² … x⁰ and the display's gamma.
     contrast: array<vec4f, 2>,
+    // True if the emission that is seen is not that of the matter.
+    has_shown: u32,
 }
 
 // True if the shader encodes, because the target does not.
@@ -59,6 +61,7 @@ override GAMMA: f32;
 @group(0) @binding(5) var color: texture_2d<f32>;
 @group(0) @binding(6) var color_emission: texture_2d<f32>;
 @group(0) @binding(7) var more: texture_2d<f32>;
+@group(0) @binding(8) var shown: texture_2d<f32>;
 
 struct Seen {
     @builtin(position) position: vec4f,
@@ -108,6 +111,9 @@ fn radiance(near: vec2i) -> Radiance {
         seen.arrives = max(seen.arrives - own, vec3f(0.0));
     } else {
         seen.emitted *= 1.0 - (1.0 - tint_opacity.a) * tint_opacity.rgb;
+    }
+    if params.has_shown != 0u {
+        seen.emitted = textureLoad(shown, at, 0).rgb;
     }
     if params.more_light != 0u {
         seen.arrives += textureLoad(more, at, 0).rgb;

@@ -39,6 +39,9 @@ gpu_struct! {
         inset: [[f32; 4]; 3],
         outset: [[f32; 4]; 3],
         contrast: [[f32; 4]; 2],
+        pub has_shown: u32,
+        /// Uniforms end at a multiple of 16 bytes.
+        padding: [u32; 3],
     }
 }
 
@@ -74,6 +77,8 @@ impl ComposeUniforms {
             inset: columns(&AGX_INSET),
             outset: columns(&AGX_OUTSET),
             contrast: [[x6, x5, x4, x3], [x2, x1, x0, AGX_GAMMA]],
+            has_shown: 0,
+            padding: [0; 3],
         })
     }
 

@@ -8,6 +8,7 @@ pub mod display;
 pub mod distance;
 pub mod empty_space;
 pub mod feedback;
+pub mod glow;
 pub mod invalidate;
 pub mod jump_flood;
 pub mod medium_grid;

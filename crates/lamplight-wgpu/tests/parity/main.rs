@@ -10,6 +10,7 @@ mod cost;
 mod denoise;
 mod flood;
 mod frames;
+mod glow;
 mod holographic;
 mod lamps;
 mod polar;

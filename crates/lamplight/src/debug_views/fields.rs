@@ -6,13 +6,21 @@ use crate::grid::empty_space::side;
 use crate::stages::seed::{NONE, unpack};
 use crate::{Cells, Display, ToneMap};
 use image::{Rgb as Pixel, RgbImage};
+use std::borrow::Cow;
 
 /// The colour of a cell without a value.
 const NOTHING: Pixel<u8> = Pixel([24, 24, 28]);
 
-/// Emission through a tone map.
+/// Emission, and the glow of 1 px, through a tone map.
 pub fn emission(cells: &Cells, display: &Display) -> RgbImage {
-    display.picture(cells.width(), cells.height(), cells.emission())
+    display.picture(cells.width(), cells.height(), &emitted(cells))
+}
+
+/// Emission plus the glow of 1 px.
+pub fn emitted(cells: &Cells) -> Cow<'_, [crate::Rgb]> {
+    let Some(glow) = cells.glow() else { return Cow::Borrowed(cells.emission()) };
+    let sum = |(e, g): (&crate::Rgb, &crate::Rgb)| std::array::from_fn(|c| e[c] + g[c]);
+    cells.emission().iter().zip(glow).map(sum).collect()
 }
 
 /// Opacity: white is solid. Values are not sRGB-encoded, as in the layers of a scene.

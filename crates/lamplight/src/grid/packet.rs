@@ -16,7 +16,7 @@ use super::class::CellClass;
 use super::empty_space::{MATTER, quadrant, side};
 use super::medium_grid::MediumGrid;
 use super::traverse::Ray;
-use crate::math::transmittance::{OPAQUE_TRANSMITTANCE, transmittance_lanes};
+use crate::math::transmittance::{OPAQUE_TRANSMITTANCE, attenuation_lanes};
 use crate::simd::floor;
 use fearless_simd::{f32x16, i32x16, mask32x16, prelude::*};
 
@@ -267,14 +267,14 @@ fn cross<S: Simd>(
     through: &mut [f32x16<S>; 3],
 ) {
     let simd = length.token();
-    let mut t = length;
+    let (mut t, mut absorbed) = (length, length);
     for c in 0..3 {
         if c == 0 || grid.tints {
             let extinction = f32x16::from_fn(simd, |l| grid.extinction[index[l] as usize][c]);
-            t = transmittance_lanes(extinction * length);
+            (t, absorbed) = attenuation_lanes(extinction * length);
         }
         let source = f32x16::from_fn(simd, |l| grid.source[index[l] as usize][c]);
-        light[c] += through[c] * ((-t + 1.0) * source);
+        light[c] += through[c] * (absorbed * source);
         through[c] *= t;
     }
 }

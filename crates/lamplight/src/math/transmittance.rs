@@ -13,10 +13,17 @@ pub fn extinction(opacity: f32, tint: Rgb) -> Rgb {
     tint.map(|t| (-((1.0 - opacity) * t).ln()).min(MAX_OPTICAL_DEPTH))
 }
 
-/// Returns the transmittance `e^−τ` of an optical depth τ ≥ 0, with a relative error under 3e-7: 2^n
-/// by the exponent bits, 2^f by a polynomial of degree 6 (Taylor, |f| ≤ ½).
+/// Returns the transmittance `T = e^−τ` of an optical depth τ ≥ 0, with a relative error under 3e-7.
 #[inline]
 pub fn transmittance(optical_depth: f32) -> f32 {
+    attenuation(optical_depth).0
+}
+
+/// Returns the [`transmittance`] T of an optical depth and the absorptance 1 − T, which stays exact to
+/// rounding however thin the medium: `T = 2^n·(1 + q)` and `1 − T = (1 − 2^n) − 2^n·q`, with 2^n by the
+/// exponent bits and `q = e^f − 1` by a polynomial of degree 6 (Taylor, |f| ≤ ½·ln 2).
+#[inline]
+pub fn attenuation(optical_depth: f32) -> (f32, f32) {
     let t = (optical_depth * -std::f32::consts::LOG2_E).max(-126.0);
     let n = (t - 0.5) as i32; // rounds to nearest, as t ≤ 0
     let f = (t - n as f32) * std::f32::consts::LN_2;
@@ -26,13 +33,14 @@ pub fn transmittance(optical_depth: f32) -> f32 {
     let p = p * f + 1.0 / 6.0;
     let p = p * f + 0.5;
     let p = p * f + 1.0;
-    let p = p * f + 1.0;
-    p * f32::from_bits(((n + 127) as u32) << 23)
+    let q = p * f;
+    let scale = f32::from_bits(((n + 127) as u32) << 23);
+    ((q + 1.0) * scale, (1.0 - scale) - scale * q)
 }
 
-/// Returns the [`transmittance`] of sixteen optical depths, the same to the bit.
+/// Returns the [`attenuation`] of sixteen optical depths, the same to the bit.
 #[inline(always)]
-pub fn transmittance_lanes<S: Simd>(optical_depth: f32x16<S>) -> f32x16<S> {
+pub fn attenuation_lanes<S: Simd>(optical_depth: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
     let t = (optical_depth * -std::f32::consts::LOG2_E).max(-126.0);
     let n = (t - 0.5).trunc();
     let f = (t - n) * std::f32::consts::LN_2;
@@ -41,8 +49,9 @@ pub fn transmittance_lanes<S: Simd>(optical_depth: f32x16<S>) -> f32x16<S> {
     let p = p * f + 1.0 / 6.0;
     let p = p * f + 0.5;
     let p = p * f + 1.0;
-    let p = p * f + 1.0;
-    p * f32x16::from_bits((n + 127.0).to_int::<u32x16<S>>() << 23)
+    let q = p * f;
+    let scale = f32x16::from_bits((n + 127.0).to_int::<u32x16<S>>() << 23);
+    ((q + 1.0) * scale, (-scale + 1.0) - scale * q)
 }
 
 #[cfg(test)]
@@ -56,9 +65,11 @@ mod tests {
         for i in 0..5000 {
             let depth: [f32; 16] = std::array::from_fn(|l| (16 * i + l) as f32 * 1.3e-3);
             let lanes = dispatch!(Level::new(), simd => {
-                transmittance_lanes(f32x16::load_array(simd, depth)).to_array()
+                let (t, absorbed) = attenuation_lanes(f32x16::load_array(simd, depth));
+                (t.to_array(), absorbed.to_array())
             });
-            assert_eq!(lanes, depth.map(transmittance));
+            let alone = depth.map(attenuation);
+            assert_eq!(lanes, (alone.map(|a| a.0), alone.map(|a| a.1)));
         }
     }
 
@@ -72,5 +83,15 @@ mod tests {
         }
         assert_eq!(transmittance(0.0), 1.0);
         assert!(transmittance(1e4) < 1e-37);
+    }
+
+    #[test]
+    fn absorptance_is_exact_to_rounding_however_thin_the_medium() {
+        assert_eq!(attenuation(0.0).1, 0.0);
+        for i in 0..400 {
+            let depth = 1e-9 * 1.06f32.powi(i);
+            let (got, want) = (f64::from(attenuation(depth).1), -(-f64::from(depth)).exp_m1());
+            assert!((got / want - 1.0).abs() < 1e-6, "{depth}: {got} {want}");
+        }
     }
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Images that fill the grid under the shapes. Each is a PNG, EXR, WebP or JPEG of exactly the scene's
 /// size; relative paths start at the scene file's folder.
 ///
-/// Transparent pixels are mixed with the defaults (emission, opacity and albedo 0, tint 1, the picture
+/// Transparent pixels are mixed with the defaults (emission, glow, opacity and albedo 0, tint 1, the picture
 /// white) by their alpha; fully transparent ones are ignored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -24,6 +24,12 @@ pub struct Layers {
     /// Multiplies the emission layer, 0 to 1e6.
     #[serde(skip_serializing_if = "is_one")]
     pub emission_scale: f32,
+    /// Emission coefficient, radiance per px, decoded like `emission`. It needs no opacity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub glow: Option<PathBuf>,
+    /// Multiplies the glow layer, 0 to 1e6.
+    #[serde(skip_serializing_if = "is_one")]
+    pub glow_scale: f32,
     /// Opacity: the grey value, 0 to 1, without sRGB decoding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<PathBuf>,
@@ -47,6 +53,8 @@ impl Default for Layers {
         Self {
             emission: None,
             emission_scale: 1.0,
+            glow: None,
+            glow_scale: 1.0,
             opacity: None,
             albedo: None,
             tint: None,
@@ -63,11 +71,13 @@ impl Layers {
 
     /// The images, as the scene names them.
     pub(crate) fn images(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.emission, &self.opacity, &self.albedo, &self.tint, &self.color].into_iter().flatten()
+        let Self { emission, glow, opacity, albedo, tint, color, .. } = self;
+        [emission, glow, opacity, albedo, tint, color].into_iter().flatten()
     }
 
     pub(crate) fn check(&self) -> Result<()> {
-        check::number("layers.emission_scale", self.emission_scale, 0.0..=1e6)
+        check::number("layers.emission_scale", self.emission_scale, 0.0..=1e6)?;
+        check::number("layers.glow_scale", self.glow_scale, 0.0..=1e6)
     }
 
     /// Reads every layer into the grid.
@@ -77,17 +87,16 @@ impl Layers {
             path.as_ref().map(|path| Layer::open(key, source, path, size)).transpose()
         };
         if let Some(layer) = open("emission", &self.emission)? {
-            let scale = self.emission_scale;
-            layer.fill("emission", cells.emission_mut(), 0.0..=check::BRIGHT, |x, y| {
-                let (rgb, alpha) = layer.picture.color(x, y);
-                rgb.map(|v| v * alpha * scale)
-            })?;
+            layer.fill_light("emission", cells.emission_mut(), self.emission_scale)?;
             if self.opacity.is_none() {
                 for i in 0..cells.len() {
                     let glows = cells.emission()[i].iter().any(|&e| e > 0.0);
                     cells.opacity_mut()[i] = if glows { 1.0 } else { 0.0 };
                 }
             }
+        }
+        if let Some(layer) = open("glow", &self.glow)? {
+            layer.fill_light("glow", cells.glow_mut(), self.glow_scale)?;
         }
         if let Some(layer) = open("opacity", &self.opacity)? {
             layer.fill("opacity", cells.opacity_mut(), 0.0..=1.0, |x, y| {
@@ -160,6 +169,14 @@ impl Layer {
             }
         }
         Ok(())
+    }
+
+    /// Sets the light of every cell, times `scale`.
+    fn fill_light(&self, field: &'static str, cells: &mut [Rgb], scale: f32) -> Result<()> {
+        self.fill(field, cells, 0.0..=check::BRIGHT, |x, y| {
+            let (rgb, alpha) = self.picture.color(x, y);
+            rgb.map(|v| v * alpha * scale)
+        })
     }
 
     /// Lays the image over the picture under the light.

@@ -208,9 +208,17 @@ impl Scene {
             let (n, width) = (1 + idle.count(), cells.width() as usize);
             warnings.push(format!(
                 "{n} cells, the first at ({}, {}), have emission but neither opacity nor tint: \
-                 what absorbs no light gives off none",
+                 what absorbs no light gives off none (`glow` needs no opacity)",
                 first % width,
                 first / width
+            ));
+        }
+        let solid = |i: usize| cells.is_solid(i) && cells.matter(i).glow != [0.0; 3];
+        let glowing = cells.glow().map_or(0, |glow| (0..glow.len()).filter(|&i| solid(i)).count());
+        if glowing > 0 {
+            warnings.push(format!(
+                "{glowing} solid cells have glow, which does not leave them: use emission, or an opacity \
+                 below 1"
             ));
         }
         warnings

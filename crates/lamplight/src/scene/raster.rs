@@ -170,7 +170,7 @@ impl Shape {
 
 impl Cells {
     /// Draws an image, one cell per px, with its upper left corner at a cell that may lie outside the
-    /// grid. Alpha is coverage; the colour (sRGB) multiplies the emission and the albedo of `matter`
+    /// grid. Alpha is coverage; the colour (sRGB) multiplies emission, glow and albedo of `matter`
     /// and becomes the cell's colour.
     ///
     /// # Errors
@@ -203,12 +203,12 @@ struct Texel {
     strength: f32,
 }
 
-/// Draws a texel over a cell: its colour multiplies what the matter emits and reflects.
+/// Draws a texel over a cell: its colour multiplies the light that the matter emits and reflects.
 fn cover(matter: &Matter, texel: Texel, [x, y]: [u32; 2], cells: &mut Cells) -> Result<()> {
     let Texel { rgb, share, paint, strength } = texel;
     let product = |by: Rgb| -> Rgb { std::array::from_fn(|c| rgb[c] * by[c]) };
-    let (emission, albedo) = (product(matter.emission), product(matter.albedo));
-    let (matter, color) = (Matter { emission, albedo, ..*matter }, product(paint));
+    let [emission, glow, albedo] = [matter.emission, matter.glow, matter.albedo].map(product);
+    let (matter, color) = (Matter { emission, glow, albedo, ..*matter }, product(paint));
     judge(x, y, &matter, share, color)?;
     let i = cells.index(x, y);
     cells.set_matter(i, matter.over(cells.matter(i), share));
@@ -223,6 +223,7 @@ fn judge(x: u32, y: u32, matter: &Matter, share: f32, color: Rgb) -> Result<()> 
     bad(&[share], 1.0)
         .map(error("alpha", "0 to 1"))
         .or_else(|| bad(&matter.emission, BRIGHT).map(error("emission", "0 to 1e12")))
+        .or_else(|| bad(&matter.glow, BRIGHT).map(error("glow", "0 to 1e12")))
         .or_else(|| bad(&matter.albedo, 1.0).map(error("albedo", "0 to 1")))
         .or_else(|| bad(&color, 1.0).map(error("color", "0 to 1")))
         .unwrap_or(Ok(()))

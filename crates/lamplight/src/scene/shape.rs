@@ -31,6 +31,9 @@ pub struct Shape {
     pub antialias: bool,
     /// Emitted radiance, linear RGB.
     pub emission: Rgb,
+    /// Emission coefficient: radiance added per px, linear RGB. It needs no opacity, and solid matter has
+    /// none.
+    pub glow: Rgb,
     /// Fraction of light absorbed per px, 0 to 1; 1 is a solid wall.
     pub opacity: f32,
     /// Albedo: the fraction of arriving light that is reflected or scattered; `None` is 0.
@@ -50,6 +53,7 @@ impl Shape {
             rotation: 0.0,
             antialias: false,
             emission: [0.0; 3],
+            glow: [0.0; 3],
             opacity: 1.0,
             albedo: None,
             tint: [1.0; 3],
@@ -100,6 +104,13 @@ impl Shape {
         Self { emission, ..self }
     }
 
+    /// Sets the emission coefficient, linear RGB per px, and the opacity to 0, because solid matter does
+    /// not glow. Smoke that glows gets its opacity afterwards.
+    #[must_use]
+    pub fn glow(self, glow: Rgb) -> Self {
+        Self { glow, opacity: 0.0, ..self }
+    }
+
     /// Sets the opacity, 0 to 1.
     #[must_use]
     pub fn opacity(self, opacity: f32) -> Self {
@@ -128,6 +139,7 @@ impl Shape {
     pub fn matter(&self) -> Matter {
         Matter {
             emission: self.emission,
+            glow: self.glow,
             opacity: self.opacity,
             tint: self.tint,
             albedo: self.albedo.unwrap_or_default(),
@@ -139,6 +151,7 @@ impl Shape {
         self.geometry.check(key)?;
         check::number(format_args!("{key}.rotation"), self.rotation, -1e3..=1e3)?;
         check::radiance(format_args!("{key}.emission"), self.emission)?;
+        check::radiance(format_args!("{key}.glow"), self.glow)?;
         check::number(format_args!("{key}.opacity"), self.opacity, 0.0..=1.0)?;
         check::unit(format_args!("{key}.albedo"), self.albedo.unwrap_or_default())?;
         check::unit(format_args!("{key}.tint"), self.tint)?;
@@ -175,9 +188,14 @@ struct ShapeFile {
     /// Emitted radiance, linear RGB of 0 or more.
     #[serde(default, deserialize_with = "exact::one", skip_serializing_if = "is_default")]
     emission: Rgb,
-    /// Fraction of light absorbed per px, 0 to 1; 1 is a solid wall.
-    #[serde(default = "one")]
-    opacity: f32,
+    /// Emission coefficient, linear RGB of 0 or more: radiance added per px, as by fire, with or without
+    /// opacity.
+    #[serde(default, deserialize_with = "exact::one", skip_serializing_if = "is_default")]
+    glow: Rgb,
+    /// Fraction of light absorbed per px, 0 to 1; 1 is a solid wall. Default: 1, or 0 for a shape with
+    /// `glow`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    opacity: Option<f32>,
     /// Albedo: the fraction of arriving light that is reflected or scattered, 0 to 1 per channel.
     /// Default: 0.
     #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
@@ -195,10 +213,6 @@ const GEOMETRIES: [&str; 5] = ["circle", "rect", "polygon", "line", "sprite"];
 
 fn one_of_the_geometries() -> Vec<serde_json::Value> {
     GEOMETRIES.iter().map(|name| serde_json::json!({ "required": [name] })).collect()
-}
-
-fn one() -> f32 {
-    1.0
 }
 
 fn white() -> Rgb {
@@ -240,7 +254,8 @@ impl TryFrom<ShapeFile> for Shape {
             rotation: file.rotation,
             antialias: file.antialias,
             emission: file.emission,
-            opacity: file.opacity,
+            glow: file.glow,
+            opacity: file.opacity.unwrap_or(if file.glow == [0.0; 3] { 1.0 } else { 0.0 }),
             albedo: file.albedo,
             tint: file.tint,
             color: file.color,
@@ -259,7 +274,8 @@ impl From<Shape> for ShapeFile {
             rotation: shape.rotation,
             antialias: shape.antialias,
             emission: shape.emission,
-            opacity: shape.opacity,
+            glow: shape.glow,
+            opacity: Some(shape.opacity),
             albedo: shape.albedo,
             tint: shape.tint,
             color: shape.color,

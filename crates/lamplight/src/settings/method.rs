@@ -1,6 +1,7 @@
 //! The methods, and the settings of one of them.
 
 use super::preset::no_preset;
+use super::raymarch::Hit;
 use super::{Cascades, Flood, Holographic, Polar, Raymarch};
 use crate::{Cells, Error, Result};
 use schemars::JsonSchema;
@@ -105,6 +106,27 @@ impl MethodSettings {
             Method::Holographic => Holographic::preset(name).map(Self::Holographic),
         };
         found.ok_or_else(|| no_preset(method.name(), name, method.presets()))
+    }
+
+    /// Returns whether the method reads the glow of cells. Where it does not, lamps that are drawn are solid
+    /// discs: `raymarch` with `hit = "distance"`, as in its sources.
+    pub fn reads_glow(&self) -> bool {
+        match self {
+            Self::Raymarch(raymarch) => raymarch.hit == Hit::Edge,
+            Self::Polar(_) => false,
+            Self::Flood(_) | Self::Cascades(_) | Self::Holographic(_) => true,
+        }
+    }
+
+    /// Draws lamps into cells as the method reads them, unless it lights them by rule.
+    pub fn draw_lamps(&self, cells: &mut Cells) {
+        if self.method().lights_lamps() {
+            return;
+        }
+        if !self.reads_glow() {
+            cells.lamps_mut().iter_mut().for_each(|lamp| lamp.solid = true);
+        }
+        cells.draw_lamps();
     }
 
     /// The method.

@@ -1,13 +1,13 @@
 //! From linear light to a picture: exposure, tone map, sRGB.
 //!
 //! The final picture shows, per channel and in linear light,
-//! `color × light + (1 − T)·L_e`, with `T = (1 − opacity)·tint` over 1 px: the background lit by
-//! the light, plus the radiance that the cell emits. In a solid cell [`Light`] already includes the
-//! emission L_e in addition to the light on the faces, so the picture there is
-//! `color × (light − L_e) + L_e`. That sum × 2^exposure is tone mapped to 0 to 1 and then encoded as sRGB,
-//! once.
+//! `color × light + (1 − T)·L_e + j·(1 − T)/σ_t`, with `T = (1 − opacity)·tint` over 1 px: the background
+//! lit by the light, plus the radiance that 1 px of the cell emits. In a solid cell [`Light`] already
+//! includes the emission L_e in addition to the light on the faces, so the picture there is
+//! `color × (light − L_e) + L_e`. Lamps are shown if they are visible, by their radiance. That sum ×
+//! 2^exposure is tone mapped to 0 to 1 and then encoded as sRGB, once.
 
-use crate::{Cells, Error, Light, Result, Rgb, srgb};
+use crate::{Cells, Error, Light, Matter, Result, Rgb, srgb};
 use image::RgbImage;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -186,28 +186,47 @@ impl Light {
                 format!("the grid of the light, {}", size(self.width, self.height)),
             ));
         }
-        let cells = cells.drawn();
+        let (drawn, shown) = (cells.drawn(), cells.shown());
         let seen = |i: usize| -> Rgb {
-            let matter = cells.matter(i);
+            let matter = shown.matter(i);
             let color = cells.color().map_or([1.0; 3], |all| all[i]);
+            let emitted = emitted(&matter);
             std::array::from_fn(|c| {
-                let glow = matter.emission[c];
+                let mut light = self.rgb[i][c];
                 if matter.opacity >= 1.0 {
-                    color[c] * (self.rgb[i][c] - glow).max(0.0) + glow
-                } else {
-                    let through = (1.0 - matter.opacity) * matter.tint[c];
-                    color[c] * self.rgb[i][c] + (1.0 - through) * glow
+                    light = (light - drawn.emission()[i][c]).max(0.0);
                 }
+                color[c] * light + emitted[c]
             })
         };
         Ok((0..cells.len()).into_par_iter().map(seen).collect())
     }
 }
 
+/// Returns the radiance that 1 px of a cell emits; of a solid cell, its emission.
+pub fn emitted(matter: &Matter) -> Rgb {
+    if matter.opacity >= 1.0 {
+        return matter.emission;
+    }
+    std::array::from_fn(|c| {
+        let absorbed = 1.0 - (1.0 - matter.opacity) * matter.tint[c];
+        absorbed * matter.emission[c] + per_glow(absorbed) * matter.glow[c]
+    })
+}
+
+/// Returns the radiance that 1 px of an emission coefficient of 1 adds in a cell of this absorptance A over
+/// 1 px: `A/σ_t = −A/ln(1 − A)`, by its series where that is 0 ÷ 0.
+fn per_glow(absorbed: f32) -> f32 {
+    match absorbed {
+        1.0.. => 0.0,
+        ..0.01 => 1.0 - absorbed / 2.0 - absorbed * absorbed / 12.0,
+        _ => -absorbed / (1.0 - absorbed).ln(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Matter;
 
     /// The tolerance of f32 arithmetic against values computed in f64.
     const ROUNDING: f32 = 2e-6;

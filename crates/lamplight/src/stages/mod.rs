@@ -4,6 +4,7 @@
 pub mod bounce;
 pub mod display;
 pub mod distance;
+pub mod glow;
 pub mod jump_flood;
 pub mod seed;
 pub mod walls;

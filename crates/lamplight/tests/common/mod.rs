@@ -55,7 +55,9 @@ pub fn jumble(width: u32, height: u32, seed: u64) -> Cells {
         let (albedo, tint, kind) = (rgb(random), rgb(random), random.f32());
         match kind {
             k if k < 0.15 => Matter { emission: glow, albedo, ..WALL },
-            k if k < 0.25 => Matter { emission: glow, opacity: random.f32(), albedo, tint },
+            k if k < 0.25 => {
+                Matter { emission: glow, opacity: random.f32(), albedo, tint, ..Matter::EMPTY }
+            }
             k if k < 0.3 => Matter { tint, ..Matter::EMPTY },
             _ => Matter::EMPTY,
         }

@@ -116,7 +116,7 @@ fn no_light_enters_a_sealed_room() {
                 () if sealed.wall[i] => Matter { albedo: [0.8; 3], ..WALL },
                 () if sealed.is_outside(i) => {
                     let glow = if random.f32() < 0.1 { 50.0 } else { 0.0 };
-                    Matter { emission: [glow; 3], opacity: 0.1, albedo: [0.9; 3], tint: [1.0; 3] }
+                    Matter { emission: [glow; 3], opacity: 0.1, albedo: [0.9; 3], ..Matter::EMPTY }
                 }
                 () => Matter::EMPTY,
             }

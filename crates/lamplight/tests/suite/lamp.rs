@@ -1,12 +1,16 @@
-//! A lamp keeps its light wherever between the cells it stands.
+//! A lamp keeps its light wherever between the cells it stands, whether it glows or is solid.
 
 use lamplight::{Cells, Cone, Lamp, Scene};
 use std::f64::consts::PI;
 
-/// The specified tolerance over all positions, and relative to the ideal disc.
+/// The specified tolerance of solid lamps over all positions, and relative to the ideal disc.
 const TOLERANCE: f64 = 0.02;
+/// Rounding of the coverage of some hundred cells.
+const ROUNDING: f64 = 1e-4;
+/// The largest distance of the centre of a drawn lamp from its position, px.
+const CENTRE: f64 = 0.03;
 
-/// Total light that leaves the lamp drawn into a grid ÷ that of the ideal disc of its size:
+/// Total light that leaves the solid lamp drawn into a grid ÷ that of the ideal disc of its size:
 /// `∫∫ L db dω ÷ (2π · 2·size)`, each parallel ray cut with every lit cell's box.
 fn light_against_ideal(lamp: Lamp, directions: usize, offsets: usize) -> f64 {
     let side = (2.0 * lamp.position[0]) as u32;
@@ -54,7 +58,45 @@ fn lamp(size: f32, dx: f32, dy: f32) -> Lamp {
         color: [0.75; 3],
         intensity: 4.0,
         size,
+        solid: true,
         ..Lamp::default()
+    }
+}
+
+#[test]
+fn a_lamp_glows_as_much_as_its_ideal_disc_at_every_tenth_of_a_px() {
+    for size in [0.05, 0.3, 0.5, 1.0, 2.0, 7.9, 48.0] {
+        for (i, j) in (0..10).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let lamp = Lamp { solid: false, ..lamp(size, i as f32 / 10.0, j as f32 / 10.0) };
+            let side = (2.0 * lamp.position[0]) as u32 + 2;
+            let mut cells = Cells::new(side, side).unwrap();
+            cells.lamps_mut().push(lamp);
+            let drawn = cells.drawn();
+            let glow = |i: usize| f64::from(drawn.glow().unwrap()[i][0]);
+            let total: f64 = (0..drawn.len()).map(glow).sum();
+            let ideal = 2.0 * 3.0 * f64::from(size);
+            assert!((total / ideal - 1.0).abs() < ROUNDING, "size {size}: {total}, not {ideal}");
+            // Its centre is that of the disc.
+            let middle: f64 =
+                (0..drawn.len()).map(|i| glow(i) * ((i as u32 % side) as f64 + 0.5)).sum();
+            let off = middle / total - f64::from(lamp.position[0]);
+            assert!(off.abs() < CENTRE, "size {size}: {off} px off");
+            assert!(drawn.opacity().iter().all(|&opacity| opacity == 0.0));
+        }
+    }
+}
+
+#[test]
+fn lamps_that_overlap_add_up() {
+    let drawn = |lamps: &[Lamp]| {
+        let mut cells = Cells::new(16, 16).unwrap();
+        cells.lamps_mut().extend_from_slice(lamps);
+        cells.drawn().glow().unwrap().to_vec()
+    };
+    let at = |x| Lamp { position: [x, 8.0], size: 3.0, ..Lamp::default() };
+    let both = drawn(&[at(7.0), at(9.5)]);
+    for (both, (a, b)) in both.iter().zip(drawn(&[at(7.0)]).iter().zip(drawn(&[at(9.5)]))) {
+        assert_eq!(both[0], a[0] + b[0]);
     }
 }
 
@@ -98,7 +140,7 @@ fn the_measure_rejects_a_lamp_that_is_drawn_wrong() {
 #[test]
 fn lamps_at_and_beyond_the_border_are_cut_off() {
     let mut cells = Cells::new(8, 8).unwrap();
-    let at = |x, y| Lamp { position: [x, y], size: 2.0, ..Lamp::default() };
+    let at = |x, y| Lamp { position: [x, y], size: 2.0, solid: true, ..Lamp::default() };
     cells.lamps_mut().extend([at(0.0, 4.0), at(-50.0, 4.0), at(8.0, 8.0), at(4.0, 1e6)]);
     let drawn = cells.drawn();
     assert_eq!(drawn.get(0, 4).unwrap().opacity, 1.0);
@@ -106,6 +148,10 @@ fn lamps_at_and_beyond_the_border_are_cut_off() {
     assert_eq!(drawn.get(4, 2).unwrap().opacity, 0.0);
     assert!(drawn.lamps().is_empty());
     drawn.check().unwrap();
+    cells.lamps_mut().iter_mut().for_each(|lamp| lamp.solid = false);
+    let glow = cells.drawn().glow().unwrap().to_vec();
+    let full = 1.0 / std::f32::consts::PI;
+    assert_eq!([32, 63, 20].map(|i| glow[i][0]), [full, full, 0.0]);
 }
 
 #[test]
@@ -113,6 +159,8 @@ fn a_lamp_that_is_off_draws_nothing() {
     let mut cells = Cells::new(8, 8).unwrap();
     cells.lamps_mut().push(Lamp { position: [4.0, 4.0], intensity: 0.0, ..Lamp::default() });
     cells.lamps_mut().push(Lamp { position: [4.0, 4.0], color: [0.0; 3], ..Lamp::default() });
+    assert!(cells.drawn().glow().is_none());
+    cells.lamps_mut().iter_mut().for_each(|lamp| lamp.solid = true);
     assert!(cells.drawn().opacity().iter().all(|&a| a == 0.0));
 }
 

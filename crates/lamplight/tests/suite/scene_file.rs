@@ -29,6 +29,7 @@ fn whole() -> Scene {
                 .rotation(0.5)
                 .antialias()
                 .emission([4.0, 3.2, 2.0])
+                .glow([0.5, 0.25, 0.0])
                 .opacity(0.5)
                 .albedo([0.8, 0.7, 0.6])
                 .tint([1.0, 0.5, 0.25])
@@ -46,10 +47,14 @@ fn whole() -> Scene {
             size: 1.5,
             falloff: Falloff::Smooth,
             cone: Some(Cone { direction: 1.5, angle: 0.75, softness: 0.25 }),
+            solid: true,
+            visible: true,
         });
     scene.layers = Layers {
         emission: Some("emission.png".into()),
         emission_scale: 6.0,
+        glow: Some("glow.png".into()),
+        glow_scale: 0.5,
         opacity: Some("opacity.png".into()),
         albedo: Some("albedo.png".into()),
         tint: Some("tint.png".into()),
@@ -82,6 +87,25 @@ fn written_scenes_are_read_back() {
     let centred = "size = [9, 9]\n[[shape]]\nrect = { center = [4.1, 4.2], size = [1.3, 2] }";
     let scene = Scene::from_toml(centred).unwrap();
     assert_eq!(Scene::from_toml(&scene.to_toml().unwrap()).unwrap(), scene);
+}
+
+#[test]
+fn a_shape_that_glows_is_not_solid_unless_it_says_so() {
+    let shape = |keys: &str| {
+        let circle = "circle = { center = [4, 4], radius = 2 }";
+        let text = format!("size = [8, 8]\n[[shape]]\n{circle}\n{keys}\n");
+        let scene = Scene::from_toml(&text).unwrap();
+        let cells = scene.cells().unwrap();
+        (cells.get(4, 4).unwrap(), scene.warnings(&cells))
+    };
+    let (fire, warnings) = shape("glow = [1, 0.5, 0]");
+    assert_eq!((fire.glow, fire.opacity), ([1.0, 0.5, 0.0], 0.0));
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_eq!(shape("glow = [1, 0.5, 0]\nopacity = 0.25").0.opacity, 0.25);
+    let (wall, warnings) = shape("glow = [1, 0.5, 0]\nopacity = 1");
+    assert_eq!(wall.opacity, 1.0);
+    assert!(warnings[0].starts_with("12 solid cells have glow"), "{warnings:?}");
+    assert_eq!(shape("").0.opacity, 1.0);
 }
 
 #[test]
@@ -130,7 +154,7 @@ const TOML_MISTAKES: &[Mistake] = &[
     (
         "size = [4, 4]\n[layers]\nemision = \"a.png\"",
         "line 3: `layers.emision` is not a known key; did you mean `emission`? (known here: \
-         emission, emission_scale, opacity, albedo, tint, color)",
+         emission, emission_scale, glow, glow_scale, opacity, albedo, tint, color)",
     ),
     (
         "size = [4, 4]\n[layers]\nemission = 3",

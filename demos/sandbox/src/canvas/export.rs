@@ -51,6 +51,9 @@ impl Canvas {
         if cells.emission().iter().any(|&e| e != [0.0; 3]) {
             scene.layers.emission = layer("emission", cells.emission(), Bytes::Color)?;
         }
+        if let Some(glow) = cells.glow() {
+            scene.layers.glow = layer("glow", glow, Bytes::Color)?;
+        }
         if cells.albedo().iter().any(|&a| a != [0.0; 3]) {
             scene.layers.albedo = layer("albedo", cells.albedo(), Bytes::Color)?;
         }

@@ -67,7 +67,8 @@ fn a_fog_furnace_has_no_fog_in_it() {
     // fog's thickness. That takes every weight of scattering being right.
     let emission = [0.75, 0.5, 0.1];
     let wall = Matter { emission, albedo: RHO, ..WALL };
-    let fog = Matter { emission, albedo: RHO, opacity: 0.125, tint: [1.0, 0.75, 0.5] };
+    let fog =
+        Matter { emission, albedo: RHO, opacity: 0.125, tint: [1.0, 0.75, 0.5], ..Matter::EMPTY };
     let cells = room(wall, fog);
     for k in [0, 1, 3] {
         let expected =
@@ -197,8 +198,11 @@ fn along_ray(
         let i = cells.index(x as u32, y as u32);
         for c in 0..3 {
             let px = (1.0 - f64::from(cells.opacity()[i])) * f64::from(cells.tint()[i][c]);
-            let t = px.powf(pair[1] - pair[0]);
+            let length = pair[1] - pair[0];
+            let t = px.powf(length);
             light[c] += weight[c] * (1.0 - t) * source[i][c];
+            let glow = cells.glow().map_or(0.0, |glow| f64::from(glow[i][c]));
+            light[c] += weight[c] * glow * if px == 1.0 { length } else { (t - 1.0) / px.ln() };
             weight[c] *= t;
         }
     }
@@ -239,22 +243,23 @@ fn solve(cells: &Cells, bounces: u32, sky: f64) -> Vec<[f64; 3]> {
 #[test]
 fn fog_scatters_from_the_centre_of_its_cells() {
     // Coloured fog of one kind in the left part (crossed in squares), of many in the right one
-    // (crossed cell by cell), a bright cell of fog, and an empty column; under a sky.
+    // (crossed cell by cell), a bright cell of fog, and an empty column that glows; under a sky.
     let mut cells = grid(9, 7, |x, y| match (x, y) {
-        (5, _) => Matter::EMPTY,
+        (5, _) => Matter { glow: [0.2, 0.0, 0.1], ..Matter::EMPTY },
         (0..5, y) => Matter {
             opacity: 0.25,
             // Below, red is stopped at once, and scattered.
             tint: [if y < 4 { 1.0 } else { 0.0 }, 0.75, 0.25],
             albedo: [0.9, 0.6, 0.8],
             emission: [0.0, 0.1, 0.05],
+            glow: [0.3, 0.0, 0.1],
         },
         (7, 3) => Matter { opacity: 0.75, emission: [4.0, 2.0, 1.0], ..Matter::EMPTY },
         _ => Matter {
             opacity: 0.02 * (x + 9 * y) as f32 / 4.0,
             tint: [0.5, 1.0, 0.9],
             albedo: [0.25 + 0.1 * (y as f32), 1.0, 0.5],
-            emission: [0.0; 3],
+            ..Matter::EMPTY
         },
     });
     cells.set_sky(Sky::Uniform([0.25; 3]));

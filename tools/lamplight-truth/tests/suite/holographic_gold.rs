@@ -2,6 +2,7 @@
 
 use crate::common::{GLOW, WALL, grid, seeded};
 use fastrand::Rng;
+use lamplight::internals::glow::Glow;
 use lamplight::internals::holographic::paper::{Interval, Paper, Quadrant};
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Sky};
 use lamplight_truth::closed_forms::{gradient_sky_mean_radiance, medium_square_mean_radiance};
@@ -27,7 +28,7 @@ fn chaos(random: &mut Rng, [width, height]: [u32; 2], tint: bool) -> Cells {
             emission: if i == 3 { [0.0; 3] } else { rgb() },
             opacity: if i < 2 { 1.0 } else { rgb()[0] * 0.5 },
             tint: if tint && i >= 2 { rgb() } else { [1.0; 3] },
-            albedo: [0.0; 3],
+            ..Matter::EMPTY
         })
         .collect();
     grid(width, height, |_, _| {
@@ -271,7 +272,7 @@ fn fog_as_bright_as_the_sky_is_invisible() {
             emission: [0.7; 3],
             opacity: 0.9 * random.f32().powi(2),
             tint: [1.0, random.f32(), 0.5],
-            albedo: [0.0; 3],
+            ..Matter::EMPTY
         });
         cells.set_sky(Sky::Uniform([0.7; 3]));
         for mut variant in variants() {
@@ -472,8 +473,10 @@ fn measure(kind: &str, make: impl Fn(u64) -> Cells, samples: u32) -> f64 {
         let tracer = PathTracer { samples, bounces: Bounces::Count(0), wall_depth: 0.0, seed };
         let (truth, error): (Vec<Rgb>, Vec<Rgb>) =
             tracer.at(&cells, &at).unwrap().into_iter().unzip();
+        let mut media = cells.clone();
+        Glow::default().to_media(&mut media);
         let judge = |mut variant: Paper| {
-            let light = variant.solve(&cells);
+            let light = variant.solve(&media);
             let seen: Vec<Rgb> = at.iter().map(|&[x, y]| light[cells.index(x, y)]).collect();
             Measures::of(&seen, &truth, &vec![false; at.len()])
         };

@@ -18,8 +18,10 @@ fn jumble(width: u32, height: u32) -> Cells {
         cells.set_matter(
             i,
             match kind {
-                k if k < 0.15 => Matter { emission: glow, opacity: 1.0, albedo, tint: [1.0; 3] },
-                k if k < 0.25 => Matter { emission: glow, opacity: random(), albedo, tint },
+                k if k < 0.15 => Matter { emission: glow, opacity: 1.0, albedo, ..Matter::EMPTY },
+                k if k < 0.25 => {
+                    Matter { emission: glow, opacity: random(), albedo, tint, ..Matter::EMPTY }
+                }
                 k if k < 0.3 => Matter { tint, ..Matter::EMPTY },
                 _ => Matter::EMPTY,
             },
@@ -136,7 +138,7 @@ fn diamond(gap: bool) -> Cells {
         match d {
             8 if !(gap && x == 23) => Matter { albedo: [0.5; 3], ..WALL },
             _ if d > 8 => {
-                Matter { emission: [5.0; 3], opacity: 0.1, albedo: [0.5; 3], tint: [1.0; 3] }
+                Matter { emission: [5.0; 3], opacity: 0.1, albedo: [0.5; 3], ..Matter::EMPTY }
             }
             _ => Matter { opacity: 0.05, albedo: [0.9; 3], ..Matter::EMPTY },
         }

@@ -8,5 +8,6 @@ mod direct;
 mod holographic;
 mod holographic_gold;
 mod invariants;
+mod lamps;
 mod progressive;
 mod raymarch;

@@ -2,6 +2,7 @@
 // channel, so the order of rays does not matter. Light is never negative, and nonnegative floats compare
 // like their bits.
 
+#import shared/absorptance
 #import shared/class
 #import shared/class_at
 #import shared/hit
@@ -118,7 +119,7 @@ fn emitted(cell: vec2u) -> vec3f {
         return vec3f(0.0);
     }
     if cell_class == MEDIUM {
-        return own * (1.0 - exp(-extinction_of(textureLoad(matter, cell, 0))));
+        return own * absorptance(extinction_of(textureLoad(matter, cell, 0)));
     }
     for (var i = 0i; i < 9i; i++) {
         if open(vec2i(cell) + vec2i(i % 3i - 1i, i / 3i - 1i)) {

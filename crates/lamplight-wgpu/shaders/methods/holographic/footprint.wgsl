@@ -2,6 +2,7 @@
 
 #import methods/holographic/packed_rgb
 #import methods/holographic/sweep
+#import shared/absorptance
 #import shared/interval
 #import shared/transmittance
 #import shared/uniforms
@@ -101,13 +102,15 @@ fn march(slab: u32, row: u32, lane: u32, first: u32, count: u32) -> Interval {
         let at = cell_of(slab + u32(slabs), u32(i32(row) + rows));
         let solid = !is(MEDIUM, lane, slabs, rows);
         var transmittance = vec3f(0.0);
+        var absorbed = vec3f(1.0);
         if !solid {
-            let extinction = extinction_of(textureLoad(matter, at, 0));
-            transmittance = exp(-extinction * bitcast<f32>(footprints[i + 1u]));
+            let depth = extinction_of(textureLoad(matter, at, 0)) * bitcast<f32>(footprints[i + 1u]);
+            transmittance = exp(-depth);
+            absorbed = absorptance(depth);
         }
         if is(EMITTING, lane, slabs, rows) {
             interval.light +=
-                interval.transmittance * (1.0 - transmittance) * radiance_of(at, solid, crossing >> 16u);
+                interval.transmittance * absorbed * radiance_of(at, solid, crossing >> 16u);
         }
         interval.transmittance *= transmittance;
         if all(interval.transmittance == vec3f(0.0)) {

@@ -27,7 +27,7 @@ use crate::grid::cast::RayHit;
 use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::math::circle;
-use crate::math::transmittance::transmittance;
+use crate::math::transmittance::{attenuation, transmittance};
 use crate::settings::{Fade, Flood, Sweeps};
 use crate::stages::bounce::NORMALS;
 use crate::{Cells, Lamp, Rgb};
@@ -195,7 +195,7 @@ impl FloodSolver {
                 CellClass::Solid => emission,
                 CellClass::Medium => {
                     let extinction = self.grid.extinction[i];
-                    std::array::from_fn(|c| emission[c] * (1.0 - transmittance(extinction[c])))
+                    std::array::from_fn(|c| emission[c] * attenuation(extinction[c]).1)
                 }
                 CellClass::Empty | CellClass::Outside => continue,
             };

@@ -6,6 +6,7 @@
 
 use super::faces::cell_in_front;
 use super::paper::Paper;
+use crate::grid::class::is_occupied;
 use crate::settings::Bounces;
 use crate::stages::bounce::{Surfaces, solve_bounces};
 use crate::{Cells, Rgb};
@@ -40,7 +41,8 @@ impl Published {
             let mut sum = 0.0;
             for (i, light) in light.iter().enumerate() {
                 let mut matter = cells.matter(i);
-                if matter.opacity > 0.0 || matter.tint != [1.0; 3] {
+                let scatters = matter.albedo != [0.0; 3] && is_occupied(cells, i, 0.0);
+                if cells.is_solid(i) || scatters {
                     let before = lit.emission()[i];
                     for c in 0..3 {
                         matter.emission[c] += matter.albedo[c] * light[c];

@@ -6,7 +6,7 @@
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::{Crossing, Face};
 use super::slabs::{EMISSIVE, MEDIUM, SOLID_EXTINCTION, Slabs};
-use crate::math::transmittance::transmittance_lanes;
+use crate::math::transmittance::attenuation_lanes;
 use fearless_simd::{f32x16, mask32x16, prelude::*, u8x64};
 
 /// Rows that are processed together: a word of bits.
@@ -228,22 +228,25 @@ pub fn march<S: Simd, const K: usize>(
     let mut passed = RowIntervals::<S, K>::empty(simd);
     for step in steps {
         let at = start.wrapping_add_signed(step.offset);
-        let mut transmittance = [f32x16::splat(simd, 1.0); K];
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let (mut transmittance, mut absorptance) = ([one; K], [one; K]);
         for k in 0..K {
-            transmittance[k] = if classes.medium {
+            if classes.medium {
                 let extinction = load(simd, &slabs.extinction[k], at);
-                let t = transmittance_lanes(extinction * step.length);
+                let (t, absorbed) = attenuation_lanes(extinction * step.length);
                 // Even the corner of a solid stops a ray, over a length of 0 px.
-                extinction.simd_lt(SOLID_EXTINCTION).select(t, f32x16::splat(simd, 0.0))
+                let open = extinction.simd_lt(SOLID_EXTINCTION);
+                (transmittance[k], absorptance[k]) =
+                    (open.select(t, zero), open.select(absorbed, one));
             } else {
-                load(simd, &slabs.transmittance[k], at)
-            };
+                transmittance[k] = load(simd, &slabs.transmittance[k], at);
+            }
         }
         if classes.emissive {
             for c in 0..3 {
                 let mut source = slabs.outgoing(simd, at, step.face, c);
                 if classes.medium {
-                    source *= -transmittance[c % K] + 1.0;
+                    source *= absorptance[c % K];
                 }
                 passed.light[c] = passed.transmittance[c % K].mul_add(source, passed.light[c]);
             }

@@ -13,7 +13,7 @@ use crate::grid::class::CellClass;
 use crate::grid::medium_grid::MediumGrid;
 use crate::grid::packet::{self, LANES, Lanes, Termination};
 use crate::grid::traverse::{Ray, traverse};
-use crate::math::transmittance::{OPAQUE_TRANSMITTANCE, transmittance};
+use crate::math::transmittance::{OPAQUE_TRANSMITTANCE, attenuation};
 use crate::settings::{Hit, Raymarch};
 use crate::stages::bounce::Surfaces;
 use crate::stages::distance::MARGIN;
@@ -218,15 +218,15 @@ impl RayScene<'_> {
     #[inline(always)]
     fn cross(&self, path: &mut RayState, index: usize, length: f32) -> bool {
         let extinction = self.grid.extinction[index];
-        let first = transmittance(extinction[0] * length);
-        let t = if extinction[1] == extinction[0] && extinction[2] == extinction[0] {
+        let first = attenuation(extinction[0] * length);
+        let crossed = if extinction[1] == extinction[0] && extinction[2] == extinction[0] {
             [first; 3]
         } else {
-            [first, transmittance(extinction[1] * length), transmittance(extinction[2] * length)]
+            [first, attenuation(extinction[1] * length), attenuation(extinction[2] * length)]
         };
         let source = self.attenuate(self.grid.source[index], path.travelled);
-        path.add(std::array::from_fn(|c| (1.0 - t[c]) * source[c]));
-        (0..3).for_each(|c| path.transmittance[c] *= t[c]);
+        path.add(std::array::from_fn(|c| crossed[c].1 * source[c]));
+        (0..3).for_each(|c| path.transmittance[c] *= crossed[c].0);
         path.transmittance.into_iter().fold(0.0, f32::max) < OPAQUE_TRANSMITTANCE
     }
 

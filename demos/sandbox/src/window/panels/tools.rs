@@ -201,7 +201,9 @@ impl Tools {
 
     fn lamp(&self, position: [f32; 2]) -> Lamp {
         let (color, intensity) = (self.color, 4.0 * self.intensity);
-        Lamp { position, color, intensity, size: self.radius.clamp(1.0, 8.0), ..Lamp::default() }
+        // A lamp to be dragged has to be seen.
+        let size = self.radius.clamp(1.0, 8.0);
+        Lamp { position, color, intensity, size, visible: true, ..Lamp::default() }
     }
 
     fn stuff(&self) -> Stuff {

@@ -25,11 +25,13 @@ fn scattered(at: vec2u) -> vec3f {
     return textureLoad(albedo, at, 0).rgb * light[index(at)].rgb;
 }
 
-// Returns whether a cell scatters light; of solid cells, whether it has an open face.
+// Returns whether a cell is a medium that scatters light.
 fn scatters(at: vec2u) -> bool {
-    if matter_class(at) == MEDIUM {
-        return any(textureLoad(albedo, at, 0).rgb != vec3f(0.0));
-    }
+    return matter_class(at) == MEDIUM && any(textureLoad(albedo, at, 0).rgb != vec3f(0.0));
+}
+
+// Returns whether a cell is solid and has an open face.
+fn is_wall(at: vec2u) -> bool {
     var seen = false;
     for (var face = 0u; face < 4u; face++) {
         let front = vec2i(at) + normal(face);
@@ -52,7 +54,8 @@ fn bounce(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// The change, and the sum, is that of all matter, with its emission; the mean is over scatterers.
+// The change, and the sum, is that of solid cells and of scattering media, with their emission; the mean is
+// over walls and those media.
 @compute @workgroup_size(SIDE, SIDE)
 fn bounce_compared(thread: TileThread) {
     let id = thread.id;
@@ -60,9 +63,10 @@ fn bounce_compared(thread: TileThread) {
     if !outside(id.xy) {
         let old = source[index(id.xy)];
         put(id.xy, scattered(id.xy));
-        if class_of(old) != EMPTY {
+        let scatters = scatters(id.xy);
+        if class_of(old) == SOLID || scatters {
             own = change_of(old.rgb, source[index(id.xy)].rgb);
-            own.count = select(0.0, 3.0, scatters(id.xy));
+            own.count = select(0.0, 3.0, scatters || is_wall(id.xy));
         }
     }
     let all = over_group(own, thread.lane);

@@ -1,6 +1,7 @@
 // Traces the shortest intervals, from cell centre to cell centre with exact lengths.
 
 #import methods/holographic/paper/interval
+#import shared/absorptance
 #import shared/class
 #import shared/transmittance
 
@@ -37,9 +38,9 @@ fn trace(start: vec2i, footprint: vec2i) -> Interval {
             return then(interval, wall(cell.rgb));
         }
         if class_of(cell) == MEDIUM {
-            let extinction = extinction_of(textureLoad(matter, cell_of(u32(at.x), u32(at.y)), 0));
-            let transmittance = exp(-extinction * bitcast<f32>(piece.z));
-            interval = then(interval, Interval((1.0 - transmittance) * cell.rgb, transmittance));
+            let tint_opacity = textureLoad(matter, cell_of(u32(at.x), u32(at.y)), 0);
+            let depth = extinction_of(tint_opacity) * bitcast<f32>(piece.z);
+            interval = then(interval, Interval(absorptance(depth) * cell.rgb, exp(-depth)));
         }
         let next_slab = at + vec2i(1, 0);
         let next_row = at + vec2i(0, piece.w);

@@ -69,7 +69,9 @@ impl RotatedGrid {
                     }
                     Some(RayCell { class: CellClass::Medium, extinction, emission }) => {
                         let t = extinction.map(|extinction| (-extinction * length).exp());
-                        let light = std::array::from_fn(|c| (1.0 - t[c]) * emission[c]);
+                        let absorbed =
+                            extinction.map(|extinction| -(-extinction * length).exp_m1());
+                        let light = std::array::from_fn(|c| absorbed[c] * emission[c]);
                         met = met.then(Interval { light, transmittance: T::from_rgb(t) });
                     }
                     Some(_) => {}
