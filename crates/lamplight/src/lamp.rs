@@ -5,7 +5,7 @@
 //! (`lamp_discs.rs`): light falls off as in the plane, without a range, and **in all directions**,
 //! because matter cannot emit in a cone.
 
-use crate::{Result, Rgb, check, exact};
+use crate::{Result, Rgb, check, exact, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
@@ -55,8 +55,12 @@ const TURN: f32 = 6.2832;
 #[serde(deny_unknown_fields)]
 pub struct Cone {
     /// The direction of the axis, radians from +x towards +y (down), −2π to 2π.
+    #[serde(deserialize_with = "notation::angle")]
+    #[schemars(with = "notation::Angle")]
     pub direction: f32,
     /// The angle from edge to edge, radians, 0.001 to 2π (twice the outer cone angle of glTF).
+    #[serde(deserialize_with = "notation::angle")]
+    #[schemars(with = "notation::Angle")]
     pub angle: f32,
     /// The fraction of the half angle, measured from the edge inwards, over which light fades, 0 to 1:
     /// 0 is a hard edge, 1 fades from the axis on.
@@ -98,7 +102,8 @@ pub struct Lamp {
     #[serde(deserialize_with = "exact::one")]
     pub position: [f32; 2],
     /// The colour, linear RGB.
-    #[serde(default = "default_color", deserialize_with = "exact::one")]
+    #[serde(default = "default_color", deserialize_with = "notation::color")]
+    #[schemars(with = "notation::Color")]
     pub color: Rgb,
     /// Factor on the colour, 0 to 1e6; 0 is off. `color · intensity` is the radiance of the ideal disc,
     /// whose radius R gives about `radiance·R/(π·d)` of light at distance d.

@@ -25,6 +25,7 @@ mod light;
 mod limits;
 mod math;
 mod methods;
+mod notation;
 pub mod resample;
 mod rgb;
 pub mod scene;

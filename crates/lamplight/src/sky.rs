@@ -1,7 +1,7 @@
 //! The sky: the boundary radiance of the grid.
 
-use crate::exact::{self, Exact};
-use crate::{Error, Result, Rgb};
+use crate::exact::Exact;
+use crate::{Error, Result, Rgb, notation};
 use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
@@ -17,7 +17,7 @@ use std::fmt;
 #[non_exhaustive]
 pub enum Sky {
     /// One linear RGB radiance from all directions.
-    Uniform(Rgb),
+    Uniform(#[schemars(with = "notation::Color")] Rgb),
     /// A gradient over the elevation of the direction.
     Gradient(Gradient),
 }
@@ -28,13 +28,16 @@ pub enum Sky {
 #[serde(deny_unknown_fields)]
 pub struct Gradient {
     /// Linear RGB radiance from straight up.
-    #[serde(deserialize_with = "exact::one")]
+    #[serde(deserialize_with = "notation::color")]
+    #[schemars(with = "notation::Color")]
     pub zenith: Rgb,
     /// Linear RGB radiance from the sides.
-    #[serde(deserialize_with = "exact::one")]
+    #[serde(deserialize_with = "notation::color")]
+    #[schemars(with = "notation::Color")]
     pub horizon: Rgb,
     /// Linear RGB radiance from straight down.
-    #[serde(deserialize_with = "exact::one")]
+    #[serde(deserialize_with = "notation::color")]
+    #[schemars(with = "notation::Color")]
     pub ground: Rgb,
 }
 
@@ -84,12 +87,17 @@ impl<'de> Deserialize<'de> for Sky {
             type Value = Sky;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a colour [r, g, b], or { zenith, horizon, ground }")
+                f.write_str("a colour, [r, g, b] or \"#rrggbb\", or { zenith, horizon, ground }")
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Sky, A::Error> {
                 let Exact(rgb) = Exact::deserialize(SeqAccessDeserializer::new(list))?;
                 Ok(Sky::Uniform(rgb))
+            }
+
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Sky, E> {
+                let wrong = || E::invalid_value(serde::de::Unexpected::Str(text), &self);
+                notation::hex(text).map(Sky::Uniform).ok_or_else(wrong)
             }
 
             fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<Sky, A::Error> {

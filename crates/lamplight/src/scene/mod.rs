@@ -11,7 +11,7 @@ mod source;
 
 pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 pub use layers::Layers;
-pub use shape::Shape;
+pub use shape::{Only, Shape};
 
 use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, exact};
 use coverage::Window;
@@ -186,6 +186,13 @@ impl Scene {
         }
         let [width, height] = [cells.width(), cells.height()].map(|n| n as f32);
         for (i, lamp) in cells.lamps().iter().enumerate() {
+            if lamp.color.iter().any(|&c| c >= EIGHT_BIT) {
+                let [r, g, b] = lamp.color;
+                warnings.push(format!(
+                    "`lamp[{i}].color` = [{r}, {g}, {b}] is far above 1, like a colour of 0 to 255: write \
+                     \"#rrggbb\", or linear values up to 1 and an `intensity`"
+                ));
+            }
             let [x, y] = lamp.position;
             if !((0.0..=width).contains(&x) && (0.0..=height).contains(&y)) {
                 warnings.push(format!(
@@ -224,6 +231,9 @@ impl Scene {
         warnings
     }
 }
+
+/// A channel of a lamp's colour from which on it is probably meant as one of 0 to 255.
+const EIGHT_BIT: f32 = 32.0;
 
 /// True if every cell that the disc of a lamp covers or touches is solid.
 fn is_walled_in(lamp: &Lamp, cells: &Cells) -> bool {

@@ -74,6 +74,9 @@ pub(crate) fn paint(
     let paints = strength > 0.0 && (cells.color().is_some() || color != [1.0; 3]);
     visit(shape, &window, |x, y, share| {
         let i = cells.index(x as u32, y as u32);
+        if !shape.only.takes(cells, i) {
+            return;
+        }
         cells.set_matter(i, matter.over(cells.matter(i), share));
         if paints {
             lay(&mut cells.color_mut()[i], color, share * strength);
@@ -137,7 +140,8 @@ fn paint_sprite(
             }
             let (rgb, alpha) = picture.color(u as u32, v as u32);
             let share = if shape.antialias { alpha } else { f32::from(u8::from(alpha >= HALF)) };
-            if share == 0.0 {
+            let at = cells.index(x as u32, y as u32);
+            if share == 0.0 || !shape.only.takes(cells, at) {
                 continue;
             }
             let texel = Texel { rgb, share, paint, strength };

@@ -1,8 +1,8 @@
 //! Shapes: a geometry and its matter.
 
 use super::geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
-use crate::{Matter, Result, Rgb};
-use crate::{check, exact};
+use crate::{Cells, Matter, Result, Rgb};
+use crate::{check, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -27,6 +27,8 @@ pub struct Shape {
     /// Radians, from +x towards +y, about the geometry's centre (of a line its middle, of a
     /// polygon the mean of its points).
     pub rotation: f32,
+    /// Which cells to draw on.
+    pub only: Only,
     /// Cover cells by the fraction of their area, not by their centres alone.
     pub antialias: bool,
     /// Emitted radiance, linear RGB.
@@ -45,12 +47,35 @@ pub struct Shape {
     pub color: Option<Rgb>,
 }
 
+/// The cells that a shape is drawn on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Only {
+    /// All that it covers.
+    #[default]
+    All,
+    /// Those that are not solid, for fog among trees.
+    Open,
+}
+
+impl Only {
+    /// Returns whether a shape is drawn on a cell.
+    pub(super) fn takes(self, cells: &Cells, index: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Open => !cells.is_solid(index),
+        }
+    }
+}
+
 impl Shape {
     /// A solid, black shape without reflection.
     pub fn new(geometry: Geometry) -> Self {
         Self {
             geometry,
             rotation: 0.0,
+            only: Only::All,
             antialias: false,
             emission: [0.0; 3],
             glow: [0.0; 3],
@@ -90,6 +115,12 @@ impl Shape {
     #[must_use]
     pub fn rotation(self, rotation: f32) -> Self {
         Self { rotation, ..self }
+    }
+
+    /// Draws on open cells only, so that walls and solid lights keep what they are: fog, water, glow.
+    #[must_use]
+    pub fn only_open(self) -> Self {
+        Self { only: Only::Open, ..self }
     }
 
     /// Covers cells by the fraction of their area.
@@ -179,18 +210,24 @@ struct ShapeFile {
     /// An image that gives shape by its alpha.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sprite: Option<Sprite>,
-    /// Radians, from +x towards +y, about the shape's centre.
-    #[serde(default, skip_serializing_if = "is_default")]
+    /// Radians or `"30deg"`, from +x towards +y, about the shape's centre.
+    #[serde(default, deserialize_with = "notation::angle", skip_serializing_if = "is_default")]
+    #[schemars(with = "notation::Angle")]
     rotation: f32,
+    /// Which cells to draw on.
+    #[serde(default, skip_serializing_if = "is_default")]
+    only: Only,
     /// Cover cells by the fraction of their area, not by their centres alone.
     #[serde(default, skip_serializing_if = "is_default")]
     antialias: bool,
     /// Emitted radiance, linear RGB of 0 or more.
-    #[serde(default, deserialize_with = "exact::one", skip_serializing_if = "is_default")]
+    #[serde(default, deserialize_with = "notation::color", skip_serializing_if = "is_default")]
+    #[schemars(with = "notation::Color")]
     emission: Rgb,
     /// Emission coefficient, linear RGB of 0 or more: radiance added per px, as by fire, with or without
     /// opacity.
-    #[serde(default, deserialize_with = "exact::one", skip_serializing_if = "is_default")]
+    #[serde(default, deserialize_with = "notation::color", skip_serializing_if = "is_default")]
+    #[schemars(with = "notation::Color")]
     glow: Rgb,
     /// Fraction of light absorbed per px, 0 to 1; 1 is a solid wall. Default: 1, or 0 for a shape with
     /// `glow`.
@@ -198,14 +235,29 @@ struct ShapeFile {
     opacity: Option<f32>,
     /// Albedo: the fraction of arriving light that is reflected or scattered, 0 to 1 per channel.
     /// Default: 0.
-    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "notation::optional_color",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(with = "Option<notation::Color>")]
     albedo: Option<Rgb>,
     /// Colour filter for each px crossed, 0 to 1 per channel.
-    #[serde(default = "white", deserialize_with = "exact::one", skip_serializing_if = "is_white")]
+    #[serde(
+        default = "white",
+        deserialize_with = "notation::color",
+        skip_serializing_if = "is_white"
+    )]
+    #[schemars(with = "notation::Color")]
     tint: Rgb,
     /// The colour under the light in the final picture, linear RGB 0 to 1. Default: the albedo if
     /// given, else white (of a sprite its image), painted on as far as the shape is opaque.
-    #[serde(default, deserialize_with = "exact::option", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "notation::optional_color",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(with = "Option<notation::Color>")]
     color: Option<Rgb>,
 }
 
@@ -252,6 +304,7 @@ impl TryFrom<ShapeFile> for Shape {
         Ok(Self {
             geometry,
             rotation: file.rotation,
+            only: file.only,
             antialias: file.antialias,
             emission: file.emission,
             glow: file.glow,
@@ -272,6 +325,7 @@ impl From<Shape> for ShapeFile {
             line: None,
             sprite: None,
             rotation: shape.rotation,
+            only: shape.only,
             antialias: shape.antialias,
             emission: shape.emission,
             glow: shape.glow,

@@ -28,6 +28,7 @@ fn whole() -> Scene {
             Shape::circle([16.0, 9.0], 1.2)
                 .rotation(0.5)
                 .antialias()
+                .only_open()
                 .emission([4.0, 3.2, 2.0])
                 .glow([0.5, 0.25, 0.0])
                 .opacity(0.5)
@@ -109,6 +110,38 @@ fn a_shape_that_glows_is_not_solid_unless_it_says_so() {
 }
 
 #[test]
+fn fog_only_in_the_open_keeps_walls_and_lights() {
+    let shapes = |only: &str| {
+        let text = format!(
+            "size = [8, 8]\n[[shape]]\ncircle = {{ center = [4, 4], radius = 2 }}\n\
+             emission = '#ff8800'\n[[shape]]\nrect = {{ min = [0, 0], max = [8, 8] }}\n\
+             opacity = 0.25\n{only}\n"
+        );
+        Scene::from_toml(&text).unwrap().cells().unwrap()
+    };
+    let everywhere = shapes("");
+    assert!((0..64).all(|i| everywhere.opacity()[i] == 0.25));
+    let open = shapes("only = 'open'");
+    assert_eq!(open.get(0, 0).unwrap().opacity, 0.25);
+    let light = open.get(4, 4).unwrap();
+    assert_eq!((light.opacity, light.emission[0], light.emission[2]), (1.0, 1.0, 0.0));
+}
+
+#[test]
+fn angles_are_read_in_degrees_and_colours_of_0_to_255_are_doubted() {
+    let text = "size = [8, 8]\n[[shape]]\nrect = { min = [2, 2], max = [6, 4] }\n\
+                rotation = '90deg'\n[[lamp]]\nposition = [1, 1]\ncolor = [255, 128, 0]\n\
+                cone = { direction = '-90deg', angle = '60deg' }\n";
+    let scene = Scene::from_toml(text).unwrap();
+    let cells = scene.cells().unwrap();
+    assert!(cells.is_solid(cells.index(3, 1)) && !cells.is_solid(cells.index(2, 2)));
+    let cone = scene.lamps[0].cone.unwrap();
+    assert_eq!([cone.direction, cone.angle], [-90f32, 60.0].map(f32::to_radians));
+    let warnings = scene.warnings(&cells);
+    assert!(warnings[0].contains("`lamp[0].color` = [255, 128, 0]"), "{warnings:?}");
+}
+
+#[test]
 fn the_starter_scene_makes_a_grid() {
     let starter = include_str!("../../../lamplight-cli/src/starter.toml");
     let scene = Scene::from_toml(starter).unwrap();
@@ -144,7 +177,8 @@ const TOML_MISTAKES: &[Mistake] = &[
     ),
     (
         "size = [4, 4]\nsky = \"blue\"",
-        "line 2: `sky` is \"blue\", but must be a colour [r, g, b], or { zenith, horizon, ground }",
+        "line 2: `sky` is \"blue\", but must be a colour, [r, g, b] or \"#rrggbb\", or { zenith, \
+         horizon, ground }",
     ),
     ("size = [4, 4]\nsky = { zenith = [0, 0, 0] }", "line 2: `sky.horizon` is missing"),
     (
