@@ -16,3 +16,4 @@ mod polar;
 mod raymarch;
 mod stages;
 mod temporal;
+mod walls;

@@ -5,5 +5,6 @@ pub mod bounce;
 pub mod display;
 pub mod distance;
 pub mod jump_flood;
+pub mod pyramid;
 pub mod seed;
 pub mod walls;
