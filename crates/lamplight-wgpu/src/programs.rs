@@ -120,8 +120,9 @@ programs! {
         step: Step, matter: Texture, near: Read, traced: Read, before: Read, after: Write,
         light: Write,
     }
-    WALLS: "stages/walls", ["begin", "sink", "finish"], {
-        matter: Texture, step: Step, emission: Texture, before: Read, after: Write, light: Write,
+    WALLS: "stages/walls", ["find_sides", "blur", "add_coarser", "sink"], {
+        matter: Texture, step: Step, emission: Texture, surface: Write, irradiance: Write,
+        sunk_emission: Write, light: Write,
     }
     REPROJECT: "stages/reproject", ["aside", "back"], { words: Step, before: Read, after: Write }
     OUTPUT: "stages/output", ["main"], { light: Read, picture: Output }

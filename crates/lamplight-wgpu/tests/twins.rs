@@ -13,6 +13,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ),
     ("cpu stage cast", "entry to the traversal for single rays"),
     ("cpu stage center_line", "shadow lines between centres; in denoise.wgsl"),
+    ("cpu stage pyramid", "blurs of walls.rs; in walls.wgsl"),
     ("cpu stage traverse", "shaders/shared/traverse.wgsl"),
     ("cpu cascades debug_view", "debug views exist on the CPU only"),
     ("cpu holographic debug_view", "debug views exist on the CPU only"),

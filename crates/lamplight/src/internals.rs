@@ -112,3 +112,9 @@ pub mod seed {
 pub mod temporal {
     pub use crate::filters::temporal::{FEEDBACK, REACH};
 }
+
+/// The light that solid cells show.
+pub mod walls {
+    pub use crate::stages::pyramid::KERNEL;
+    pub use crate::stages::walls::{ALONG, OCTAVE, SOFTENING, STRAIGHT, octaves};
+}

@@ -4,6 +4,7 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
+use lamplight::internals::walls::{ALONG, KERNEL, OCTAVE, SOFTENING, STRAIGHT, octaves};
 use wgpu::{Buffer, Device};
 
 /// The pipelines.
@@ -12,24 +13,46 @@ pub struct Walls(ComputePipelines);
 
 impl Walls {
     pub fn new(device: &Device) -> Self {
-        Self(ComputePipelines::new(device, &programs::WALLS, &[]))
+        let constants = [
+            ("OCTAVE", f64::from(OCTAVE)),
+            ("STRAIGHT", f64::from(STRAIGHT)),
+            ("SOFTENING", f64::from(SOFTENING)),
+            ("KERNEL_0", f64::from(KERNEL[0])),
+            ("KERNEL_1", f64::from(KERNEL[1])),
+            ("KERNEL_2", f64::from(KERNEL[2])),
+            ("ALONG_0", f64::from(ALONG[0])),
+            ("ALONG_1", f64::from(ALONG[1])),
+            ("ALONG_2", f64::from(ALONG[2])),
+        ];
+        Self(ComputePipelines::new(device, &programs::WALLS, &constants))
     }
 
     /// Plans the light of solid cells from that of their faces.
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
-        let rings = planner.pair::<u32>("walls", planner.cells())?;
-        let bind = |to: usize| {
-            let resources = [
-                view(&planner.textures.tint_opacity),
-                planner.shared.step(),
-                view(&planner.textures.emission),
-                whole(&rings[1 - to]),
-                whole(&rings[to]),
-                whole(light),
-            ];
-            planner.bind(&self.0, &resources)
+        let octaves = octaves(planner.settings.wall_depth);
+        let level_size =
+            |level: u32| <[u32; 2]>::from(planner.size).map(|n| n.div_ceil(1 << level));
+        let sums =
+            (1..=octaves).map(|level| level_size(level).map(u64::from).iter().product::<u64>());
+        let sums = sums.sum::<u64>().max(1);
+        let surface = planner.buffer::<[f32; 4]>("walls: surface", planner.cells())?;
+        let irradiance = planner.buffer::<[f32; 4]>("walls: irradiance", sums)?;
+        let emission = planner.buffer::<[f32; 4]>("walls: emission", sums)?;
+        let resources = [
+            view(&planner.textures.tint_opacity),
+            planner.shared.step(),
+            view(&planner.textures.emission),
+            whole(&surface),
+            whole(&irradiance),
+            whole(&emission),
+            whole(light),
+        ];
+        let bound = planner.bind(&self.0, &resources);
+        let dispatch = |entry: usize, level: u32| {
+            Dispatch::over(level_size(level), &self.0.entries[entry], &bound, Some(level))
         };
-        let depth = planner.settings.wall_depth.ceil() as u32;
-        Ok(planner.ping_pong(&self.0, [bind(0), bind(1)], depth))
+        let blurs = (1..=octaves).map(|level| dispatch(1, level));
+        let sums = (1..octaves).rev().map(|level| dispatch(2, level));
+        Ok([dispatch(0, 0)].into_iter().chain(blurs).chain(sums).chain([dispatch(3, 0)]).collect())
     }
 }

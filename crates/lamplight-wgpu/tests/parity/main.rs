@@ -17,3 +17,4 @@ mod polar;
 mod raymarch;
 mod stages;
 mod temporal;
+mod walls;

@@ -6,5 +6,6 @@ pub mod display;
 pub mod distance;
 pub mod glow;
 pub mod jump_flood;
+pub mod pyramid;
 pub mod seed;
 pub mod walls;

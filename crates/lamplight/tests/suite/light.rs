@@ -1,7 +1,7 @@
-//! Questions about light, and what is seen of walls.
+//! Questions about light.
 
 use crate::common::*;
-use lamplight::{Cells, Light, Matter, Rgb, Sky};
+use lamplight::{Cells, Light, Matter, Rgb};
 
 /// Sums of a few f32 in another order.
 const ROUNDING: f32 = 1e-6;
@@ -118,67 +118,6 @@ fn from_pixels_rejects_a_wrong_number_of_pixels() {
     let cells = grid(4, 3, |_, _| Matter::EMPTY);
     assert!(Light::from_pixels(&cells, vec![[0.0; 3]; 11]).is_err());
     assert!(Light::from_pixels(&cells, vec![[0.0; 3]; 12]).is_ok());
-}
-
-/// A block of 11×11 solid cells under a sky of 0.5; `x` cells deep is cell (5 + x, 10).
-fn block(wall: Matter, depth: f32) -> Light {
-    let mut cells = grid(21, 21, |x, y| {
-        let solid = (5..16).contains(&x) && (5..16).contains(&y);
-        if solid { wall } else { Matter::EMPTY }
-    });
-    cells.set_sky(Sky::Uniform([0.5; 3]));
-    solve(&settings(|s| s.wall_depth = depth), &cells)
-}
-
-#[test]
-fn walls_show_their_faces_only_when_the_depth_is_0() {
-    let light = block(WALL, 0.0);
-    assert_eq!(light.at(5, 10), [0.5; 3]);
-    assert_eq!(light.at(10, 15), [0.5; 3]);
-    for (x, y) in (6..15).flat_map(|x| (6..15).map(move |y| (x, y))) {
-        assert_eq!(light.at(x, y), [0.0; 3], "({x}, {y})");
-    }
-}
-
-#[test]
-fn light_fades_into_walls_by_the_depth() {
-    for (depth, deepest) in [(0.5, 1), (1.0, 1), (3.0, 3), (64.0, 5)] {
-        let light = block(WALL, depth);
-        assert_eq!(light.at(5, 10), [0.5; 3], "the faces themselves do not change");
-        for k in 1..=5 {
-            let (before, here) = (light.at(4 + k, 10)[0], light.at(5 + k, 10)[0]);
-            if k <= deepest {
-                // Uniform light: what is left is the fade alone.
-                let fade = 1.0 - k as f32 / (depth + 1.0);
-                near([here; 3], [0.5 * fade; 3]);
-                assert!(here < before);
-            } else {
-                assert_eq!(here, 0.0, "depth {depth}, {k} px in");
-            }
-        }
-    }
-}
-
-#[test]
-fn emission_is_added_to_the_light_on_walls() {
-    let glow = Matter { emission: [0.0, 0.25, 8.0], ..WALL };
-    for depth in [0.0, 3.0] {
-        let (dark, light) = (block(WALL, depth), block(glow, depth));
-        for i in (0..21 * 21).filter(|&i| dark.solid()[i]) {
-            let mut expected = dark.pixels()[i];
-            (expected[1], expected[2]) = (expected[1] + 0.25, expected[2] + 8.0);
-            assert_eq!(light.pixels()[i], expected, "cell {i}");
-        }
-    }
-}
-
-#[test]
-fn a_grid_full_of_walls_shows_its_emission() {
-    let cells = grid(5, 4, |x, y| Matter { emission: [x as f32, y as f32, 0.0], ..WALL });
-    let light = solve(&settings(|s| s.wall_depth = 8.0), &cells);
-    for (x, y) in (0..5).flat_map(|x| (0..4).map(move |y| (x, y))) {
-        assert_eq!(light.at(x, y), [x as f32, y as f32, 0.0]);
-    }
 }
 
 #[test]

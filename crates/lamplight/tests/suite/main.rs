@@ -23,3 +23,4 @@ mod scene_images;
 mod settings;
 mod temporal;
 mod tightness;
+mod walls;
