@@ -54,7 +54,7 @@ fn setup(mut commands: Commands) {
         let lamp = PointLight2d {
             color: Color::hsl(360.0 * random(), 0.9, 0.6),
             // The total light does not depend on the number of lamps.
-            intensity: 40.0 / count as f32,
+            intensity: 12.0 / count as f32,
             range: 100.0,
             radius: 3.0,
             ..default()
