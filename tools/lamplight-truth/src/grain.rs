@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn dark_and_uneven_places_do_not_count() {
-        let fault = |x: usize, _| if x % 2 == 0 { 2.0 } else { 1.0 };
+        let fault = |x: usize, _| if x.is_multiple_of(2) { 2.0 } else { 1.0 };
         let dark = |x: usize, _: usize| if x < 30 { 1e-3 } else { 1.0 };
         let of = |reference: &dyn Fn(usize, usize) -> f32| {
             let light = light(|x, y| reference(x, y) * if x < 30 { fault(x, y) } else { 1.0 });

@@ -13,16 +13,16 @@ pub const KERNEL: [f32; 6] =
 /// A sum of weighted values, and of the weights.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(16))]
-pub struct Sum([f32; 4]);
+pub struct BlurSum([f32; 4]);
 
-impl Sum {
+impl BlurSum {
     /// One value with a weight.
     #[inline]
     pub fn of(weight: f32, [r, g, b]: Rgb) -> Self {
         Self([weight * r, weight * g, weight * b, weight])
     }
 
-    /// The same values, for weights that are counted already.
+    /// Drops the weight, for values whose weights are counted already.
     pub fn without_weight(self) -> Self {
         let [r, g, b, _] = self.0;
         Self([r, g, b, 0.0])
@@ -71,7 +71,7 @@ pub struct Pyramid {
 #[derive(Debug, Default)]
 struct Level {
     size: [usize; 2],
-    sums: Vec<Sum>,
+    sums: Vec<BlurSum>,
 }
 
 impl Pyramid {
@@ -87,12 +87,12 @@ impl Pyramid {
             size = if k < octaves { size.map(|n| n.div_ceil(2)) } else { [0; 2] };
             level.size = size;
             level.sums.clear();
-            level.sums.resize(size[0] * size[1], Sum::default());
+            level.sums.resize(size[0] * size[1], BlurSum::default());
         }
     }
 
     /// Adds the sum of a cell.
-    pub fn add(&mut self, at: [usize; 2], sum: Sum) {
+    pub fn add(&mut self, at: [usize; 2], sum: BlurSum) {
         if let Some(finest) = self.levels.first_mut() {
             finest.spread(at, self.cells, sum);
         }
@@ -120,25 +120,30 @@ impl Pyramid {
     }
 
     /// The finest blur along row `y` of the cells; `None` if there are no octaves.
-    pub fn row(&self, y: usize) -> Option<Row<'_>> {
+    pub fn row(&self, y: usize) -> Option<PyramidRow<'_>> {
         self.levels.first()?.row(y)
     }
 }
 
 impl Level {
     /// The sums along row `y` of the finer grid; `None` if the level is empty.
-    fn row(&self, y: usize) -> Option<Row<'_>> {
+    fn row(&self, y: usize) -> Option<PyramidRow<'_>> {
         let [width, height] = self.size;
         if height == 0 {
             return None;
         }
         let rows = around(y, height).map(|y| &self.sums[y * width..][..width]);
-        Some(Row { rows, weights: weights(y), at: usize::MAX - 1, columns: Default::default() })
+        Some(PyramidRow {
+            rows,
+            weights: weights(y),
+            at: usize::MAX - 1,
+            columns: Default::default(),
+        })
     }
 
     /// Adds a sum of the finer grid.
     #[inline]
-    fn spread(&mut self, [x, y]: [usize; 2], finer: [usize; 2], sum: Sum) {
+    fn spread(&mut self, [x, y]: [usize; 2], finer: [usize; 2], sum: BlurSum) {
         let [width, height] = self.size;
         let [columns, rows] = [shares(x, finer[0]), shares(y, finer[1])];
         for (y, row) in (y / 2..).zip(rows).filter(|(y, _)| (1..=height).contains(y)) {
@@ -161,7 +166,7 @@ impl Level {
         let [width, height] = finer.size;
         for (y, blurred) in self.sums.chunks_mut(self.size[0].max(1)).enumerate() {
             let rows = taps(y, height).map(|y| &finer.sums[y * width..][..width]);
-            let column = |x: usize| Sum::combination(KERNEL, rows.map(|row| row[x]));
+            let column = |x: usize| BlurSum::combination(KERNEL, rows.map(|row| row[x]));
             let mut columns = taps(0, width).map(column);
             for (x, blurred) in blurred.iter_mut().enumerate() {
                 if x > 0 {
@@ -169,7 +174,7 @@ impl Level {
                     let [.., before_last, last] = taps(x, width);
                     (columns[4], columns[5]) = (column(before_last), column(last));
                 }
-                *blurred = Sum::combination(KERNEL, columns);
+                *blurred = BlurSum::combination(KERNEL, columns);
             }
         }
     }
@@ -187,19 +192,19 @@ impl Level {
 
 /// A row of fine cells between three rows of a coarser grid.
 #[derive(Debug)]
-pub struct Row<'a> {
-    rows: [&'a [Sum]; 3],
+pub struct PyramidRow<'a> {
+    rows: [&'a [BlurSum]; 3],
     weights: [f32; 3],
     /// The coarse column around which `columns` are known; the last but one of all numbers at first.
     at: usize,
     /// The rows, interpolated at three columns.
-    columns: [Sum; 3],
+    columns: [BlurSum; 3],
 }
 
-impl Row<'_> {
+impl PyramidRow<'_> {
     /// Interpolates at column `x` of the fine cells. Fastest from left to right.
     #[inline]
-    pub fn at(&mut self, x: usize) -> Sum {
+    pub fn at(&mut self, x: usize) -> BlurSum {
         let coarse = x / 2;
         if self.at != coarse {
             let [left, middle, right] = around(x, self.rows[0].len());
@@ -211,13 +216,13 @@ impl Row<'_> {
             };
             self.at = coarse;
         }
-        Sum::combination(weights(x), self.columns)
+        BlurSum::combination(weights(x), self.columns)
     }
 
     #[inline]
-    fn column(&self, x: usize) -> Sum {
+    fn column(&self, x: usize) -> BlurSum {
         let [above, row, below] = self.rows;
-        Sum::combination(self.weights, [above[x], row[x], below[x]])
+        BlurSum::combination(self.weights, [above[x], row[x], below[x]])
     }
 }
 

@@ -23,7 +23,7 @@
 //!
 //! This is presentation, not transport: no ray ever sees it.
 
-use super::pyramid::{Pyramid, Sum};
+use super::pyramid::{BlurSum, Pyramid};
 use crate::{Cells, Rgb, Settings};
 use rayon::prelude::*;
 
@@ -56,7 +56,7 @@ pub struct Walls {
     solid: Vec<u8>,
     /// [`SOLID`] and the open sides of solid cells, 0 in others.
     sides: Vec<u8>,
-    faces: Vec<Face>,
+    faces: Vec<WallFace>,
     /// Cells without an open side that emit beside one that does not.
     buried: Vec<Buried>,
     irradiance: Pyramid,
@@ -65,7 +65,7 @@ pub struct Walls {
 
 /// A solid cell with an open side.
 #[derive(Clone, Copy, Debug)]
-struct Face {
+struct WallFace {
     position: [usize; 2],
     index: usize,
     shown: Rgb,
@@ -94,7 +94,7 @@ impl Walls {
             let [arrives, glow] = surface.means(face, [light, cells.emission()]);
             face.shown = with_emission(arrives, glow, cells.emission()[face.index]);
         });
-        let fade = Fade::over(depth);
+        let fade = DepthFade::over(depth);
         let rows = light.par_chunks_mut(width).zip(sides.par_chunks(width));
         rows.zip(cells.emission().par_chunks(width)).enumerate().for_each(|(y, row)| {
             let ((light, sides), own) = row;
@@ -140,7 +140,7 @@ impl Walls {
             for (x, side) in solid_cells(sides) {
                 let (position, index) = ([x, y], y * width + x);
                 if side > SOLID {
-                    faces.push(Face { position, index, shown: [0.0; 3] });
+                    faces.push(WallFace { position, index, shown: [0.0; 3] });
                 } else if emits(index) {
                     let sides = u32::from(x > 0 && !emits(index - 1))
                         + u32::from(x + 1 < width && !emits(index + 1))
@@ -160,9 +160,9 @@ impl Walls {
         let size = [cells.width(), cells.height()].map(|n| n as usize);
         let octaves = octaves(depth);
         irradiance.clear(size, octaves);
-        let length_of = |face: &Face| length((sides[face.index] & !SOLID).count_ones());
+        let length_of = |face: &WallFace| length((sides[face.index] & !SOLID).count_ones());
         for face in &*faces {
-            irradiance.add(face.position, Sum::of(length_of(face), light[face.index]));
+            irradiance.add(face.position, BlurSum::of(length_of(face), light[face.index]));
         }
         let glowing = || faces.iter().filter(|face| cells.emission()[face.index] != [0.0; 3]);
         if buried.is_empty() && glowing().next().is_none() {
@@ -171,12 +171,12 @@ impl Walls {
             emission.clear(size, octaves);
             emission.copy_weights(irradiance);
             for face in glowing() {
-                let glow = Sum::of(length_of(face), cells.emission()[face.index]);
+                let glow = BlurSum::of(length_of(face), cells.emission()[face.index]);
                 emission.add(face.position, glow.without_weight());
             }
             for cell in buried {
                 let glow = cells.emission()[cell.index];
-                emission.add(cell.position, Sum::of(length(cell.sides), glow));
+                emission.add(cell.position, BlurSum::of(length(cell.sides), glow));
             }
         }
         rayon::join(|| irradiance.sum_octaves(OCTAVE), || emission.sum_octaves(OCTAVE));
@@ -212,14 +212,14 @@ struct Surface<'a> {
 impl Surface<'_> {
     /// Returns the means of two fields over a cell with a face and those nearby that face the same way. A depth
     /// below 1 px leaves the cell more to itself.
-    fn means(&self, face: &Face, fields: [&[Rgb]; 2]) -> [Rgb; 2] {
+    fn means(&self, face: &WallFace, fields: [&[Rgb]; 2]) -> [Rgb; 2] {
         let ([x, y], [width, height]) = (face.position, self.size);
         let own = self.sides[face.index] & !SOLID;
         let share = self.depth.min(1.0);
         if share == 0.0 {
             return fields.map(|field| field[face.index]);
         }
-        let mut sums = [Sum::default(); 2];
+        let mut sums = [BlurSum::default(); 2];
         for to_y in y.saturating_sub(2)..(y + 3).min(height) {
             for to_x in x.saturating_sub(2)..(x + 3).min(width) {
                 let to = to_y * width + to_x;
@@ -228,31 +228,31 @@ impl Surface<'_> {
                     let share = if to == face.index { 1.0 } else { share };
                     let along = ALONG[to_x.abs_diff(x)] * ALONG[to_y.abs_diff(y)];
                     let weight = sides.count_ones() as f32 * along * share;
-                    sums[0].add(1.0, Sum::of(weight, fields[0][to]));
-                    sums[1].add(1.0, Sum::of(weight, fields[1][to]));
+                    sums[0].add(1.0, BlurSum::of(weight, fields[0][to]));
+                    sums[1].add(1.0, BlurSum::of(weight, fields[1][to]));
                 }
             }
         }
-        sums.map(Sum::mean)
+        sums.map(BlurSum::mean)
     }
 }
 
 /// The fade of light over a depth.
-struct Fade {
+struct DepthFade {
     /// The depth at which nothing is left.
     end: f32,
     /// The weight there.
     least: f32,
 }
 
-impl Fade {
+impl DepthFade {
     fn over(depth: f32) -> Self {
         let end = depth + 1.0;
         Self { end, least: STRAIGHT / (end * end + SOFTENING) }
     }
 
     /// Returns the mean of a sum, faded by the depth that follows from its weight.
-    fn mean(&self, sum: Sum) -> Rgb {
+    fn mean(&self, sum: BlurSum) -> Rgb {
         if sum.weight() <= self.least {
             return [0.0; 3];
         }

@@ -10,7 +10,7 @@
 
 use super::interval::{LANES, RowIntervals};
 use super::lattice::{ConeRays, GatherGeometry, GatherRay, cones};
-use super::merge::{ConeLight, MergedLight};
+use super::merge::{ConeLight, MergedLight, WEIGHT_EPSILON};
 use super::slabs::Slabs;
 use super::trace::{
     BundleRays, BundleSet, CellBits, CellStep, SolidRays, TILE, Tile, TileClasses, TileLight,
@@ -19,10 +19,6 @@ use super::trace::{
 };
 use fearless_simd::{f32x16, prelude::*, u8x64};
 use std::ops::Range;
-
-/// Added to the sum of the weights at a ray's end, each a transmittance times its share of the
-/// interpolation: where both cells are opaque, no light comes from behind them, instead of 0 ÷ 0.
-pub const WEIGHT_EPSILON: f32 = 1e-6;
 
 /// The end of a ray on the plane.
 #[derive(Clone, Copy, Debug)]

@@ -33,7 +33,6 @@
 //! Pixels are lit from the far end to the near one, so one plane per level is held at any time.
 
 use super::extend::IntervalLevels;
-use super::gather::WEIGHT_EPSILON;
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::{BEYOND, angles, cones, cones_of_halves, edges, halves, planes};
 use super::trace::{TILE, TileLight, VECTORS, any_in_vector, mask};
@@ -41,6 +40,10 @@ use crate::Rgb;
 use crate::simd::dispatch_wide;
 use fearless_simd::{Level, f32x16, prelude::*, u32x16};
 use std::ops::Range;
+
+/// Added to the sum of the weights at a ray's end, each a transmittance times its share of the
+/// interpolation: where both cells are opaque, no light comes from behind them, instead of 0 ÷ 0.
+pub const WEIGHT_EPSILON: f32 = 1e-6;
 
 /// The light of one plane of a level.
 #[derive(Debug, Default)]

@@ -45,7 +45,7 @@ mod slabs;
 mod trace;
 
 pub use faces::REACH;
-pub use gather::WEIGHT_EPSILON;
+pub use merge::WEIGHT_EPSILON;
 pub use slabs::{EMISSIVE, MATTER, MEDIUM};
 
 use crate::clock::Clock;
