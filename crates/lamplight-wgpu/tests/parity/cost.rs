@@ -16,7 +16,7 @@ fn cost((device, queue): &(Device, Queue), preset: &str, side: u32, fused_levels
 }
 
 /// Megabytes that a frame may take at 512² and 1024², by preset.
-const MEMORY: [(&str, [u64; 2]); 2] = [("default", [80, 300]), ("fast", [40, 150])];
+const MEMORY: [(&str, [u64; 2]); 2] = [("default", [80, 300]), ("fast", [40, 160])];
 
 #[test]
 fn holographic_fuses_levels_and_takes_little_memory() {
