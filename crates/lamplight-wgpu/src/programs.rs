@@ -120,7 +120,7 @@ programs! {
         step: Step, matter: Texture, near: Read, traced: Read, before: Read, after: Write,
         light: Write,
     }
-    WALLS: "stages/walls", ["find_sides", "blur", "add_coarser", "sink"], {
+    WALLS: "stages/walls", ["show_faces", "find_flags", "blur", "add_coarser", "sink"], {
         matter: Texture, step: Step, emission: Texture, surface: Write, irradiance: Write,
         sunk_emission: Write, light: Write,
     }

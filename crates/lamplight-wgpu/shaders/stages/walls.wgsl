@@ -18,13 +18,15 @@ override ALONG_0: f32;
 override ALONG_1: f32;
 override ALONG_2: f32;
 
-// The flag of solid cells beside those of their open sides: left, right, upper, lower.
+// The flags of a solid cell: its open sides (left, right, upper, lower), that it is solid, that it emits.
+const SIDES: u32 = 15u;
 const SOLID: u32 = 16u;
+const EMITS: u32 = 32u;
 
 // The level of the pyramid; the cells are level 0.
 @group(0) @binding(2) var<uniform> step: u32;
 @group(0) @binding(3) var emission: texture_2d<f32>;
-// The light of faces, and the open sides of solid cells; 0 in other cells.
+// The light of faces, and the flags of solid cells; 0 in other cells.
 @group(0) @binding(4) var<storage, read_write> surface: array<vec4f>;
 // All levels from 1 on: irradiance and its weight.
 @group(0) @binding(5) var<storage, read_write> irradiance: array<vec4f>;
@@ -40,33 +42,46 @@ fn open(at: vec2i) -> bool {
     return inside(at) && !solid(at);
 }
 
-fn level_size(level: u32) -> vec2u {
-    return (frame.size + (1u << level) - 1u) >> vec2u(level);
+// The place of a level in the buffers. The cells are level 0, which is not stored.
+struct Level {
+    start: u32,
+    size: vec2u,
 }
 
-fn level_index(level: u32, at: vec2u) -> u32 {
-    var start = 0u;
-    for (var finer = 1u; finer < level; finer++) {
-        let size = level_size(finer);
-        start += size.x * size.y;
+fn find_level(number: u32) -> Level {
+    var level = Level(0u, frame.size);
+    for (var k = 0u; k < number; k++) {
+        level.start += select(level.size.x * level.size.y, 0u, k == 0u);
+        level.size = (level.size + 1u) / 2u;
     }
-    return start + at.y * level_size(level).x + at.x;
+    return level;
 }
 
-fn emits(at: vec2i) -> bool {
-    return any(textureLoad(emission, at, 0).rgb != vec3f(0.0));
+fn level_index(level: Level, at: vec2u) -> u32 {
+    return level.start + at.y * level.size.x + at.x;
 }
 
-// The number of sides of a cell that emits, inside a wall, towards cells that do not.
-fn sides_of_glow(at: vec2i) -> u32 {
-    if !emits(at) {
-        return 0u;
+fn flags_at(at: vec2u) -> u32 {
+    return u32(surface[index(at)].w);
+}
+
+// The emission of a solid cell with these flags.
+fn emission_of(at: vec2u, flags: u32) -> vec3f {
+    if (flags & EMITS) == 0u {
+        return vec3f(0.0);
     }
+    return textureLoad(emission, at, 0).rgb;
+}
+
+// The number of sides of a cell inside a wall towards cells that do not emit.
+fn dark_sides(at: vec2u) -> u32 {
     let offsets = array(vec2i(-1, 0), vec2i(1, 0), vec2i(0, -1), vec2i(0, 1));
     var count = 0u;
     for (var side = 0u; side < 4u; side++) {
-        let beside = at + offsets[side];
-        count += select(0u, 1u, inside(beside) && !emits(beside));
+        let beside = vec2i(at) + offsets[side];
+        if inside(beside) && (flags_at(vec2u(beside)) & EMITS) == 0u {
+            count++;
+        }
     }
     return count;
 }
@@ -74,25 +89,16 @@ fn sides_of_glow(at: vec2i) -> u32 {
 // The sums of one cell of the grid.
 fn sums_of_cell(at: vec2u) -> Sums {
     let here = surface[index(at)];
-    let sides = u32(here.w);
-    if sides == 0u {
-        return Sums();
+    let flags = u32(here.w);
+    if (flags & SIDES) != 0u {
+        let length = sqrt(f32(countOneBits(flags & SIDES)));
+        return Sums(length * vec4f(here.rgb, 1.0), length * vec4f(emission_of(at, flags), 1.0));
     }
-    let own = textureLoad(emission, at, 0).rgb;
-    if sides == SOLID {
-        let length = sqrt(f32(sides_of_glow(vec2i(at))));
-        return Sums(vec4f(0.0), length * vec4f(own, 1.0));
+    if (flags & EMITS) != 0u {
+        let length = sqrt(f32(dark_sides(at)));
+        return Sums(vec4f(0.0), length * vec4f(emission_of(at, flags), 1.0));
     }
-    let length = sqrt(f32(countOneBits(sides & ~SOLID)));
-    return Sums(length * vec4f(here.rgb, 1.0), length * vec4f(own, 1.0));
-}
-
-fn sums_at(level: u32, at: vec2u) -> Sums {
-    if level == 0u {
-        return sums_of_cell(at);
-    }
-    let i = level_index(level, at);
-    return Sums(irradiance[i], sunk_emission[i]);
+    return Sums();
 }
 
 // Weights of the coarse cells around a fine one, along an axis.
@@ -102,17 +108,17 @@ fn weights(x: u32) -> vec3f {
 }
 
 // The sums of a level, interpolated at a cell of the finer one.
-fn interpolated(level: u32, at: vec2u) -> Sums {
-    let last = vec2i(level_size(level)) - 1;
+fn interpolated(level: Level, at: vec2u) -> Sums {
+    let last = vec2i(level.size) - 1;
     let columns = weights(at.x);
     let rows = weights(at.y);
     var sum = Sums();
     for (var y = 0; y < 3; y++) {
         for (var x = 0; x < 3; x++) {
             let coarse = clamp(vec2i(at / 2u) + vec2i(x, y) - 1, vec2i(0), last);
-            let there = sums_at(level, vec2u(coarse));
-            sum.irradiance += columns[x] * rows[y] * there.irradiance;
-            sum.emission += columns[x] * rows[y] * there.emission;
+            let i = level_index(level, vec2u(coarse));
+            sum.irradiance += columns[x] * rows[y] * irradiance[i];
+            sum.emission += columns[x] * rows[y] * sunk_emission[i];
         }
     }
     return sum;
@@ -132,7 +138,7 @@ fn faded(sum: vec4f) -> vec3f {
 
 // The means over a cell with a face and those nearby that face the same way. A depth below 1 px leaves the cell
 // more to itself.
-fn along_surface(at: vec2u, sides: u32) -> Sums {
+fn along_surface(at: vec2u, flags: u32) -> Sums {
     let along = vec3f(ALONG_0, ALONG_1, ALONG_2);
     var sum = Sums();
     for (var y = -2; y <= 2; y++) {
@@ -142,12 +148,13 @@ fn along_surface(at: vec2u, sides: u32) -> Sums {
                 continue;
             }
             let there = surface[index(vec2u(other))];
-            let other_sides = u32(there.w) & ~SOLID;
-            if (sides & other_sides) != 0u {
+            let other_flags = u32(there.w);
+            if (flags & other_flags & SIDES) != 0u {
                 let share = select(min(frame.wall_depth, 1.0), 1.0, x == 0 && y == 0);
-                let weight = f32(countOneBits(other_sides)) * along[abs(x)] * along[abs(y)] * share;
+                let sides = f32(countOneBits(other_flags & SIDES));
+                let weight = sides * along[abs(x)] * along[abs(y)] * share;
                 sum.irradiance += weight * vec4f(there.rgb, 1.0);
-                sum.emission += weight * vec4f(textureLoad(emission, other, 0).rgb, 1.0);
+                sum.emission += weight * vec4f(emission_of(vec2u(other), other_flags), 1.0);
             }
         }
     }
@@ -155,38 +162,62 @@ fn along_surface(at: vec2u, sides: u32) -> Sums {
 }
 
 @compute @workgroup_size(8, 8)
-fn find_sides(@builtin(global_invocation_id) id: vec3u) {
+fn find_flags(@builtin(global_invocation_id) id: vec3u) {
     if outside(id.xy) {
         return;
     }
     let at = vec2i(id.xy);
-    var sides = 0u;
+    let i = index(id.xy);
+    var flags = 0u;
     if solid(at) {
-        sides = SOLID
+        flags = SOLID
             | select(0u, 1u, open(at - vec2i(1, 0))) | select(0u, 2u, open(at + vec2i(1, 0)))
-            | select(0u, 4u, open(at - vec2i(0, 1))) | select(0u, 8u, open(at + vec2i(0, 1)));
+            | select(0u, 4u, open(at - vec2i(0, 1))) | select(0u, 8u, open(at + vec2i(0, 1)))
+            | select(0u, EMITS, any(textureLoad(emission, id.xy, 0).rgb != vec3f(0.0)));
     }
-    surface[index(id.xy)] = vec4f(light[index(id.xy)].rgb, f32(sides));
+    surface[i] = vec4f(light[i].rgb, f32(flags));
 }
 
-// Makes a level from the finer one.
+// The light of solid cells where nothing sinks in.
 @compute @workgroup_size(8, 8)
-fn blur(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= level_size(step)) {
+fn show_faces(@builtin(global_invocation_id) id: vec3u) {
+    let at = vec2i(id.xy);
+    if outside(id.xy) || !solid(at) {
         return;
     }
-    let last = vec2i(level_size(step - 1u)) - 1;
+    let exposed = open(at - vec2i(1, 0)) || open(at + vec2i(1, 0))
+        || open(at - vec2i(0, 1)) || open(at + vec2i(0, 1));
+    let i = index(id.xy);
+    let arrives = select(vec3f(0.0), light[i].rgb, exposed);
+    light[i] = vec4f(arrives + textureLoad(emission, id.xy, 0).rgb, 1.0);
+}
+
+// Makes a level from the finer one, the first from the cells.
+@compute @workgroup_size(8, 8)
+fn blur(@builtin(global_invocation_id) id: vec3u) {
+    let level = find_level(step);
+    if any(id.xy >= level.size) {
+        return;
+    }
+    let finer = find_level(step - 1u);
+    let last = vec2i(finer.size) - 1;
     let kernel = array(KERNEL_0, KERNEL_1, KERNEL_2, KERNEL_2, KERNEL_1, KERNEL_0);
     var sum = Sums();
     for (var y = 0; y < 6; y++) {
         for (var x = 0; x < 6; x++) {
-            let finer = clamp(2 * vec2i(id.xy) + vec2i(x, y) - 2, vec2i(0), last);
-            let there = sums_at(step - 1u, vec2u(finer));
+            let at = vec2u(clamp(2 * vec2i(id.xy) + vec2i(x, y) - 2, vec2i(0), last));
+            var there: Sums;
+            if step == 1u {
+                there = sums_of_cell(at);
+            } else {
+                let i = level_index(finer, at);
+                there = Sums(irradiance[i], sunk_emission[i]);
+            }
             sum.irradiance += kernel[x] * kernel[y] * there.irradiance;
             sum.emission += kernel[x] * kernel[y] * there.emission;
         }
     }
-    let i = level_index(step, id.xy);
+    let i = level_index(level, id.xy);
     irradiance[i] = sum.irradiance;
     sunk_emission[i] = sum.emission;
 }
@@ -194,11 +225,12 @@ fn blur(@builtin(global_invocation_id) id: vec3u) {
 // Adds the coarser levels to a level.
 @compute @workgroup_size(8, 8)
 fn add_coarser(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= level_size(step)) {
+    let level = find_level(step);
+    if any(id.xy >= level.size) {
         return;
     }
-    let coarser = interpolated(step + 1u, id.xy);
-    let i = level_index(step, id.xy);
+    let coarser = interpolated(find_level(step + 1u), id.xy);
+    let i = level_index(level, id.xy);
     irradiance[i] += OCTAVE * coarser.irradiance;
     sunk_emission[i] += OCTAVE * coarser.emission;
 }
@@ -209,20 +241,20 @@ fn sink(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let i = index(id.xy);
-    let sides = u32(surface[i].w);
-    if sides == 0u {
+    let flags = u32(surface[i].w);
+    if flags == 0u {
         return;
     }
-    var arrives = vec3f(0.0);
-    var glow = vec3f(0.0);
-    if sides != SOLID {
-        let sum = along_surface(id.xy, sides);
-        arrives = sum.irradiance.rgb / sum.irradiance.w;
-        glow = sum.emission.rgb / sum.emission.w;
-    } else if frame.wall_depth > 0.0 {
-        let sum = interpolated(1u, id.xy);
+    var arrives: vec3f;
+    var glow: vec3f;
+    if (flags & SIDES) == 0u {
+        let sum = interpolated(find_level(1u), id.xy);
         arrives = faded(sum.irradiance);
         glow = faded(sum.emission);
+    } else {
+        let sum = along_surface(id.xy, flags);
+        arrives = sum.irradiance.rgb / sum.irradiance.w;
+        glow = sum.emission.rgb / sum.emission.w;
     }
-    light[i] = vec4f(arrives + max(textureLoad(emission, id.xy, 0).rgb, glow), 1.0);
+    light[i] = vec4f(arrives + max(emission_of(id.xy, flags), glow), 1.0);
 }

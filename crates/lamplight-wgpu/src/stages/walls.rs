@@ -30,12 +30,13 @@ impl Walls {
     /// Plans the light of solid cells from that of their faces.
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
         let octaves = octaves(planner.settings.wall_depth);
-        let level_size =
-            |level: u32| <[u32; 2]>::from(planner.size).map(|n| n.div_ceil(1 << level));
-        let sums =
-            (1..=octaves).map(|level| level_size(level).map(u64::from).iter().product::<u64>());
-        let sums = sums.sum::<u64>().max(1);
-        let surface = planner.buffer::<[f32; 4]>("walls: surface", planner.cells())?;
+        let size = <[u32; 2]>::from(planner.size);
+        let level_size = |level: u32| size.map(|n| n.div_ceil(1 << level));
+        let level_cells = |level: u32| level_size(level).map(u64::from).iter().product::<u64>();
+        // Where nothing sinks in, the buffers are bound, but not used.
+        let cells = if octaves == 0 { 1 } else { planner.cells() };
+        let sums = (1..=octaves).map(level_cells).sum::<u64>().max(1);
+        let surface = planner.buffer::<[f32; 4]>("walls: surface", cells)?;
         let irradiance = planner.buffer::<[f32; 4]>("walls: irradiance", sums)?;
         let emission = planner.buffer::<[f32; 4]>("walls: emission", sums)?;
         let resources = [
@@ -48,11 +49,14 @@ impl Walls {
             whole(light),
         ];
         let bound = planner.bind(&self.0, &resources);
-        let dispatch = |entry: usize, level: u32| {
+        let over = |entry: usize, level: u32| {
             Dispatch::over(level_size(level), &self.0.entries[entry], &bound, Some(level))
         };
-        let blurs = (1..=octaves).map(|level| dispatch(1, level));
-        let sums = (1..octaves).rev().map(|level| dispatch(2, level));
-        Ok([dispatch(0, 0)].into_iter().chain(blurs).chain(sums).chain([dispatch(3, 0)]).collect())
+        if octaves == 0 {
+            return Ok(vec![over(0, 0)]);
+        }
+        let blurs = (1..=octaves).map(|level| over(2, level));
+        let sums = (1..octaves).rev().map(|level| over(3, level));
+        Ok([over(1, 0)].into_iter().chain(blurs).chain(sums).chain([over(4, 0)]).collect())
     }
 }
