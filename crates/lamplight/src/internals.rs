@@ -31,8 +31,8 @@ pub mod denoise {
 /// The curves of tone maps.
 pub mod display {
     pub use crate::stages::display::{
-        ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_STOPS,
-        BRIGHTEST, emitted,
+        ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_PLAIN,
+        AGX_STOPS, AGX_VIVID, BRIGHTEST, emitted,
     };
 }
 

@@ -17,13 +17,13 @@ use std::fmt::Display;
 #[non_exhaustive]
 pub enum Falloff {
     /// `1 − d/range`.
-    #[default]
     Linear,
     /// `(1 − (d/range)²)²`.
     Smooth,
     /// `asin(size/d)/π · (1 − (d/range)⁴)²`: the light of a glowing disc in two dimensions, which
     /// is about `size/(π·d)`, brought to 0 at the range by the window of Karis (2013, "Real Shading
     /// in Unreal Engine 4", equation 9). Far from the range it agrees with the drawn disc.
+    #[default]
     Inverse,
 }
 
@@ -157,10 +157,10 @@ impl Default for Lamp {
         Self {
             position: [0.0; 2],
             color: [1.0; 3],
-            intensity: 1.0,
-            range: 128.0,
-            size: 2.0,
-            falloff: Falloff::Linear,
+            intensity: 12.0,
+            range: 256.0,
+            size: 3.0,
+            falloff: Falloff::Inverse,
             cone: None,
             solid: false,
             visible: false,

@@ -204,7 +204,7 @@ impl Default for CellSize {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum LightToneMap {
-    /// The camera's own `Tonemapping`, which Bevy applies after bloom, or `Aces` if the camera has none.
+    /// The camera's own `Tonemapping`, which Bevy applies after bloom, or `Vivid` if the camera has none.
     #[default]
     Camera,
     /// None. Light above 1 is clipped unless a later pass uses it.
@@ -216,6 +216,8 @@ pub enum LightToneMap {
     Aces,
     /// AgX, in which bright colours keep their hue longer than in `Aces`.
     Agx,
+    /// AgX with more contrast and stronger colours.
+    Vivid,
 }
 
 impl LightToneMap {
@@ -225,8 +227,9 @@ impl LightToneMap {
             Self::Camera if has_own => ToneMap::None,
             Self::Off => ToneMap::None,
             Self::Reinhard => ToneMap::Reinhard,
-            Self::Camera | Self::Aces => ToneMap::Aces,
+            Self::Aces => ToneMap::Aces,
             Self::Agx => ToneMap::Agx,
+            Self::Camera | Self::Vivid => ToneMap::Vivid,
         }
     }
 }

@@ -48,7 +48,7 @@ const CASES: &[Case] = &[
     ("render small.toml --bounces many", 2, &["many", "0 to 256", "converged"]),
     ("render small.toml --threads 0", 2, &["'0'", "--threads", "1..=1024"]),
     ("render small.toml --frames 0", 2, &["'0'", "--frames"]),
-    ("render small.toml --tonemap filmic", 2, &["'filmic'", "none, reinhard, aces, agx"]),
+    ("render small.toml --tonemap filmic", 2, &["'filmic'", "none, reinhard, aces, agx, vivid"]),
     ("render small.toml --exposure nan", 2, &["exposure", "NaN", "from -32 to 32"]),
     ("render small.toml --exposure 99", 2, &["exposure", "99", "from -32 to 32"]),
     ("render small.toml --set raymarch.ray=3", 2, &["raymarch.ray", "`rays`"]),

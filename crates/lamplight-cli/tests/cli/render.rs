@@ -167,7 +167,7 @@ fn exposure_and_tone_map_change_the_picture() {
     let plain = mean("");
     assert!(mean("--exposure 1") > plain);
     assert!(mean("--exposure -1.5") < plain);
-    let curves = ["none", "reinhard", "agx"].map(|curve| mean(&format!("--tonemap {curve}")));
+    let curves = ["none", "reinhard", "aces"].map(|curve| mean(&format!("--tonemap {curve}")));
     assert!(curves.iter().all(|&sum| sum != plain), "{curves:?} {plain}");
-    assert_eq!(mean("--tonemap aces"), plain);
+    assert_eq!(mean("--tonemap vivid"), plain);
 }

@@ -43,6 +43,8 @@ struct ComposeUniforms {
     outset: mat3x3f,
     // Coefficients of x⁶ … x³, then x² … x⁰ and the display's gamma.
     contrast: array<vec4f, 2>,
+    // Gain, power and saturation.
+    look: vec3f,
     // True if the emission that is seen is not that of the matter.
     has_shown: u32,
 }
@@ -151,12 +153,14 @@ fn aces(rgb: vec3f) -> vec3f {
 }
 
 fn agx(rgb: vec3f) -> vec3f {
-    let stops = log2(clamp(params.inset * rgb, vec3f(exp2(params.stops.x)), vec3f(exp2(params.stops.y))));
+    let stops = log2(clamp(params.inset * (params.look.x * rgb), vec3f(exp2(params.stops.x)), vec3f(exp2(params.stops.y))));
     let x = (stops - params.stops.x) / (params.stops.y - params.stops.x);
     let high = params.contrast[0];
     let low = params.contrast[1];
     let curve = (((((high.x * x + high.y) * x + high.z) * x + high.w) * x + low.x) * x + low.y) * x + low.z;
-    return pow(max(params.outset * curve, vec3f(0.0)), vec3f(low.w));
+    let powered = pow(max(curve, vec3f(0.0)), vec3f(params.look.y));
+    let looked = mix(vec3f(dot(powered, params.luma)), powered, params.look.z);
+    return pow(max(params.outset * looked, vec3f(0.0)), vec3f(low.w));
 }
 
 fn encoded(linear: vec3f) -> vec3f {

@@ -15,6 +15,7 @@ use lamplight::Lamp;
 use lamplight::internals::flood::{STEEPNESS, reach};
 use lamplight::internals::{MAX_OPTICAL_DEPTH, circle};
 use lamplight::settings::{Fade, Flood as Settings, Sweeps};
+use std::f64::consts::TAU;
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
 /// The pipelines, and the directions of rays.
@@ -45,12 +46,14 @@ impl Flood {
             .flat_map(|&n| (0..n).map(move |i| with_inverse(circle::direction(i, n))))
             .collect();
         let [rays, matter_rays, bounce_rays] = counts.map(f64::from);
+        let spacing = if settings.fade == Fade::Lamp { TAU / rays } else { 0.0 };
         let constants = [
             ("RAYS", rays),
             ("MATTER_RAYS", matter_rays),
             ("BOUNCE_RAYS", bounce_rays),
             ("STEEPNESS", f64::from(STEEPNESS)),
             ("REACH", f64::from(reach(1.0))),
+            ("SPACING", spacing),
             ("TRANSLUCENT", 1.0),
             ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH)),
         ];

@@ -5,9 +5,10 @@ use crate::gpu_struct::gpu_struct;
 use crate::stages::output::MAX_HALF;
 use crate::{programs, shaders};
 use lamplight::internals::display::{
-    ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_STOPS,
-    BRIGHTEST,
+    ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_PLAIN,
+    AGX_STOPS, AGX_VIVID, BRIGHTEST,
 };
+use lamplight::srgb::LUMINANCE;
 use lamplight::{Display, Rgb, ToneMap, srgb};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, CompareFunction, DepthStencilState, Device,
@@ -39,9 +40,8 @@ gpu_struct! {
         inset: [[f32; 4]; 3],
         outset: [[f32; 4]; 3],
         contrast: [[f32; 4]; 2],
+        look: Rgb,
         pub has_shown: u32,
-        /// Uniforms end at a multiple of 16 bytes.
-        padding: [u32; 3],
     }
 }
 
@@ -49,24 +49,26 @@ impl ComposeUniforms {
     /// The uniforms that show a whole grid of this size.
     pub fn new(display: &Display, size: [u32; 2]) -> Result<Self, lamplight::Error> {
         let [a, b, c, d, e] = ACES;
+        let (tonemap, luma, look) = match display.tonemap {
+            ToneMap::None => (0, [0.0; 3], AGX_PLAIN),
+            ToneMap::Reinhard => (1, [0.0; 3], AGX_PLAIN),
+            ToneMap::Aces => (2, ACES_LUMA, AGX_PLAIN),
+            ToneMap::Agx => (3, LUMINANCE, AGX_PLAIN),
+            ToneMap::Vivid => (3, LUMINANCE, AGX_VIVID),
+            other => return Err(unsupported("tonemap", other)),
+        };
         let [x6, x5, x4, x3, x2, x1, x0] = AGX_CONTRAST;
         Ok(Self {
             corner: [0.0; 2],
             right: [size[0] as f32, 0.0],
             down: [0.0, size[1] as f32],
             gain: display.gain(),
-            tonemap: match display.tonemap {
-                ToneMap::None => 0,
-                ToneMap::Reinhard => 1,
-                ToneMap::Aces => 2,
-                ToneMap::Agx => 3,
-                other => return Err(unsupported("tonemap", other)),
-            },
+            tonemap,
             filter_light: 0,
             color_from: 0,
             color_emits: 0,
             more_light: 0,
-            luma: ACES_LUMA,
+            luma,
             brightest: BRIGHTEST,
             ambient: [0.0; 3],
             keep_alpha: 0,
@@ -77,8 +79,8 @@ impl ComposeUniforms {
             inset: columns(&AGX_INSET),
             outset: columns(&AGX_OUTSET),
             contrast: [[x6, x5, x4, x3], [x2, x1, x0, AGX_GAMMA]],
+            look,
             has_shown: 0,
-            padding: [0; 3],
         })
     }
 

@@ -6,7 +6,7 @@ use serde::de::{Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// The maximum number of bounces of light off walls and fog: a number, or `"converged"`.
+/// The maximum number of bounces of light off walls and fog: a number, or `"converged"`; 2 unless set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Bounces {
@@ -45,7 +45,7 @@ impl std::str::FromStr for Bounces {
 
 impl Default for Bounces {
     fn default() -> Self {
-        Self::Count(0)
+        Self::Count(2)
     }
 }
 

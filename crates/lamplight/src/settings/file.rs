@@ -1,13 +1,13 @@
 //! Settings as files hold them: a table for each method, whichever is chosen.
 
-use super::range::MAX_WALL_DEPTH;
+use super::range::{MAX_WALL_DEPTH, WALL_DEPTH};
 use super::{Bounces, Cascades, Denoise, Flood, Holographic, Method, Polar, Raymarch, Temporal};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The keys of `[light]`. Tables of other methods than the chosen one are read and checked, so that a
 /// scene can keep settings for several methods.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 #[schemars(rename = "Settings")]
 pub struct SettingsFile {
@@ -51,4 +51,22 @@ pub struct SettingsFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Holographic")]
     pub holographic: Option<Holographic>,
+}
+
+impl Default for SettingsFile {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            bounces: Bounces::default(),
+            wall_depth: WALL_DEPTH,
+            seed: 0,
+            temporal: None,
+            denoise: None,
+            raymarch: None,
+            flood: None,
+            polar: None,
+            cascades: None,
+            holographic: None,
+        }
+    }
 }

@@ -35,8 +35,9 @@ settings! {
     /// The settings of `flood`.
     #[schemars(transform = with_preset(Self::PRESETS))]
     pub struct Flood in "flood" {
-        /// Rays per lamp. Higher: fewer fingers far from lamps; time grows with rays × lamps.
-        rays: u32 = 64, in 1..=4096;
+        /// Rays per lamp. Higher: fewer fingers far from lamps; time grows with rays × lamps. Where rays
+        /// are more than 1 px apart, each is as much brighter.
+        rays: u32 = 256, in 1..=4096;
         /// Rays per glowing cell, and per border cell under a sky. Time grows with rays × glowing
         /// cells.
         matter_rays: u32 = 16, in 0..=4096;
@@ -67,8 +68,8 @@ impl Flood {
         let default = Self::default();
         Some(match name {
             "default" => default,
-            "fast" => Self { rays: 32, matter_rays: 8, bounce_rays: 4, ..default },
-            "high" => Self { rays: 128, matter_rays: 32, bounce_rays: 16, ..default },
+            "fast" => Self { rays: 128, matter_rays: 8, bounce_rays: 4, ..default },
+            "high" => Self { rays: 512, matter_rays: 32, bounce_rays: 16, ..default },
             "seed" => Self { rays: 16, sweeps: Sweeps::Seed, fade: Fade::Seed, ..default },
             _ => return None,
         })

@@ -74,13 +74,13 @@ settings! {
 
 impl Polar {
     /// Names of the presets; the first is the default.
-    pub const PRESETS: &'static [&'static str] = &["default", "fast", "high", "gamemaker", "disc"];
+    pub const PRESETS: &'static [&'static str] = &["default", "fast", "high", "gamemaker"];
 
     /// Returns the preset of a name.
     ///
     /// `fast` and `high` have half and twice the rays. `gamemaker` is the method of Griffis (2πR
-    /// rays, one px at a time, the nearest ray, everything ends a ray, lamps add up). In `disc`
-    /// lamps give as much light as the glowing discs that other methods draw.
+    /// rays, one px at a time, the nearest ray, everything ends a ray, lamps add up, linear falloff:
+    /// for lamps of intensity 1 or so).
     pub fn preset(name: &str) -> Option<Self> {
         Some(match name {
             "default" => Self::default(),
@@ -90,9 +90,9 @@ impl Polar {
                 traversal: Traversal::Step,
                 shadow_filter: ShadowFilter::Nearest,
                 translucent: false,
+                falloff: Some(Falloff::Linear),
                 ..Self::default()
             },
-            "disc" => Self { falloff: Some(Falloff::Inverse), ..Self::default() },
             _ => return None,
         })
     }

@@ -121,7 +121,7 @@ impl Raymarch {
     ///
     /// `fast` and `high` take 16 and 128 rays. `godot` follows Bigos 2020 (32 rays a golden
     /// angle apart, 128 steps, white noise, feedback bounce), and `unity` its port with tone mapping
-    /// (16 rays, evenly spaced, 16 steps, hit at 0.8 px).
+    /// (16 rays, evenly spaced, 16 steps, hit at 0.8 px); both without the blur.
     pub fn preset(name: &str) -> Option<Self> {
         let godot = Self {
             steps: 128,
@@ -129,6 +129,7 @@ impl Raymarch {
             noise: Noise::White,
             spacing: Spacing::Golden,
             bounce_mode: BounceMode::Feedback,
+            denoise: Denoise { passes: 0, ..Denoise::default() },
             ..Self::default()
         };
         Some(match name {

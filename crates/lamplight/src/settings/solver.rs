@@ -1,7 +1,7 @@
 //! The settings of a solver.
 
 use super::file::SettingsFile;
-use super::range::{MAX_WALL_DEPTH, within};
+use super::range::{MAX_WALL_DEPTH, WALL_DEPTH, within};
 use super::{Bounces, Method, MethodSettings, Quality, Raymarch};
 use crate::Result;
 use serde::{Deserialize, Serialize};
@@ -24,18 +24,18 @@ use serde::{Deserialize, Serialize};
 /// In files and flags, the same settings are a [`SettingsTable`](super::SettingsTable), which may have
 /// tables of several methods. `serde` writes a `Settings` in that form, with the table of its method
 /// only.
-#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "SettingsFile", into = "SettingsFile")]
 pub struct Settings {
     /// The method with its settings.
     pub method: MethodSettings,
-    /// Maximum number of bounces of light off walls and fog, 0 to 256; 0 is direct light only. Each
-    /// bounce costs one more gather over the faces that reflect and the media that scatter. `polar`
+    /// Maximum number of bounces of light off walls and fog, 0 to 256, by default 2; 0 is direct light
+    /// only. Each bounce costs one more gather over the faces that reflect and the media that scatter. `polar`
     /// has no bounces, and `flood` has a setting of its own
     /// ([`Flood::bounce_rays`](super::Flood::bounce_rays)).
     pub bounces: Bounces,
-    /// Depth in px, 0 to 64, over which light fades into solid walls, so that they are visible. With 0,
-    /// only solid cells that touch an open cell are lit. The cost is negligible.
+    /// Depth in px, 0 to 64, over which light fades into solid walls, so that they are visible; by default
+    /// 24. With 0, only solid cells that touch an open cell are lit. The cost is negligible.
     pub wall_depth: f32,
     /// Seed of all random numbers. The same seed gives the same bytes.
     pub seed: u64,
@@ -48,7 +48,7 @@ impl Settings {
     /// Returns settings with this method, and the defaults for bounces, wall depth and seed. A
     /// [`Method`] stands for the default settings of that method.
     pub fn new(method: impl Into<MethodSettings>) -> Self {
-        Self { method: method.into(), ..Self::default() }
+        Self { method: method.into(), bounces: Bounces::default(), wall_depth: WALL_DEPTH, seed: 0 }
     }
 
     /// The method.
@@ -71,7 +71,7 @@ impl Settings {
     }
 
     /// Replaces the settings of the current method by one of its presets ([`Method::presets`]). The
-    /// temporal accumulation and the denoiser of `raymarch` keep their settings.
+    /// temporal accumulation of `raymarch` keeps its settings.
     ///
     /// # Errors
     /// Fails, and changes nothing, if the method has no preset of this name.
@@ -81,7 +81,6 @@ impl Settings {
             (&mut preset, &self.method)
         {
             new.temporal.clone_from(&old.temporal);
-            new.denoise.clone_from(&old.denoise);
         }
         self.method = preset;
         Ok(())
@@ -106,6 +105,12 @@ impl Settings {
             Self::from(SettingsFile { method: *method, ..file.clone() }).check()?;
         }
         Ok(file.into())
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::new(Method::default())
     }
 }
 

@@ -99,6 +99,7 @@ impl SettingsTable {
             let name = quality.as_str().map_or_else(|| quality.to_string(), str::to_owned);
             apply_quality(&mut table, name.parse()?);
         }
+        expand_denoise(&mut table);
         expand_preset(&mut table, "raymarch", Raymarch::PRESETS, Raymarch::preset)?;
         expand_preset(&mut table, "flood", Flood::PRESETS, Flood::preset)?;
         expand_preset(&mut table, "polar", Polar::PRESETS, Polar::preset)?;
@@ -146,6 +147,27 @@ fn merge(under: &mut Map<String, Value>, over: Map<String, Value>, preset_clears
     }
 }
 
+/// Adds the blur of the preset of `raymarch`, which has a table of its own.
+fn expand_denoise(table: &mut Map<String, Value>) {
+    let name = table.get("raymarch").and_then(|raymarch| raymarch.get("preset"));
+    let preset = name.and_then(Value::as_str).and_then(Raymarch::preset);
+    let Some(Ok(Value::Object(base))) = preset.map(|p| serde_json::to_value(p.denoise)) else {
+        return;
+    };
+    let denoise = table.entry("denoise").or_insert_with(|| Value::Object(Map::new()));
+    // Anything but a table is an error that serde reports with its key.
+    if let Value::Object(denoise) = denoise {
+        fill(denoise, base);
+    }
+}
+
+/// Adds the keys of `base` that `table` lacks.
+fn fill(table: &mut Map<String, Value>, base: Map<String, Value>) {
+    for (key, value) in base {
+        table.entry(key).or_insert(value);
+    }
+}
+
 /// Replaces the key `preset` of a method's table by the keys it stands for; keys beside it win.
 fn expand_preset<T: Serialize>(
     table: &mut Map<String, Value>,
@@ -159,8 +181,6 @@ fn expand_preset<T: Serialize>(
     let Some(Value::Object(base)) = base else {
         return Err(no_preset(method, &name, names));
     };
-    for (key, value) in base {
-        table.entry(key).or_insert(value);
-    }
+    fill(table, base);
     Ok(())
 }

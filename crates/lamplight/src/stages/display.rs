@@ -7,6 +7,7 @@
 //! `color × (light − L_e) + L_e`. Lamps are shown if they are visible, by their radiance. That sum ×
 //! 2^exposure is tone mapped to 0 to 1 and then encoded as sRGB, once.
 
+use crate::srgb::LUMINANCE;
 use crate::{Cells, Error, Light, Matter, Result, Rgb, srgb};
 use image::RgbImage;
 use rayon::prelude::*;
@@ -23,16 +24,20 @@ pub enum ToneMap {
     /// `x / (1 + x)` per channel (Reinhard et al. 2002, equation 3): never clips; low contrast.
     Reinhard,
     /// A film-like curve (Narkowicz 2015), with highlights that turn white (as in the Unity port).
-    #[default]
     Aces,
     /// AgX (Sobotka 2022), in the polynomial form of Wrensch (2023): soft, keeps hues of very
     /// bright lights from skewing.
     Agx,
+    /// AgX with a look: half a stop brighter, more contrast and stronger colours. Bright lights keep their
+    /// hue as in `agx`.
+    #[default]
+    Vivid,
 }
 
 impl ToneMap {
     /// Every tone map, in the order in which lists show them.
-    pub const ALL: &'static [Self] = &[Self::None, Self::Reinhard, Self::Aces, Self::Agx];
+    pub const ALL: &'static [Self] =
+        &[Self::None, Self::Reinhard, Self::Aces, Self::Agx, Self::Vivid];
 
     /// The name in files and flags.
     pub fn name(self) -> &'static str {
@@ -41,6 +46,7 @@ impl ToneMap {
             Self::Reinhard => "reinhard",
             Self::Aces => "aces",
             Self::Agx => "agx",
+            Self::Vivid => "vivid",
         }
     }
 
@@ -53,7 +59,8 @@ impl ToneMap {
             Self::None => rgb,
             Self::Reinhard => rgb.map(|v| v / (1.0 + v)),
             Self::Aces => aces(rgb),
-            Self::Agx => agx(rgb),
+            Self::Agx => agx(rgb, AGX_PLAIN),
+            Self::Vivid => agx(rgb, AGX_VIVID),
         };
         mapped.map(|v| v.clamp(0.0, 1.0))
     }
@@ -87,6 +94,11 @@ pub const AGX_STOPS: [f32; 2] = [-12.473_93, 4.026_069];
 pub const AGX_CONTRAST: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32];
 /// AgX: the gamma of the display that its curve is for.
 pub const AGX_GAMMA: f32 = 2.2;
+/// AgX without a look: [gain, power, saturation] of 1.
+pub const AGX_PLAIN: [f32; 3] = [1.0; 3];
+/// The look of `vivid`: [gain, power, saturation]. Sobotka's look "Punchy", without a gain and with 1.35 and
+/// 1.4, makes dim colours garish.
+pub const AGX_VIVID: [f32; 3] = [std::f32::consts::SQRT_2, 1.2, 1.2];
 
 /// [`ACES`], as the Unity port of Bigos 2020 shows it: with brightness, a
 /// pixel's colour blends to the curve of its luma.
@@ -102,17 +114,21 @@ fn aces(rgb: Rgb) -> Rgb {
 }
 
 /// Wrensch's minimal AgX (2023): rotate and desaturate the primaries, log2 over 16.5 stops, a
-/// sixth-degree fit of the contrast curve, back. The curve's output is for a display of gamma 2.2.
-fn agx(rgb: Rgb) -> Rgb {
+/// sixth-degree fit of the contrast curve, a look, back. The curve's output is for a display of gamma 2.2. A
+/// look scales radiance, raises the curve to a power and scales the difference from its luma.
+fn agx(rgb: Rgb, [gain, power, saturation]: [f32; 3]) -> Rgb {
     let rotate = |m: &[Rgb; 3], v: Rgb| -> Rgb {
         std::array::from_fn(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
     };
     let [darkest, brightest] = AGX_STOPS;
     let curve = |v: f32| {
         let x = (v.log2().clamp(darkest, brightest) - darkest) / (brightest - darkest);
-        AGX_CONTRAST.iter().fold(0.0, |sum, c| sum * x + c)
+        AGX_CONTRAST.iter().fold(0.0, |sum: f32, c| sum * x + c).max(0.0).powf(power)
     };
-    rotate(&AGX_OUTSET, rotate(&AGX_INSET, rgb).map(curve)).map(|v| v.max(0.0).powf(AGX_GAMMA))
+    let shown = rotate(&AGX_INSET, rgb.map(|v| gain * v)).map(curve);
+    let luma = shown[0] * LUMINANCE[0] + shown[1] * LUMINANCE[1] + shown[2] * LUMINANCE[2];
+    let shown = shown.map(|v| luma + saturation * (v - luma));
+    rotate(&AGX_OUTSET, shown).map(|v| v.max(0.0).powf(AGX_GAMMA))
 }
 
 /// The conversion of light to a picture.
@@ -261,6 +277,18 @@ mod tests {
         // The polynomial at the stops of 0.18 and of 2^4.026069, to the power 2.2 (f64).
         near(grey(ToneMap::Agx, 0.18), 0.214_519_1, AGX_NEUTRAL);
         near(grey(ToneMap::Agx, 100.0), 0.996_878_7, AGX_NEUTRAL);
+        // The same values to the power 1.2, half a stop lower.
+        let gain = std::f32::consts::FRAC_1_SQRT_2;
+        near(grey(ToneMap::Vivid, 0.18 * gain), 0.214_519_1f32.powf(1.2), 1.5 * AGX_NEUTRAL);
+        near(grey(ToneMap::Vivid, 100.0), 0.996_878_7f32.powf(1.2), 1.5 * AGX_NEUTRAL);
+    }
+
+    /// A flame of (16, 3, 0.1): `aces` bleaches it, AgX keeps some yellow, its look more.
+    #[test]
+    fn fire_keeps_its_colour() {
+        let blue = |map: ToneMap| map.map([16.0, 3.0, 0.11])[2];
+        let [aces, agx, vivid] = [ToneMap::Aces, ToneMap::Agx, ToneMap::Vivid].map(blue);
+        assert!(aces > 0.99 && agx < 0.6 && vivid < 0.6, "{aces} {agx} {vivid}");
     }
 
     #[test]
@@ -271,7 +299,11 @@ mod tests {
             for step in -160..120 {
                 let v = (step as f32 / 8.0).exp2();
                 let rgb = map.map([v; 3]);
-                let tolerance = if map == ToneMap::Agx { AGX_NEUTRAL } else { 0.0 };
+                let tolerance = match map {
+                    ToneMap::Agx => AGX_NEUTRAL,
+                    ToneMap::Vivid => 2.0 * AGX_NEUTRAL,
+                    _ => 0.0,
+                };
                 near(rgb[0], rgb[1], tolerance);
                 near(rgb[2], rgb[1], tolerance);
                 assert!(rgb[1] >= before - ROUNDING, "{map:?} falls at {v}: {before} → {}", rgb[1]);
@@ -293,7 +325,7 @@ mod tests {
                 }
             }
         }
-        let white = Display::default().encode([1e30; 3]);
+        let white = Display { tonemap: ToneMap::Aces, exposure: 0.0 }.encode([1e30; 3]);
         assert_eq!(white, [255; 3]);
     }
 

@@ -318,7 +318,7 @@ const TOML_MISTAKES: &[Mistake] = &[
     ),
     (
         "size = [4, 4]\n[display]\ntonemap = \"filmic\"",
-        "line 3: `display.tonemap` is \"filmic\", but must be one of none, reinhard, aces, agx",
+        "line 3: `display.tonemap` is \"filmic\", but must be one of none, reinhard, aces, agx, vivid",
     ),
     (
         "size = [4, 4]\n[display]\nexposure = 99",

@@ -18,6 +18,8 @@ override BOUNCE_RAYS: u32;
 // The rule of the source: 1/(1 + STEEPNESS·d²/D), D the grid's longer side, up to REACH·√D px.
 override STEEPNESS: f32;
 override REACH: f32;
+// Distance between the rays of a lamp per px of their length; 0 under the rule of the source.
+override SPACING: f32;
 
 @group(0) @binding(4) var emission: texture_2d<f32>;
 @group(0) @binding(5) var albedo: texture_2d<f32>;
@@ -32,6 +34,8 @@ const VISITS_EMPTY: bool = true;
 // The state of the current ray.
 var<private> color: vec3f;
 var<private> energy: f32;
+// Distance to the next ray per px of length.
+var<private> spacing: f32;
 // Its source, which decides how it fades.
 var<private> fading: Lamp;
 // The last cell that it crossed, if it crossed any.
@@ -50,7 +54,8 @@ fn fade(distance: f32) -> f32 {
 }
 
 fn visit(enter: f32, leave: f32, cell: vec2u, cell_class: u32) {
-    let left = color * (energy * fade(0.5 * (enter + leave)));
+    let distance = 0.5 * (enter + leave);
+    let left = color * (energy * fade(distance) * max(spacing * distance, 1.0));
     for (var c = 0u; c < 3u; c++) {
         if left[c] > 0.0 {
             atomicMax(&cells[4u * index(cell) + c], bitcast<u32>(left[c]));
@@ -83,6 +88,7 @@ fn draw(origin: vec2f, ray: Direction, leaving: bool) {
     let reflected = color * own;
     let start = vec2f(last_cell) + 0.5;
     energy *= fade(hit.length);
+    spacing = 0.0;
     for (var i = 0u; i < BOUNCE_RAYS; i++) {
         color = reflected;
         _ = traverse(start, direction_at(RAYS + MATTER_RAYS + i), fading.reach, false, true);
@@ -97,6 +103,7 @@ fn lamp_rays(thread: RayThread) {
     }
     fading = lamps.list[ray.lamp];
     color = fading.strength;
+    spacing = SPACING;
     energy = in_cone(fading, ray.number, fading.count);
     if energy > 0.0 && any(color > vec3f(0.0)) {
         draw(fading.position, direction_at(ray.number), false);

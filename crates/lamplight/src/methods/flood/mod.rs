@@ -34,6 +34,7 @@ use crate::{Cells, Lamp, Rgb};
 use blur::{Energy, Links};
 use fearless_simd::Level;
 use rayon::prelude::*;
+use std::f32::consts::TAU;
 
 /// The source's attenuation is `1/(1 + STEEPNESS·D·d²)`, d in grids of D px,
 pub const STEEPNESS: f32 = 0.75;
@@ -70,6 +71,9 @@ struct LightRay {
     direction: [f32; 2],
     color: Rgb,
     energy: f32,
+    /// Distance to the next ray in px, per px of length: where rays are farther apart than 1 px, each is as
+    /// much brighter, so that the blur spreads it to the right light. 0: not so.
+    spacing: f32,
     /// True if it starts in emissive matter: it may leave a wall.
     inside: bool,
 }
@@ -170,12 +174,16 @@ impl FloodSolver {
         for lamp in cells.lamps().iter().filter(|lamp| !lamp.is_off()) {
             let fading = Fading::of(lamp, settings.fade, self.diameter());
             let color = lamp.color.map(|c| c * lamp.intensity);
+            let spacing = match settings.fade {
+                Fade::Lamp => TAU / settings.rays as f32,
+                Fade::Seed => 0.0,
+            };
             let share = |angle| lamp.cone.map_or(1.0, |cone| cone.share(angle));
             for (angle, direction) in circle(settings.rays) {
                 let energy = share(angle);
                 if energy > 0.0 {
-                    let ray =
-                        LightRay { from: lamp.position, direction, color, energy, inside: false };
+                    let from = lamp.position;
+                    let ray = LightRay { from, direction, color, energy, spacing, inside: false };
                     self.cast(cells, settings, ray, fading);
                 }
             }
@@ -201,12 +209,9 @@ impl FloodSolver {
             };
             let from = cell.map(|v| v as f32 + 0.5);
             for (_, direction) in circle(settings.matter_rays) {
-                self.cast(
-                    cells,
-                    settings,
-                    LightRay { from, direction, color, energy: 1.0, inside: true },
-                    fading,
-                );
+                let (energy, spacing) = (1.0, 0.0);
+                let ray = LightRay { from, direction, color, energy, spacing, inside: true };
+                self.cast(cells, settings, ray, fading);
             }
         }
     }
@@ -228,7 +233,8 @@ impl FloodSolver {
             for (_, direction) in circle(settings.matter_rays) {
                 if direction[0] * normal[0] + direction[1] * normal[1] > 0.0 {
                     let color = sky.radiance(-direction[1]);
-                    let ray = LightRay { from, direction, color, energy: 1.0, inside: false };
+                    let (energy, spacing) = (1.0, 0.0);
+                    let ray = LightRay { from, direction, color, energy, spacing, inside: false };
                     self.cast(cells, settings, ray, fading);
                 }
             }
@@ -267,7 +273,8 @@ impl FloodSolver {
         let LightRay { from, direction, inside, .. } = ray;
         let hit = grid.cast(from, direction, fading.reach, inside, |step, cell| {
             let [enter, leave] = step.span;
-            let left = ray.energy * fading.at(0.5 * (enter + leave));
+            let distance = 0.5 * (enter + leave);
+            let left = ray.energy * fading.at(distance) * (ray.spacing * distance).max(1.0);
             energy.deposit(frame.index(step.cell), ray.color, left);
             if grid.classes[cell] == CellClass::Medium {
                 let extinction = grid.extinction[cell];
@@ -282,7 +289,7 @@ impl FloodSolver {
         }
         let energy = ray.energy * fading.at(hit.length);
         let from = last?.map(|v| v as f32 + 0.5);
-        Some((LightRay { from, energy, inside: false, ..ray }, hit.cell as usize))
+        Some((LightRay { from, energy, spacing: 0.0, inside: false, ..ray }, hit.cell as usize))
     }
 
     fn diameter(&self) -> f32 {
