@@ -4,13 +4,43 @@
 #![allow(dead_code)]
 
 use fastrand::Rng;
-use lamplight::settings::Raymarch;
-use lamplight::{Cells, Light, Matter, Method, Rgb, Settings, Sky, Solver};
+use lamplight::settings::{Denoise, MethodSettings, Raymarch};
+use lamplight::{Bounces, Cells, Falloff, Lamp, Light, Matter, Method, Rgb, Settings, Sky, Solver};
 
 /// A black wall.
 pub const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
 /// A black wall that glows with radiance 1.
 pub const GLOW: Matter = Matter { emission: [1.0; 3], ..WALL };
+
+/// A lamp of radiance 1 at the corner; the methods that light by rule let it fade to the range in a straight
+/// line.
+pub const LAMP: Lamp = Lamp {
+    position: [0.0; 2],
+    color: [1.0; 3],
+    intensity: 1.0,
+    range: 128.0,
+    size: 2.0,
+    falloff: Falloff::Linear,
+    cone: None,
+    solid: false,
+    visible: false,
+};
+
+/// Settings for direct light alone, as it comes out of the method: no bounces, walls that are lit on their
+/// faces only, and no blur.
+pub fn direct(method: impl Into<MethodSettings>) -> Settings {
+    let mut settings =
+        Settings { bounces: Bounces::Count(0), wall_depth: 0.0, ..Settings::new(method) };
+    if let Some(raymarch) = settings.method.as_raymarch_mut() {
+        *raymarch = unfiltered(raymarch.clone());
+    }
+    settings
+}
+
+/// Settings of `raymarch` without the blur.
+pub fn unfiltered(raymarch: Raymarch) -> Raymarch {
+    Raymarch { denoise: Denoise { passes: 0, ..raymarch.denoise }, ..raymarch }
+}
 
 /// A random number generator with this seed, printed so that a failure can be repeated.
 pub fn seeded(seed: u64) -> Rng {
@@ -83,9 +113,9 @@ pub fn near(value: f32, expected: f64, tolerance: f64) {
     assert!(off <= tolerance, "{value} is not {expected}: {off} off, {tolerance} allowed");
 }
 
-/// Settings of `raymarch` that differ from the defaults in a few keys.
+/// Settings of `raymarch` for direct light that differ from the defaults in a few keys.
 pub fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
-    let mut settings = Settings::new(Method::Raymarch);
+    let mut settings = direct(Method::Raymarch);
     change(&mut settings);
     settings
 }

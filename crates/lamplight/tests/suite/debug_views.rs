@@ -1,5 +1,6 @@
 //! Debug views show the intermediates of methods unchanged.
 
+use crate::common::*;
 use lamplight::image::{Rgb, RgbImage};
 use lamplight::settings::{Hit, Raymarch};
 use lamplight::{Bounces, Cells, Display, Lamp, Matter, Method, Settings, Sky, Solver, ToneMap};
@@ -14,7 +15,7 @@ fn solved(cells: &Cells, settings: Settings) -> Solver {
 }
 
 fn by(method: Method) -> Settings {
-    Settings { bounces: Bounces::Count(0), ..Settings::new(method) }
+    Settings { bounces: Bounces::Count(0), ..direct(method) }
 }
 
 /// A room with fog, glass, glowing matter and a lamp.
@@ -35,7 +36,7 @@ fn room(width: u32, height: u32) -> Cells {
         }
     }
     let position = [0.4 * width as f32, 0.6 * height as f32];
-    cells.lamps_mut().push(Lamp { position, ..Lamp::default() });
+    cells.lamps_mut().push(Lamp { position, ..LAMP });
     cells
 }
 
@@ -64,7 +65,7 @@ fn every_method_has_debug_views_at_every_size() {
 
 #[test]
 fn variants_without_intermediates_have_no_debug_views() {
-    let settings = Settings::new(Raymarch { hit: Hit::Distance, ..Raymarch::default() });
+    let settings = direct(Raymarch { hit: Hit::Distance, ..Raymarch::default() });
     assert_eq!(solved(&room(40, 30), settings).debug_view_count(), 0);
 }
 
@@ -84,7 +85,7 @@ fn empty_space_skips_are_longest_in_the_open() {
 fn ray_textures_end_at_walls() {
     let mut cells = Cells::new(80, 80).unwrap();
     (0..80).for_each(|y| cells.set(60, y, Matter { opacity: 1.0, ..Matter::default() }));
-    let lamp = Lamp { position: [40.0, 40.0], range: 40.0, intensity: 100.0, ..Lamp::default() };
+    let lamp = Lamp { position: [40.0, 40.0], range: 40.0, intensity: 100.0, ..LAMP };
     cells.lamps_mut().push(lamp);
     let picture = solved(&cells, by(Method::Polar)).debug_view(0, &PLAIN).unwrap().picture;
     // 20 of 40 px to the wall on the right, none on the left; the last row of a strip stays dark.

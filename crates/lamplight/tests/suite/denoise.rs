@@ -32,12 +32,7 @@ fn hall() -> Cells {
         let pillar = x % 17 < 3 && y % 15 < 3;
         if edge || pillar { WALL } else { Matter::EMPTY }
     });
-    cells.lamps_mut().push(Lamp {
-        position: [24.0, 24.0],
-        size: 3.0,
-        intensity: 5.0,
-        ..Lamp::default()
-    });
+    cells.lamps_mut().push(Lamp { position: [24.0, 24.0], size: 3.0, intensity: 5.0, ..LAMP });
     cells.set_sky(Sky::Uniform([0.3, 0.4, 0.6]));
     cells
 }

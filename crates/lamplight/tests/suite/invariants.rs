@@ -120,7 +120,8 @@ fn a_furnace_is_a_geometric_series() {
 #[test]
 fn feedback_converges_to_the_furnace_one_bounce_per_frame() {
     for preset in Raymarch::PRESETS {
-        let mut settings = settings(|s| s.method = Raymarch::preset(preset).unwrap().into());
+        let mut settings =
+            settings(|s| s.method = unfiltered(Raymarch::preset(preset).unwrap()).into());
         (raymarch_of(&mut settings).bounce_mode, settings.bounces) =
             (BounceMode::Feedback, Bounces::Count(1));
         let mut solver = Solver::new(settings).unwrap();
@@ -163,16 +164,20 @@ fn walls_reflect_about_the_same_under_every_hit_rule() {
     // A lamp before a white wall; the light behind a screen is reflected light alone.
     let mut cells = room(40, 30, Matter { albedo: [0.8; 3], ..WALL });
     (0..20).for_each(|y| cells.set(20, 1 + y, WALL));
-    cells.lamps_mut().push(Lamp { position: [8.0, 8.0], size: 2.0, ..Lamp::default() });
+    cells.lamps_mut().push(Lamp { position: [8.0, 8.0], size: 2.0, ..LAMP });
     let behind = |raymarch: Raymarch| {
         let raymarch =
             Raymarch { rays: 256, steps: 4096, bounce_mode: BounceMode::Frame, ..raymarch };
         let settings = settings(|s| (s.method, s.bounces) = (raymarch.into(), Bounces::Count(2)));
         f64::from(solve(&settings, &cells).over([24.0, 2.0], [38.0, 12.0])[0])
     };
-    let edge = behind(Raymarch::default());
+    let edge = behind(unfiltered(Raymarch::default()));
     for hit_distance in [0.5, 0.8, 2.0] {
-        let distance = behind(Raymarch { hit: Hit::Distance, hit_distance, ..Raymarch::default() });
+        let distance = behind(Raymarch {
+            hit: Hit::Distance,
+            hit_distance,
+            ..unfiltered(Raymarch::default())
+        });
         println!("within {hit_distance} px: {distance:.5}, to the edge: {edge:.5}");
         // Shapes get fatter by the distance: the way round the screen is 9 px wide, a lamp 4.
         assert!((distance / edge - 1.0).abs() < 0.25 * hit_distance.max(1.0) as f64);
@@ -214,8 +219,11 @@ const CORRIDOR: f64 = 0.005;
 fn fog_and_glass_follow_beer_and_lambert() {
     for length in [3, 12, 30] {
         let (opacity, tint) = (0.1, [1.0, 0.9, 0.5]);
-        let light =
-            corridor(length, Matter { opacity, tint, ..Matter::EMPTY }, Raymarch::default());
+        let light = corridor(
+            length,
+            Matter { opacity, tint, ..Matter::EMPTY },
+            unfiltered(Raymarch::default()),
+        );
         for c in 0..3 {
             let per_px = (1.0 - f64::from(opacity)) * f64::from(tint[c]);
             let expected = through_the_corridor(length, |_, inside| per_px.powf(inside));
@@ -229,8 +237,12 @@ fn fog_and_glass_follow_beer_and_lambert() {
 fn attenuation_follows_its_formula() {
     // Range is in heights of the grid: 3 px here.
     for (emission_range, emission_dropoff) in [(8.0, 2.0), (20.0, 0.5), (5.0, 1.0)] {
-        let raymarch =
-            Raymarch { attenuation: true, emission_range, emission_dropoff, ..Raymarch::default() };
+        let raymarch = Raymarch {
+            attenuation: true,
+            emission_range,
+            emission_dropoff,
+            ..unfiltered(Raymarch::default())
+        };
         for length in [2, 10] {
             let light = corridor(length, Matter::EMPTY, raymarch.clone());
             let expected = through_the_corridor(length, |s, _| {
@@ -263,9 +275,9 @@ fn the_emission_multiplier_multiplies_emission_and_not_the_sky() {
 
 #[test]
 fn fog_below_the_threshold_counts_as_empty() {
-    let raymarch = |threshold| Raymarch { threshold, ..Raymarch::default() };
+    let raymarch = |threshold| Raymarch { threshold, ..unfiltered(Raymarch::default()) };
     let fog = Matter { opacity: 0.2, ..Matter::EMPTY };
-    let empty = corridor(5, Matter::EMPTY, Raymarch::default());
+    let empty = corridor(5, Matter::EMPTY, unfiltered(Raymarch::default()));
     assert_eq!(corridor(5, fog, raymarch(0.2)), empty);
     assert!(corridor(5, fog, raymarch(0.19))[0] < 0.5 * empty[0]);
 }

@@ -1,5 +1,6 @@
 //! A lamp keeps its light wherever between the cells it stands, whether it glows or is solid.
 
+use crate::common::LAMP;
 use lamplight::{Cells, Cone, Lamp, Scene};
 use std::f64::consts::PI;
 
@@ -59,7 +60,7 @@ fn lamp(size: f32, dx: f32, dy: f32) -> Lamp {
         intensity: 4.0,
         size,
         solid: true,
-        ..Lamp::default()
+        ..LAMP
     }
 }
 
@@ -93,7 +94,7 @@ fn lamps_that_overlap_add_up() {
         cells.lamps_mut().extend_from_slice(lamps);
         cells.drawn().glow().unwrap().to_vec()
     };
-    let at = |x| Lamp { position: [x, 8.0], size: 3.0, ..Lamp::default() };
+    let at = |x| Lamp { position: [x, 8.0], size: 3.0, ..LAMP };
     let both = drawn(&[at(7.0), at(9.5)]);
     for (both, (a, b)) in both.iter().zip(drawn(&[at(7.0)]).iter().zip(drawn(&[at(9.5)]))) {
         assert_eq!(both[0], a[0] + b[0]);
@@ -140,7 +141,7 @@ fn the_measure_rejects_a_lamp_that_is_drawn_wrong() {
 #[test]
 fn lamps_at_and_beyond_the_border_are_cut_off() {
     let mut cells = Cells::new(8, 8).unwrap();
-    let at = |x, y| Lamp { position: [x, y], size: 2.0, solid: true, ..Lamp::default() };
+    let at = |x, y| Lamp { position: [x, y], size: 2.0, solid: true, ..LAMP };
     cells.lamps_mut().extend([at(0.0, 4.0), at(-50.0, 4.0), at(8.0, 8.0), at(4.0, 1e6)]);
     let drawn = cells.drawn();
     assert_eq!(drawn.get(0, 4).unwrap().opacity, 1.0);
@@ -157,8 +158,8 @@ fn lamps_at_and_beyond_the_border_are_cut_off() {
 #[test]
 fn a_lamp_that_is_off_draws_nothing() {
     let mut cells = Cells::new(8, 8).unwrap();
-    cells.lamps_mut().push(Lamp { position: [4.0, 4.0], intensity: 0.0, ..Lamp::default() });
-    cells.lamps_mut().push(Lamp { position: [4.0, 4.0], color: [0.0; 3], ..Lamp::default() });
+    cells.lamps_mut().push(Lamp { position: [4.0, 4.0], intensity: 0.0, ..LAMP });
+    cells.lamps_mut().push(Lamp { position: [4.0, 4.0], color: [0.0; 3], ..LAMP });
     assert!(cells.drawn().glow().is_none());
     cells.lamps_mut().iter_mut().for_each(|lamp| lamp.solid = true);
     assert!(cells.drawn().opacity().iter().all(|&a| a == 0.0));
@@ -166,7 +167,7 @@ fn a_lamp_that_is_off_draws_nothing() {
 
 #[test]
 fn invalid_lamps_are_rejected_by_key() {
-    let good = Lamp { position: [1.0, 1.0], ..Lamp::default() };
+    let good = Lamp { position: [1.0, 1.0], ..LAMP };
     let cone = |direction, angle, softness| Lamp {
         cone: Some(Cone { direction, angle, softness }),
         ..good

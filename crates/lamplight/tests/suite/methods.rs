@@ -42,7 +42,7 @@ fn scene(width: u32, height: u32) -> Cells {
         _ => Matter::EMPTY,
     });
     let position = [width as f32 / 2.0, height as f32 / 2.0];
-    cells.lamps_mut().push(Lamp { position, size: 0.7, ..Lamp::default() });
+    cells.lamps_mut().push(Lamp { position, size: 0.7, ..LAMP });
     cells.set_sky(Sky::Gradient(Gradient {
         zenith: [0.2, 0.3, 0.6],
         horizon: [0.5, 0.3, 0.2],
@@ -216,7 +216,7 @@ fn methods_repeat_frames_as_documented() {
 #[test]
 fn fields_are_the_same_by_the_cheapest_settings() {
     let cells = scene(61, 53);
-    let mut settings = Settings::new(Method::Raymarch);
+    let mut settings = direct(Method::Raymarch);
     raymarch_of(&mut settings).threshold = 0.4;
     let fields = |settings: Settings| {
         let mut solver = Solver::new(settings).unwrap();

@@ -19,7 +19,7 @@ const ON_THE_EDGE: f64 = 1e-3;
 fn polar(change: impl FnOnce(&mut Polar)) -> Settings {
     let mut polar = Polar::default();
     change(&mut polar);
-    Settings::new(polar)
+    direct(polar)
 }
 
 fn with_lamp(mut cells: Cells, lamp: Lamp) -> Cells {
@@ -28,7 +28,7 @@ fn with_lamp(mut cells: Cells, lamp: Lamp) -> Cells {
 }
 
 fn lamp(x: f32, y: f32, range: f32) -> Lamp {
-    Lamp { position: [x, y], range, ..Lamp::default() }
+    Lamp { position: [x, y], range, ..LAMP }
 }
 
 /// Every cell with its place beside a lamp and its distance, f64.
@@ -99,7 +99,7 @@ fn with_the_inverse_falloff_a_lamp_gives_the_light_of_its_disc() {
     // `asin(r/d)/π`, closed form 1 over 2π, far from the range.
     let lamp = lamp(64.0, 64.0, 400.0);
     let light = solve(
-        &polar(|s| *s = Polar::preset("disc").unwrap()),
+        &polar(|s| s.falloff = Some(Falloff::Inverse)),
         &with_lamp(Cells::new(128, 128).unwrap(), lamp),
     );
     for (i, _, d) in
@@ -252,7 +252,7 @@ fn no_light_gets_through_a_wall() {
             let mut place = |at: usize| at as f32 + 0.1 + 0.8 * random.f32();
             let position = [place(home % 37), place(home / 37)];
             cells.lamps_mut().clear();
-            cells.lamps_mut().push(Lamp { position, size: 6.0, ..Lamp::default() });
+            cells.lamps_mut().push(Lamp { position, size: 6.0, ..LAMP });
             for (traversal, shadow_filter) in variants() {
                 // Samples a px apart may miss the corners of walls that hold together by corners.
                 if traversal != Traversal::Edge && contact == Contact::Corners {
@@ -479,7 +479,7 @@ fn every_size_place_and_range_is_lit() {
         for position in places(w as f32, h as f32) {
             for range in [1.0, 9.5, 1e5] {
                 for (traversal, shadow_filter) in variants() {
-                    let lamp = Lamp { position, range, size: 20.0, ..Lamp::default() };
+                    let lamp = Lamp { position, range, size: 20.0, ..LAMP };
                     let cells = with_lamp(cells.clone(), lamp);
                     // Few rays: a lamp far away would have most of them miss.
                     let light = solve(
@@ -499,7 +499,7 @@ fn every_size_place_and_range_is_lit() {
 #[test]
 fn lamps_whose_rays_do_not_fit_into_memory_at_once_add_up_all_the_same() {
     // Each of them has 2^18 rays, most of which miss.
-    let far = Lamp { position: [-5e4, 8.5], range: 1e5, ..Lamp::default() };
+    let far = Lamp { position: [-5e4, 8.5], range: 1e5, ..LAMP };
     let mut cells = with_lamp(Cells::new(16, 16).unwrap(), far);
     let one = solve(&polar(|_| ()), &cells);
     *cells.lamps_mut() = vec![far; 14];

@@ -35,19 +35,19 @@ fn file(text: &str) -> SettingsTable {
 }
 
 #[test]
-fn defaults_are_direct_light_to_the_edge() {
+fn defaults_light_a_room() {
     let defaults = SettingsTable::default();
     assert!(defaults.is_empty());
     let settings = defaults.resolve().unwrap();
     assert_eq!(settings, Settings::default());
     settings.check().unwrap();
     assert_eq!(settings.method(), Method::Holographic);
-    assert_eq!(settings.bounces, Bounces::Count(0));
-    assert_eq!(settings.wall_depth, 0.0);
+    assert_eq!(settings.bounces, Bounces::Count(2));
+    assert_eq!(settings.wall_depth, 24.0);
     let r = raymarch(&defaults);
     assert_eq!(r, Raymarch::default());
     assert_eq!(r.temporal, Temporal { history_length: 0, reject: true });
-    assert_eq!(r.denoise, Denoise { passes: 0, strength: 1.0 });
+    assert_eq!(r.denoise, Denoise { passes: 4, strength: 2.0 });
     assert_eq!((r.rays, r.hit, r.noise, r.spacing), (32, Hit::Edge, Noise::Blue, Spacing::Even));
     assert!(!r.attenuation);
     // The defaults of Bigos (2020).
@@ -66,6 +66,10 @@ fn presets_have_the_numbers_of_their_sources() {
     assert_eq!((unity.rays, unity.steps), (16, 16));
     assert_eq!((unity.hit, unity.hit_distance, unity.spacing), (Hit::Distance, 0.8, Spacing::Even));
     assert_eq!(raymarch(&flags(&["raymarch.preset=default"])), Raymarch::default());
+    // The sources have no blur; one that is asked for comes anyway.
+    assert_eq!((godot.denoise.passes, unity.denoise.passes), (0, 0));
+    let blurred = raymarch(&flags(&["raymarch.preset=godot", "denoise.passes=3"]));
+    assert_eq!(blurred.denoise, Denoise { passes: 3, ..Denoise::default() });
     assert!(Raymarch::PRESETS.iter().all(|name| Raymarch::preset(name).is_some()));
     assert_eq!(Raymarch::preset("unreal"), None);
 }
@@ -79,8 +83,7 @@ fn presets_of_polar_and_flood_have_the_numbers_of_their_sources() {
         (p.traversal, p.shadow_filter, p.blend),
         (Traversal::Step, ShadowFilter::Nearest, Blend::Add)
     );
-    assert_eq!((p.density, p.translucent, p.falloff), (1.0, false, None));
-    assert_eq!(Polar::preset("disc").unwrap().falloff, Some(Falloff::Inverse));
+    assert_eq!((p.density, p.translucent, p.falloff), (1.0, false, Some(Falloff::Linear)));
     let f = Flood::preset("seed").unwrap();
     assert_eq!(of(Method::Flood, &flags(&["flood.preset=seed"])), f.clone().into());
     assert_eq!((f.rays, f.matter_rays, f.bounce_rays, f.rounds), (16, 16, 8, 20));
@@ -297,7 +300,7 @@ fn unknown_keys_and_values_are_rejected_with_the_valid_ones() {
         ("flood.preset=x", "`flood.preset` is \"x\", but must be one of default, fast, high, seed"),
         (
             "polar.preset=x",
-            "`polar.preset` is \"x\", but must be one of default, fast, high, gamemaker, disc",
+            "`polar.preset` is \"x\", but must be one of default, fast, high, gamemaker",
         ),
         (
             "raymarch.preset=5",
@@ -338,7 +341,7 @@ fn settings_survive_json_and_toml() {
             "raymarch.preset=unity",
             "raymarch.hit_distance=0.7",
             "raymarch.emission_range=0.333333",
-            "polar.preset=disc",
+            "polar.preset=gamemaker",
             "flood.preset=seed",
             "cascades.preset=plain",
             "holographic.preset=fast",
@@ -401,11 +404,11 @@ fn a_quality_is_a_preset_of_every_method() {
 
 #[test]
 fn keys_and_presets_win_over_the_quality_of_their_layer() {
-    let table = flags(&["quality=high", "holographic.gather_rays=9", "polar.preset=disc"]);
+    let table = flags(&["quality=high", "holographic.gather_rays=9", "polar.preset=gamemaker"]);
     let high = Holographic::preset("high").unwrap();
     let expected = Holographic { gather_rays: 9, ..high };
     assert_eq!(of(Method::Holographic, &table), expected.into());
-    assert_eq!(of(Method::Polar, &table), Polar::preset("disc").unwrap().into());
+    assert_eq!(of(Method::Polar, &table), Polar::preset("gamemaker").unwrap().into());
     // A quality in a later layer undoes the methods' keys of the layers below, and no others.
     let mut layers = flags(&["bounces=3", "holographic.gather_rays=9", "quality=high"]);
     layers.merge(flags(&["quality=fast"]));

@@ -37,7 +37,7 @@ fn rooms() -> Cells {
 }
 
 fn lamp(position: [f32; 2], size: f32) -> Lamp {
-    Lamp { position, size, intensity: 5.0, ..Lamp::default() }
+    Lamp { position, size, intensity: 5.0, ..LAMP }
 }
 
 fn with_lamp(cells: &Cells, lamp: Lamp) -> Cells {
