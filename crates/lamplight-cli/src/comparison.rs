@@ -201,7 +201,13 @@ fn preset_entry(method: Method, preset: &'static str, table: &SettingsTable) -> 
     whole.set("method", method.name());
     whole.set(&format!("{}.preset", method.name()), preset);
     table.merge(whole);
-    let settings = without_filters(table.resolve()?);
+    let mut settings = table.resolve()?;
+    // The filters that the scene sets have rows of their own.
+    if let (MethodSettings::Raymarch(raymarch), Some(own)) =
+        (&mut settings.method, Raymarch::preset(preset))
+    {
+        (raymarch.temporal, raymarch.denoise) = (own.temporal, own.denoise);
+    }
     Ok(Entry { preset: Some(preset), ..Entry::new(preset.to_owned(), settings) })
 }
 
@@ -223,15 +229,6 @@ impl Entry {
         let frames = if settings.method() == Method::Flood { FLOOD_FRAMES } else { bounces + 1 };
         Self { label, preset: None, settings, after: vec![frames] }
     }
-}
-
-/// Settings of a method by itself: the filters that remove noise have rows of their own.
-fn without_filters(mut settings: Settings) -> Settings {
-    if let MethodSettings::Raymarch(raymarch) = &mut settings.method {
-        raymarch.temporal.history_length = 0;
-        raymarch.denoise.passes = 0;
-    }
-    settings
 }
 
 /// More and more rays, the edge-aware blur, and the mean over more and more frames.

@@ -89,7 +89,9 @@ pub fn left_out(renderer: Renderer, cells: &Cells, settings: &Settings) -> Optio
     if !cells.sky().is_black() {
         parts.push("the sky".to_owned());
     }
+    let reflects = cells.albedo().as_flattened().iter().any(|&albedo| albedo > 0.0);
     match settings.bounces {
+        _ if !reflects => {}
         Bounces::Count(0) => {}
         Bounces::Count(1) => parts.push("the bounce".to_owned()),
         Bounces::Count(count) => parts.push(format!("the {count} bounces")),

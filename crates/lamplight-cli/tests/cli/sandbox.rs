@@ -19,6 +19,9 @@ position = [6.5, 10.0]
 color = [1.0, 0.7, 0.4]
 intensity = 5.0
 size = 2.0
+[light]
+bounces = 0
+wall_depth = 0
 "#;
 
 pub struct Sandbox(TempDir);

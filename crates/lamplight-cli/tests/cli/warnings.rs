@@ -98,12 +98,11 @@ fn polar_names_what_it_leaves_out() {
     let sandbox = Sandbox::new();
     let lamp = "[[lamp]]\nposition = [8.5, 8.5]\n";
     let glow = "[[shape]]\nrect = { min = [1, 1], max = [2, 2] }\nemission = [1, 0, 0]\n";
-    sandbox.write(
-        "all.toml",
-        format!("size = [17, 17]\nsky = [1, 1, 1]\n{glow}{lamp}[light]\nbounces = 2\n"),
-    );
+    let wall = "[[shape]]\nrect = { min = [14, 1], max = [15, 2] }\nalbedo = [1, 0, 0]\n";
+    sandbox.write("all.toml", format!("size = [17, 17]\nsky = [1, 1, 1]\n{glow}{wall}{lamp}"));
     sandbox.write("glow.toml", format!("size = [17, 17]\n{glow}{lamp}"));
     sandbox.write("lamp.toml", format!("size = [17, 17]\n{lamp}"));
+    sandbox.write("wall.toml", format!("size = [17, 17]\n{wall}{lamp}"));
     let all = "polar lights by lamps only: it leaves out glowing matter, the sky and the 2 bounces";
     warns(&sandbox, "probe all.toml 2,5 --method polar", &[all]);
     warns(&sandbox, "render all.toml --method polar", &[all]);
@@ -112,8 +111,9 @@ fn polar_names_what_it_leaves_out() {
     let glow = "polar lights by lamps only: it leaves out glowing matter";
     warns(&sandbox, "probe glow.toml 2,5 --method polar", &[glow]);
     let bounces = "polar lights by lamps only: it leaves out all bounces";
-    warns(&sandbox, "probe lamp.toml 2,5 --method polar --bounces converged", &[bounces]);
+    warns(&sandbox, "probe wall.toml 2,5 --method polar --bounces converged", &[bounces]);
     warns(&sandbox, "probe lamp.toml 2,5 --method polar", &[]);
+    warns(&sandbox, "probe wall.toml 2,5 --method polar --bounces 0", &[]);
     warns(&sandbox, "probe all.toml 2,5 --method flood", &[]);
     warns(&sandbox, "render all.toml --method polar --stage opacity", &[]);
 }
