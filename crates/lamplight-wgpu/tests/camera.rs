@@ -49,7 +49,7 @@ impl World {
 }
 
 fn settings(noise: Noise) -> Settings {
-    let mut settings = Settings::new(Method::Raymarch);
+    let mut settings = Settings::direct(Method::Raymarch);
     settings.bounces = Bounces::Count(1);
     raymarch_of(&mut settings).noise = noise;
     settings

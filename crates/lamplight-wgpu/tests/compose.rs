@@ -38,7 +38,7 @@ fn scene() -> Scene {
     }
     let format = TextureFormat::Rgba32Float;
     let color = filled(&device, &queue, SIZE, format, bytemuck::cast_slice(&color));
-    let settings = Settings { wall_depth: 3.0, ..Settings::new(Method::Raymarch) };
+    let settings = Settings { wall_depth: 3.0, ..Settings::direct(Method::Raymarch) };
     let mut lighting = lighting(&device, &queue);
     let light = frame(&device, &queue, &mut lighting, &settings, &cells);
     let rgb = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();

@@ -13,7 +13,7 @@ use textures::{fetch, filled, float, texture, view};
 use wgpu::{Device, Queue, TextureFormat, TextureUsages};
 
 fn raymarch() -> Settings {
-    Settings::new(Method::Raymarch)
+    Settings::direct(Method::Raymarch)
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn a_grid_beyond_the_devices_limits_is_rejected_and_the_next_one_lit() {
     let large = error(&settings, [4096, 2049]);
     assert!(large.contains("bytes a buffer, but this device allows"), "{large}");
     // Millions of rays.
-    let mut cascades = Settings::new(Method::Cascades);
+    let mut cascades = Settings::direct(Method::Cascades);
     (
         cascades.method.as_cascades_mut().unwrap().rays,
         cascades.method.as_cascades_mut().unwrap().interval,
@@ -222,7 +222,7 @@ fn textures_that_cannot_be_used_are_named_with_the_reason() {
 }
 
 fn polar() -> Settings {
-    Settings::new(Method::Polar)
+    Settings::direct(Method::Polar)
 }
 
 #[test]

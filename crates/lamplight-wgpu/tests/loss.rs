@@ -17,7 +17,7 @@ use wgpu::{TextureFormat, TextureUsages};
 #[test]
 fn a_lost_device_does_nothing_and_returns_errors_when_results_are_read() {
     let (device, queue) = device_of(Tier::Native);
-    let settings = Settings::new(Method::Raymarch);
+    let settings = Settings::direct(Method::Raymarch);
     let options = LightingOptions::default();
     let mut lit = lighting(&device, &queue);
     let mut compose = Compose::new(&device, &queue).unwrap();

@@ -16,7 +16,7 @@ use wgpu::{
 };
 
 fn raymarch() -> Settings {
-    Settings::new(Method::Raymarch)
+    Settings::direct(Method::Raymarch)
 }
 
 const BOUND: TextureUsages = TextureUsages::TEXTURE_BINDING;
@@ -257,7 +257,7 @@ fn methods_may_change_to_those_that_light_lamps_and_back() {
     let mut lighting = lighting(&device, &queue);
     let seen = frame(&device, &queue, &mut lighting, &raymarch(), &cells);
     for method in [Method::Polar, Method::Flood] {
-        let settings = Settings::new(method);
+        let settings = Settings::direct(method);
         let prepared = lighting.prepare(&FrameInput::of_cells(&settings, &cells));
         assert_eq!(prepared.is_err(), method == Method::Polar, "{prepared:?}");
         cells.lamps_mut().push(Lamp { position: [15.0, 8.0], ..Lamp::default() });
@@ -275,7 +275,7 @@ fn textures_without_lamps_are_dark_under_polar() {
     let open = [255, 255, 255, 0].repeat(16 * 16);
     let matter = filled(&device, &queue, [16, 16], TextureFormat::Rgba8Unorm, &open);
     let matter = textures_like(&matter);
-    let settings = Settings::new(Method::Polar);
+    let settings = Settings::direct(Method::Polar);
     let mut lighting = lighting(&device, &queue);
     let mut light = |lamps: &[Lamp]| {
         let input = FrameInput::of_textures(&settings, &matter, lamps, Sky::default());

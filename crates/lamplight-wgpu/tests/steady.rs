@@ -43,7 +43,7 @@ static ALLOCATOR: Counting = Counting;
 #[test]
 fn preparing_again_allocates_nothing_that_grows_with_the_grid() {
     let (device, queue) = device();
-    let mut settings = Settings::new(Method::Raymarch);
+    let mut settings = Settings::direct(Method::Raymarch);
     raymarch_of(&mut settings).rays = 1;
     let mut lighting = lighting(&device, &queue);
     let mut cells: Cells = cells(512, 288, 3);

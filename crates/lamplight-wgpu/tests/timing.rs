@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use wgpu::{Device, Features, Queue};
 
 fn raymarch() -> Settings {
-    Settings::new(Method::Raymarch)
+    Settings::direct(Method::Raymarch)
 }
 
 /// A device with timestamps; `None` if the GPU has none.

@@ -7,7 +7,7 @@ use crate::generated::{self, Mode, root};
 use crate::scenes;
 use anyhow::{Context, Result, ensure};
 use lamplight::settings::MethodSettings;
-use lamplight::{Cells, Lamp, Method, Settings, Solver};
+use lamplight::{Cells, Lamp, Method, Settings, Solver, ToneMap};
 use lamplight_truth::grain::{FAR, ripple};
 use serde_json::Value;
 use std::fmt::Write;
@@ -268,6 +268,10 @@ fn pictures() -> Result<()> {
         let (scene, output) =
             (format!("scenes/cookbook/{name}.toml"), format!("docs/pictures/cookbook-{name}.png"));
         lamplight(&["render", &scene, "--scale", COOKBOOK_SCALE, "-o", &output])?;
+    }
+    for &map in ToneMap::ALL {
+        let output = format!("docs/pictures/tonemap-{}.png", map.name());
+        lamplight(&["render", &file("night_street"), "--tonemap", map.name(), "-o", &output])?;
     }
     let light = ["--stage", "light", "--scale", SCALE, "-o", "docs/pictures/cave-light.png"];
     lamplight(&[&["render", &file("cave")], &light[..]].concat())?;

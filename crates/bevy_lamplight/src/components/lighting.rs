@@ -26,7 +26,7 @@ pub struct Lighting2d {
     /// Speed against accuracy: the method's preset at this level.
     pub quality: LightQuality,
     /// Further settings of the method, which override the quality, in the syntax of `lamplight`'s command
-    /// line: `"raymarch.rays=64"` or `"polar.preset=disc"`. Settings that have a field here are errors.
+    /// line: `"raymarch.rays=64"` or `"polar.preset=gamemaker"`. Settings that have a field here are errors.
     pub set: Vec<String>,
     /// Bounces of light off walls and fog. Each one costs another pass over them.
     pub bounces: LightBounces,

@@ -49,7 +49,8 @@ fn flags_win_over_the_scene() {
     let scene = String::from_utf8(sandbox.read("small.toml")).unwrap();
     sandbox.write(
         "set.toml",
-        scene + "[light]\nbounces = 2\nmethod = \"raymarch\"\nraymarch.rays = 3\nseed = 5\n",
+        scene.replace("bounces = 0", "bounces = 2")
+            + "method = \"raymarch\"\nraymarch.rays = 3\nseed = 5\n",
     );
     let settings = |flags: &str| {
         let said = sandbox.run(&format!("render set.toml --json {flags}")).done();

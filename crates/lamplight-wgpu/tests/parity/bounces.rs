@@ -9,7 +9,7 @@ use lamplight_wgpu::Lighting;
 
 fn raymarch(preset: &str, by: BounceMode, bounces: Bounces) -> Settings {
     let preset = Raymarch::preset(preset).unwrap();
-    Settings { bounces, ..Settings::new(Raymarch { bounce_mode: by, rays: 16, ..preset }) }
+    Settings { bounces, ..Settings::direct(Raymarch { bounce_mode: by, rays: 16, ..preset }) }
 }
 
 #[test]
@@ -45,7 +45,7 @@ fn converged_light_agrees() {
 fn methods(bounces: Bounces) -> Vec<(String, Settings)> {
     let of = |method, preset: &str| {
         let settings = MethodSettings::preset(method, preset).unwrap();
-        (format!("{method:?}, {preset}"), Settings { bounces, ..Settings::new(settings) })
+        (format!("{method:?}, {preset}"), Settings { bounces, ..Settings::direct(settings) })
     };
     let mut all = vec![("Raymarch".into(), raymarch("default", BounceMode::Frame, bounces))];
     all.extend(["default", "plain"].map(|preset| of(Method::Cascades, preset)));
@@ -163,7 +163,7 @@ fn the_albedo_limits_the_number_of_planned_bounces() {
         cells
     });
     let [converged, one] = [Bounces::Converged, Bounces::Count(1)]
-        .map(|bounces| Settings { bounces, ..Settings::default() });
+        .map(|bounces| Settings { bounces, ..Settings::direct(Method::Holographic) });
     let planned = |lighting: &Lighting| lighting.cost().unwrap().dispatches();
     let lit = |cells| {
         let mut lighting = lighting(&device, &queue);

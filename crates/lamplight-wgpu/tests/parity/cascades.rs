@@ -19,7 +19,7 @@ const TIES_OF_LARGE_GRIDS: f64 = 1e-4;
 fn cascades(change: impl FnOnce(&mut Cascades)) -> Settings {
     let mut cascades = Cascades::default();
     change(&mut cascades);
-    Settings::new(cascades)
+    Settings::direct(cascades)
 }
 
 #[test]

@@ -113,7 +113,7 @@ fn agrees(name: &str, seen: &[Rgb], right: &[Rgb], ties: f64) {
 
 #[test]
 fn one_wrong_pixel_is_rejected() {
-    let settings = Settings::new(Method::Raymarch);
+    let settings = Settings::direct(Method::Raymarch);
     let gpu = device();
     let [seen, right] = Both::new(&gpu, settings).light(&gpu, &cells(97, 61, 3));
     assert_eq!(wrong(&seen, &right), 0);

@@ -7,7 +7,7 @@ use lamplight_wgpu::{Cost, FrameInput, Lighting, LightingOptions};
 use wgpu::{Device, Queue};
 
 fn cost((device, queue): &(Device, Queue), preset: &str, side: u32, fused_levels: u32) -> Cost {
-    let settings = Settings::new(Holographic::preset(preset).unwrap());
+    let settings = Settings::direct(Holographic::preset(preset).unwrap());
     let options = LightingOptions { fused_levels };
     let mut lighting = Lighting::new(device, queue, &options).unwrap();
     let cells = Cells::new(side, side).unwrap();

@@ -2,13 +2,13 @@
 
 use crate::common::{cells, device, raymarch_of};
 use crate::compare::{SIZES, agree};
-use lamplight::Settings;
 use lamplight::settings::{Denoise, Hit, Raymarch};
+use lamplight::{Bounces, Settings};
 
 fn denoising(passes: u32, strength: f32) -> Settings {
     let denoise = Denoise { passes, strength };
     let raymarch = Raymarch { denoise, ..Raymarch::default() };
-    Settings { wall_depth: 2.0, ..Settings::new(raymarch) }
+    Settings { bounces: Bounces::Count(0), wall_depth: 2.0, ..Settings::new(raymarch) }
 }
 
 #[test]

@@ -12,7 +12,7 @@ type Change = fn(&mut Flood);
 const FRAMES: u32 = 3;
 
 fn flood(flood: Flood) -> Settings {
-    Settings { wall_depth: 2.0, ..Settings::new(flood) }
+    Settings { wall_depth: 2.0, ..Settings::direct(flood) }
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn remembering() -> Settings {
     let temporal = Temporal { history_length: 8, reject: true };
     let bounce_mode = BounceMode::Feedback;
     let raymarch = Raymarch { temporal, bounce_mode, rays: 8, ..Raymarch::default() };
-    Settings { bounces: Bounces::Count(1), ..Settings::new(raymarch) }
+    Settings { bounces: Bounces::Count(1), ..Settings::direct(raymarch) }
 }
 
 fn lit(

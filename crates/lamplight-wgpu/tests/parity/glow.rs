@@ -39,7 +39,7 @@ fn glow_agrees_with_every_method() {
         let cells = fires(width, height);
         for (name, method) in &methods {
             for bounces in [0, 1].map(Bounces::Count) {
-                let settings = Settings { method: method.clone(), bounces, ..Settings::default() };
+                let settings = Settings { bounces, ..Settings::direct(method.clone()) };
                 agree(&gpu, &format!("{name}, {bounces:?}, {width}×{height}"), &cells, settings);
             }
         }

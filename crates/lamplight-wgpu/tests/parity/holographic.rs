@@ -8,7 +8,7 @@ use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Tier};
 use std::time::{Duration, Instant};
 
 fn holographic(preset: &str) -> Settings {
-    Settings::new(Holographic::preset(preset).unwrap())
+    Settings::direct(Holographic::preset(preset).unwrap())
 }
 
 /// Solid matter alone, some of it glowing: no fog, no tint.
@@ -72,7 +72,7 @@ fn every_setting_agrees() {
         let variant = Holographic::default().variant;
         let settings =
             Holographic { variant, gather_level, gather_length, gather_rays, bundle_rays };
-        agree(&gpu, &format!("{settings:?}"), &cells, Settings::new(settings));
+        agree(&gpu, &format!("{settings:?}"), &cells, Settings::direct(settings));
     }
 }
 

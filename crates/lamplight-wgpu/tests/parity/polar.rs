@@ -8,7 +8,7 @@ use lamplight::{Cells, Falloff, Matter, Settings};
 use lamplight_wgpu::Stage;
 
 fn polar(polar: Polar) -> Settings {
-    Settings { wall_depth: 2.0, ..Settings::new(polar) }
+    Settings { wall_depth: 2.0, ..Settings::direct(polar) }
 }
 
 fn lit(width: u32, height: u32, count: u32, seed: u64) -> Cells {

@@ -6,7 +6,7 @@ use lamplight::settings::{BounceMode, Noise, Raymarch, Spacing};
 use lamplight::{Bounces, Gradient, Method, Rgb, Settings, Sky, Solver};
 
 fn raymarch() -> Settings {
-    Settings::new(Method::Raymarch)
+    Settings::direct(Method::Raymarch)
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn stage<T: bytemuck::Pod>(
     cells: &Cells,
     stage: Stage,
 ) -> Vec<T> {
-    let settings = Settings::new(Raymarch::default());
+    let settings = Settings::direct(Raymarch::default());
     let mut lighting = lighting(device, queue);
     let input = FrameInput::of_cells(&settings, cells);
     lighting.prepare(&FrameInput { distance_field: true, ..input }).unwrap();
@@ -56,7 +56,7 @@ fn fields_are_made_beside_those_of_the_method() {
     let (device, queue) = device();
     let cells = cells(40, 30, 13);
     let raymarch = Raymarch { hit: Hit::Distance, ..Raymarch::default() };
-    let settings = Settings::new(raymarch);
+    let settings = Settings::direct(raymarch);
     let mut lighting = lighting(&device, &queue);
     let input = FrameInput::of_cells(&settings, &cells);
     lighting.prepare(&FrameInput { distance_field: true, ..input }).unwrap();

@@ -15,7 +15,7 @@ const RAYS: u32 = 11;
 fn accumulating(reject: bool) -> Settings {
     let temporal = Temporal { history_length: 8, reject };
     let raymarch = Raymarch { temporal, rays: RAYS, ..Raymarch::default() };
-    Settings { wall_depth: 2.0, ..Settings::new(raymarch) }
+    Settings { wall_depth: 2.0, ..Settings::direct(raymarch) }
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn walls_agree_at_any_depth_and_size() {
     for depth in [0.0, 0.5, 3.0, 20.0, 64.0] {
         let settings = Settings {
             wall_depth: depth,
-            ..Settings::new(Raymarch { rays: 4, ..Raymarch::default() })
+            ..Settings::direct(Raymarch { rays: 4, ..Raymarch::default() })
         };
         let mut lighting = lighting(&device, &queue);
         let mut solver = Solver::new(settings.clone()).unwrap();
@@ -50,7 +50,7 @@ fn another_depth_differs() {
     let (device, queue) = device();
     let [shallow, deep] = [8.0, 8.1].map(|wall_depth| Settings {
         wall_depth,
-        ..Settings::new(Raymarch { rays: 4, ..Raymarch::default() })
+        ..Settings::direct(Raymarch { rays: 4, ..Raymarch::default() })
     });
     let cells = rock(97, 61, 23);
     let seen = frame(&device, &queue, &mut lighting(&device, &queue), &shallow, &cells);

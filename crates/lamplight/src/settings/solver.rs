@@ -51,6 +51,17 @@ impl Settings {
         Self { method: method.into(), bounces: Bounces::default(), wall_depth: WALL_DEPTH, seed: 0 }
     }
 
+    /// Returns settings for direct light alone, as the method finds it: no bounces, walls that are lit on
+    /// their faces only, and no blur after `raymarch`.
+    pub fn direct(method: impl Into<MethodSettings>) -> Self {
+        let mut settings =
+            Self { bounces: Bounces::Count(0), wall_depth: 0.0, ..Self::new(method) };
+        if let Some(raymarch) = settings.method.as_raymarch_mut() {
+            raymarch.denoise.passes = 0;
+        }
+        settings
+    }
+
     /// The method.
     pub fn method(&self) -> Method {
         self.method.method()

@@ -98,7 +98,7 @@ pub const AGX_GAMMA: f32 = 2.2;
 pub const AGX_PLAIN: [f32; 3] = [1.0; 3];
 /// The look of `vivid`: [gain, power, saturation]. Sobotka's look "Punchy", without a gain and with 1.35 and
 /// 1.4, makes dim colours garish.
-pub const AGX_VIVID: [f32; 3] = [std::f32::consts::SQRT_2, 1.2, 1.2];
+pub const AGX_VIVID: [f32; 3] = [std::f32::consts::SQRT_2, 1.2, 1.3];
 
 /// [`ACES`], as the Unity port of Bigos 2020 shows it: with brightness, a
 /// pixel's colour blends to the curve of its luma.

@@ -4,8 +4,8 @@
 #![allow(dead_code)]
 
 use fastrand::Rng;
-use lamplight::settings::{Denoise, MethodSettings, Raymarch};
-use lamplight::{Bounces, Cells, Falloff, Lamp, Light, Matter, Method, Rgb, Settings, Sky, Solver};
+use lamplight::settings::{Denoise, Raymarch};
+use lamplight::{Cells, Falloff, Lamp, Light, Matter, Method, Rgb, Settings, Sky, Solver};
 
 /// A black wall.
 pub const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
@@ -25,17 +25,6 @@ pub const LAMP: Lamp = Lamp {
     solid: false,
     visible: false,
 };
-
-/// Settings for direct light alone, as it comes out of the method: no bounces, walls that are lit on their
-/// faces only, and no blur.
-pub fn direct(method: impl Into<MethodSettings>) -> Settings {
-    let mut settings =
-        Settings { bounces: Bounces::Count(0), wall_depth: 0.0, ..Settings::new(method) };
-    if let Some(raymarch) = settings.method.as_raymarch_mut() {
-        *raymarch = unfiltered(raymarch.clone());
-    }
-    settings
-}
 
 /// Settings of `raymarch` without the blur.
 pub fn unfiltered(raymarch: Raymarch) -> Raymarch {
@@ -115,7 +104,7 @@ pub fn near(value: f32, expected: f64, tolerance: f64) {
 
 /// Settings of `raymarch` for direct light that differ from the defaults in a few keys.
 pub fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
-    let mut settings = direct(Method::Raymarch);
+    let mut settings = Settings::direct(Method::Raymarch);
     change(&mut settings);
     settings
 }

@@ -11,7 +11,7 @@ const ROUNDING: f32 = 2e-5;
 fn cascades(change: impl FnOnce(&mut Cascades)) -> Settings {
     let mut cascades = Cascades::default();
     change(&mut cascades);
-    direct(cascades)
+    Settings::direct(cascades)
 }
 
 fn bounces(count: u32) -> Settings {

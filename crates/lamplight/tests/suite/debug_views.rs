@@ -15,7 +15,7 @@ fn solved(cells: &Cells, settings: Settings) -> Solver {
 }
 
 fn by(method: Method) -> Settings {
-    Settings { bounces: Bounces::Count(0), ..direct(method) }
+    Settings { bounces: Bounces::Count(0), ..Settings::direct(method) }
 }
 
 /// A room with fog, glass, glowing matter and a lamp.
@@ -65,7 +65,7 @@ fn every_method_has_debug_views_at_every_size() {
 
 #[test]
 fn variants_without_intermediates_have_no_debug_views() {
-    let settings = direct(Raymarch { hit: Hit::Distance, ..Raymarch::default() });
+    let settings = Settings::direct(Raymarch { hit: Hit::Distance, ..Raymarch::default() });
     assert_eq!(solved(&room(40, 30), settings).debug_view_count(), 0);
 }
 

@@ -17,7 +17,7 @@ const ASYMMETRY_IN_ORDER: f32 = 0.1;
 fn flood(change: impl FnOnce(&mut Flood)) -> Settings {
     let mut flood = Flood::default();
     change(&mut flood);
-    direct(flood)
+    Settings::direct(flood)
 }
 
 fn seed() -> Settings {

@@ -216,7 +216,7 @@ fn methods_repeat_frames_as_documented() {
 #[test]
 fn fields_are_the_same_by_the_cheapest_settings() {
     let cells = scene(61, 53);
-    let mut settings = direct(Method::Raymarch);
+    let mut settings = Settings::direct(Method::Raymarch);
     raymarch_of(&mut settings).threshold = 0.4;
     let fields = |settings: Settings| {
         let mut solver = Solver::new(settings).unwrap();

@@ -19,7 +19,7 @@ const ON_THE_EDGE: f64 = 1e-3;
 fn polar(change: impl FnOnce(&mut Polar)) -> Settings {
     let mut polar = Polar::default();
     change(&mut polar);
-    direct(polar)
+    Settings::direct(polar)
 }
 
 fn with_lamp(mut cells: Cells, lamp: Lamp) -> Cells {

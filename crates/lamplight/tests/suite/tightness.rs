@@ -172,8 +172,10 @@ fn no_preset_of_holographic_lets_light_out() {
             for bounces in [0, 2] {
                 for _ in 0..8 {
                     let holographic = Holographic::preset(preset).unwrap();
-                    let settings =
-                        Settings { bounces: Bounces::Count(bounces), ..direct(holographic) };
+                    let settings = Settings {
+                        bounces: Bounces::Count(bounces),
+                        ..Settings::direct(holographic)
+                    };
                     let sealed = Sealed::new(random, [71, 37], 300, contact);
                     let cells = world(&sealed, [71, 37], random);
                     let (leaks, inside) = lit(&sealed, &cells, &frames(&settings, &cells));

@@ -279,9 +279,8 @@ color = "dungeon/color.png"
 bounces = 3
 wall_depth = 3
 raymarch = { rays = 128 }
-denoise = { passes = 4 }
 
 [display]
-tonemap = "aces"
+tonemap = "vivid"
 exposure = 0.6
 "#;

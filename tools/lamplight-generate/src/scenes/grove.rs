@@ -100,6 +100,6 @@ wall_depth = 5
 raymarch = { rays = 192 }
 
 [display]
-tonemap = "aces"
+tonemap = "vivid"
 exposure = 0.6
 "#;

@@ -47,7 +47,7 @@ fn discs(random: &mut Rng, width: u32, height: u32) -> Cells {
 }
 
 fn settings(cascades: Cascades, bounces: u32) -> Settings {
-    Settings { bounces: Bounces::Count(bounces), ..Settings::new(cascades) }
+    Settings { bounces: Bounces::Count(bounces), ..Settings::direct(cascades) }
 }
 
 fn solve(cells: &Cells, settings: Settings) -> Light {

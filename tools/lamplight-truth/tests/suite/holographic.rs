@@ -18,7 +18,7 @@ const PATHS: u32 = 32_768;
 
 fn settings(preset: &str) -> Settings {
     let holographic = Holographic::preset(preset).unwrap();
-    Settings::new(holographic)
+    Settings::direct(holographic)
 }
 
 fn solve(cells: &Cells, settings: Settings) -> Light {

@@ -30,7 +30,7 @@ fn methods() -> [(&'static str, MethodSettings, f64); 4] {
 }
 
 fn solve(cells: &Cells, method: &MethodSettings) -> Light {
-    let settings = Settings { method: method.clone(), ..Settings::default() };
+    let settings = Settings::direct(method.clone());
     Solver::new(settings).unwrap().solve(cells).unwrap().clone()
 }
 
@@ -163,7 +163,7 @@ fn glow_is_right_among_fog_glass_and_walls() {
             let at = scenes::open_cells(&cells, 600, 3);
             let truth = tracer(4096, bounces).at(&cells, &at).unwrap();
             let truth: Vec<Rgb> = truth.into_iter().map(|(mean, _)| mean).collect();
-            let settings = Settings { method: method.clone(), bounces, ..Settings::default() };
+            let settings = Settings { bounces, ..Settings::direct(method.clone()) };
             let light = Solver::new(settings).unwrap().solve(&cells).unwrap().clone();
             let seen: Vec<Rgb> = at.iter().map(|&[x, y]| light.at(x, y)).collect();
             let measures = Measures::of(&seen, &truth, &vec![false; at.len()]);

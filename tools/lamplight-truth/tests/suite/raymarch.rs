@@ -29,7 +29,7 @@ fn scenes() -> Vec<PathBuf> {
 
 fn solve(cells: &Cells, rays: u32, bounces: u32) -> Light {
     let raymarch = Raymarch { rays, ..Raymarch::default() };
-    let settings = Settings { bounces: Bounces::Count(bounces), ..Settings::new(raymarch) };
+    let settings = Settings { bounces: Bounces::Count(bounces), ..Settings::direct(raymarch) };
     Solver::new(settings).unwrap().solve(cells).unwrap().clone()
 }
 
