@@ -273,7 +273,12 @@ fn a_moving_lamp_keeps_its_light() {
     for size in [0.25, 0.5, 1.0, 1.5, 3.0, 6.0] {
         let light_at = |x: f32, y: f32| {
             let mut cells = grid(61, 61, |_, _| Matter::EMPTY);
-            cells.lamps_mut().push(Lamp { position: [x, y], size, ..Default::default() });
+            cells.lamps_mut().push(Lamp {
+                position: [x, y],
+                size,
+                intensity: 1.0,
+                ..Lamp::default()
+            });
             // The light that flows out through a ring: 24 cells round the lamp, 20 to 28 px away.
             let ring: Vec<[u32; 2]> = (0..24)
                 .map(|i| {

@@ -81,7 +81,7 @@ fn a_gliding_lamp_keeps_its_light() {
 #[test]
 fn the_comparison_rejects_a_lamp_that_is_two_percent_brighter() {
     let (_, method, error) = &methods()[0];
-    let lamp = Lamp { position: [50.25, 50.5], ..Lamp::default() };
+    let lamp = Lamp { position: [50.25, 50.5], intensity: 1.0, ..Lamp::default() };
     let [right, wrong] = [1.0, 1.02]
         .map(|intensity| against_closed_form(method, Lamp { intensity, ..lamp }, lamp) - 1.0);
     assert!(right.abs() < *error && wrong > *error && wrong - right > STEADY, "{right} {wrong}");
@@ -149,7 +149,12 @@ fn fires(seed: u64) -> Cells {
             }
         } else {
             let size = 0.5 + 2.0 * random.f32();
-            cells.lamps_mut().push(Lamp { position: [x, y], size, ..Lamp::default() });
+            cells.lamps_mut().push(Lamp {
+                position: [x, y],
+                size,
+                intensity: 1.0,
+                ..Lamp::default()
+            });
         }
     }
     cells
