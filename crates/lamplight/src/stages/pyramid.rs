@@ -5,10 +5,6 @@
 //! The outermost cells are repeated beyond the grid.
 
 use crate::Rgb;
-use rayon::prelude::*;
-
-/// Sums per task, at least.
-const TASK: usize = 4096;
 
 /// Weights of the six fine cells around a coarse one, along an axis.
 pub const KERNEL: [f32; 6] =
@@ -168,7 +164,7 @@ impl Level {
     /// Sets all sums from those of the finer grid.
     fn blur(&mut self, finer: &Self) {
         let [width, height] = finer.size;
-        self.rows_mut().for_each(|(y, blurred)| {
+        for (y, blurred) in self.sums.chunks_mut(self.size[0].max(1)).enumerate() {
             let rows = taps(y, height).map(|y| &finer.sums[y * width..][..width]);
             let column = |x: usize| BlurSum::combination(KERNEL, rows.map(|row| row[x]));
             let mut columns = taps(0, width).map(column);
@@ -180,24 +176,17 @@ impl Level {
                 }
                 *blurred = BlurSum::combination(KERNEL, columns);
             }
-        });
+        }
     }
 
     /// Adds the coarser grid, interpolated and scaled.
     fn add_interpolated(&mut self, factor: f32, coarser: &Self) {
-        self.rows_mut().for_each(|(y, row)| {
+        for (y, row) in self.sums.chunks_mut(self.size[0].max(1)).enumerate() {
             let Some(mut coarse) = coarser.row(y) else { return };
             for (x, sum) in row.iter_mut().enumerate() {
                 sum.add(factor, coarse.at(x));
             }
-        });
-    }
-
-    /// The rows with their numbers, in parallel.
-    fn rows_mut(&mut self) -> impl IndexedParallelIterator<Item = (usize, &mut [BlurSum])> {
-        let width = self.size[0].max(1);
-        let least = TASK.div_ceil(width);
-        self.sums.par_chunks_mut(width).enumerate().with_min_len(least)
+        }
     }
 }
 
