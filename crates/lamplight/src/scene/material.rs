@@ -124,8 +124,8 @@ impl Material {
             Self::Leaves => medium(0.05, [0.96, 0.99, 0.9], [0.35, 0.7, 0.15]),
             Self::Fog => medium(0.01, CLEAR, [0.9, 0.92, 0.95]),
             Self::Smoke => medium(0.05, CLEAR, [0.25, 0.24, 0.23]),
-            Self::Fire => Matter { glow: [1.6, 0.55, 0.1], ..medium(0.01, CLEAR, [0.0; 3]) },
-            Self::Lava => Matter { emission: [3.0, 0.5, 0.04], ..solid([0.12, 0.06, 0.04]) },
+            Self::Fire => Matter { glow: [1.5, 0.65, 0.16], ..medium(0.01, CLEAR, [0.0; 3]) },
+            Self::Lava => Matter { emission: [1.8, 0.36, 0.02], ..solid([0.12, 0.06, 0.04]) },
         }
     }
 
