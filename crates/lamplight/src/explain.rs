@@ -33,10 +33,15 @@ pub(crate) fn explain(path: &str, message: &str) -> Error {
         .find_map(|kind| Some((kind, message.strip_prefix(kind)?)));
     let key = if path.is_empty() { "scene".to_owned() } else { path.clone() };
     match value_error.and_then(|(kind, rest)| Some((kind, rest.rsplit_once(", expected ")?))) {
+        Some(("unknown variant ", (found, expected))) => {
+            let name = unquoted(found);
+            let hint = likely(name, expected).map(|known| format!("; did you mean \"{known}\"?"));
+            let expected = plain(expected) + &hint.unwrap_or_default();
+            Error::value(key, shortened(&format!("\"{name}\"")), expected)
+        }
         Some((kind, (found, expected))) => {
             let found = match kind {
                 "invalid length " => format!("a list of {found}"),
-                "unknown variant " => format!("\"{}\"", unquoted(found)),
                 // NaN and infinity arrive as null, too.
                 _ if found == "null" && plain(expected).contains("number") => {
                     "null, NaN or infinite".into()
@@ -45,19 +50,18 @@ pub(crate) fn explain(path: &str, message: &str) -> Error {
             };
             Error::value(key, shortened(&found), plain(expected))
         }
+        // The reader of TOML expects this of an enum.
+        None if message == "wanted string or table" => {
+            Error::Key { key, problem: "is not a text in quotes".into() }
+        }
         None => Error::Key { key, problem: format!("is not understood: {}", shortened(message)) },
     }
 }
 
 fn unknown(name: &str, known: &str) -> String {
-    let names: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
-    let likely = names
-        .iter()
-        .map(|known| (strsim::jaro_winkler(name, known), known))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(likeness, _)| *likeness >= ALIKE);
-    let hint = match likely {
-        Some((_, known)) => format!("; did you mean `{known}`?"),
+    let names: Vec<&str> = in_backticks(known).collect();
+    let hint = match likely(name, known) {
+        Some(known) => format!("; did you mean `{known}`?"),
         // Presets belong to methods.
         None if name == "preset" && names.contains(&"holographic") => {
             "; did you mean `holographic.preset`?".into()
@@ -65,6 +69,19 @@ fn unknown(name: &str, known: &str) -> String {
         None => String::new(),
     };
     format!("is not a known key{hint} (known here: {})", names.join(", "))
+}
+
+/// The name among those in backticks that a misspelt one is most like.
+fn likely<'a>(name: &str, known: &'a str) -> Option<&'a str> {
+    in_backticks(known)
+        .map(|known| (strsim::jaro_winkler(name, known), known))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(likeness, _)| *likeness >= ALIKE)
+        .map(|(_, known)| known)
+}
+
+fn in_backticks(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
 }
 
 /// The name of a Rust type for people who write files.

@@ -12,7 +12,6 @@ use lamplight_truth::grain::{FAR, ripple};
 use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 
 /// The scene that `compare` judges, by direct light: the reference is sharp enough within a minute.
@@ -30,7 +29,8 @@ const THEATRE: [(&str, &[&str]); 4] = [
     ("theatre-flood-seed", &["--method", "flood", "--frames", "16", "--set", "flood.preset=seed"]),
 ];
 /// The recipes of docs/cookbook.md.
-const COOKBOOK: [&str; 7] = ["dusk", "fog", "leaves", "neon", "torch", "water", "window"];
+const COOKBOOK: [&str; 10] =
+    ["dusk", "fireflies", "fog", "lava", "leaves", "neon", "sunbeams", "torch", "water", "window"];
 /// Picture pixels per cell of a recipe.
 const COOKBOOK_SCALE: &str = "3";
 /// Sizes at which their cost is measured.
@@ -383,29 +383,5 @@ fn lamplight(arguments: &[&str]) -> Result<String> {
 
 /// Puts text between the marks of a block.
 fn insert(path: &str, name: &str, text: &str) -> Result<()> {
-    let page =
-        fs::read_to_string(root().join(path)).with_context(|| format!("cannot read {path}"))?;
-    let page = replace(&page, name, text).with_context(|| format!("{path} has no block {name}"))?;
-    generated::bytes(Mode::Write, Path::new(path), page.as_bytes(), "docs")
-}
-
-fn replace(page: &str, name: &str, text: &str) -> Option<String> {
-    let (begin, end) =
-        (format!("<!-- begin {name}: cargo xtask docs -->\n"), format!("<!-- end {name} -->"));
-    let from = page.find(&begin)? + begin.len();
-    let to = from + page[from..].find(&end)?;
-    Some(format!("{}{text}{}", &page[..from], &page[to..]))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_block_is_replaced_and_nothing_else() {
-        let page = "a\n<!-- begin x: cargo xtask docs -->\nold\n<!-- end x -->\nb\n";
-        let new = replace(page, "x", "new\n").unwrap();
-        assert_eq!(new, "a\n<!-- begin x: cargo xtask docs -->\nnew\n<!-- end x -->\nb\n");
-        assert_eq!(replace(page, "y", "new\n"), None);
-    }
+    generated::block(Mode::Write, path, name, text, "docs")
 }

@@ -40,6 +40,24 @@ pub fn picture(
     settle(mode, &path, same, chore, || Ok(content.save(&path)?))
 }
 
+/// Puts text between the marks of a block of a document: `<!-- begin NAME: cargo xtask CHORE -->` and
+/// `<!-- end NAME -->`.
+pub fn block(mode: Mode, path: &str, name: &str, text: &str, chore: &str) -> Result<()> {
+    let page =
+        fs::read_to_string(root().join(path)).with_context(|| format!("cannot read {path}"))?;
+    let page =
+        replace(&page, name, text, chore).with_context(|| format!("{path} has no block {name}"))?;
+    bytes(mode, path, page.as_bytes(), chore)
+}
+
+fn replace(page: &str, name: &str, text: &str, chore: &str) -> Option<String> {
+    let (begin, end) =
+        (format!("<!-- begin {name}: cargo xtask {chore} -->\n"), format!("<!-- end {name} -->"));
+    let from = page.find(&begin)? + begin.len();
+    let to = from + page[from..].find(&end)?;
+    Some(format!("{}{text}{}", &page[..from], &page[to..]))
+}
+
 fn settle(
     mode: Mode,
     path: &Path,
@@ -79,6 +97,15 @@ mod tests {
         picture[(4, 2)].0[0] += 1;
         let error = run(Mode::Check, &picture).unwrap_err().to_string();
         assert!(error.contains("not up to date: run `cargo xtask x`"), "{error}");
+    }
+
+    #[test]
+    fn a_block_is_replaced_and_nothing_else() {
+        let page = "a\n<!-- begin x: cargo xtask docs -->\nold\n<!-- end x -->\nb\n";
+        let new = replace(page, "x", "new\n", "docs").unwrap();
+        assert_eq!(new, "a\n<!-- begin x: cargo xtask docs -->\nnew\n<!-- end x -->\nb\n");
+        assert_eq!(replace(page, "y", "new\n", "docs"), None);
+        assert_eq!(replace(page, "x", "new\n", "schema"), None);
     }
 
     #[test]

@@ -26,7 +26,7 @@ enum Chore {
     Scenes(Generate),
     /// Make the blue-noise texture.
     Noise(Generate),
-    /// Write the JSON Schema of scene files.
+    /// Write the JSON Schema of scene files, and the table of materials.
     Schema(Generate),
     /// Make the pictures and measure the figures in the documents; needs the command line, built with
     /// `--release`.

@@ -24,7 +24,7 @@ The project's chores: cargo xtask CHORE
     --bevy         only pictures of the examples for Bevy
   scenes           The example scenes
   noise            The blue-noise texture
-  schema           The JSON Schema of scene files
+  schema           The JSON Schema of scene files, and the table of materials
     --check        (any of these three) Write nothing; fail if a file is out of date
 ";
 

@@ -4,6 +4,7 @@ pub(crate) mod coverage;
 mod file;
 mod geometry;
 mod layers;
+mod material;
 mod picture;
 mod raster;
 mod shape;
@@ -11,6 +12,7 @@ mod source;
 
 pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 pub use layers::Layers;
+pub use material::Material;
 pub use shape::{Only, Shape};
 
 use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, exact};

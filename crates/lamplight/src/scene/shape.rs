@@ -1,5 +1,6 @@
 //! Shapes: a geometry and its matter.
 
+use super::Material;
 use super::geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 use crate::{Cells, Matter, Result, Rgb};
 use crate::{check, notation};
@@ -129,6 +130,20 @@ impl Shape {
         Self { antialias: true, ..self }
     }
 
+    /// Sets all values of matter and the colour to a material's. Later calls replace single values.
+    ///
+    /// ```
+    /// use lamplight::{Shape, scene::Material};
+    /// let stained = Shape::rect([8.0, 0.0], [10.0, 32.0]).material(Material::Glass).tint([0.9, 0.2, 0.1]);
+    /// assert_eq!(stained.opacity, Material::Glass.matter().opacity);
+    /// ```
+    #[must_use]
+    pub fn material(self, material: Material) -> Self {
+        let Matter { emission, glow, opacity, tint, albedo } = material.matter();
+        let (albedo, color) = (Some(albedo), material.color());
+        Self { emission, glow, opacity, tint, albedo, color, ..self }
+    }
+
     /// Sets the emission, linear RGB.
     #[must_use]
     pub fn emission(self, emission: Rgb) -> Self {
@@ -220,15 +235,26 @@ struct ShapeFile {
     /// Cover cells by the fraction of their area, not by their centres alone.
     #[serde(default, skip_serializing_if = "is_default")]
     antialias: bool,
-    /// Emitted radiance, linear RGB of 0 or more.
-    #[serde(default, deserialize_with = "notation::color", skip_serializing_if = "is_default")]
-    #[schemars(with = "notation::Color")]
-    emission: Rgb,
+    /// A material, for the values below that the shape does not give itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    material: Option<Material>,
+    /// Emitted radiance, linear RGB of 0 or more. Default: 0.
+    #[serde(
+        default,
+        deserialize_with = "notation::optional_color",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(with = "Option<notation::Color>")]
+    emission: Option<Rgb>,
     /// Emission coefficient, linear RGB of 0 or more: radiance added per px, as by fire, with or without
-    /// opacity.
-    #[serde(default, deserialize_with = "notation::color", skip_serializing_if = "is_default")]
-    #[schemars(with = "notation::Color")]
-    glow: Rgb,
+    /// opacity. Default: 0.
+    #[serde(
+        default,
+        deserialize_with = "notation::optional_color",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(with = "Option<notation::Color>")]
+    glow: Option<Rgb>,
     /// Fraction of light absorbed per px, 0 to 1; 1 is a solid wall. Default: 1, or 0 for a shape with
     /// `glow`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -242,14 +268,14 @@ struct ShapeFile {
     )]
     #[schemars(with = "Option<notation::Color>")]
     albedo: Option<Rgb>,
-    /// Colour filter for each px crossed, 0 to 1 per channel.
+    /// Colour filter for each px crossed, 0 to 1 per channel. Default: 1.
     #[serde(
-        default = "white",
-        deserialize_with = "notation::color",
-        skip_serializing_if = "is_white"
+        default,
+        deserialize_with = "notation::optional_color",
+        skip_serializing_if = "Option::is_none"
     )]
-    #[schemars(with = "notation::Color")]
-    tint: Rgb,
+    #[schemars(with = "Option<notation::Color>")]
+    tint: Option<Rgb>,
     /// The colour under the light in the final picture, linear RGB 0 to 1. Default: the albedo if
     /// given, else white (of a sprite its image), painted on as far as the shape is opaque.
     #[serde(
@@ -267,12 +293,9 @@ fn one_of_the_geometries() -> Vec<serde_json::Value> {
     GEOMETRIES.iter().map(|name| serde_json::json!({ "required": [name] })).collect()
 }
 
-fn white() -> Rgb {
-    [1.0; 3]
-}
-
-fn is_white(rgb: &Rgb) -> bool {
-    *rgb == white()
+/// A value as a file needs it: not where it is the default.
+fn given(value: Rgb, default: Rgb) -> Option<Rgb> {
+    Some(value).filter(|value| *value != default)
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
@@ -301,17 +324,24 @@ impl TryFrom<ShapeFile> for Shape {
                 GEOMETRIES.join(", ")
             ));
         };
+        let base = Self::new(geometry);
+        let base = match (file.material, file.glow) {
+            (Some(material), _) => base.material(material),
+            (None, Some(glow)) if glow != [0.0; 3] => base.glow(glow),
+            (None, _) => base,
+        };
         Ok(Self {
-            geometry,
             rotation: file.rotation,
             only: file.only,
             antialias: file.antialias,
-            emission: file.emission,
-            glow: file.glow,
-            opacity: file.opacity.unwrap_or(if file.glow == [0.0; 3] { 1.0 } else { 0.0 }),
-            albedo: file.albedo,
-            tint: file.tint,
-            color: file.color,
+            emission: file.emission.unwrap_or(base.emission),
+            glow: file.glow.unwrap_or(base.glow),
+            opacity: file.opacity.unwrap_or(base.opacity),
+            albedo: file.albedo.or(base.albedo),
+            tint: file.tint.unwrap_or(base.tint),
+            // The colour of a material follows the albedo: red leaves look red.
+            color: file.color.or(base.color.map(|color| file.albedo.unwrap_or(color))),
+            ..base
         })
     }
 }
@@ -327,11 +357,12 @@ impl From<Shape> for ShapeFile {
             rotation: shape.rotation,
             only: shape.only,
             antialias: shape.antialias,
-            emission: shape.emission,
-            glow: shape.glow,
+            material: None,
+            emission: given(shape.emission, [0.0; 3]),
+            glow: given(shape.glow, [0.0; 3]),
             opacity: Some(shape.opacity),
             albedo: shape.albedo,
-            tint: shape.tint,
+            tint: given(shape.tint, [1.0; 3]),
             color: shape.color,
         };
         match shape.geometry {

@@ -1,10 +1,10 @@
 //! Scene files: what is read, what is written, and what each mistake is answered with.
 
 use lamplight::Gradient;
-use lamplight::scene::Layers;
+use lamplight::scene::{Layers, Material};
 use lamplight::{
-    Bounces, Cone, Display, Falloff, Lamp, Method, Scene, Settings, SettingsTable, Shape, Sky,
-    ToneMap,
+    Bounces, Cone, Display, Falloff, Lamp, Matter, Method, Scene, Settings, SettingsTable, Shape,
+    Sky, ToneMap,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -107,6 +107,70 @@ fn a_shape_that_glows_is_not_solid_unless_it_says_so() {
     assert_eq!(wall.opacity, 1.0);
     assert!(warnings[0].starts_with("12 solid cells have glow"), "{warnings:?}");
     assert_eq!(shape("").0.opacity, 1.0);
+}
+
+/// The shape of a file with these keys.
+fn shape(keys: &str) -> Shape {
+    let circle = "circle = { center = [4, 4], radius = 2 }";
+    let mut scene =
+        Scene::from_toml(&format!("size = [8, 8]\n[[shape]]\n{circle}\n{keys}\n")).unwrap();
+    scene.shapes.remove(0)
+}
+
+#[test]
+fn every_material_is_read_by_its_name_and_gives_its_matter() {
+    for &material in Material::ALL {
+        let name = material.name();
+        let read = shape(&format!("material = '{name}'"));
+        assert_eq!(read, Shape::circle([4.0, 4.0], 2.0).material(material), "{name}");
+        assert_eq!((read.matter(), read.color), (material.matter(), material.color()), "{name}");
+        let scene = Scene::new(8, 8).shape(read);
+        let cells = scene.cells().unwrap();
+        cells.check().unwrap();
+        assert_eq!(scene.warnings(&cells), Vec::<String>::new(), "{name}");
+        assert_eq!(cells.get(4, 4), Some(material.matter()), "{name}");
+        assert_eq!(Scene::from_toml(&scene.to_toml().unwrap()).unwrap(), scene, "{name}");
+    }
+    let names: BTreeSet<_> = Material::ALL.iter().map(|material| material.name()).collect();
+    assert_eq!(names.len(), Material::ALL.len());
+    let schema = Scene::schema();
+    let listed = schema["$defs"]["Material"]["oneOf"].as_array().unwrap().iter();
+    assert_eq!(listed.map(|one| one["const"].as_str().unwrap()).collect::<BTreeSet<_>>(), names);
+}
+
+#[test]
+fn the_keys_of_a_shape_win_over_its_material() {
+    let water = Material::Water.matter();
+    let given = |keys: &str| shape(&format!("material = 'water'\n{keys}")).matter();
+    assert_eq!(given("emission = [1, 2, 3]"), Matter { emission: [1.0, 2.0, 3.0], ..water });
+    // Without a material, glow makes the opacity 0.
+    assert_eq!(given("glow = [1, 2, 3]"), Matter { glow: [1.0, 2.0, 3.0], ..water });
+    assert_eq!(given("opacity = 0"), Matter { opacity: 0.0, ..water });
+    assert_eq!(given("tint = [1, 1, 1]"), Matter { tint: [1.0; 3], ..water });
+    assert_eq!(given("albedo = [0, 0, 0]"), Matter { albedo: [0.0; 3], ..water });
+    // A value that is given is kept even where it is the default of a shape without a material.
+    assert_eq!(shape("material = 'fire'\nglow = [0, 0, 0]").glow, [0.0; 3]);
+    assert_eq!(shape("material = 'lava'\nemission = [0, 0, 0]").emission, [0.0; 3]);
+    // The colour is the shape's own, else the albedo's, else the material's.
+    assert_eq!(shape("material = 'leaves'").color, Material::Leaves.color());
+    let red = [0.75, 0.25, 0.125];
+    let autumn = shape("material = 'leaves'\nalbedo = [0.75, 0.25, 0.125]");
+    assert_eq!((autumn.albedo, autumn.color), (Some(red), Some(red)));
+    let painted = shape("material = 'leaves'\nalbedo = [0, 0, 0]\ncolor = [0.75, 0.25, 0.125]");
+    assert_eq!(painted.color, Some(red));
+    assert_eq!(shape("material = 'stone'\nalbedo = [0.75, 0.25, 0.125]").color, None);
+}
+
+#[test]
+fn the_media_lie_between_walls_if_only_in_the_open() {
+    for material in [Material::Fog, Material::Water, Material::Glass, Material::Smoke] {
+        let rect = || Shape::rect([0.0, 0.0], [8.0, 8.0]);
+        let wall = Shape::rect([2.0, 2.0], [4.0, 4.0]).material(Material::Brick);
+        let scene = Scene::new(8, 8).shape(wall).shape(rect().material(material).only_open());
+        let cells = scene.cells().unwrap();
+        assert_eq!(cells.get(3, 3), Some(Material::Brick.matter()), "{}", material.name());
+        assert_eq!(cells.get(0, 0), Some(material.matter()), "{}", material.name());
+    }
 }
 
 #[test]
@@ -290,6 +354,16 @@ const TOML_MISTAKES: &[Mistake] = &[
         "size = [4, 4]\n[[shape]]\ncircle = { center = [1, 2], radius = 1 }\nemission = [0.5, 0.5]",
         "line 4: `shape[0].emission` is a list of 2, but must be a list of 3 numbers",
     ),
+    (
+        "size = [4, 4]\n[[shape]]\ncircle = { center = [1, 2], radius = 1 }\nmaterial = \"glas\"",
+        "line 4: `shape[0].material` is \"glas\", but must be one of stone, brick, wood, plaster, \
+         metal, earth, sand, grass, snow, glass, ice, water, leaves, fog, smoke, fire, lava; did you \
+         mean \"glass\"?",
+    ),
+    (
+        "size = [4, 4]\n[[shape]]\ncircle = { center = [1, 2], radius = 1 }\nmaterial = 3",
+        "line 4: `shape[0].material` is not a text in quotes",
+    ),
     ("size = [4, 4]\n[[lamp]]\nsize = 1", "line 2: `lamp[0].position` is missing"),
     ("size = [4, 4]\n[lamp]\nsize = 1", "line 2: `lamp` is a table, but must be a list"),
     (
@@ -461,6 +535,8 @@ fn the_schema_has_every_key_and_no_other() {
     assert_eq!(keys(&definitions["Layers"]["properties"]), keys(&scene["layers"]));
     let mut shapes: Vec<String> =
         scene["shape"].as_array().unwrap().iter().flat_map(keys).collect();
+    // A material is read, and written as the values that it stands for.
+    shapes.push("material".to_owned());
     shapes.sort();
     shapes.dedup();
     assert_eq!(keys(&definitions["Shape"]["properties"]), shapes);

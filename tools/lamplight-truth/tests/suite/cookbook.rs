@@ -1,11 +1,13 @@
 //! The recipes of `docs/cookbook.md`: the page shows each scene as it is, and each scene gives the light that its
 //! recipe promises.
 
-use lamplight::{Light, Rgb, Scene, Solver};
+use lamplight::scene::Material;
+use lamplight::{Light, Rgb, Scene, Shape, Sky, Solver};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const RECIPES: [&str; 7] = ["dusk", "fog", "leaves", "neon", "torch", "water", "window"];
+const RECIPES: [&str; 10] =
+    ["dusk", "fireflies", "fog", "lava", "leaves", "neon", "sunbeams", "torch", "water", "window"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -58,6 +60,21 @@ fn a_torch_is_orange_and_casts_a_shadow_that_is_not_black() {
 }
 
 #[test]
+fn a_thicker_flame_is_a_brighter_light() {
+    let wall = |radius| {
+        let light = light("torch", |scene| {
+            scene.sky = Sky::BLACK;
+            *scene.shapes.last_mut().unwrap() =
+                Shape::circle([48.0, 44.0], radius).antialias().material(Material::Fire);
+        });
+        sum(light.at(90, 44))
+    };
+    let ratio = wall(4.0) / wall(2.0);
+    // The light grows as the area, less the little that the flame absorbs of its own.
+    assert!((3.7..4.0).contains(&ratio), "{ratio}");
+}
+
+#[test]
 fn a_window_lights_the_room_and_its_pane_absorbs_blue() {
     let tinted = light("window", |_| ());
     let clear = light("window", |scene| {
@@ -79,9 +96,9 @@ fn neon_tubes_light_in_their_own_colours() {
 #[test]
 fn fog_scatters_the_light_of_the_lamp_into_the_shadow() {
     let fog = light("fog", |_| ());
-    let smoke = light("fog", |scene| scene.shapes[0].albedo = None);
+    let smoke = light("fog", |scene| scene.shapes.last_mut().unwrap().albedo = None);
     let clear = light("fog", |scene| {
-        scene.shapes.remove(0);
+        scene.shapes.pop();
     });
     // The lamp is orange, the sky is blue.
     let orange = |light: &Light| light.at(106, 48)[0] / light.at(106, 48)[2];
@@ -112,4 +129,39 @@ fn the_shade_of_leaves_is_green() {
     let (shade, open) = (light.at(60, 62), light.at(8, 62));
     assert!(sum(shade) < 0.7 * sum(open), "{shade:?} {open:?}");
     assert!(shade[1] > 1.1 * shade[0] && shade[1] > 1.3 * shade[2], "{shade:?}");
+}
+
+#[test]
+fn lava_lights_its_cave_without_a_lamp() {
+    let cave = light("lava", |scene| assert!(scene.lamps.is_empty()));
+    let cold = light("lava", |scene| {
+        scene.shapes.iter_mut().for_each(|shape| shape.emission = [0.0; 3]);
+    });
+    let [red, green, blue] = cave.at(100, 50);
+    assert!(red > 3.0 * green && green > blue, "{red} {green} {blue}");
+    assert!(sum(cave.at(100, 50)) > 20.0 * sum(cold.at(100, 50)));
+    // Under the hole in the roof, the sky shows.
+    let [red, _, blue] = cave.at(30, 4);
+    assert!(blue > red, "{red} {blue}");
+}
+
+#[test]
+fn each_firefly_lights_only_what_is_near() {
+    let wood = light("fireflies", |_| ());
+    let moonlit = light("fireflies", |scene| scene.lamps.clear());
+    let near = wood.at(123, 62);
+    assert!(near[1] > near[0] && near[0] > 2.0 * near[2], "{near:?}");
+    assert!(sum(near) > 3.0 * sum(wood.at(127, 24)), "{near:?} {:?}", wood.at(127, 24));
+    let moon = moonlit.at(4, 40);
+    assert!(moon[2] > 1.5 * moon[1] && moon[1] > 1.5 * moon[0], "{moon:?}");
+}
+
+#[test]
+fn sunbeams_are_bright_in_the_dark_and_thick_fog_swallows_them() {
+    let thin = light("sunbeams", |_| ());
+    let thick = light("sunbeams", |scene| scene.shapes[0].opacity *= 10.0);
+    // The second beam, and the dark above it.
+    let (beam, dark) = (sum(thin.at(70, 58)), sum(thin.at(70, 42)));
+    assert!(beam > 4.0 * dark, "{beam} {dark}");
+    assert!(sum(thick.at(70, 58)) < 0.4 * beam, "{:?}", thick.at(70, 58));
 }
