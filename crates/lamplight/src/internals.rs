@@ -58,7 +58,7 @@ pub mod holographic {
     /// Directions, levels, and the positions of planes.
     pub mod lattice {
         pub use crate::methods::holographic::lattice::{
-            BEYOND, Crossing, GatherGeometry, bundle, cones, cones_of_halves, edges, halves,
+            BENT, BEYOND, Crossing, GatherGeometry, bundle, cones, cones_of_halves, edges, halves,
             levels, planes, rays,
         };
     }

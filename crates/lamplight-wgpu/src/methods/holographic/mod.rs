@@ -20,7 +20,7 @@ use crate::stage::Stage;
 use crate::stages::convergence::Convergence;
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
-use lamplight::internals::holographic::lattice::GatherGeometry;
+use lamplight::internals::holographic::lattice::{BENT, GatherGeometry};
 use lamplight::internals::holographic::{EMISSIVE, MATTER, MEDIUM, REACH, WEIGHT_EPSILON};
 use lamplight::settings::Holographic as Settings;
 use lattice::{Lattice, Packed};
@@ -70,7 +70,13 @@ impl IntervalPipelines {
         let tile = tiles::tile(device.limits().max_compute_workgroup_storage_size, words);
         let held = tiles::intervals(tile) * words;
         let trace = [CELLS, MARCH, &[stored]].concat();
-        let extend = [stored, ("TILE", tile.into()), ("HELD", held.into())];
+        let extend = [
+            stored,
+            ("BENT", BENT.into()),
+            ("TILE", tile.into()),
+            ("BESIDE", tiles::BESIDE.into()),
+            ("HELD", held.into()),
+        ];
         let merge = [stored, ("RUN", RUN.into())];
         Self {
             words,

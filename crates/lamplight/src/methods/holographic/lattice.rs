@@ -31,6 +31,9 @@ pub fn levels(depth: usize, first: u32) -> u32 {
     depth.next_power_of_two().trailing_zeros().max(first + 1)
 }
 
+/// The lowest level whose intervals are extended to even rays over bent paths too.
+pub const BENT: u32 = 4;
+
 /// Cones beyond each edge of the quadrant.
 pub const BEYOND: usize = 2;
 
