@@ -203,7 +203,7 @@ impl MachineArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Display")]
 pub struct DisplayArgs {
-    /// Tone map: the curve that brings light to the screen [default: the scene's, else aces]
+    /// Tone map: the curve that brings light to the screen [default: the scene's, else vivid]
     #[arg(long, value_name = "CURVE", value_parser = by_name(ToneMap::ALL, ToneMap::name))]
     pub tonemap: Option<ToneMap>,
     /// Exposure in stops: 1 doubles the light, -1 halves it [default: the scene's, else 0]

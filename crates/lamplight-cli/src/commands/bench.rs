@@ -36,7 +36,8 @@ pub struct BenchArgs {
           value_parser = by_name(Method::ALL, Method::name))]
     method: Vec<Method>,
     /// Sizes of the built-in scene, such as 320x180,512x512 [default: 320x180,640x360,1280x720]. For
-    /// polar it has lamps of range 64, 1000 of them at 1280x720
+    /// polar it has lamps of range 64, 1000 of them at 1280x720. It is lit without bounces, unless
+    /// `--bounces` says more
     #[arg(long, value_name = "WxH", value_delimiter = ',', conflicts_with = "scene")]
     size: Vec<Size>,
     /// Time this scene instead of the built-in one
@@ -224,7 +225,9 @@ fn grids(args: &BenchArgs) -> Result<(Vec<Cells>, SettingsTable)> {
     }
     let default = [Size(320, 180), Size(640, 360), Size(1280, 720)];
     let sizes = if args.size.is_empty() { &default[..] } else { &args.size };
-    let settings = settings(args, &SettingsTable::default())?;
+    let mut direct = SettingsTable::default();
+    direct.set("bounces", 0);
+    let settings = settings(args, &direct)?;
     let mut grids = Vec::new();
     for &Size(width, height) in sizes {
         let (w, h) = (u64::from(width), u64::from(height));
@@ -233,7 +236,7 @@ fn grids(args: &BenchArgs) -> Result<(Vec<Cells>, SettingsTable)> {
         memory::check(needed, format_args!("timing {width}×{height} cells"))?;
         grids.push(bench_scene(width, height)?);
     }
-    Ok((grids, SettingsTable::default()))
+    Ok((grids, direct))
 }
 
 /// The settings of each method.

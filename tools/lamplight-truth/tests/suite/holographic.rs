@@ -256,6 +256,66 @@ fn the_light_of_a_lone_lamp_has_no_bricks() {
     assert!(published[0] > rms && published[1] > worst, "bricks pass: {published:?}");
 }
 
+/// The size of a view of a larger scene, and the cells at its borders that see what enters or leaves.
+const VIEW: [u32; 2] = [300, 200];
+const BORDER: u32 = 16;
+
+/// Returns the part of a scene that a camera at `corner` sees.
+fn view(scene: &Cells, corner: [u32; 2]) -> Cells {
+    let mut cells = Cells::new(VIEW[0], VIEW[1]).unwrap();
+    for y in 0..VIEW[1] {
+        for x in 0..VIEW[0] {
+            cells.set(x, y, scene.get(x + corner[0], y + corner[1]).unwrap());
+        }
+    }
+    let moved = |lamp: &Lamp| Lamp {
+        position: [0, 1].map(|a| lamp.position[a] - corner[a] as f32),
+        ..*lamp
+    };
+    cells.lamps_mut().extend(scene.lamps().iter().map(moved));
+    cells
+}
+
+/// The root mean square change of light when the camera moves, relative to the light, where it is at least a
+/// fifth of its mean.
+fn flicker(settings: &Settings, by: [u32; 2]) -> f64 {
+    let scene = dungeon(1);
+    let corner = [64, 32];
+    let [before, after] = [corner, [corner[0] + by[0], corner[1] + by[1]]]
+        .map(|corner| solve(&view(&scene, corner), settings.clone()));
+    let mean = before.pixels().iter().map(|rgb| rgb[1]).sum::<f32>() / before.pixels().len() as f32;
+    let (mut sum, mut count) = (0.0, 0);
+    for y in BORDER..VIEW[1] - BORDER {
+        for x in BORDER..VIEW[0] - BORDER {
+            let [old, new] = [before.at(x + by[0], y + by[1])[1], after.at(x, y)[1]];
+            let is_open =
+                scene.get(x + corner[0] + by[0], y + corner[1] + by[1]).unwrap().opacity < 1.0;
+            if is_open && old > 0.2 * mean {
+                sum += f64::from(new / old - 1.0).powi(2);
+                count += 1;
+            }
+        }
+    }
+    (sum / f64::from(count)).sqrt()
+}
+
+/// The largest flicker of each preset.
+const FLICKER: [(&str, f64); 3] = [("fast", 0.035), ("default", 0.035), ("quality", 0.025)];
+
+#[test]
+fn light_is_steady_when_the_camera_moves_by_one_px() {
+    for (preset, most) in FLICKER {
+        for by in [[1, 0], [0, 1], [1, 1]] {
+            let flicker = flicker(&settings(preset), by);
+            println!("{preset}, {by:?}: {:.2} %", 100.0 * flicker);
+            assert!(flicker < most, "{preset}, {by:?}: {flicker}");
+        }
+    }
+    let paper = flicker(&settings("paper"), [1, 0]);
+    println!("paper: {:.2} %", 100.0 * paper);
+    assert!(paper > FLICKER[0].1, "the published variant's flicker passes: {paper}");
+}
+
 /// Most that a cell may differ from the mean of its neighbours on one line: a gradient of light is
 /// smooth far from its source, the published variant's checkerboard before its blur is not.
 const PARITY: f64 = 0.01;
