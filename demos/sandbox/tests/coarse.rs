@@ -1,7 +1,7 @@
 //! Larger cells show about the same light, and slow frames select them.
 
 use lamplight::resample::{MAX_FACTOR, downsample, max_factor, upsample};
-use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Settings, Solver};
+use lamplight::{Cells, Lamp, Light, Matter, Method, Rgb, Settings, Solver};
 use lamplight_sandbox::pace::{FRAME, Pace};
 
 const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
@@ -13,7 +13,7 @@ fn coarse(cells: &Cells, factor: u32) -> Cells {
 }
 
 fn lit(cells: &Cells) -> Light {
-    let settings = Settings { bounces: Bounces::Count(0), ..Settings::default() };
+    let settings = Settings::direct(Method::default());
     Solver::new(settings).unwrap().solve(cells).unwrap().clone()
 }
 

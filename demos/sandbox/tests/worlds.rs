@@ -5,7 +5,7 @@ mod common;
 
 use common::{hash, range, seeded};
 use fastrand::Rng;
-use lamplight::{Bounces, Cells, Method, Settings, Solver};
+use lamplight::{Cells, Method, Settings, Solver};
 use lamplight_sandbox::clock::Clock;
 use lamplight_sandbox::worlds::bodies::Bodies;
 use lamplight_sandbox::worlds::room::Room;
@@ -396,7 +396,7 @@ fn a_shut_door_stops_and_an_open_one_does_not() {
 
 #[test]
 fn the_meter_falls_when_the_lantern_is_put_out() {
-    let settings = Settings { bounces: Bounces::Count(0), ..Settings::default() };
+    let settings = Settings::direct(Method::default());
     assert_eq!(settings.method(), Method::Holographic);
     let mut solver = Solver::new(settings).unwrap();
     let mut room = Room::new(SIZE, 1);
