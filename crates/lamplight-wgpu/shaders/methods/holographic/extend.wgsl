@@ -133,7 +133,9 @@ fn make(g: Group, up: u32, local: u32) {
                     made = bent(g, up, 2u * plane, k, k + 1i, place);
                 } else {
                     made = path(g, up, 2u * plane, k, k, place);
-                    if sweep.level + up >= BENT && number > 0 && number + 1 < all {
+                    // Along a border of the grid, bent paths would leave it and come back.
+                    let at_border = 2i * number + 1i == all && (row == 0 || row + 1 == i32(sweep.rows));
+                    if sweep.level + up >= BENT && number > 0 && number + 1 < all && !at_border {
                         made = mean(made, mean(made, bent(g, up, 2u * plane, k - 1i, k + 1i, place)));
                     }
                 }

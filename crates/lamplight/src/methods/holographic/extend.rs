@@ -8,7 +8,8 @@
 //!
 //! So odd rays see a small light half a px wider than even ones, which shows as ripple around it. From level
 //! [`BENT`] on, even rays are as wide: ¾ of the straight path and ⅛ of each of two bent ones, over the rays
-//! k − 1 and k + 1. Those at the edges of the quadrant, which have one neighbour, stay straight.
+//! k − 1 and k + 1. Those at the edges of the quadrant, which have one neighbour, stay straight, and so do those
+//! along the borders of the grid: bent ones would leave it and come back, around walls that end there.
 //!
 //! Everything is made plane by plane from the far end of the grid to the near one, in the direction
 //! of the light, so that [`super::merge`] uses each interval as soon as it exists. Merging reads planes
@@ -20,7 +21,7 @@
 use super::interval::{LANES, PAD, RowIntervals, empty, words};
 use super::lattice::{BENT, bundle, levels, planes, rays};
 use super::slabs::Slabs;
-use super::trace::{BundleRays, BundleSet, CellBits, TILE, trace_tile};
+use super::trace::{BundleRays, BundleSet, CellBits, TILE, bit, mask, trace_tile};
 use crate::simd::dispatch_wide;
 use fearless_simd::{Level, prelude::*};
 
@@ -179,7 +180,12 @@ impl IntervalLevels {
                     let straight = planes.compose(y, [ray, ray], rise);
                     let one = planes.compose(y, [ray - 1, ray + 1], rise - 1);
                     let other = planes.compose(y, [ray + 1, ray - 1], rise + 1);
-                    straight.mean(straight.mean(one.mean(other))).store(to, stride, PAD + y);
+                    let mut made = straight.mean(straight.mean(one.mean(other)));
+                    if rise == 0 {
+                        let at_border = bit(-(y as isize)) | bit(rows as isize - 1 - y as isize);
+                        made = made.or(straight, mask(simd, at_border, 0));
+                    }
+                    made.store(to, stride, PAD + y);
                 }
             }
             empty_tail::<K>(to, stride, rows);
@@ -337,7 +343,11 @@ mod tests {
         let straight = path(k, k);
         if ray % 2 == 1 {
             mean(&[path(k, k + 1), path(k + 1, k)])
-        } else if level <= BENT || k == 0 || k == length {
+        } else if level <= BENT
+            || k == 0
+            || k == length
+            || k == half && (y == 0 || y + 1 == i64::from(cells.height()))
+        {
             straight
         } else {
             let bent = [path(k - 1, k + 1), path(k + 1, k - 1)];
@@ -359,7 +369,7 @@ mod tests {
             levels.make(Level::new(), &slabs, first);
             // The level at which the plane just made is of odd index.
             let level = 1 + first.trailing_zeros();
-            for ray in (0..rays(level)).filter(|ray| level < 5 || level == 5 && ray % 6 == 0) {
+            for ray in (0..rays(level)).filter(|ray| level < 5 || level == 5 && ray % 4 == 0) {
                 let words = levels.ray(level, ray);
                 for row in (0..21).step_by(3) {
                     let (light, transmittance) = dispatch!(Level::new(), simd => {

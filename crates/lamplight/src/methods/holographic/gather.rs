@@ -14,7 +14,7 @@ use super::merge::{ConeLight, MergedLight, WEIGHT_EPSILON};
 use super::slabs::Slabs;
 use super::trace::{
     BundleRays, BundleSet, CellBits, CellStep, SolidRays, TILE, Tile, TileClasses, TileLight,
-    VECTORS, VectorClasses, any_in_vector, classes_at, classes_of, march, march_solid, mask,
+    VECTORS, VectorClasses, any_in_vector, bit, classes_at, classes_of, march, march_solid, mask,
     read_cells, whole_vectors,
 };
 use fearless_simd::{f32x16, prelude::*, u8x64};
@@ -49,12 +49,6 @@ impl RayEnd {
 struct RowsAtEdges {
     before: u64,
     after: u64,
-}
-
-/// Returns the bit mask of one pixel of a tile; none if it is not in the tile.
-#[inline(always)]
-fn bit(pixel: isize) -> u64 {
-    if (0..TILE as isize).contains(&pixel) { 1 << pixel } else { 0 }
 }
 
 /// A cone of the final gather.

@@ -10,7 +10,7 @@
 //! them for the vector unit.
 
 use crate::Rgb;
-use fearless_simd::{f32x16, prelude::*, u32x16};
+use fearless_simd::{f32x16, mask32x16, prelude::*, u32x16};
 
 /// Rows in a vector.
 pub const LANES: usize = 16;
@@ -78,6 +78,18 @@ impl<S: Simd, const K: usize> RowIntervals<S, K> {
         }
         for k in 0..K {
             self.transmittance[k] = (self.transmittance[k] + other.transmittance[k]) * 0.5;
+        }
+        self
+    }
+
+    /// Returns these intervals, and others in the rows of a mask.
+    #[inline(always)]
+    pub fn or(mut self, other: Self, rows: mask32x16<S>) -> Self {
+        for c in 0..3 {
+            self.light[c] = rows.select(other.light[c], self.light[c]);
+        }
+        for k in 0..K {
+            self.transmittance[k] = rows.select(other.transmittance[k], self.transmittance[k]);
         }
         self
     }

@@ -316,6 +316,12 @@ pub fn mask<S: Simd>(simd: S, bits: u64, vector: usize) -> mask32x16<S> {
     mask32x16::from_bitmask(simd, bits >> (vector * LANES) & 0xffff)
 }
 
+/// Returns the bit mask of one row of a tile; none if it is not in the tile.
+#[inline(always)]
+pub fn bit(row: isize) -> u64 {
+    if (0..TILE as isize).contains(&row) { 1 << row } else { 0 }
+}
+
 #[inline(always)]
 fn load<S: Simd>(simd: S, from: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &from[at..at + LANES])
