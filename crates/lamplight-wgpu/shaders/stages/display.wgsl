@@ -153,7 +153,8 @@ fn aces(rgb: vec3f) -> vec3f {
 }
 
 fn agx(rgb: vec3f) -> vec3f {
-    let stops = log2(clamp(params.inset * (params.look.x * rgb), vec3f(exp2(params.stops.x)), vec3f(exp2(params.stops.y))));
+    let radiance = params.inset * (params.look.x * rgb);
+    let stops = log2(clamp(radiance, vec3f(exp2(params.stops.x)), vec3f(exp2(params.stops.y))));
     let x = (stops - params.stops.x) / (params.stops.y - params.stops.x);
     let high = params.contrast[0];
     let low = params.contrast[1];

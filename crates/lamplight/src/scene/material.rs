@@ -132,8 +132,7 @@ impl Material {
     /// Returns the colour under the light in the final picture, as [`Shape::color`](crate::Shape): `None`
     /// is the albedo, painted on as far as the material is opaque.
     ///
-    /// Of the media, those that a backdrop is hardly seen through have one. Fog, smoke and glass leave
-    /// what is behind them as it is.
+    /// Media that hide the backdrop have one. Fog, smoke and glass leave what is behind them as it is.
     pub fn color(self) -> Option<Rgb> {
         match self {
             Self::Ice => Some([0.72, 0.87, 0.95]),

@@ -7,7 +7,6 @@
 //! `color × (light − L_e) + L_e`. Lamps are shown if they are visible, by their radiance. That sum ×
 //! 2^exposure is tone mapped to 0 to 1 and then encoded as sRGB, once.
 
-use crate::srgb::LUMINANCE;
 use crate::{Cells, Error, Light, Matter, Result, Rgb, srgb};
 use image::RgbImage;
 use rayon::prelude::*;
@@ -126,7 +125,7 @@ fn agx(rgb: Rgb, [gain, power, saturation]: [f32; 3]) -> Rgb {
         AGX_CONTRAST.iter().fold(0.0, |sum: f32, c| sum * x + c).max(0.0).powf(power)
     };
     let shown = rotate(&AGX_INSET, rgb.map(|v| gain * v)).map(curve);
-    let luma = shown[0] * LUMINANCE[0] + shown[1] * LUMINANCE[1] + shown[2] * LUMINANCE[2];
+    let luma = srgb::luminance(shown);
     let shown = shown.map(|v| luma + saturation * (v - luma));
     rotate(&AGX_OUTSET, shown).map(|v| v.max(0.0).powf(AGX_GAMMA))
 }
@@ -288,7 +287,7 @@ mod tests {
     fn fire_keeps_its_colour() {
         let blue = |map: ToneMap| map.map([16.0, 3.0, 0.11])[2];
         let [aces, agx, vivid] = [ToneMap::Aces, ToneMap::Agx, ToneMap::Vivid].map(blue);
-        assert!(aces > 0.99 && agx < 0.6 && vivid < 0.6, "{aces} {agx} {vivid}");
+        assert!(aces > 0.99 && agx < 0.6 && vivid < agx, "{aces} {agx} {vivid}");
     }
 
     #[test]

@@ -355,8 +355,8 @@ mod tests {
         }
     }
 
-    /// The largest difference over all odd planes from level 1 to 4, and some rays of level 5, between the intervals of `cells`
-    /// and the paths through `compared`.
+    /// The largest difference between the intervals of `cells` and the paths through `compared`, over all odd
+    /// planes from level 1 to 4 and some rays of level 5.
     fn worst<const K: usize>(cells: &Cells, compared: &Cells) -> f64 {
         let mut slabs = Slabs::default();
         slabs.read(cells, Axis::X, 4, None);
