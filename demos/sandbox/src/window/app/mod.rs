@@ -170,7 +170,7 @@ impl App {
             self.timings.light().map(|seconds| format!("{:.1} ms of light, ", 1e3 * seconds));
         let fps = self.timings.frames_per_second();
         ui.label(format!("{}{fps:.0} frames per second", light.unwrap_or_default()));
-        ui.label(RichText::new(self.probe.words(w)).monospace())
+        ui.label(self.probe.words(w))
             .on_hover_text("Light at the pointer: linear red, green, blue");
         ui.separator();
         CollapsingHeader::new("View").default_open(true).show(ui, |ui| {

@@ -71,7 +71,7 @@ impl Timings {
         }
         ui.horizontal_wrapped(|ui| {
             for (number, name) in names.iter().enumerate() {
-                ui.label(RichText::new(format!("■ {name}")).small().color(color(number)));
+                ui.label(RichText::new(*name).small().color(color(number)));
             }
         });
         history("timings", 140.0)

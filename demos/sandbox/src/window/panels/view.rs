@@ -18,10 +18,10 @@ pub fn show(ui: &mut Ui, inspector: &mut Inspector) {
     });
     if inspector.view == PictureView::Inside {
         ui.horizontal(|ui| {
-            if ui.button("◀").clicked() {
+            if ui.button("Previous").clicked() {
                 inspector.inside = inspector.inside.saturating_sub(1);
             }
-            if ui.button("▶").clicked() {
+            if ui.button("Next").clicked() {
                 inspector.inside += 1;
             }
         });
