@@ -136,11 +136,15 @@ fn faded(sum: vec4f) -> vec3f {
     return sum.rgb * (left * left * (3.0 - 2.0 * left) / sum.w);
 }
 
-// The means over a cell with a face and those nearby that face the same way. A depth below 1 px leaves the cell
-// more to itself.
-fn along_surface(at: vec2u, flags: u32) -> Sums {
+// How much of another cell counts: a depth below 1 px leaves cells more to themselves.
+fn shared_by_faces() -> f32 {
+    return min(frame.wall_depth, 1.0);
+}
+
+// The mean light of a cell with a face and those nearby that face the same way.
+fn along_surface(at: vec2u, flags: u32) -> vec3f {
     let along = vec3f(ALONG_0, ALONG_1, ALONG_2);
-    var sum = Sums();
+    var sum = vec4f(0.0);
     for (var y = -2; y <= 2; y++) {
         for (var x = -2; x <= 2; x++) {
             let other = vec2i(at) + vec2i(x, y);
@@ -150,15 +154,14 @@ fn along_surface(at: vec2u, flags: u32) -> Sums {
             let there = surface[index(vec2u(other))];
             let other_flags = u32(there.w);
             if (flags & other_flags & SIDES) != 0u {
-                let share = select(min(frame.wall_depth, 1.0), 1.0, x == 0 && y == 0);
+                let share = select(shared_by_faces(), 1.0, x == 0 && y == 0);
                 let sides = f32(countOneBits(other_flags & SIDES));
                 let weight = sides * along[abs(x)] * along[abs(y)] * share;
-                sum.irradiance += weight * vec4f(there.rgb, 1.0);
-                sum.emission += weight * vec4f(emission_of(vec2u(other), other_flags), 1.0);
+                sum += weight * vec4f(there.rgb, 1.0);
             }
         }
     }
-    return sum;
+    return sum.rgb / sum.w;
 }
 
 @compute @workgroup_size(8, 8)
@@ -247,14 +250,13 @@ fn sink(@builtin(global_invocation_id) id: vec3u) {
     }
     var arrives: vec3f;
     var glow: vec3f;
+    let sum = interpolated(find_level(1u), id.xy);
     if (flags & SIDES) == 0u {
-        let sum = interpolated(find_level(1u), id.xy);
         arrives = faded(sum.irradiance);
         glow = faded(sum.emission);
     } else {
-        let sum = along_surface(id.xy, flags);
-        arrives = sum.irradiance.rgb / sum.irradiance.w;
-        glow = sum.emission.rgb / sum.emission.w;
+        arrives = along_surface(id.xy, flags);
+        glow = shared_by_faces() * sum.emission.rgb / sum.emission.w;
     }
     light[i] = vec4f(arrives + max(emission_of(id.xy, flags), glow), 1.0);
 }

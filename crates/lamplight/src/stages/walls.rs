@@ -16,10 +16,11 @@
 //! border of the grid, the surface continues beyond it.
 //!
 //! Cells with a face show the mean over faces within 2 px that look the same way: the steps of a slope look
-//! even, and nothing comes through from the other side of a wall of 2 px or more.
+//! even, and no light comes through from the other side of a wall of 2 px or more.
 //!
-//! The emission of solid cells sinks in by the same rule. In cells without a face it starts where they touch
-//! cells that do not emit. A cell that emits by itself shows the brighter of the two.
+//! The emission of solid cells sinks in by the rule of the inside, into cells with a face too: beside a strip
+//! of light they are as bright as what lies under them. In cells without a face it starts where they touch cells
+//! that do not emit. A cell that emits by itself shows the brighter of the two.
 //!
 //! This is presentation, not transport: no ray ever sees it.
 
@@ -89,9 +90,13 @@ impl Walls {
         self.find_sides(cells);
         self.sum(cells, depth, light);
         let Self { sides, faces, irradiance, emission, .. } = self;
-        let surface = Surface { size: [width, cells.height() as usize], sides, depth };
+        let size = [width, cells.height() as usize];
+        let surface = Surface { size, sides, shared: depth.min(1.0) };
         faces.par_iter_mut().with_min_len(TASK).for_each(|face| {
-            let [arrives, glow] = surface.means(face, [light, cells.emission()]);
+            let [x, y] = face.position;
+            let glow = emission.row(y).map_or([0.0; 3], |mut row| row.at(x).mean());
+            let glow = glow.map(|v| v * surface.shared);
+            let arrives = surface.mean(face, light);
             face.shown = with_emission(arrives, glow, cells.emission()[face.index]);
         });
         let fade = DepthFade::over(depth);
@@ -206,34 +211,31 @@ fn with_emission(arrives: Rgb, glow: Rgb, own: Rgb) -> Rgb {
 struct Surface<'a> {
     size: [usize; 2],
     sides: &'a [u8],
-    depth: f32,
+    /// How much of another cell counts: a depth below 1 px leaves cells more to themselves.
+    shared: f32,
 }
 
 impl Surface<'_> {
-    /// Returns the means of two fields over a cell with a face and those nearby that face the same way. A depth
-    /// below 1 px leaves the cell more to itself.
-    fn means(&self, face: &WallFace, fields: [&[Rgb]; 2]) -> [Rgb; 2] {
+    /// Returns the mean light of a cell with a face and those nearby that face the same way.
+    fn mean(&self, face: &WallFace, light: &[Rgb]) -> Rgb {
         let ([x, y], [width, height]) = (face.position, self.size);
         let own = self.sides[face.index] & !SOLID;
-        let share = self.depth.min(1.0);
-        if share == 0.0 {
-            return fields.map(|field| field[face.index]);
+        if self.shared == 0.0 {
+            return light[face.index];
         }
-        let mut sums = [BlurSum::default(); 2];
+        let mut sum = BlurSum::default();
         for to_y in y.saturating_sub(2)..(y + 3).min(height) {
             for to_x in x.saturating_sub(2)..(x + 3).min(width) {
                 let to = to_y * width + to_x;
                 let sides = self.sides[to] & !SOLID;
                 if own & sides != 0 {
-                    let share = if to == face.index { 1.0 } else { share };
+                    let share = if to == face.index { 1.0 } else { self.shared };
                     let along = ALONG[to_x.abs_diff(x)] * ALONG[to_y.abs_diff(y)];
-                    let weight = sides.count_ones() as f32 * along * share;
-                    sums[0].add(1.0, BlurSum::of(weight, fields[0][to]));
-                    sums[1].add(1.0, BlurSum::of(weight, fields[1][to]));
+                    sum.add(share, BlurSum::of(sides.count_ones() as f32 * along, light[to]));
                 }
             }
         }
-        sums.map(BlurSum::mean)
+        sum.mean()
     }
 }
 

@@ -253,6 +253,25 @@ fn a_strip_of_light_lights_the_floor_under_it() {
     assert!(light.at(80, 59)[0] >= 4.0 && light.at(80, 59)[0] < 4.1);
 }
 
+/// The part of the emission that sinks into a cell under a face, which sinks into the one with the face too.
+const WITH_FACE: f32 = 0.6;
+
+#[test]
+fn beside_a_strip_of_light_the_surface_of_the_floor_is_no_dark_line() {
+    let strip = Matter { emission: [1.0; 3], ..WALL };
+    let cells = grid(160, 90, |x, y| match (x, y) {
+        (60..100, 59) => strip,
+        (_, 60..) => WALL,
+        _ => Matter::EMPTY,
+    });
+    let light = sunk(&cells, 20.0, |_, _| 0.0);
+    for x in 40..60 {
+        let [face, below] = [light[60][x], light[61][x]];
+        assert!(face > WITH_FACE * below && below > 0.0, "column {x}: {face}, {below} below");
+        assert!(light[60][x + 1] > face, "column {x} is as bright as the next");
+    }
+}
+
 #[test]
 fn a_single_cell_of_light_glows_in_a_wall() {
     // In its surface, and without a face.
