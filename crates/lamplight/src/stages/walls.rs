@@ -211,7 +211,7 @@ fn with_emission(arrives: Rgb, glow: Rgb, own: Rgb) -> Rgb {
 struct Surface<'a> {
     size: [usize; 2],
     sides: &'a [u8],
-    /// How much of another cell counts: a depth below 1 px leaves cells more to themselves.
+    /// The share of another cell that counts: a depth below 1 px leaves cells more to themselves.
     shared: f32,
 }
 
