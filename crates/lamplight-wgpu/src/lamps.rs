@@ -2,13 +2,25 @@
 
 use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
-use lamplight::Falloff;
+use lamplight::settings::MethodSettings;
+use lamplight::{Cells, Direct, Falloff};
 use wgpu::{Buffer, Queue};
 
 /// Bytes per ray in the largest buffer that stores something for each.
 pub const RAY_BYTES: u64 = size_of::<[u32; 4]>() as u64;
 /// Rays of a workgroup, all of one lamp.
 pub const GROUP_RAYS: u32 = 64;
+/// Draws lamps into cells as a method reads them, unless it lights them by rule. The GPU lights no lamp by a shadow
+/// map below another method's light: it draws those with a cone too, and they glow all round.
+pub fn draw_lamps(method: &MethodSettings, cells: &mut Cells) {
+    if !method.method().lights_lamps() {
+        for lamp in cells.lamps_mut() {
+            (lamp.cone, lamp.direct) = (None, Direct::Glow);
+        }
+    }
+    method.draw_lamps(cells);
+}
+
 /// The cone of a lamp that shines in all directions.
 const NO_CONE: [f32; 3] = [0.0, -1.0, 0.0];
 

@@ -2,6 +2,7 @@
 
 use crate::error::{PrepareError, Result};
 use crate::grid_size::GridSize;
+use crate::lamps::draw_lamps;
 use lamplight::internals::display::emitted;
 use lamplight::internals::lamp::show_lamps;
 use lamplight::settings::MethodSettings;
@@ -157,7 +158,7 @@ impl Upload {
             cells
         } else {
             drawn.clone_from(cells);
-            method.draw_lamps(drawn);
+            draw_lamps(method, drawn);
             drawn
         };
         let made = |view: &mut Option<TextureView>, label| {

@@ -1,9 +1,10 @@
 //! Lamps: small lights that block nothing.
 //!
-//! Two kinds of method read them. `polar` and `flood` light lamps by rule, with range, falloff
-//! and cone. The others read only matter, into which lamps are drawn as glowing discs
-//! (`lamp_discs.rs`): light falls off as in the plane, without a range, and **in all directions**,
-//! because matter cannot emit in a cone.
+//! `polar` and `flood` light lamps by rule, with range, falloff and cone. The other methods read matter, into
+//! which lamps are drawn as glowing discs (`lamp_discs.rs`): light falls off as in the plane, without a range.
+//! Matter cannot emit in a cone, so lamps with a cone, and others that ask for it ([`Direct::Exact`]), are lit by
+//! their shadow map instead, as in `polar`, and what they light reflects and scatters as all light does
+//! (`stages/direct.rs`).
 
 use crate::{Result, Rgb, check, exact, notation};
 use schemars::JsonSchema;
@@ -46,11 +47,23 @@ impl Falloff {
     }
 }
 
+/// The way in which methods that draw lamps find a lamp's direct light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Direct {
+    /// As a glowing disc: for nothing, and without a range.
+    #[default]
+    Glow,
+    /// By a shadow map, as in `polar`: sharp edges, and a range and a falloff.
+    Exact,
+}
+
 /// 2π, rounded up to four digits.
 #[expect(clippy::approx_constant, reason = "6.2832 in a file means the whole circle")]
 const TURN: f32 = 6.2832;
 
-/// The cone of a spotlight, in the methods that light lamps by rule.
+/// The cone of a spotlight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cone {
@@ -109,22 +122,27 @@ pub struct Lamp {
     /// whose radius R gives about `radiance·R/(π·d)` of light at distance d.
     #[serde(default = "default_intensity")]
     pub intensity: f32,
-    /// The range in px, in the methods that light lamps by rule; 1 to 100 000.
+    /// The range in px, 1 to 100 000, of lamps that are lit by rule: all of them in `polar` and `flood`,
+    /// elsewhere those with a cone or with `direct = "exact"`.
     #[serde(default = "default_range")]
     pub range: f32,
     /// The radius of the disc in px, 0.05 to 512. Higher: more light and softer shadows.
     #[serde(default = "default_size")]
     pub size: f32,
-    /// The falloff, in the methods that light lamps by rule.
+    /// The falloff of lamps that are lit by rule, as for `range`.
     #[serde(default)]
     pub falloff: Falloff,
-    /// The cone of a spotlight, such as `{ direction = 1.57, angle = 0.8, softness = 0.3 }`; without
-    /// it the lamp shines in all directions. Only for the methods that light lamps by rule:
-    /// the others draw a disc that glows in all directions.
+    /// The cone of a spotlight, such as `{ direction = "90deg", angle = "45deg", softness = 0.3 }`; without
+    /// it the lamp shines in all directions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cone: Option<Cone>,
+    /// The way in which its direct light is found. Lamps with a cone are always `exact`. `glow` costs nothing;
+    /// `exact` has sharper edges, and costs as much as a lamp of `polar`: time in proportion to the square of
+    /// the range.
+    #[serde(default, skip_serializing_if = "is_glow")]
+    pub direct: Direct,
     /// If true, the lamp is a solid disc, which blocks the light of others. Only for the methods that
-    /// draw lamps.
+    /// draw lamps, and not for lamps that are `exact`.
     #[serde(default, skip_serializing_if = "is_false")]
     pub solid: bool,
     /// If true, the final picture shows the lamp itself, as a disc of its radiance.
@@ -134,6 +152,10 @@ pub struct Lamp {
 
 fn is_false(value: &bool) -> bool {
     !value
+}
+
+fn is_glow(direct: &Direct) -> bool {
+    *direct == Direct::Glow
 }
 
 fn default_color() -> Rgb {
@@ -162,6 +184,7 @@ impl Default for Lamp {
             size: 3.0,
             falloff: Falloff::Inverse,
             cone: None,
+            direct: Direct::Glow,
             solid: false,
             visible: false,
         }
@@ -182,6 +205,11 @@ impl Lamp {
     /// The radiance of the ideal disc, `color · intensity`.
     pub(crate) fn radiance(&self) -> Rgb {
         self.color.map(|c| c * self.intensity)
+    }
+
+    /// Returns whether the lamp is lit by a shadow map in every method, not drawn.
+    pub fn is_exact(&self) -> bool {
+        self.cone.is_some() || self.direct == Direct::Exact
     }
 
     /// Returns whether the lamp emits no light.

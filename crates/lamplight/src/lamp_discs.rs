@@ -27,9 +27,9 @@ impl Cells {
         Cow::Owned(drawn)
     }
 
-    /// Draws the lamps into the matter and empties their list.
+    /// Draws lamps into the matter. Only those that are lit by a shadow map ([`Lamp::is_exact`]) stay lamps.
     pub fn draw_lamps(&mut self) {
-        self.draw_each_lamp(|lamp, cells| {
+        self.draw_each_lamp(Lamp::is_exact, |lamp, cells| {
             if lamp.solid {
                 draw_solid(lamp, lamp.radiance(), cells);
             } else {
@@ -49,13 +49,16 @@ impl Cells {
         Cow::Owned(shown)
     }
 
-    /// Draws the lamps that are on, and empties their list.
-    fn draw_each_lamp(&mut self, draw: impl Fn(&Lamp, &mut Self)) {
+    /// Draws the lamps that are on, and takes all but those that `stay` off their list.
+    fn draw_each_lamp(&mut self, stay: impl Fn(&Lamp) -> bool, draw: impl Fn(&Lamp, &mut Self)) {
         let mut lamps = std::mem::take(self.lamps_mut());
-        for lamp in lamps.iter().filter(|lamp| !lamp.is_off()) {
-            draw(lamp, self);
-        }
-        lamps.clear();
+        lamps.retain(|lamp| {
+            let stays = stay(lamp);
+            if !stays && !lamp.is_off() {
+                draw(lamp, self);
+            }
+            stays
+        });
         // Keeps the allocation: a solver draws every frame into the same grid.
         *self.lamps_mut() = lamps;
     }
@@ -64,13 +67,16 @@ impl Cells {
 /// Draws lamps as the final picture shows them, and empties their list: the solid ones as they block light,
 /// and the radiance of those that are visible.
 pub fn show_lamps(cells: &mut Cells) {
-    cells.draw_each_lamp(|lamp, cells| match (lamp.solid, lamp.visible) {
-        (true, true) => draw_solid(lamp, lamp.radiance(), cells),
-        (true, false) => draw_solid(lamp, [0.0; 3], cells),
-        // The picture shows the glow of 1 px.
-        (false, true) => add_glow(lamp, f64::from(lamp.size), lamp.radiance(), cells),
-        (false, false) => {}
-    });
+    cells.draw_each_lamp(
+        |_| false,
+        |lamp, cells| match (lamp.solid && !lamp.is_exact(), lamp.visible) {
+            (true, true) => draw_solid(lamp, lamp.radiance(), cells),
+            (true, false) => draw_solid(lamp, [0.0; 3], cells),
+            // The picture shows the glow of 1 px.
+            (false, true) => add_glow(lamp, f64::from(lamp.size), lamp.radiance(), cells),
+            (false, false) => {}
+        },
+    );
 }
 
 /// Draws a lamp as a glowing disc.

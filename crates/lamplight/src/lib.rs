@@ -39,7 +39,7 @@ mod stages;
 
 pub use cells::{Cells, Matter};
 pub use error::{Error, Result};
-pub use lamp::{Cone, Falloff, Lamp};
+pub use lamp::{Cone, Direct, Falloff, Lamp};
 pub use light::Light;
 pub use rgb::Rgb;
 pub use scene::{Scene, Shape};

@@ -10,6 +10,7 @@ use crate::methods::holographic::Holographic;
 use crate::methods::polar::PolarSolver;
 use crate::methods::raymarch::{Input, RaymarchSolver};
 use crate::settings::{self, Hit, Method, MethodSettings, Traversal};
+use crate::stages::direct::DirectLight;
 use crate::stages::glow::Glow;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
@@ -25,6 +26,7 @@ pub struct Solver {
     pub(crate) settings: Settings,
     frame: u32,
     pub(crate) cells: Cells,
+    direct: DirectLight,
     glow: Glow,
     fields: Fields,
     pub(crate) raymarch: RaymarchSolver,
@@ -78,6 +80,7 @@ impl Solver {
             settings,
             frame: 0,
             cells: Cells::new(1, 1)?,
+            direct: DirectLight::default(),
             glow: Glow::default(),
             fields: Fields::default(),
             raymarch: RaymarchSolver::default(),
@@ -127,6 +130,10 @@ impl Solver {
         method.suits(cells)?;
         self.cells.clone_from(cells);
         self.settings.method.draw_lamps(&mut self.cells);
+        self.clock.lap("cells");
+        if !method.lights_lamps() {
+            self.direct.solve(&self.cells, &mut self.clock);
+        }
         let glows = self.settings.method.reads_glow();
         if glows {
             self.glow.to_media(&mut self.cells);
@@ -144,17 +151,20 @@ impl Solver {
                 flood.solve(cells, settings, &mut light.rgb, clock);
             }
             MethodSettings::Cascades(settings) => {
-                let Self { cascades, cells, light, clock, .. } = self;
-                cascades.solve(cells, settings, bounces, &mut light.rgb, clock);
+                let Self { cascades, cells, direct, light, clock, .. } = self;
+                cascades.solve(cells, settings, bounces, direct, &mut light.rgb, clock);
             }
             MethodSettings::Holographic(settings) => {
-                let Self { holographic, cells, light, clock, .. } = self;
-                holographic.solve(cells, settings, bounces, &mut light.rgb, clock);
+                let Self { holographic, cells, direct, light, clock, .. } = self;
+                holographic.solve(cells, settings, bounces, direct, &mut light.rgb, clock);
             }
         }
 
         if glows {
             self.glow.restore(&mut self.cells);
+        }
+        if !method.method().lights_lamps() {
+            self.direct.add_to(&mut self.light.rgb);
         }
         self.light.width = self.cells.width();
         self.light.height = self.cells.height();
@@ -179,6 +189,7 @@ impl Solver {
             bounces,
             seed,
             cells: &self.cells,
+            direct: &self.direct,
             distance: &self.fields.distance,
             nearest: &self.fields.nearest,
             changed,

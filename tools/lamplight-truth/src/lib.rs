@@ -12,6 +12,7 @@ pub mod closed_forms;
 pub mod flip;
 pub mod grain;
 pub mod heat;
+mod lamps;
 mod measures;
 mod path_tracer;
 mod progressive;

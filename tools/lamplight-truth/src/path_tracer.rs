@@ -1,9 +1,10 @@
 //! The reference: brute-force path tracing through the cells, straight from the definitions.
 
+use crate::lamps::{Vertex, direct};
 use crate::random::Random;
 use crate::traverse::{Event, Grid, Stretch, Traversal};
 use lamplight::internals::Walls;
-use lamplight::{Bounces, Cells, Error, Light, Result, Rgb, Sky};
+use lamplight::{Bounces, Cells, Error, Lamp, Light, Result, Rgb, Sky};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -22,7 +23,11 @@ const CHUNK: usize = 128;
 const SPREAD: [f64; 3] =
     [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_2];
 
-/// An unbiased path tracer: no distance field, no interpolation, no light sampling, no filter.
+/// 1/φ, which spreads points across lamps evenly over the paths of a batch.
+const ACROSS: f64 = 0.618_033_988_749_894_8;
+
+/// An unbiased path tracer: no distance field, no interpolation, no filter, and no light sampling but for lamps that
+/// are not drawn, which no path would meet.
 ///
 /// - **Open cell**: the mean radiance arriving at its centre over all directions, J.
 /// - **Solid cell** with a face towards an open cell: the mean of the normalised irradiance
@@ -120,6 +125,8 @@ impl PathTracer {
 /// The data that all paths of a picture share.
 pub(crate) struct Tracer<'c> {
     cells: &'c Cells,
+    /// The lamps that are not drawn.
+    lamps: &'c [Lamp],
     sky: Sky,
     grid: &'c Grid,
     limit: u32,
@@ -133,6 +140,7 @@ impl<'c> Tracer<'c> {
     pub fn new(settings: &PathTracer, cells: &'c Cells, grid: &'c Grid) -> Self {
         Self {
             cells,
+            lamps: cells.lamps(),
             sky: cells.sky(),
             grid,
             limit: settings.bounces.limit(),
@@ -171,13 +179,17 @@ impl<'c> Tracer<'c> {
                     random: Random::new(self.seed, id, key),
                 };
                 let even = (f64::from(path) + start) / f64::from(self.paths);
-                let start = if solid {
-                    self.leave_face(&faces, even, sampler.direction())
-                } else {
-                    self.leave_centre([x, y], even)
+                let vertex = if solid { on_face(&faces, even) } else { Vertex::centre([x, y]) };
+                let start = match vertex.normal {
+                    Some(normal) => {
+                        self.leave_wall(vertex.cell, vertex.point, normal, sampler.direction())
+                    }
+                    None => self.leave_centre([x, y], even),
                 };
+                let point = (f64::from(path) * ACROSS + shift[0]).fract();
+                let direct = direct(self.lamps, self.grid, &vertex, point);
                 let light = self.radiance(start, &mut sampler);
-                (0..3).for_each(|c| total[c] += light[c]);
+                (0..3).for_each(|c| total[c] += light[c] + direct[c]);
             }
             let mean = total.map(|v| v / f64::from(self.paths));
             if batch == 0 {
@@ -218,18 +230,6 @@ impl<'c> Tracer<'c> {
         Traversal::new(self.grid, cell, cell.map(|c| f64::from(c) + 0.5), [cos, sin])
     }
 
-    /// A ray that leaves one of the faces from the point that `along` (0 to 1) picks.
-    fn leave_face(&self, faces: &[Face], along: f64, u: f64) -> Traversal<'_> {
-        let along = along * faces.len() as f64;
-        let face = &faces[(along as usize).min(faces.len() - 1)];
-        let normal = face.normal.map(f64::from);
-        let centre = face.cell.map(|c| f64::from(c) + 0.5);
-        let offset = along.fract() - 0.5;
-        let point = [0, 1]
-            .map(|a| centre[a] + 0.5 * normal[a] + offset * f64::from(face.normal[1 - a].abs()));
-        self.leave_wall(face.outside(), point, normal, u)
-    }
-
     /// A ray from a point of a wall, cosine-distributed: in 2D the sine of its angle is uniform.
     #[inline]
     fn leave_wall(
@@ -244,6 +244,16 @@ impl<'c> Tracer<'c> {
         let cos = (1.0 - sin * sin).sqrt().max(1e-12);
         let [nx, ny] = normal;
         Traversal::new(self.grid, cell, point, [nx * cos - ny * sin, ny * cos + nx * sin])
+    }
+
+    /// The direct light of a random point of each lamp that is not drawn.
+    fn direct(&self, at: &Vertex, random: &mut Random) -> [f64; 3] {
+        // No random number is spent where there is none, so that other scenes keep theirs.
+        if self.lamps.is_empty() {
+            [0.0; 3]
+        } else {
+            direct(self.lamps, self.grid, at, random.unit())
+        }
     }
 
     /// The radiance that arrives along one path.
@@ -272,6 +282,9 @@ impl<'c> Tracer<'c> {
                     if !russian_roulette(bounces, &mut weight, &mut sampler.random) {
                         return light;
                     }
+                    let vertex = Vertex { cell: outside, point, normal: Some(normal) };
+                    let direct = self.direct(&vertex, &mut sampler.random);
+                    (0..3).for_each(|c| light[c] += weight[c] * direct[c]);
                     walk = self.leave_wall(outside, point, normal, sampler.direction());
                 }
                 Event::Medium(stretch) => {
@@ -309,8 +322,11 @@ impl<'c> Tracer<'c> {
                             if !russian_roulette(bounces, &mut weight, &mut sampler.random) {
                                 return light;
                             }
-                            walk = self
-                                .leave_centre(walk.cell_after(&stretch, px), sampler.direction());
+                            let at = walk.cell_after(&stretch, px);
+                            let vertex = Vertex::centre(at);
+                            let direct = self.direct(&vertex, &mut sampler.random);
+                            (0..3).for_each(|c| light[c] += weight[c] * direct[c]);
+                            walk = self.leave_centre(at, sampler.direction());
                             continue;
                         }
                         go_on = go_on.map(|w| w / (1.0 - p));
@@ -358,6 +374,18 @@ impl Face {
     fn outside(&self) -> [i32; 2] {
         [0, 1].map(|a| self.cell[a] + self.normal[a])
     }
+}
+
+/// The point of one of the faces that `along` (0 to 1) picks.
+fn on_face(faces: &[Face], along: f64) -> Vertex {
+    let along = along * faces.len() as f64;
+    let face = &faces[(along as usize).min(faces.len() - 1)];
+    let normal = face.normal.map(f64::from);
+    let centre = face.cell.map(|c| f64::from(c) + 0.5);
+    let offset = along.fract() - 0.5;
+    let point =
+        [0, 1].map(|a| centre[a] + 0.5 * normal[a] + offset * f64::from(face.normal[1 - a].abs()));
+    Vertex { cell: face.outside(), point, normal: Some(normal) }
 }
 
 /// 1 − T over a length, per channel.

@@ -46,7 +46,8 @@ pub struct Stretch {
     /// The number of cells along a side of the square.
     pub side: i32,
     near: [i32; 2],
-    entry: f64,
+    /// The path length up to it.
+    pub entry: f64,
 }
 
 /// The cells, prepared for traversal.

@@ -8,6 +8,7 @@
 //! irradiance and mean radiance, turns them into reflected and scattered radiance
 //! ([`Surfaces::reflect_and_scatter`]), and gathers again ([`solve_bounces`]).
 
+use super::direct::DirectLight;
 use crate::grid::class::is_occupied;
 use crate::grid::medium_grid::MediumGrid;
 use crate::settings::Bounces;
@@ -122,11 +123,12 @@ impl Surfaces {
     }
 
     /// Turns the irradiance of walls into the radiance that they reflect, and the mean radiance in media
-    /// into the radiance that they scatter, in the order of `walls` and `media`. The irradiance of walls
-    /// that do not reflect is not read. Returns the largest change relative to the mean.
+    /// into the radiance that they scatter, in the order of `walls` and `media`, together with `direct` light.
+    /// The irradiance of walls that do not reflect is not read. Returns the largest change relative to the mean.
     pub fn reflect_and_scatter<'a>(
         &mut self,
         cells: &Cells,
+        direct: &DirectLight,
         walls: impl Iterator<Item = &'a Faces>,
         media: impl Iterator<Item = &'a Rgb>,
     ) -> f32 {
@@ -137,22 +139,23 @@ impl Surfaces {
             count += 1;
             *old = new;
         };
-        for ((wall, faces), reflected) in self.walls.iter().zip(walls).zip(&mut self.wall_reflected)
-        {
+        let lit = self.walls.iter().zip(walls).zip(&mut self.wall_reflected);
+        for (slot, ((wall, faces), reflected)) in lit.enumerate() {
             if !wall.reflects {
                 continue;
             }
             let albedo = cells.albedo()[wall.cell as usize];
-            for (face, reflected) in
-                faces.iter().zip(reflected).zip(wall.exposed).filter(|f| f.1).map(|f| f.0)
-            {
-                (0..3).for_each(|c| update(&mut reflected[c], albedo[c] * face[c]));
+            let direct = direct.on_faces(slot);
+            for face in (0..4).filter(|&face| wall.exposed[face]) {
+                let arrives = |c: usize| faces[face][c] + direct[face][c];
+                (0..3).for_each(|c| update(&mut reflected[face][c], albedo[c] * arrives(c)));
             }
         }
         for ((&i, light), scattered) in self.media.iter().zip(media).zip(&mut self.medium_scattered)
         {
             let albedo = cells.albedo()[i as usize];
-            (0..3).for_each(|c| update(&mut scattered[c], albedo[c] * light[c]));
+            let direct = direct.at(i as usize);
+            (0..3).for_each(|c| update(&mut scattered[c], albedo[c] * (light[c] + direct[c])));
         }
         let mean = (sum / f64::from(count.max(1))) as f32;
         if largest == 0.0 { 0.0 } else { largest / mean }

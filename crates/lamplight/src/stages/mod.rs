@@ -2,6 +2,7 @@
 //! docs.
 
 pub mod bounce;
+pub mod direct;
 pub mod display;
 pub mod distance;
 pub mod glow;

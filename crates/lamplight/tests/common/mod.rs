@@ -22,6 +22,7 @@ pub const LAMP: Lamp = Lamp {
     size: 2.0,
     falloff: Falloff::Linear,
     cone: None,
+    direct: lamplight::Direct::Glow,
     solid: false,
     visible: false,
 };

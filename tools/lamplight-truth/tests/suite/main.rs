@@ -11,3 +11,4 @@ mod invariants;
 mod lamps;
 mod progressive;
 mod raymarch;
+mod spots;

@@ -29,6 +29,7 @@ use crate::grid::packet::LANES;
 use crate::settings::{self, Bounces};
 use crate::simd::dispatch;
 use crate::stages::bounce::{Surfaces, mean_over_faces, solve_bounces};
+use crate::stages::direct::DirectLight;
 use crate::{Cells, Rgb};
 use fearless_simd::{Level, f32x16, prelude::*};
 pub use gather::BEFORE;
@@ -87,6 +88,7 @@ impl Cascades {
         cells: &Cells,
         settings: &settings::Cascades,
         bounces: Bounces,
+        direct: &DirectLight,
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
@@ -104,7 +106,7 @@ impl Cascades {
             solve_bounces(bounces, || {
                 self.gather_surfaces(cells, settings);
                 let (faces, media) = (self.faces.walls.iter(), self.media.iter());
-                let change = self.surfaces.reflect_and_scatter(cells, faces, media);
+                let change = self.surfaces.reflect_and_scatter(cells, direct, faces, media);
                 if self.surfaces.scatter_into(cells, 1.0, &mut self.grid) {
                     self.grid.measure_empty_space(|_, _| false);
                 }
@@ -272,8 +274,10 @@ mod tests {
             let settings = settings::Cascades { merge, ..settings::Cascades::default() };
             agree(0.0, |level| {
                 let mut light = Vec::new();
-                let (bounces, mut clock) = (Bounces::Count(1), Clock::default());
-                Cascades::on(level).solve(&cells, &settings, bounces, &mut light, &mut clock);
+                let (bounces, direct) = (Bounces::Count(1), DirectLight::default());
+                let mut clock = Clock::default();
+                Cascades::on(level)
+                    .solve(&cells, &settings, bounces, &direct, &mut light, &mut clock);
                 light
             });
         }

@@ -51,6 +51,7 @@ pub use slabs::{EMISSIVE, MATTER, MEDIUM};
 use crate::clock::Clock;
 use crate::settings::{self, Bounces, Variant};
 use crate::stages::bounce::{Faces, Surfaces, Wall, mean_over_faces, solve_bounces};
+use crate::stages::direct::DirectLight;
 use crate::{Cells, Rgb};
 use axis_sweep::{AxisSweep, SweepInput};
 use faces::{Receivers, cell_in_front};
@@ -99,11 +100,12 @@ impl Holographic {
         cells: &Cells,
         settings: &settings::Holographic,
         bounces: Bounces,
+        direct: &DirectLight,
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
         if settings.variant == Variant::Paper {
-            self.published.solve(cells, bounces, light);
+            self.published.solve(cells, bounces, direct, light);
             clock.lap("holographic");
             return;
         }
@@ -116,7 +118,7 @@ impl Holographic {
             solve_bounces(bounces, || {
                 self.sweep(cells, settings, reflected, false);
                 reflected = true;
-                self.bounce(cells)
+                self.bounce(cells, direct)
             });
             clock.lap("bounce");
         }
@@ -203,7 +205,7 @@ impl Holographic {
 
     /// Turns the light at surfaces into the radiance that they reflect or scatter. Returns
     /// the largest change relative to the mean.
-    fn bounce(&mut self, cells: &Cells) -> f32 {
+    fn bounce(&mut self, cells: &Cells, direct: &DirectLight) -> f32 {
         let w = cells.width() as usize;
         let mut wall_light = std::mem::take(&mut self.wall_light);
         let mut medium_light = std::mem::take(&mut self.medium_light);
@@ -214,8 +216,8 @@ impl Holographic {
         wall_light.extend(walls.iter().map(irradiance));
         medium_light.clear();
         medium_light.extend(media.iter().map(mean_radiance));
-        let change =
-            self.surfaces.reflect_and_scatter(cells, wall_light.iter(), medium_light.iter());
+        let (on_walls, in_media) = (wall_light.iter(), medium_light.iter());
+        let change = self.surfaces.reflect_and_scatter(cells, direct, on_walls, in_media);
         (self.wall_light, self.medium_light) = (wall_light, medium_light);
         change
     }
@@ -239,8 +241,10 @@ mod tests {
             let settings = settings::Holographic::preset(preset).unwrap();
             agree(ROUNDING, |level| {
                 let mut light = Vec::new();
-                let (bounces, mut clock) = (Bounces::Count(1), Clock::default());
-                Holographic::on(level).solve(&cells, &settings, bounces, &mut light, &mut clock);
+                let (bounces, direct) = (Bounces::Count(1), DirectLight::default());
+                let mut clock = Clock::default();
+                Holographic::on(level)
+                    .solve(&cells, &settings, bounces, &direct, &mut light, &mut clock);
                 light
             });
         }

@@ -9,6 +9,7 @@ use super::paper::Paper;
 use crate::grid::class::is_occupied;
 use crate::settings::Bounces;
 use crate::stages::bounce::{Surfaces, solve_bounces};
+use crate::stages::direct::DirectLight;
 use crate::{Cells, Rgb};
 
 /// The method with its buffers.
@@ -28,7 +29,13 @@ impl Default for Published {
 
 impl Published {
     /// Solves one frame into `light`.
-    pub fn solve(&mut self, cells: &Cells, bounces: Bounces, light: &mut Vec<Rgb>) {
+    pub fn solve(
+        &mut self,
+        cells: &Cells,
+        bounces: Bounces,
+        direct: &DirectLight,
+        light: &mut Vec<Rgb>,
+    ) {
         self.surfaces.collect(cells, 0.0);
         self.find_light(cells, light);
         if bounces == Bounces::Count(0) || !self.surfaces.reflects_or_scatters() {
@@ -43,9 +50,9 @@ impl Published {
                 let mut matter = cells.matter(i);
                 let scatters = matter.albedo != [0.0; 3] && is_occupied(cells, i, 0.0);
                 if cells.is_solid(i) || scatters {
-                    let before = lit.emission()[i];
+                    let (before, direct) = (lit.emission()[i], direct.at(i));
                     for c in 0..3 {
-                        matter.emission[c] += matter.albedo[c] * light[c];
+                        matter.emission[c] += matter.albedo[c] * (light[c] + direct[c]);
                         largest = largest.max((matter.emission[c] - before[c]).abs());
                         sum += matter.emission[c];
                     }

@@ -4,16 +4,15 @@
 //! two threads write the same pixel and the sum does not depend on their number.
 
 use super::angle::atan2;
-use super::shadow_map::ShadowMap;
+use super::shadow_map::{ShadowMap, ShadowScene};
 use crate::grid::cast::LANES;
-use crate::grid::medium_grid::MediumGrid;
 use crate::settings::{Blend, Polar, ShadowFilter};
 use crate::simd::dispatch;
-use crate::stages::bounce::{NORMALS, Surfaces, Wall};
+use crate::stages::bounce::{Faces, NORMALS, Surfaces, Wall};
 use crate::{Cells, Falloff, Lamp, Rgb};
 use fearless_simd::{Level, f32x16, i32x16, prelude::*};
 use rayon::prelude::*;
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
 
 /// Rows of a band.
@@ -38,7 +37,7 @@ struct Band<'a> {
     planes: [&'a mut [f32]; 3],
     open: &'a [f32],
     walls: &'a [Wall],
-    grid: &'a MediumGrid,
+    scene: ShadowScene<'a>,
     width: usize,
     stride: usize,
 }
@@ -68,7 +67,7 @@ impl LightPlanes {
     pub fn light(
         &mut self,
         level: Level,
-        grid: &MediumGrid,
+        scene: ShadowScene,
         shadow_maps: &[ShadowMap],
         settings: &Polar,
     ) {
@@ -86,10 +85,33 @@ impl LightPlanes {
             let wall = |y: usize| walls.partition_point(|wall| (wall.cell as usize) < y * width);
             let walls = &walls[wall(rows.start)..wall(rows.end)];
             let mut band =
-                Band { rows, planes: [red, green, blue], open, walls, width, stride, grid };
+                Band { rows, planes: [red, green, blue], open, walls, width, stride, scene };
             for shadow_map in shadow_maps {
                 dispatch!(level, simd => band.add(simd, shadow_map, settings));
                 band.add_to_walls(shadow_map, settings);
+            }
+        });
+    }
+
+    /// Adds lamps to the irradiance ÷ 2 of the exposed faces of walls.
+    pub fn light_faces(
+        &self,
+        scene: ShadowScene,
+        shadow_maps: &[ShadowMap],
+        settings: &Polar,
+        faces: &mut Vec<Faces>,
+    ) {
+        let walls = &self.surfaces.walls;
+        faces.resize(walls.len(), Faces::default());
+        faces.par_iter_mut().zip(walls).for_each(|(faces, wall)| {
+            let cell = wall.cell as usize;
+            let center = [cell % self.width, cell / self.width].map(|v| v as f32 + 0.5);
+            for shadow_map in shadow_maps {
+                let Some(off) = shadow_map.reaches(center) else { continue };
+                for (face, sum) in faces.iter_mut().enumerate().filter(|(f, _)| wall.exposed[*f]) {
+                    let arrives = on_face(shadow_map, scene, off, face, settings.shadow_filter);
+                    (0..3).for_each(|c| sum[c] += arrives[c]);
+                }
             }
         });
     }
@@ -166,7 +188,7 @@ impl Band<'_> {
             while partly != 0 {
                 let l = partly.trailing_zeros() as usize;
                 partly &= partly - 1;
-                weights[l] *= shadow_map.partly_seen(self.grid, [dx[l], dy[l]], at[l]);
+                weights[l] *= shadow_map.partly_seen(self.scene, [dx[l], dy[l]], at[l]);
             }
             weight = f32x16::load_array(simd, weights);
         }
@@ -181,7 +203,8 @@ impl Band<'_> {
         if !shadow_map.curves.is_empty() {
             let mut lanes = through.map(|v| v.to_array());
             for l in (0..LANES).filter(|l| left >> l & 1 == 1) {
-                let t = shadow_map.transmittance(at[l], distance[l], settings.shadow_filter);
+                let off = [dx[l], dy[l]];
+                let t = shadow_map.transmittance(self.scene, off, at[l], settings.shadow_filter);
                 (0..3).for_each(|c| lanes[c][l] *= t[c]);
             }
             through = lanes.map(|v| f32x16::load_array(simd, v));
@@ -204,20 +227,16 @@ impl Band<'_> {
 
     /// Adds a lamp to the solid cells whose faces it lights.
     fn add_to_walls(&mut self, shadow_map: &ShadowMap, settings: &Polar) {
-        let [x, y] = shadow_map.lamp.position;
-        // A face lies up to a px from its cell's center, and so does the cell before it.
-        let reach = shadow_map.reach + 1.0;
+        let (y, reach) = (shadow_map.lamp.position[1], shadow_map.reach + 1.0);
         let row = |y: f32| {
             self.walls.partition_point(|wall| ((wall.cell as usize / self.width) as f32) < y)
         };
         for wall in &self.walls[row(y - reach - 1.0)..row(y + reach + 1.0)] {
             let cell = wall.cell as usize;
             let (column, row) = (cell % self.width, cell / self.width);
-            let off = [column as f32 + 0.5 - x, row as f32 + 0.5 - y];
-            if off[0].abs() > reach || off[0] * off[0] + off[1] * off[1] > reach * reach {
-                continue;
-            }
-            let new = on_wall(shadow_map, self.grid, wall, off, settings.shadow_filter);
+            let center = [column as f32 + 0.5, row as f32 + 0.5];
+            let Some(off) = shadow_map.reaches(center) else { continue };
+            let new = on_wall(shadow_map, self.scene, wall, off, settings.shadow_filter);
             let place = (row - self.rows.start) * self.stride + column;
             for c in 0..3 {
                 let value = &mut self.planes[c][place];
@@ -232,42 +251,46 @@ impl Band<'_> {
 }
 
 /// Returns the mean irradiance, ÷ 2, of the exposed faces of a wall from a lamp.
-///
-/// Light of mean radiance J from one direction gives a face `½∫L cosθ dθ = π·J·cosθ`. Visibility is
-/// looked up at the center of the open cell before the face: at the face itself every ray ends.
 fn on_wall(
     shadow_map: &ShadowMap,
-    grid: &MediumGrid,
+    scene: ShadowScene,
     wall: &Wall,
     off: [f32; 2],
     shadow_filter: ShadowFilter,
 ) -> Rgb {
-    let (mut sum, mut faces) = ([0.0; 3], 0.0);
-    for (normal, _) in NORMALS.iter().zip(wall.exposed).filter(|(_, exposed)| *exposed) {
-        faces += 1.0;
-        let normal = normal.map(|n| n as f32);
-        let face: [f32; 2] = std::array::from_fn(|a| off[a] + 0.5 * normal[a]);
-        let before: [f32; 2] = std::array::from_fn(|a| off[a] + normal[a]);
-        let distance = face[0].hypot(face[1]);
-        let cos = -(normal[0] * face[0] + normal[1] * face[1]) / distance.max(f32::MIN_POSITIVE);
-        let arrives = PI * cos * shadow_map.lamp.falloff.at(distance, &shadow_map.lamp);
-        if arrives <= 0.0 {
-            continue;
-        }
-        let (at, distance) = (shadow_map.at(before), before[0].hypot(before[1]));
-        let weight =
-            arrives * shadow_map.seen(grid, before, at) * shadow_map.in_cone(at, shadow_filter);
-        if weight > 0.0 {
-            let through = if shadow_map.curves.is_empty() {
-                [1.0; 3]
-            } else {
-                shadow_map.transmittance(at, distance, shadow_filter)
-            };
-            (0..3).for_each(|c| sum[c] += weight * through[c]);
-        }
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for face in (0..4).filter(|&face| wall.exposed[face]) {
+        let arrives = on_face(shadow_map, scene, off, face, shadow_filter);
+        (0..3).for_each(|c| sum[c] += arrives[c]);
+        count += 1.0;
     }
-    let strength = shadow_map.lamp.intensity / faces;
-    std::array::from_fn(|c| sum[c] * strength * shadow_map.lamp.color[c])
+    sum.map(|v| v / count)
+}
+
+/// Returns the irradiance, ÷ 2, of a face of a wall at `off` from a lamp.
+///
+/// Light of mean radiance J from one direction gives a face `½∫L cosθ dθ = π·J·cosθ`. Visibility is
+/// looked up at the center of the open cell before the face: at the face itself every ray ends.
+fn on_face(
+    shadow_map: &ShadowMap,
+    scene: ShadowScene,
+    off: [f32; 2],
+    face: usize,
+    shadow_filter: ShadowFilter,
+) -> Rgb {
+    let normal = NORMALS[face].map(|n| n as f32);
+    let weight = shadow_map.on_face(scene, off, normal, shadow_filter);
+    if weight <= 0.0 {
+        return [0.0; 3];
+    }
+    let (lamp, before) = (&shadow_map.lamp, std::array::from_fn(|a| off[a] + normal[a]));
+    let at = shadow_map.at(before);
+    let through = if shadow_map.curves.is_empty() {
+        [1.0; 3]
+    } else {
+        shadow_map.transmittance(scene, before, at, shadow_filter)
+    };
+    std::array::from_fn(|c| weight * through[c] * lamp.intensity * lamp.color[c])
 }
 
 /// [`Falloff::at`] for sixteen distances.

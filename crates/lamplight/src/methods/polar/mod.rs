@@ -18,6 +18,7 @@
 mod angle;
 mod debug_view;
 mod gather;
+mod penumbra;
 mod sampling;
 mod shadow_map;
 mod transmittance_curve;
@@ -28,11 +29,13 @@ pub use transmittance_curve::{APART, FINEST};
 use crate::clock::Clock;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::settings::Polar;
+use crate::stages::bounce::Faces;
 use crate::{Cells, Rgb};
 use fearless_simd::Level;
 use gather::LightPlanes;
+use penumbra::SolidBits;
 use rayon::prelude::*;
-use shadow_map::ShadowMap;
+use shadow_map::{ShadowMap, ShadowScene};
 
 /// Memory for the shadow maps of a group of lamps, bytes.
 const MOST_BYTES: usize = 128 << 20;
@@ -42,6 +45,7 @@ const MOST_BYTES: usize = 128 << 20;
 pub struct PolarSolver {
     level: Level,
     grid: MediumGrid,
+    solid: SolidBits,
     /// Shadow maps of a group of lamps; more than its lamps if a larger group came before.
     shadow_maps: Vec<ShadowMap>,
     /// The number of lamps in the last group of the last frame.
@@ -61,6 +65,7 @@ impl PolarSolver {
         Self {
             level,
             grid: MediumGrid::default(),
+            solid: SolidBits::default(),
             shadow_maps: Vec::new(),
             last: 0,
             planes: LightPlanes::default(),
@@ -77,13 +82,43 @@ impl PolarSolver {
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
+        self.add_lamps(cells, distance, settings, None, clock);
+        self.planes.write(light);
+        clock.lap("polar");
+    }
+
+    /// Lights the cells like [`Self::solve`], and each face of their walls: irradiance ÷ 2, in the order of
+    /// [`Surfaces::walls`](crate::stages::bounce::Surfaces::walls).
+    pub fn solve_faces(
+        &mut self,
+        cells: &Cells,
+        settings: &Polar,
+        light: &mut Vec<Rgb>,
+        faces: &mut Vec<Faces>,
+    ) {
+        self.add_lamps(cells, &[], settings, Some(faces), &mut Clock::default());
+        self.planes.write(light);
+    }
+
+    fn add_lamps(
+        &mut self,
+        cells: &Cells,
+        distance: &[f32],
+        settings: &Polar,
+        mut faces: Option<&mut Vec<Faces>>,
+        clock: &mut Clock,
+    ) {
         self.grid.read(cells, Reading { translucent: settings.translucent, ..Reading::default() });
+        if faces.is_some() {
+            self.solid.read(&self.grid);
+        }
         self.planes.clear(cells);
         clock.lap("ground");
         self.last = 0;
         let mut lamps = cells.lamps();
         while !lamps.is_empty() {
             let (level, grid) = (self.level, &self.grid);
+            let scene = ShadowScene { grid, solid: faces.is_some().then_some(&self.solid) };
             let bytes = |lamp| ShadowMap::most_bytes(lamp, grid, settings);
             let mut sum = 0usize;
             let fit = lamps.iter().take_while(|&lamp| {
@@ -97,15 +132,16 @@ impl PolarSolver {
             self.last = group.len();
             let shadow_maps = &mut self.shadow_maps[..group.len()];
             shadow_maps.par_iter_mut().zip(group).for_each(|(shadow_map, lamp)| {
-                shadow_map.trace(level, lamp, grid, distance, settings);
+                shadow_map.trace(level, lamp, scene, distance, settings);
             });
             clock.lap("rays");
-            self.planes.light(level, grid, shadow_maps, settings);
+            self.planes.light(level, scene, shadow_maps, settings);
+            if let Some(faces) = &mut faces {
+                self.planes.light_faces(scene, shadow_maps, settings, faces);
+            }
             clock.lap("polar");
             lamps = rest;
         }
-        self.planes.write(light);
-        clock.lap("polar");
     }
 }
 

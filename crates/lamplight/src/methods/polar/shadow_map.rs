@@ -10,6 +10,7 @@
 //!
 //! Known failure: walls behind the nearest one throw no penumbra of their own.
 
+use super::penumbra::{Disc, SolidBits, mean_cosine, through_media, visible};
 use super::sampling::{clear_px, sample};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::{LANES, RayHit};
@@ -21,7 +22,7 @@ use crate::simd::dispatch;
 use crate::{Lamp, Rgb};
 use fearless_simd::Level;
 use rayon::prelude::*;
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
 /// Fewest rays of a lamp.
 const FEWEST: f32 = 8.0;
@@ -33,6 +34,17 @@ pub const WIDEST: f32 = 64.0;
 pub const NARROWEST: f32 = 0.5;
 /// The smallest distance of a wall, px, so that 1/length is finite.
 pub const NEAREST: f32 = 1e-3;
+/// Points of a face at which exact light is found, px from its middle.
+const ALONG_FACE: [f32; 3] = [-1.0 / 3.0, 0.0, 1.0 / 3.0];
+/// Their distance from the wall, px: in the open for rounding's sake.
+const OUTSIDE_OF_WALL: f32 = 1e-3;
+/// Angles beside a pixel at which media are compared with those in front of it, in radii of the lamp as seen from
+/// the pixel: half-way to the lamp media shade the pixel from 1 radius beside, at a tenth of the way from 9.
+const PARTS: [f32; 3] = [1.0, 3.0, 9.0];
+/// The largest of these angles, radians.
+const FARTHEST: f32 = 1.5;
+/// The difference of transmittance up to which media are even.
+const EVEN: f32 = 0.01;
 /// Rays that a thread casts at a time.
 const TOGETHER: usize = 128;
 
@@ -62,6 +74,16 @@ pub struct ShadowMap {
     per_radian: f32,
     /// Radius of the lamp in rays × px, 0 unless edges are soft.
     spread: f32,
+    /// Whether penumbrae are exact: thrown by all solid cells, not only by those that rays hit.
+    exact: bool,
+}
+
+/// What shadow maps are made in.
+#[derive(Clone, Copy)]
+pub struct ShadowScene<'a> {
+    pub grid: &'a MediumGrid,
+    /// The solid cells, for penumbrae that are exact.
+    pub solid: Option<&'a SolidBits>,
 }
 
 /// Returns the length of a lamp's rays in a grid of columns and rows, px, and their number.
@@ -109,10 +131,12 @@ impl ShadowMap {
         &mut self,
         level: Level,
         lamp: &Lamp,
-        grid: &MediumGrid,
+        scene: ShadowScene,
         distance: &[f32],
         settings: &Polar,
     ) {
+        let ShadowScene { grid, solid } = scene;
+        self.exact = solid.is_some();
         self.lamp = Lamp { falloff: settings.falloff.unwrap_or(lamp.falloff), ..*lamp };
         (self.reach, self.count) = rays(lamp, grid.size.map(|side| side as u32), settings);
         self.per_radian = self.count as f32 / TAU;
@@ -205,11 +229,21 @@ impl ShadowMap {
         self.width(ray, 1.0 / self.reach)
     }
 
+    /// Returns the number of rays to either side whose pixels a ray's wall may shade.
+    fn shaded(&self, ray: usize) -> f32 {
+        if !self.exact {
+            // Half a ray for the pixel beside its ray, half for the width of the ray itself.
+            return self.widest(ray) + 1.0;
+        }
+        let sine = self.lamp.size * self.inverse[ray];
+        // A wall that touches the lamp is seen from all sides.
+        if sine >= 1.0 { self.count as f32 } else { sine.asin() * self.per_radian + 2.0 }
+    }
+
     /// Propagates a ray's hit to its neighbours.
     fn shade(&mut self, ray: usize) {
         let n = self.count;
-        // Half a ray for the pixel beside its ray, half for the width of the ray itself.
-        let reach = ((self.widest(ray) + 1.0) as usize).min((n - 1) / 2);
+        let reach = (self.shaded(ray) as usize).min((n - 1) / 2);
         let length = self.hits[ray].length;
         let mut i = (ray + n - reach) % n;
         for k in 0..=2 * reach {
@@ -231,8 +265,11 @@ impl ShadowMap {
                     return f32::INFINITY;
                 }
                 far = far.max(self.hits[i].length);
-                if k as f32 >= self.widest(i) {
+                if k as f32 >= if self.exact { self.shaded(i) } else { self.widest(i) } {
                     break;
+                }
+                if k >= n {
+                    return f32::INFINITY;
                 }
                 let next = beside(i, n, forward);
                 if !self.joined[if forward { i } else { next }] {
@@ -246,7 +283,7 @@ impl ShadowMap {
 
     /// Returns the visible fraction of the lamp for a pixel at `off` from it, `at` its angle in rays,
     /// 0 to `count`.
-    pub fn seen(&self, grid: &MediumGrid, off: [f32; 2], at: f32) -> f32 {
+    pub fn seen(&self, scene: ShadowScene, off: [f32; 2], at: f32) -> f32 {
         let distance = off[0].hypot(off[1]);
         let [lit, dark] = self.bounds[(at + 0.5) as usize];
         if distance < lit {
@@ -254,12 +291,58 @@ impl ShadowMap {
         } else if distance >= dark {
             0.0
         } else {
-            self.partly_seen(grid, off, at)
+            self.partly_seen(scene, off, at)
         }
     }
 
+    /// Returns the light that arrives at a face of a wall at `off`, as a fraction of the lamp's radiance and without
+    /// media: irradiance ÷ 2.
+    pub fn on_face(
+        &self,
+        scene: ShadowScene,
+        off: [f32; 2],
+        normal: [f32; 2],
+        shadow_filter: ShadowFilter,
+    ) -> f32 {
+        let lamp = &self.lamp;
+        let place = |out: f32, along: f32| -> [f32; 2] {
+            std::array::from_fn(|a| off[a] + out * normal[a] + along * normal[1 - a])
+        };
+        let Some(solid) = scene.solid else {
+            let (face, before) = (place(0.5, 0.0), place(1.0, 0.0));
+            let distance = face[0].hypot(face[1]);
+            let cosine =
+                -(normal[0] * face[0] + normal[1] * face[1]) / distance.max(f32::MIN_POSITIVE);
+            let arrives = PI * cosine * lamp.falloff.at(distance, lamp);
+            if arrives <= 0.0 {
+                return 0.0;
+            }
+            let at = self.at(before);
+            return arrives * self.seen(scene, before, at) * self.in_cone(at, shadow_filter);
+        };
+        let arrives = ALONG_FACE.map(|along| {
+            let at = place(0.5 + OUTSIDE_OF_WALL, along);
+            let share = lamp.cone.map_or(1.0, |cone| cone.share(at[1].atan2(at[0])));
+            let falls = share * lamp.falloff.at(at[0].hypot(at[1]), lamp);
+            if falls > 0.0 {
+                falls * mean_cosine(solid, scene.grid, self.disc(), at, normal)
+            } else {
+                0.0
+            }
+        });
+        PI / ALONG_FACE.len() as f32 * arrives.iter().sum::<f32>()
+    }
+
+    fn disc(&self) -> Disc {
+        Disc { center: self.lamp.position, radius: self.lamp.size }
+    }
+
     /// Like [`Self::seen`], for a pixel between the bounds of its ray.
-    pub fn partly_seen(&self, grid: &MediumGrid, off: [f32; 2], at: f32) -> f32 {
+    pub fn partly_seen(&self, scene: ShadowScene, off: [f32; 2], at: f32) -> f32 {
+        let ShadowScene { grid, solid } = scene;
+        if let Some(solid) = solid {
+            return visible(solid, grid, self.disc(), off);
+        }
         let n = self.count;
         let nearest = (at + 0.5) as usize;
         let own = if nearest >= n { nearest - n } else { nearest };
@@ -320,8 +403,36 @@ impl ShadowMap {
         !round && grid.sees(from, part) && grid.sees(center, part)
     }
 
-    /// Returns the transmittance of media up to a pixel.
-    pub fn transmittance(&self, at: f32, distance: f32, shadow_filter: ShadowFilter) -> Rgb {
+    /// Returns the transmittance of media up to a pixel at `off` from the lamp, `at` its angle in rays.
+    pub fn transmittance(
+        &self,
+        scene: ShadowScene,
+        off: [f32; 2],
+        at: f32,
+        shadow_filter: ShadowFilter,
+    ) -> Rgb {
+        let distance = off[0].hypot(off[1]);
+        let through = self.through(at, distance, shadow_filter);
+        if !self.exact {
+            return through;
+        }
+        let n = self.count as f32;
+        let seen_under = PARTS[0] * self.lamp.size / distance.max(self.lamp.size);
+        let varies = PARTS.iter().any(|part| {
+            let beside = (part / PARTS[0] * seen_under).min(FARTHEST) * self.per_radian;
+            [at - beside, at + beside].into_iter().any(|at| {
+                let there = self.through(at.rem_euclid(n).min(n - 1.0), distance, shadow_filter);
+                (0..3).any(|c| (there[c] - through[c]).abs() > EVEN)
+            })
+        });
+        if !varies {
+            return through;
+        }
+        through_media(scene.grid, self.disc(), off).unwrap_or(through)
+    }
+
+    /// Returns the transmittance of media along the rays of an angle.
+    fn through(&self, at: f32, distance: f32, shadow_filter: ShadowFilter) -> Rgb {
         let ray = |i: usize| {
             self.curves.transmittance(if i >= self.count { i - self.count } else { i }, distance)
         };
@@ -343,6 +454,14 @@ impl ShadowMap {
         }
         let first = at as usize;
         self.cone[first] + (self.cone[first + 1] - self.cone[first]) * (at - first as f32)
+    }
+
+    /// Returns the offset of a wall from the lamp; `None` if no face of it is in reach.
+    pub fn reaches(&self, center: [f32; 2]) -> Option<[f32; 2]> {
+        let off: [f32; 2] = std::array::from_fn(|a| center[a] - self.lamp.position[a]);
+        // A face lies up to a px from its cell's center, and so does the cell before it.
+        let reach = self.reach + 1.0;
+        (off[0].abs() <= reach && off[0] * off[0] + off[1] * off[1] <= reach * reach).then_some(off)
     }
 
     /// Returns the angle of an offset from the lamp, in rays, 0 to `count`.

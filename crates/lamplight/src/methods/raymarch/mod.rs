@@ -26,6 +26,7 @@ use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::grid::packet::LANES;
 use crate::settings::{BounceMode, Bounces, Hit, Raymarch};
 use crate::stages::bounce::{Faces, Surfaces, mean_over_faces, solve_bounces};
+use crate::stages::direct::DirectLight;
 use fearless_simd::Level;
 use gather::{Directions, Gather, Mean};
 pub use gather::{GOLDEN_RATIO, SECTOR, directions, stride};
@@ -41,6 +42,8 @@ pub struct Input<'a> {
     pub seed: u64,
     /// The grid, lamps drawn in.
     pub cells: &'a Cells,
+    /// The light of lamps that are not drawn.
+    pub direct: &'a DirectLight,
     /// Distance to the nearest occupied cell, px; may be empty unless `hit = "distance"`.
     pub distance: &'a [f32],
     /// The nearest occupied cell; may be empty unless `hit = "distance"`.
@@ -132,7 +135,7 @@ impl RaymarchSolver {
         };
         solve_bounces(bounces, || {
             self.receive(input);
-            self.reflect_and_scatter(input.cells, input.settings)
+            self.reflect_and_scatter(input)
         });
     }
 
@@ -158,10 +161,12 @@ impl RaymarchSolver {
 
     /// Turns irradiance into the radiance that walls reflect and media scatter. Returns the largest change
     /// relative to the mean.
-    fn reflect_and_scatter(&mut self, cells: &Cells, settings: &Raymarch) -> f32 {
+    fn reflect_and_scatter(&mut self, input: Input) -> f32 {
+        let Input { cells, direct, settings, .. } = input;
         let Irradiance { walls, media } = &self.irradiance;
         let change = self.surfaces.reflect_and_scatter(
             cells,
+            direct,
             walls.iter().map(|(faces, _)| faces),
             media.iter().map(|mean| &mean.light),
         );
@@ -281,6 +286,7 @@ mod tests {
             bounces: Bounces::Count(2),
             seed: 0,
             cells: &cells,
+            direct: &DirectLight::default(),
             distance: &[],
             nearest: &[],
             changed: &[],

@@ -1,0 +1,283 @@
+//! The visible part of a lamp, exactly: the segment across the disc that is not hidden by any solid cell.
+//!
+//! From a pixel the disc of radius R at distance d is taken for the segment through its centre, across the line of
+//! sight; its point β lies β·R beside the centre, β from −1 to 1. A corner of a cell, `a` px ahead of the pixel
+//! and `s` px beside the line of sight, hides what lies behind it at `β = s·d/(a·R)`. So a cell hides the interval
+//! between its outermost corners, and what is left of −1 to 1 after all cells in the triangle between pixel and
+//! segment is seen. Parts of the segment that the lamp's centre does not see lie behind a wall and are dark.
+
+use crate::Rgb;
+use crate::grid::cast::RayHit;
+use crate::grid::class::CellClass;
+use crate::grid::medium_grid::MediumGrid;
+use crate::math::transmittance::transmittance;
+
+/// Bits of a word.
+const WORD: usize = u64::BITS as usize;
+/// Intervals that are this near in β belong to one wall: cells that touch share a corner, but for rounding.
+const TOUCHING: f32 = 1e-4;
+/// Distance ahead of the pixel from which on cells are in its way, px.
+const AHEAD: f32 = 1e-6;
+/// β of corners beside and behind the pixel: far outside of the disc.
+const OUTSIDE: f32 = 1e6;
+/// Points across the lamp to which rays are cast, or cosines taken.
+const POINTS: usize = 16;
+/// Most gaps between walls that are told apart.
+const GAPS: usize = 16;
+
+/// Which cells are solid, a bit each, by columns and by rows.
+#[derive(Debug, Default)]
+pub struct SolidBits {
+    size: [usize; 2],
+    /// Columns of x, each along y; rows of y, each along x.
+    lines: [Vec<u64>; 2],
+}
+
+impl SolidBits {
+    /// Reads the grid.
+    pub fn read(&mut self, grid: &MediumGrid) {
+        self.size = grid.size.map(|n| n as usize);
+        let [w, h] = self.size;
+        let words = [h.div_ceil(WORD), w.div_ceil(WORD)];
+        for (lines, (count, words)) in self.lines.iter_mut().zip([w, h].into_iter().zip(words)) {
+            lines.clear();
+            lines.resize(count * words, 0);
+        }
+        for (y, row) in grid.classes.chunks(w).enumerate() {
+            for x in (0..w).filter(|&x| row[x] == CellClass::Solid) {
+                self.lines[0][x * words[0] + y / WORD] |= 1 << (y % WORD);
+                self.lines[1][y * words[1] + x / WORD] |= 1 << (x % WORD);
+            }
+        }
+    }
+
+    /// Calls `run` with each run of solid cells of a column (axis 0) or row (axis 1), within `from..to`. Runs end
+    /// at words.
+    #[inline(always)]
+    fn runs(
+        &self,
+        axis: usize,
+        line: usize,
+        from: usize,
+        to: usize,
+        mut run: impl FnMut(usize, usize),
+    ) {
+        let words = self.size[1 - axis].div_ceil(WORD);
+        let line = &self.lines[axis][line * words..][..words];
+        let mut at = from;
+        while at < to {
+            let start = at / WORD * WORD;
+            let end = to.min(start + WORD);
+            let mask = (u64::MAX >> (WORD - (end - start))) & (u64::MAX << (at - start));
+            let mut bits = line[at / WORD] & mask;
+            while bits != 0 {
+                let first = bits.trailing_zeros();
+                let length = (bits >> first).trailing_ones();
+                run(start + first as usize, start + (first + length) as usize);
+                if first + length == u64::BITS {
+                    break;
+                }
+                bits &= u64::MAX << (first + length);
+            }
+            at = end;
+        }
+    }
+}
+
+/// The hidden parts of a segment, −1 to 1.
+#[derive(Default)]
+struct Hidden {
+    parts: [[f32; 2]; GAPS],
+    count: usize,
+}
+
+impl Hidden {
+    /// Hides an interval.
+    #[inline(always)]
+    fn add(&mut self, from: f32, to: f32) {
+        let (mut from, mut to) = (from.max(-1.0), to.min(1.0));
+        if from >= to {
+            return;
+        }
+        let mut kept = 0;
+        for k in 0..self.count {
+            let [a, b] = self.parts[k];
+            // Where there is no room for one more, it joins the last.
+            let full = k + 1 == GAPS;
+            if full || (a <= to + TOUCHING && b >= from - TOUCHING) {
+                (from, to) = (from.min(a), to.max(b));
+            } else {
+                self.parts[kept] = [a, b];
+                kept += 1;
+            }
+        }
+        self.parts[kept] = [from, to];
+        self.count = kept + 1;
+    }
+
+    /// Whether a point is hidden.
+    fn holds(&self, point: f32) -> bool {
+        self.parts[..self.count].iter().any(|&[a, b]| (a..b).contains(&point))
+    }
+
+    fn is_all(&self) -> bool {
+        self.count == 1 && self.parts[0] == [-1.0, 1.0]
+    }
+
+    /// The fraction that is seen.
+    fn rest(&self) -> f32 {
+        let hidden: f32 = self.parts[..self.count].iter().map(|[a, b]| b - a).sum();
+        (1.0 - 0.5 * hidden).max(0.0)
+    }
+}
+
+/// A lamp, as seen by pixels.
+#[derive(Clone, Copy)]
+pub struct Disc {
+    pub center: [f32; 2],
+    pub radius: f32,
+}
+
+/// Returns the visible fraction of a lamp for a pixel at `off` from it, in an open cell.
+pub fn visible(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> f32 {
+    hidden(solid, grid, lamp, off).rest()
+}
+
+/// Returns the mean of `cos θ` over a lamp as a point of a face sees it, at `off` from the lamp, just outside of the
+/// wall: 0 where the lamp is hidden or below the horizon.
+pub fn mean_cosine(
+    solid: &SolidBits,
+    grid: &MediumGrid,
+    lamp: Disc,
+    off: [f32; 2],
+    normal: [f32; 2],
+) -> f32 {
+    let hidden = hidden(solid, grid, lamp, off);
+    let distance = off[0].hypot(off[1]);
+    let cosine = |point: f32| {
+        let part = point * lamp.radius / distance;
+        let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
+        (normal[0] * way[0] + normal[1] * way[1]) / way[0].hypot(way[1])
+    };
+    let seen = (0..POINTS).map(point).filter(|&point| !hidden.holds(point));
+    seen.map(|point| cosine(point).max(0.0)).sum::<f32>() / POINTS as f32
+}
+
+/// One of the points across a lamp, −1 to 1.
+fn point(number: usize) -> f32 {
+    (2 * number + 1) as f32 / POINTS as f32 - 1.0
+}
+
+/// Returns what solid cells hide of a lamp.
+fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Hidden {
+    let Disc { center, radius } = lamp;
+    let distance = off[0].hypot(off[1]);
+    let mut hidden = Hidden::default();
+    if distance == 0.0 {
+        return hidden;
+    }
+    let across = [-off[1] / distance, off[0] / distance];
+    for sign in [-1.0, 1.0] {
+        let hit = grid.cast(center, across.map(|v| sign * v), radius, false, |_, _| ());
+        if hit.length < radius {
+            let at = sign * hit.length / radius;
+            hidden.add(at.min(sign), at.max(sign));
+        }
+    }
+    // Columns, or rows, from the pixel to beyond the segment.
+    let axis = usize::from(off[1].abs() > off[0].abs());
+    let order = |v: [f32; 2]| [v[axis], v[1 - axis]];
+    let pixel = order([center[0] + off[0], center[1] + off[1]]);
+    let ahead = order(off.map(|v| -v / distance));
+    let beside = order(across);
+    let end = |sign: f32| {
+        let middle = order(center);
+        [0, 1].map(|a| middle[a] + sign * radius * beside[a])
+    };
+    let ends = [end(-1.0), end(1.0)];
+    let far = ends.map(|end| end[0]);
+    let lines = [far[0].min(far[1]).min(pixel[0]), far[0].max(far[1]).max(pixel[0])];
+    let slopes = ends.map(|end| {
+        let along = end[0] - pixel[0];
+        // A side of the triangle that runs across the lines meets one of them only.
+        if along.abs() < 1e-3 { 0.0 } else { (end[1] - pixel[1]) / along }
+    });
+    let minor = ends.map(|end| end[1]);
+    let bounds = [minor[0].min(minor[1]).min(pixel[1]), minor[0].max(minor[1]).max(pixel[1])];
+    let size = [solid.size[axis] as f32, solid.size[1 - axis] as f32];
+    let first = lines[0].floor().max(0.0) as usize;
+    let last = lines[1].ceil().clamp(0.0, size[0]) as usize;
+    let scale = distance / radius;
+    for line in first..last {
+        // Between the sides of the triangle, within the line.
+        let edges = [line as f32, line as f32 + 1.0].map(|edge| edge.clamp(lines[0], lines[1]));
+        let (mut from, mut to) = (f32::INFINITY, f32::NEG_INFINITY);
+        for edge in edges {
+            for slope in slopes {
+                let at = pixel[1] + slope * (edge - pixel[0]);
+                (from, to) = (from.min(at), to.max(at));
+            }
+        }
+        // Steep sides leave the triangle beyond its corners.
+        if radius > 0.5 * distance {
+            (from, to) = (bounds[0], bounds[1]);
+        }
+        let from = from.clamp(bounds[0], bounds[1]).floor().max(0.0) as usize;
+        let to = to.clamp(bounds[0], bounds[1]).ceil().clamp(0.0, size[1]) as usize;
+        solid.runs(axis, line, from, to, |from, to| {
+            let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+            let mut hide = |at: f32| (least, most) = (least.min(at), most.max(at));
+            let [left, right] = [line as f32, line as f32 + 1.0].map(|v| v - pixel[0]);
+            let [low, high] = [from as f32, to as f32].map(|v| v - pixel[1]);
+            // Px ahead of the pixel, and beside the line of sight.
+            let corners = [[left, low], [right, low], [right, high], [left, high]]
+                .map(|[x, y]| [x * ahead[0] + y * ahead[1], x * beside[0] + y * beside[1]]);
+            let mut before = corners[3];
+            let mut is_between = false;
+            for corner in corners {
+                let ([a, s], [b, t]) = (corner, before);
+                is_between |= a > 0.0 && a < distance;
+                if (a > AHEAD) != (b > AHEAD) {
+                    // The cell goes on beside the pixel, to this side.
+                    hide(OUTSIDE.copysign(s + (t - s) * (AHEAD - a) / (b - a)));
+                }
+                if a > AHEAD {
+                    hide(s * scale / a.min(distance));
+                }
+                before = corner;
+            }
+            if is_between {
+                hidden.add(least, most);
+            }
+        });
+        if hidden.is_all() {
+            break;
+        }
+    }
+    hidden
+}
+
+/// Returns the mean transmittance of media between a pixel at `off` from a lamp and the points of the lamp that it
+/// sees; `None` if it sees none.
+pub fn through_media(grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Option<Rgb> {
+    let Disc { center, radius } = lamp;
+    let distance = off[0].hypot(off[1]);
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for part in (0..POINTS).map(|number| point(number) * radius / distance) {
+        let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
+        let length = way[0].hypot(way[1]);
+        let mut depth = [0.0; 3];
+        let from = [center[0] + off[0], center[1] + off[1]];
+        let hit = grid.cast(from, way.map(|v| v / length), length, false, |step, cell| {
+            if grid.classes[cell] == CellClass::Medium {
+                let px = step.span[1] - step.span[0];
+                (0..3).for_each(|c| depth[c] += grid.extinction[cell][c] * px);
+            }
+        });
+        if hit == RayHit::NONE {
+            (0..3).for_each(|c| sum[c] += transmittance(depth[c]));
+            count += 1.0;
+        }
+    }
+    (count > 0.0).then(|| sum.map(|v| v / count))
+}

@@ -1,0 +1,58 @@
+//! The direct light of lamps that are lit by a shadow map, in methods that find all other light themselves.
+//!
+//! A lamp with a cone is no matter that could be drawn ([`crate::Lamp::is_exact`]). So its light is found as in
+//! [`polar`](crate::methods::polar), by rays from its centre, and added twice: to the light of every cell at the
+//! end, and to what surfaces receive in every bounce, E/2 on faces and J in media. From there the method sends it
+//! on, with all that was reflected before:
+//!
+//! `L_o = ρ·(E_gathered + E_direct)/2`
+//!
+//! Cost: per lamp of range R that of `polar`, `2πR` rays and `πR²` lookups; nothing without such lamps. Limits are
+//! those of `polar`: penumbrae are thrown by the nearest walls, and a lamp inside a wall lights nothing.
+
+use super::bounce::Faces;
+use crate::clock::Clock;
+use crate::methods::polar::PolarSolver;
+use crate::settings::Polar;
+use crate::{Cells, Rgb};
+
+/// The light, with buffers that are kept between frames.
+#[derive(Debug, Default)]
+pub struct DirectLight {
+    polar: PolarSolver,
+    /// Mean radiance of open cells, in walls the mean over their faces; empty without lamps.
+    light: Vec<Rgb>,
+    /// Irradiance ÷ 2 of the faces of walls, in the order of [`super::bounce::Surfaces::walls`].
+    faces: Vec<Faces>,
+}
+
+impl DirectLight {
+    /// Finds the direct light of the lamps of a grid, in which the other lamps are drawn.
+    pub fn solve(&mut self, cells: &Cells, clock: &mut Clock) {
+        self.light.clear();
+        self.faces.clear();
+        if cells.lamps().is_empty() {
+            return;
+        }
+        let Self { polar, light, faces } = self;
+        polar.solve_faces(cells, &Polar::default(), light, faces);
+        clock.lap("direct");
+    }
+
+    /// The light of a cell.
+    pub fn at(&self, cell: usize) -> Rgb {
+        self.light.get(cell).copied().unwrap_or_default()
+    }
+
+    /// Irradiance ÷ 2 of the faces of a wall, by its place among all walls.
+    pub fn on_faces(&self, wall: usize) -> Faces {
+        self.faces.get(wall).copied().unwrap_or_default()
+    }
+
+    /// Adds it to the light of all cells.
+    pub fn add_to(&self, light: &mut [Rgb]) {
+        for (sum, direct) in light.iter_mut().zip(&self.light) {
+            (0..3).for_each(|c| sum[c] += direct[c]);
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! The direct light of lamps with a cone, and of others that are not drawn: sampled, one point of each lamp at a
+//! time.
+//!
+//! A lamp of radius R is a disc of radiance L that is seen under the angle 2·asin(R/d). Its falloff f(d) says what
+//! of L is mean radiance at distance d where nothing is in between, and its cone how much of that goes where the
+//! receiver is, seen from the lamp's centre. A point at β·R beside the centre, across the line of sight, with β even
+//! from −1 to 1, stands for the disc:
+//!
+//! `J = L·f(d)·cone(φ)·⟨T(β)⟩`, and on a face `E/2 = ½∫L cosθ dω = π·L·f(d)·cone(φ)·⟨cosθ(β)·T(β)⟩`
+//!
+//! Parts of the disc that its centre does not see lie behind a wall and are dark.
+
+use crate::traverse::{Event, Grid, Traversal};
+use lamplight::Lamp;
+use std::f64::consts::PI;
+
+/// A place that receives light.
+pub struct Vertex {
+    /// The open cell that it lies in, or on the border of.
+    pub cell: [i32; 2],
+    pub point: [f64; 2],
+    /// The normal of a face; none in the open.
+    pub normal: Option<[f64; 2]>,
+}
+
+impl Vertex {
+    /// The centre of a cell.
+    pub fn centre(cell: [i32; 2]) -> Self {
+        Self { cell, point: cell.map(|v| f64::from(v) + 0.5), normal: None }
+    }
+}
+
+/// Returns the light of one point of each lamp, that at `point` (0 to 1) across it: J, or E/2 on a face.
+pub fn direct(lamps: &[Lamp], grid: &Grid, at: &Vertex, point: f64) -> [f64; 3] {
+    let mut light = [0.0; 3];
+    for lamp in lamps {
+        let centre = lamp.position.map(f64::from);
+        let off = [0, 1].map(|a| at.point[a] - centre[a]);
+        let distance = off[0].hypot(off[1]);
+        let beside = (2.0 * point - 1.0) * f64::from(lamp.size);
+        let share = lamp.cone.map_or(1.0, |cone| cone.share(off[1].atan2(off[0]) as f32));
+        let falls = f64::from(share * lamp.falloff.at(distance as f32, lamp));
+        if falls == 0.0 || distance == 0.0 {
+            continue;
+        }
+        let part = [centre[0] - beside * off[1] / distance, centre[1] + beside * off[0] / distance];
+        let to = [0, 1].map(|a| part[a] - at.point[a]);
+        let length = to[0].hypot(to[1]);
+        let cos = at.normal.map(|n| (n[0] * to[0] + n[1] * to[1]) / length);
+        let weight = falls * cos.map_or(1.0, |cos| PI * cos);
+        if weight <= 0.0 {
+            continue;
+        }
+        let middle = centre.map(|v| v.floor() as i32);
+        let aside = [0, 1].map(|a| part[a] - centre[a]);
+        let behind = transmittance(grid, middle, centre, aside).is_none();
+        if let (Some(through), false) = (transmittance(grid, at.cell, at.point, to), behind) {
+            for c in 0..3 {
+                let radiance = f64::from(lamp.color[c]) * f64::from(lamp.intensity);
+                light[c] += weight * through[c] * radiance;
+            }
+        }
+    }
+    light
+}
+
+/// The transmittance from a point in `cell` along a vector; `None` behind a wall.
+fn transmittance(grid: &Grid, cell: [i32; 2], from: [f64; 2], to: [f64; 2]) -> Option<[f64; 3]> {
+    let length = to[0].hypot(to[1]);
+    if length == 0.0 {
+        return Some([1.0; 3]);
+    }
+    let mut walk = Traversal::new(grid, cell, from, to.map(|v| v / length));
+    let mut depth = [0.0; 3];
+    loop {
+        match walk.next() {
+            Event::Wall { point, .. } => {
+                let reached = (point[0] - from[0]).hypot(point[1] - from[1]);
+                if reached < length {
+                    return None;
+                }
+                break;
+            }
+            Event::Medium(stretch) if stretch.entry < length => {
+                let px = stretch.length.min(length - stretch.entry);
+                let extinction = grid.extinction[stretch.extinction];
+                (0..3).for_each(|c| depth[c] += extinction[c] * px);
+            }
+            Event::Sky | Event::Medium(_) => break,
+        }
+    }
+    Some(depth.map(|d| (-d).exp()))
+}

