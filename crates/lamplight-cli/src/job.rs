@@ -58,7 +58,9 @@ impl RenderJob {
             warn_of_what_is_ignored(lighting, renderer, &cells, &settings);
         }
         let gpu = match renderer {
-            Renderer::Method(_) if computes => Gpu::choose(lighting.machine.backend)?,
+            Renderer::Method(method) if computes => {
+                Gpu::choose(lighting.machine.backend, &[method], &cells)?
+            }
             _ => None,
         };
         Ok(Self {
@@ -126,12 +128,8 @@ fn warn_of_what_is_ignored(
     cells: &Cells,
     settings: &Settings,
 ) {
-    let by_rule = matches!(renderer, Renderer::Method(method) if method.lights_lamps());
-    if cells.lamps().iter().any(|lamp| lamp.cone.is_some()) && !by_rule {
-        warn(&format!(
-            "{} draws lamps as discs that glow all round: cones are not seen",
-            renderer.name()
-        ));
+    if let Renderer::Method(method) = renderer {
+        warnings::lost_beams(flags.machine.backend, &[method], cells).iter().for_each(|w| warn(w));
     }
     let suited = !matches!(renderer, Renderer::Method(method) if method.suits(cells).is_err());
     if let (Some(text), true) = (warnings::left_out(renderer, cells, settings), suited) {

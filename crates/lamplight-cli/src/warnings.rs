@@ -1,6 +1,7 @@
 //! Warnings about valid input that has no effect or is ignored.
 
-use crate::args::{DisplayArgs, LightingArgs, Renderer};
+use crate::args::{Backend, DisplayArgs, LightingArgs, Renderer};
+use crate::gpu::loses_beams;
 use crate::output::Format;
 use crate::stage::Stage;
 use lamplight::{Bounces, Cells, Method, Settings};
@@ -71,6 +72,14 @@ pub fn idle_display_flags(flags: &DisplayArgs, stage: Stage, format: Format) -> 
         idle.push(format!("`--exposure` changes nothing: {why}"));
     }
     idle
+}
+
+/// What is lost of lamps with a cone if these methods light a scene, as one sentence.
+pub fn lost_beams(backend: Backend, methods: &[Method], cells: &Cells) -> Option<String> {
+    (backend == Backend::Gpu && loses_beams(methods, cells)).then(|| {
+        "the GPU draws lamps as discs that glow all round: `--backend cpu` shows cones and exact lamps"
+            .into()
+    })
 }
 
 /// The parts of a scene that `renderer` leaves out, as one sentence.

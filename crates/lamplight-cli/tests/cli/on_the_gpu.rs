@@ -43,6 +43,21 @@ fn render_names_the_gpu_and_matches_the_cpu() {
 }
 
 #[test]
+fn beams_that_the_gpu_loses_are_named() {
+    let sandbox = Sandbox::new();
+    let lamp = "[[lamp]]\nposition = [8.5, 8.5]\ncone = { direction = 0.0, angle = 1.0 }\n";
+    sandbox.write("cone.toml", format!("size = [17, 17]\n{lamp}"));
+    let warning = "the GPU draws lamps as discs that glow all round: `--backend cpu` shows cones";
+    for (method, is_lost) in [("holographic", true), ("polar", false)] {
+        let flags = format!("cone.toml --backend gpu --method {method} -o cone.png");
+        let said = sandbox.run(&format!("render {flags}")).err;
+        assert_eq!(said.contains(warning), is_lost, "{method}: {said}");
+    }
+    let report = sandbox.run("render cone.toml --json").done();
+    assert_eq!(json(&report)["backend"], "cpu", "auto loses the beam");
+}
+
+#[test]
 fn render_averages_frames() {
     let sandbox = Sandbox::small();
     let few = "--method raymarch --set raymarch.rays=4";

@@ -22,6 +22,10 @@ const AHEAD: f32 = 1e-6;
 const OUTSIDE: f32 = 1e6;
 /// Points across the lamp to which rays are cast, or cosines taken.
 const POINTS: usize = 16;
+/// Points in place of one where media differ from those before a point beside it.
+const FINER: usize = 4;
+/// The difference of transmittance from which on they differ.
+const DIFFERENT: f32 = 0.05;
 /// Most gaps between walls that are told apart.
 const GAPS: usize = 16;
 
@@ -260,24 +264,45 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Hi
 /// Returns the mean transmittance of media between a pixel at `off` from a lamp and the points of the lamp that it
 /// sees; `None` if it sees none.
 pub fn through_media(grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Option<Rgb> {
-    let Disc { center, radius } = lamp;
-    let distance = off[0].hypot(off[1]);
-    let (mut sum, mut count) = ([0.0; 3], 0.0);
-    for part in (0..POINTS).map(|number| point(number) * radius / distance) {
-        let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
-        let length = way[0].hypot(way[1]);
-        let mut depth = [0.0; 3];
-        let from = [center[0] + off[0], center[1] + off[1]];
-        let hit = grid.cast(from, way.map(|v| v / length), length, false, |step, cell| {
-            if grid.classes[cell] == CellClass::Medium {
-                let px = step.span[1] - step.span[0];
-                (0..3).for_each(|c| depth[c] += grid.extinction[cell][c] * px);
-            }
-        });
-        if hit == RayHit::NONE {
-            (0..3).for_each(|c| sum[c] += transmittance(depth[c]));
-            count += 1.0;
+    let through = |at: f32| through_media_to(grid, lamp, off, at);
+    let coarse: [Option<Rgb>; POINTS] = std::array::from_fn(|number| through(point(number)));
+    let differ = |a: Option<Rgb>, b: Option<Rgb>| match (a, b) {
+        (Some(a), Some(b)) => (0..3).any(|c| (a[c] - b[c]).abs() > DIFFERENT),
+        _ => false,
+    };
+    let (mut sum, mut count) = ([0.0; 3], 0);
+    let mut add = |seen: Option<Rgb>, weight: usize| {
+        let Some(seen) = seen else { return };
+        (0..3).for_each(|c| sum[c] += seen[c] * weight as f32);
+        count += weight;
+    };
+    for (number, &seen) in coarse.iter().enumerate() {
+        let beside = [number.saturating_sub(1), (number + 1).min(POINTS - 1)];
+        if beside.iter().any(|&other| differ(seen, coarse[other])) {
+            let first = point(number) - 1.0 / POINTS as f32;
+            let step = 2.0 / (POINTS * FINER) as f32;
+            (0..FINER).for_each(|k| add(through(first + (k as f32 + 0.5) * step), 1));
+        } else {
+            add(seen, FINER);
         }
     }
-    (count > 0.0).then(|| sum.map(|v| v / count))
+    (count > 0).then(|| sum.map(|v| v / count as f32))
+}
+
+/// Returns the transmittance of media between a pixel at `off` from a lamp and the point `at` across it, −1 to 1;
+/// `None` behind a wall.
+fn through_media_to(grid: &MediumGrid, lamp: Disc, off: [f32; 2], at: f32) -> Option<Rgb> {
+    let Disc { center, radius } = lamp;
+    let part = at * radius / off[0].hypot(off[1]);
+    let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
+    let length = way[0].hypot(way[1]);
+    let mut depth = [0.0; 3];
+    let from = [center[0] + off[0], center[1] + off[1]];
+    let hit = grid.cast(from, way.map(|v| v / length), length, false, |step, cell| {
+        if grid.classes[cell] == CellClass::Medium {
+            let px = step.span[1] - step.span[0];
+            (0..3).for_each(|c| depth[c] += grid.extinction[cell][c] * px);
+        }
+    });
+    (hit == RayHit::NONE).then(|| depth.map(transmittance))
 }

@@ -34,17 +34,22 @@ pub const WIDEST: f32 = 64.0;
 pub const NARROWEST: f32 = 0.5;
 /// The smallest distance of a wall, px, so that 1/length is finite.
 pub const NEAREST: f32 = 1e-3;
-/// Points of a face at which exact light is found, px from its middle.
-const ALONG_FACE: [f32; 3] = [-1.0 / 3.0, 0.0, 1.0 / 3.0];
-/// Their distance from the wall, px: in the open for rounding's sake.
+/// Points along a face at which exact light is found, and their number where the lamp is near, where a cone's edge
+/// may cross the face.
+const ALONG_FACE: [usize; 2] = [3, 12];
+/// The distance from which on a lamp is far, px.
+const FAR: f32 = 16.0;
+/// Distance of these points from the wall, px: in the open for rounding's sake.
 const OUTSIDE_OF_WALL: f32 = 1e-3;
 /// Angles beside a pixel at which media are compared with those in front of it, in radii of the lamp as seen from
-/// the pixel: half-way to the lamp media shade the pixel from 1 radius beside, at a tenth of the way from 9.
-const PARTS: [f32; 3] = [1.0, 3.0, 9.0];
+/// the pixel: half-way to the lamp media shade the pixel from 1 radius beside, at a ninth of the way from 8.
+const PARTS: [f32; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 /// The largest of these angles, radians.
 const FARTHEST: f32 = 1.5;
+/// Size of a lamp up to which it is as far from a pixel as its centre, as a fraction of that distance.
+const SMALL: f32 = 0.1;
 /// The difference of transmittance up to which media are even.
-const EVEN: f32 = 0.01;
+const EVEN: f32 = 0.003;
 /// Rays that a thread casts at a time.
 const TOGETHER: usize = 128;
 
@@ -151,7 +156,9 @@ impl ShadowMap {
             self.cone.extend((0..count + 2).map(|ray| cone.share(angle(ray % count))));
         }
         let cone = &self.cone;
-        let dark = |ray: usize| cone.get(ray) == Some(&0.0);
+        // Media beside a cone shade parts of the lamp for pixels inside.
+        let all = self.exact && grid.has_media();
+        let dark = |ray: usize| cone.get(ray) == Some(&0.0) && !all;
         self.together.resize(count, None);
         let by_edges = settings.traversal == Traversal::Edge;
         self.together.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, hits)| {
@@ -320,7 +327,9 @@ impl ShadowMap {
             let at = self.at(before);
             return arrives * self.seen(scene, before, at) * self.in_cone(at, shadow_filter);
         };
-        let arrives = ALONG_FACE.map(|along| {
+        let parts = ALONG_FACE[usize::from(off[0].hypot(off[1]) < FAR)];
+        let arrives = (0..parts).map(|part| {
+            let along = (part as f32 + 0.5) / parts as f32 - 0.5;
             let at = place(0.5 + OUTSIDE_OF_WALL, along);
             let share = lamp.cone.map_or(1.0, |cone| cone.share(at[1].atan2(at[0])));
             let falls = share * lamp.falloff.at(at[0].hypot(at[1]), lamp);
@@ -330,7 +339,7 @@ impl ShadowMap {
                 0.0
             }
         });
-        PI / ALONG_FACE.len() as f32 * arrives.iter().sum::<f32>()
+        PI / parts as f32 * arrives.sum::<f32>()
     }
 
     fn disc(&self) -> Disc {
@@ -417,16 +426,21 @@ impl ShadowMap {
             return through;
         }
         let n = self.count as f32;
-        let seen_under = PARTS[0] * self.lamp.size / distance.max(self.lamp.size);
+        let farther = distance.max(self.lamp.size);
+        let (seen_under, middle) =
+            (self.lamp.size / farther, self.through(at, farther, shadow_filter));
         let varies = PARTS.iter().any(|part| {
-            let beside = (part / PARTS[0] * seen_under).min(FARTHEST) * self.per_radian;
+            let beside = (part * seen_under).min(FARTHEST) * self.per_radian;
             [at - beside, at + beside].into_iter().any(|at| {
-                let there = self.through(at.rem_euclid(n).min(n - 1.0), distance, shadow_filter);
-                (0..3).any(|c| (there[c] - through[c]).abs() > EVEN)
+                let there = self.through(at.rem_euclid(n).min(n - 1.0), farther, shadow_filter);
+                (0..3).any(|c| (there[c] - middle[c]).abs() > EVEN)
             })
         });
         if !varies {
-            return through;
+            // The way to the rim of the lamp is longer: by ½·(√(1 + k²) + asinh(k)/k) in the mean.
+            let k = self.lamp.size / distance.max(f32::MIN_POSITIVE);
+            let longer = 0.5 * (k.hypot(1.0) + k.asinh() / k);
+            return if k < SMALL { through } else { through.map(|t| t.powf(longer)) };
         }
         through_media(scene.grid, self.disc(), off).unwrap_or(through)
     }
@@ -451,6 +465,9 @@ impl ShadowMap {
         }
         if shadow_filter == ShadowFilter::Nearest {
             return self.cone[(at + 0.5) as usize];
+        }
+        if let (Some(cone), true) = (self.lamp.cone, self.exact) {
+            return cone.share(at / self.per_radian);
         }
         let first = at as usize;
         self.cone[first] + (self.cone[first + 1] - self.cone[first]) * (at - first as f32)
