@@ -85,19 +85,22 @@ impl Cone {
     /// The fraction of the lamp's light at an angle (radians): 1 inside, 0 outside, smoothstep over
     /// the soft edge.
     pub fn share(&self, angle: f32) -> f32 {
-        let turned = (angle - self.direction).rem_euclid(TAU);
-        let off = turned.min(TAU - turned);
-        let half = 0.5 * self.angle;
-        let inside = half - off;
+        let inside = -self.outside(angle);
         if inside < 0.0 {
             return 0.0;
         }
-        let soft = self.softness * half;
+        let soft = self.softness * 0.5 * self.angle;
         if inside >= soft {
             return 1.0;
         }
         let t = inside / soft;
         t * t * (3.0 - 2.0 * t)
+    }
+
+    /// How far an angle is outside of the cone, radians; inside below 0.
+    pub(crate) fn outside(&self, angle: f32) -> f32 {
+        let turned = (angle - self.direction).rem_euclid(TAU);
+        turned.min(TAU - turned) - 0.5 * self.angle
     }
 
     fn check(&self, key: &dyn Display) -> Result<()> {

@@ -174,6 +174,12 @@ impl Band<'_> {
         }
         let at = atan2(dy, dx) * shadow_map.per_radian();
         let at = at.simd_lt(0.0).select(at + shadow_map.count as f32, at);
+        if shadow_map.has_cone() {
+            weight *= shadow_map.in_cone_lanes(simd, at, settings.shadow_filter);
+            if weight.simd_gt(0.0).to_bitmask() == 0 {
+                return;
+            }
+        }
         let nearest = (at + 0.5).to_int::<i32x16<S>>().to_array();
         let mut bounds = [[0.0; LANES]; 2];
         for l in 0..LANES {
@@ -195,9 +201,6 @@ impl Band<'_> {
         let left = weight.simd_gt(0.0).to_bitmask();
         if left == 0 {
             return;
-        }
-        if !shadow_map.cone.is_empty() {
-            weight *= f32x16::from_fn(simd, |l| shadow_map.in_cone(at[l], settings.shadow_filter));
         }
         let mut through = [weight; 3];
         if !shadow_map.curves.is_empty() {

@@ -20,9 +20,11 @@ const TOUCHING: f32 = 1e-4;
 const AHEAD: f32 = 1e-6;
 /// β of corners beside and behind the pixel: far outside of the disc.
 const OUTSIDE: f32 = 1e6;
-/// Points across the lamp to which rays are cast, or cosines taken.
+/// Points across the lamp at which cosines are taken.
 const POINTS: usize = 16;
-/// Points in place of one where media differ from those before a point beside it.
+/// Points across the lamp to which rays are cast through media.
+const RAYS: usize = 8;
+/// Rays in place of one where media differ from those before a point beside it.
 const FINER: usize = 4;
 /// The difference of transmittance from which on they differ.
 const DIFFERENT: f32 = 0.05;
@@ -140,6 +142,8 @@ impl Hidden {
 pub struct Disc {
     pub center: [f32; 2],
     pub radius: f32,
+    /// Distance from the centre up to which no wall is in the way, px.
+    pub clear: f32,
 }
 
 /// Returns the visible fraction of a lamp for a pixel at `off` from it, in an open cell.
@@ -163,25 +167,33 @@ pub fn mean_cosine(
         let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
         (normal[0] * way[0] + normal[1] * way[1]) / way[0].hypot(way[1])
     };
-    let seen = (0..POINTS).map(point).filter(|&point| !hidden.holds(point));
+    let seen =
+        (0..POINTS).map(|number| point(number, POINTS)).filter(|&point| !hidden.holds(point));
     seen.map(|point| cosine(point).max(0.0)).sum::<f32>() / POINTS as f32
 }
 
-/// One of the points across a lamp, −1 to 1.
-fn point(number: usize) -> f32 {
-    (2 * number + 1) as f32 / POINTS as f32 - 1.0
+/// One of `count` points across a lamp, −1 to 1.
+fn point(number: usize, count: usize) -> f32 {
+    (2 * number + 1) as f32 / count as f32 - 1.0
+}
+
+/// Rounds down, to no less than 0.
+#[inline(always)]
+fn whole(v: f32) -> usize {
+    // By 32 bits: to round to 64 takes several times as long.
+    v.max(0.0) as i32 as usize
 }
 
 /// Returns what solid cells hide of a lamp.
 fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Hidden {
-    let Disc { center, radius } = lamp;
+    let Disc { center, radius, .. } = lamp;
     let distance = off[0].hypot(off[1]);
     let mut hidden = Hidden::default();
     if distance == 0.0 {
         return hidden;
     }
     let across = [-off[1] / distance, off[0] / distance];
-    for sign in [-1.0, 1.0] {
+    for sign in [-1.0, 1.0].into_iter().filter(|_| lamp.clear < radius) {
         let hit = grid.cast(center, across.map(|v| sign * v), radius, false, |_, _| ());
         if hit.length < radius {
             let at = sign * hit.length / radius;
@@ -194,11 +206,12 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Hi
     let pixel = order([center[0] + off[0], center[1] + off[1]]);
     let ahead = order(off.map(|v| -v / distance));
     let beside = order(across);
-    let end = |sign: f32| {
-        let middle = order(center);
-        [0, 1].map(|a| middle[a] + sign * radius * beside[a])
-    };
-    let ends = [end(-1.0), end(1.0)];
+    // Without the part of the triangle that no wall reaches.
+    let before = (lamp.clear * lamp.clear - radius * radius).max(0.0).sqrt().min(distance);
+    let half = radius * (1.0 - before / distance);
+    let middle = order(center);
+    let end = |side: f32| [0, 1].map(|a| middle[a] - before * ahead[a] + side * beside[a]);
+    let ends = [end(-half), end(half)];
     let far = ends.map(|end| end[0]);
     let lines = [far[0].min(far[1]).min(pixel[0]), far[0].max(far[1]).max(pixel[0])];
     let slopes = ends.map(|end| {
@@ -208,9 +221,9 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Hi
     });
     let minor = ends.map(|end| end[1]);
     let bounds = [minor[0].min(minor[1]).min(pixel[1]), minor[0].max(minor[1]).max(pixel[1])];
-    let size = [solid.size[axis] as f32, solid.size[1 - axis] as f32];
-    let first = lines[0].floor().max(0.0) as usize;
-    let last = lines[1].ceil().clamp(0.0, size[0]) as usize;
+    // One cell too many costs less than to round up.
+    let first = whole(lines[0]);
+    let last = (whole(lines[1]) + 1).min(solid.size[axis]);
     let scale = distance / radius;
     for line in first..last {
         // Between the sides of the triangle, within the line.
@@ -226,8 +239,8 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Hi
         if radius > 0.5 * distance {
             (from, to) = (bounds[0], bounds[1]);
         }
-        let from = from.clamp(bounds[0], bounds[1]).floor().max(0.0) as usize;
-        let to = to.clamp(bounds[0], bounds[1]).ceil().clamp(0.0, size[1]) as usize;
+        let from = whole(from.clamp(bounds[0], bounds[1]));
+        let to = (whole(to.clamp(bounds[0], bounds[1])) + 1).min(solid.size[1 - axis]);
         solid.runs(axis, line, from, to, |from, to| {
             let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
             let mut hide = |at: f32| (least, most) = (least.min(at), most.max(at));
@@ -265,7 +278,7 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Hi
 /// sees; `None` if it sees none.
 pub fn through_media(grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Option<Rgb> {
     let through = |at: f32| through_media_to(grid, lamp, off, at);
-    let coarse: [Option<Rgb>; POINTS] = std::array::from_fn(|number| through(point(number)));
+    let coarse: [Option<Rgb>; RAYS] = std::array::from_fn(|number| through(point(number, RAYS)));
     let differ = |a: Option<Rgb>, b: Option<Rgb>| match (a, b) {
         (Some(a), Some(b)) => (0..3).any(|c| (a[c] - b[c]).abs() > DIFFERENT),
         _ => false,
@@ -277,10 +290,10 @@ pub fn through_media(grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Option<Rgb
         count += weight;
     };
     for (number, &seen) in coarse.iter().enumerate() {
-        let beside = [number.saturating_sub(1), (number + 1).min(POINTS - 1)];
+        let beside = [number.saturating_sub(1), (number + 1).min(RAYS - 1)];
         if beside.iter().any(|&other| differ(seen, coarse[other])) {
-            let first = point(number) - 1.0 / POINTS as f32;
-            let step = 2.0 / (POINTS * FINER) as f32;
+            let first = point(number, RAYS) - 1.0 / RAYS as f32;
+            let step = 2.0 / (RAYS * FINER) as f32;
             (0..FINER).for_each(|k| add(through(first + (k as f32 + 0.5) * step), 1));
         } else {
             add(seen, FINER);
@@ -292,7 +305,7 @@ pub fn through_media(grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Option<Rgb
 /// Returns the transmittance of media between a pixel at `off` from a lamp and the point `at` across it, −1 to 1;
 /// `None` behind a wall.
 fn through_media_to(grid: &MediumGrid, lamp: Disc, off: [f32; 2], at: f32) -> Option<Rgb> {
-    let Disc { center, radius } = lamp;
+    let Disc { center, radius, .. } = lamp;
     let part = at * radius / off[0].hypot(off[1]);
     let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
     let length = way[0].hypot(way[1]);

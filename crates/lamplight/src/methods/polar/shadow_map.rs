@@ -20,9 +20,9 @@ use crate::math::circle;
 use crate::settings::{Polar, ShadowFilter, Traversal};
 use crate::simd::dispatch;
 use crate::{Lamp, Rgb};
-use fearless_simd::Level;
+use fearless_simd::{Level, f32x16, prelude::*};
 use rayon::prelude::*;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// Fewest rays of a lamp.
 const FEWEST: f32 = 8.0;
@@ -34,6 +34,8 @@ pub const WIDEST: f32 = 64.0;
 pub const NARROWEST: f32 = 0.5;
 /// The smallest distance of a wall, px, so that 1/length is finite.
 pub const NEAREST: f32 = 1e-3;
+/// The distance by which a wall may be nearer than the rays beside it say, px: half a cell's diagonal.
+const NEAREST_BESIDE: f32 = 0.75;
 /// Points along a face at which exact light is found, and their number where the lamp is near, where a cone's edge
 /// may cross the face.
 const ALONG_FACE: [usize; 2] = [3, 12];
@@ -155,10 +157,17 @@ impl ShadowMap {
         if let Some(cone) = lamp.cone {
             self.cone.extend((0..count + 2).map(|ray| cone.share(angle(ray % count))));
         }
-        let cone = &self.cone;
-        // Media beside a cone shade parts of the lamp for pixels inside.
-        let all = self.exact && grid.has_media();
-        let dark = |ray: usize| cone.get(ray) == Some(&0.0) && !all;
+        let (cone, exact) = (&self.cone, self.exact);
+        let outside = |ray: usize| cone.get(ray) == Some(&0.0);
+        // Exact penumbrae are also thrown by walls and media beside the cone, but only by those near the lamp.
+        let dark = |ray: usize| outside(ray) && !exact;
+        let length = |ray: usize| match lamp.cone {
+            Some(cone) if outside(ray) && !grid.has_media() => {
+                let beside = cone.outside(angle(ray)).min(FRAC_PI_2);
+                (lamp.size / beside.sin() + 1.0).min(reach)
+            }
+            _ => reach,
+        };
         self.together.resize(count, None);
         let by_edges = settings.traversal == Traversal::Edge;
         self.together.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, hits)| {
@@ -169,8 +178,9 @@ impl ShadowMap {
                     hits.fill(None);
                 } else if !(first..first + hits.len()).all(dark) {
                     let directions = std::array::from_fn(|l| direction(first + l));
+                    let longest = (first..first + hits.len()).map(length).fold(0.0, f32::max);
                     let cast = dispatch!(level, simd => {
-                        grid.cast_lanes(simd, lamp.position, &directions, reach)
+                        grid.cast_lanes(simd, lamp.position, &directions, longest)
                     });
                     hits.copy_from_slice(&cast[..hits.len()]);
                 }
@@ -242,9 +252,12 @@ impl ShadowMap {
             // Half a ray for the pixel beside its ray, half for the width of the ray itself.
             return self.widest(ray) + 1.0;
         }
-        let sine = self.lamp.size * self.inverse[ray];
+        // Of a wall at ℓ, beside a pixel at d: `sin Δ = s·(1/ℓ − cos Δ/d)`.
+        let sine = (self.lamp.size * self.inverse[ray]).min(1.0);
+        let cosine = (1.0 - sine * sine).sqrt();
+        let sine = sine - self.lamp.size * cosine / self.reach;
         // A wall that touches the lamp is seen from all sides.
-        if sine >= 1.0 { self.count as f32 } else { sine.asin() * self.per_radian + 2.0 }
+        if cosine == 0.0 { self.count as f32 } else { sine.asin() * self.per_radian + 1.5 }
     }
 
     /// Propagates a ray's hit to its neighbours.
@@ -331,10 +344,11 @@ impl ShadowMap {
         let arrives = (0..parts).map(|part| {
             let along = (part as f32 + 0.5) / parts as f32 - 0.5;
             let at = place(0.5 + OUTSIDE_OF_WALL, along);
-            let share = lamp.cone.map_or(1.0, |cone| cone.share(at[1].atan2(at[0])));
+            let angle = self.at(at);
+            let share = self.in_cone(angle, shadow_filter);
             let falls = share * lamp.falloff.at(at[0].hypot(at[1]), lamp);
             if falls > 0.0 {
-                falls * mean_cosine(solid, scene.grid, self.disc(), at, normal)
+                falls * mean_cosine(solid, scene.grid, self.disc(angle), at, normal)
             } else {
                 0.0
             }
@@ -342,15 +356,18 @@ impl ShadowMap {
         PI / parts as f32 * arrives.sum::<f32>()
     }
 
-    fn disc(&self) -> Disc {
-        Disc { center: self.lamp.position, radius: self.lamp.size }
+    /// Returns the lamp as a pixel at the angle `at` sees it.
+    fn disc(&self, at: f32) -> Disc {
+        // Walls may lie between two rays.
+        let clear = self.bounds[(at + 0.5) as usize][0] - NEAREST_BESIDE;
+        Disc { center: self.lamp.position, radius: self.lamp.size, clear }
     }
 
     /// Like [`Self::seen`], for a pixel between the bounds of its ray.
     pub fn partly_seen(&self, scene: ShadowScene, off: [f32; 2], at: f32) -> f32 {
         let ShadowScene { grid, solid } = scene;
         if let Some(solid) = solid {
-            return visible(solid, grid, self.disc(), off);
+            return visible(solid, grid, self.disc(at), off);
         }
         let n = self.count;
         let nearest = (at + 0.5) as usize;
@@ -442,7 +459,7 @@ impl ShadowMap {
             let longer = 0.5 * (k.hypot(1.0) + k.asinh() / k);
             return if k < SMALL { through } else { through.map(|t| t.powf(longer)) };
         }
-        through_media(scene.grid, self.disc(), off).unwrap_or(through)
+        through_media(scene.grid, self.disc(at), off).unwrap_or(through)
     }
 
     /// Returns the transmittance of media along the rays of an angle.
@@ -458,19 +475,42 @@ impl ShadowMap {
         std::array::from_fn(|c| a[c] + (b[c] - a[c]) * weight)
     }
 
+    /// Returns whether the lamp does not shine all round.
+    pub fn has_cone(&self) -> bool {
+        self.lamp.cone.is_some()
+    }
+
     /// Returns the intensity of the cone at a pixel.
     pub fn in_cone(&self, at: f32, shadow_filter: ShadowFilter) -> f32 {
-        if self.cone.is_empty() {
-            return 1.0;
+        let Some(cone) = self.lamp.cone else { return 1.0 };
+        if self.exact {
+            return cone.share(at / self.per_radian);
         }
         if shadow_filter == ShadowFilter::Nearest {
             return self.cone[(at + 0.5) as usize];
         }
-        if let (Some(cone), true) = (self.lamp.cone, self.exact) {
-            return cone.share(at / self.per_radian);
-        }
         let first = at as usize;
         self.cone[first] + (self.cone[first + 1] - self.cone[first]) * (at - first as f32)
+    }
+
+    /// [`Self::in_cone`] for sixteen pixels.
+    #[inline(always)]
+    pub fn in_cone_lanes<S: Simd>(
+        &self,
+        simd: S,
+        at: f32x16<S>,
+        shadow_filter: ShadowFilter,
+    ) -> f32x16<S> {
+        let (Some(cone), true) = (self.lamp.cone, self.exact) else {
+            return f32x16::from_fn(simd, |l| self.in_cone(at[l], shadow_filter));
+        };
+        let half = 0.5 * cone.angle;
+        let turned = (at * (1.0 / self.per_radian) - cone.direction.rem_euclid(TAU)).abs();
+        let inside = -turned.min(-turned + TAU) + half;
+        // A hard edge is as wide as rounding.
+        let soft = (cone.softness * half).max(f32::EPSILON);
+        let t = (inside * (1.0 / soft)).max(0.0).min(1.0);
+        t * t * (t * -2.0 + 3.0)
     }
 
     /// Returns the offset of a wall from the lamp; `None` if no face of it is in reach.
