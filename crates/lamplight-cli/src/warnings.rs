@@ -74,7 +74,7 @@ pub fn idle_display_flags(flags: &DisplayArgs, stage: Stage, format: Format) -> 
     idle
 }
 
-/// What is lost of lamps with a cone if these methods light a scene, as one sentence.
+/// The loss of beams if these methods light a scene, as one sentence.
 pub fn lost_beams(backend: Backend, methods: &[Method], cells: &Cells) -> Option<String> {
     (backend == Backend::Gpu && loses_beams(methods, cells)).then(|| {
         "the GPU draws lamps as discs that glow all round: `--backend cpu` shows cones and exact lamps"

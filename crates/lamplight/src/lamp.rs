@@ -97,7 +97,7 @@ impl Cone {
         t * t * (3.0 - 2.0 * t)
     }
 
-    /// How far an angle is outside of the cone, radians; inside below 0.
+    /// The distance of an angle from the cone, radians; below 0 inside.
     pub(crate) fn outside(&self, angle: f32) -> f32 {
         let turned = (angle - self.direction).rem_euclid(TAU);
         turned.min(TAU - turned) - 0.5 * self.angle

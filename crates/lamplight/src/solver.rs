@@ -131,8 +131,12 @@ impl Solver {
         self.cells.clone_from(cells);
         self.settings.method.draw_lamps(&mut self.cells);
         self.clock.lap("cells");
-        if !method.lights_lamps() {
-            self.direct.solve(&self.cells, &mut self.clock);
+        self.direct.clear();
+        if !method.lights_lamps() && !self.cells.lamps().is_empty() {
+            let Self { polar, cells, direct, clock, .. } = self;
+            let settings = settings::Polar::default();
+            polar.solve_faces(cells, &settings, &mut direct.light, &mut direct.faces);
+            clock.lap("direct");
         }
         let glows = self.settings.method.reads_glow();
         if glows {

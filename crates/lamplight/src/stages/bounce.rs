@@ -9,22 +9,17 @@
 //! ([`Surfaces::reflect_and_scatter`]), and gathers again ([`solve_bounces`]).
 
 use super::direct::DirectLight;
+use super::faces::{Faces, NORMALS};
 use crate::grid::class::is_occupied;
 use crate::grid::medium_grid::MediumGrid;
 use crate::settings::Bounces;
 use crate::{Cells, Rgb};
-
-/// Unit normals of a cell's faces: left, right, top, bottom.
-pub const NORMALS: [[i32; 2]; 4] = [[-1, 0], [1, 0], [0, -1], [0, 1]];
 
 /// The change of outgoing radiance, relative to the mean, at which bounces have converged.
 pub const CONVERGED: f32 = 1e-3;
 
 /// The slot of a cell that is no surface.
 const NONE: u32 = u32::MAX;
-
-/// Irradiance or outgoing radiance of the four faces of a cell.
-pub type Faces = [Rgb; 4];
 
 /// A solid cell with at least one face that touches a cell that is not solid.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,33 +10,23 @@
 //! Cost: per lamp of range R that of `polar`, `2πR` rays and `πR²` lookups; nothing without such lamps. Limits are
 //! those of `polar`: penumbrae are thrown by the nearest walls, and a lamp inside a wall lights nothing.
 
-use super::bounce::Faces;
-use crate::clock::Clock;
-use crate::methods::polar::PolarSolver;
-use crate::settings::Polar;
-use crate::{Cells, Rgb};
+use super::faces::Faces;
+use crate::Rgb;
 
 /// The light, with buffers that are kept between frames.
 #[derive(Debug, Default)]
 pub struct DirectLight {
-    polar: PolarSolver,
-    /// Mean radiance of open cells, in walls the mean over their faces; empty without lamps.
-    light: Vec<Rgb>,
+    /// Mean radiance of open cells, in walls the mean over their faces; empty without such lamps.
+    pub light: Vec<Rgb>,
     /// Irradiance ÷ 2 of the faces of walls, in the order of [`super::bounce::Surfaces::walls`].
-    faces: Vec<Faces>,
+    pub faces: Vec<Faces>,
 }
 
 impl DirectLight {
-    /// Finds the direct light of the lamps of a grid, in which the other lamps are drawn.
-    pub fn solve(&mut self, cells: &Cells, clock: &mut Clock) {
+    /// Removes all light.
+    pub fn clear(&mut self) {
         self.light.clear();
         self.faces.clear();
-        if cells.lamps().is_empty() {
-            return;
-        }
-        let Self { polar, light, faces } = self;
-        polar.solve_faces(cells, &Polar::default(), light, faces);
-        clock.lap("direct");
     }
 
     /// The light of a cell.

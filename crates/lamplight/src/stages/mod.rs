@@ -5,6 +5,7 @@ pub mod bounce;
 pub mod direct;
 pub mod display;
 pub mod distance;
+pub mod faces;
 pub mod glow;
 pub mod jump_flood;
 pub mod pyramid;

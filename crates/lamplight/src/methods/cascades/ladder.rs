@@ -2,7 +2,7 @@
 
 use crate::settings;
 use crate::simd::floor;
-use crate::stages::bounce::NORMALS;
+use crate::stages::faces::NORMALS;
 use fearless_simd::{f32x16, i32x16, prelude::*};
 use std::f64::consts::TAU;
 

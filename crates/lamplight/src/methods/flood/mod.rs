@@ -29,7 +29,7 @@ use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::math::circle;
 use crate::math::transmittance::{attenuation, transmittance};
 use crate::settings::{Fade, Flood, Sweeps};
-use crate::stages::bounce::NORMALS;
+use crate::stages::faces::NORMALS;
 use crate::{Cells, Lamp, Rgb};
 use blur::{Energy, Links};
 use fearless_simd::Level;

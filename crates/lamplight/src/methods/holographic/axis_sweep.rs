@@ -191,7 +191,7 @@ impl AxisSweep {
     }
 }
 
-/// Returns the normals (indices in [`crate::stages::bounce::NORMALS`]) of faces that look ahead, to
+/// Returns the normals (indices in [`crate::stages::faces::NORMALS`]) of faces that look ahead, to
 /// higher rows and to lower ones.
 fn normals(axis: Axis, reversed: bool) -> [usize; 3] {
     match (axis, reversed) {

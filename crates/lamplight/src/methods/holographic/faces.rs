@@ -17,7 +17,8 @@ use super::lattice::Face;
 use super::slabs::{Axis, MATTER, MEDIUM, Slabs};
 use super::trace::TILE;
 use crate::Cells;
-use crate::stages::bounce::{NORMALS, Surfaces};
+use crate::stages::bounce::Surfaces;
+use crate::stages::faces::NORMALS;
 use fearless_simd::{f32x16, mask32x16, prelude::*, u8x16};
 
 /// ∫ L cosθ dω on the faces that look ahead, to higher rows and to lower rows, by channel, in sixteen

@@ -50,8 +50,9 @@ pub use slabs::{EMISSIVE, MATTER, MEDIUM};
 
 use crate::clock::Clock;
 use crate::settings::{self, Bounces, Variant};
-use crate::stages::bounce::{Faces, Surfaces, Wall, mean_over_faces, solve_bounces};
+use crate::stages::bounce::{Surfaces, Wall, mean_over_faces, solve_bounces};
 use crate::stages::direct::DirectLight;
+use crate::stages::faces::Faces;
 use crate::{Cells, Rgb};
 use axis_sweep::{AxisSweep, SweepInput};
 use faces::{Receivers, cell_in_front};

@@ -9,7 +9,8 @@ use super::interval::LANES;
 use super::lattice::Face;
 use crate::Cells;
 use crate::math::transmittance::extinction;
-use crate::stages::bounce::{NORMALS, Surfaces};
+use crate::stages::bounce::Surfaces;
+use crate::stages::faces::NORMALS;
 use fearless_simd::{f32x16, prelude::*};
 
 /// Empty rows on both sides of a slab: more than any ray of the final gather rises.

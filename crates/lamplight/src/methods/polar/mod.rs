@@ -29,7 +29,7 @@ pub use transmittance_curve::{APART, FINEST};
 use crate::clock::Clock;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::settings::Polar;
-use crate::stages::bounce::Faces;
+use crate::stages::faces::Faces;
 use crate::{Cells, Rgb};
 use fearless_simd::Level;
 use gather::LightPlanes;

@@ -121,7 +121,7 @@ impl Hidden {
         self.count = kept + 1;
     }
 
-    /// Whether a point is hidden.
+    /// Returns whether a point is hidden.
     fn holds(&self, point: f32) -> bool {
         self.parts[..self.count].iter().any(|&[a, b]| (a..b).contains(&point))
     }
@@ -139,7 +139,7 @@ impl Hidden {
 
 /// A lamp, as seen by pixels.
 #[derive(Clone, Copy)]
-pub struct Disc {
+pub struct LampDisc {
     pub center: [f32; 2],
     pub radius: f32,
     /// Distance from the centre up to which no wall is in the way, px.
@@ -147,7 +147,7 @@ pub struct Disc {
 }
 
 /// Returns the visible fraction of a lamp for a pixel at `off` from it, in an open cell.
-pub fn visible(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> f32 {
+pub fn visible(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> f32 {
     hidden(solid, grid, lamp, off).rest()
 }
 
@@ -156,7 +156,7 @@ pub fn visible(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) 
 pub fn mean_cosine(
     solid: &SolidBits,
     grid: &MediumGrid,
-    lamp: Disc,
+    lamp: LampDisc,
     off: [f32; 2],
     normal: [f32; 2],
 ) -> f32 {
@@ -185,8 +185,8 @@ fn whole(v: f32) -> usize {
 }
 
 /// Returns what solid cells hide of a lamp.
-fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Hidden {
-    let Disc { center, radius, .. } = lamp;
+fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> Hidden {
+    let LampDisc { center, radius, .. } = lamp;
     let distance = off[0].hypot(off[1]);
     let mut hidden = Hidden::default();
     if distance == 0.0 {
@@ -276,7 +276,7 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Hi
 
 /// Returns the mean transmittance of media between a pixel at `off` from a lamp and the points of the lamp that it
 /// sees; `None` if it sees none.
-pub fn through_media(grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Option<Rgb> {
+pub fn through_media(grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> Option<Rgb> {
     let through = |at: f32| through_media_to(grid, lamp, off, at);
     let coarse: [Option<Rgb>; RAYS] = std::array::from_fn(|number| through(point(number, RAYS)));
     let differ = |a: Option<Rgb>, b: Option<Rgb>| match (a, b) {
@@ -304,8 +304,8 @@ pub fn through_media(grid: &MediumGrid, lamp: Disc, off: [f32; 2]) -> Option<Rgb
 
 /// Returns the transmittance of media between a pixel at `off` from a lamp and the point `at` across it, −1 to 1;
 /// `None` behind a wall.
-fn through_media_to(grid: &MediumGrid, lamp: Disc, off: [f32; 2], at: f32) -> Option<Rgb> {
-    let Disc { center, radius, .. } = lamp;
+fn through_media_to(grid: &MediumGrid, lamp: LampDisc, off: [f32; 2], at: f32) -> Option<Rgb> {
+    let LampDisc { center, radius, .. } = lamp;
     let part = at * radius / off[0].hypot(off[1]);
     let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
     let length = way[0].hypot(way[1]);

@@ -10,7 +10,7 @@
 //!
 //! Known failure: walls behind the nearest one throw no penumbra of their own.
 
-use super::penumbra::{Disc, SolidBits, mean_cosine, through_media, visible};
+use super::penumbra::{LampDisc, SolidBits, mean_cosine, through_media, visible};
 use super::sampling::{clear_px, sample};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::{LANES, RayHit};
@@ -81,11 +81,11 @@ pub struct ShadowMap {
     per_radian: f32,
     /// Radius of the lamp in rays × px, 0 unless edges are soft.
     spread: f32,
-    /// Whether penumbrae are exact: thrown by all solid cells, not only by those that rays hit.
+    /// True if penumbrae are exact: thrown by all solid cells, not only by those that rays hit.
     exact: bool,
 }
 
-/// What shadow maps are made in.
+/// The scene of shadow maps.
 #[derive(Clone, Copy)]
 pub struct ShadowScene<'a> {
     pub grid: &'a MediumGrid,
@@ -357,10 +357,10 @@ impl ShadowMap {
     }
 
     /// Returns the lamp as a pixel at the angle `at` sees it.
-    fn disc(&self, at: f32) -> Disc {
+    fn disc(&self, at: f32) -> LampDisc {
         // Walls may lie between two rays.
         let clear = self.bounds[(at + 0.5) as usize][0] - NEAREST_BESIDE;
-        Disc { center: self.lamp.position, radius: self.lamp.size, clear }
+        LampDisc { center: self.lamp.position, radius: self.lamp.size, clear }
     }
 
     /// Like [`Self::seen`], for a pixel between the bounds of its ray.

@@ -8,7 +8,8 @@ use crate::math::noise;
 use crate::settings::{Raymarch, Spacing};
 use crate::simd::dispatch;
 use crate::srgb::luminance;
-use crate::stages::bounce::{Faces, NORMALS, Wall};
+use crate::stages::bounce::Wall;
+use crate::stages::faces::{Faces, NORMALS};
 use fearless_simd::{Level, f32x16, prelude::*};
 use std::f32::consts::TAU;
 
