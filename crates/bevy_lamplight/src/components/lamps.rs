@@ -1,7 +1,7 @@
 //! Lamps, ambient light and the sky.
 
 use bevy::prelude::*;
-use lamplight::{Cone, Falloff, Gradient, Lamp, Sky};
+use lamplight::{Cone, Direct, Falloff, Gradient, Lamp, Sky};
 use std::f32::consts::{FRAC_PI_3, PI};
 
 /// A lamp at an entity's position.
@@ -253,6 +253,7 @@ impl WorldLamp {
                 angle: angle.clamp(0.001, 2.0 * PI),
                 softness: softness.clamp(0.0, 1.0),
             }),
+            direct: Direct::Glow,
             solid: self.solid,
             visible: self.visible,
         }

@@ -1,7 +1,7 @@
 //! Lamps to light cells with.
 
 use crate::common::seeded;
-use lamplight::{Cone, Falloff, Lamp};
+use lamplight::{Cone, Direct, Falloff, Lamp};
 
 /// Random lamps, in the grid and a little beyond, some with a cone.
 pub fn lamps(width: u32, height: u32, count: u32, seed: u64) -> Vec<Lamp> {
@@ -27,6 +27,7 @@ pub fn lamps(width: u32, height: u32, count: u32, seed: u64) -> Vec<Lamp> {
             size: 0.05 + 4.0 * random.f32(),
             falloff: falloffs[random.usize(..3)],
             cone: (random.u32(..3) == 0).then_some(cone),
+            direct: Direct::Glow,
             solid: i % 2 == 1,
             visible: false,
         }

@@ -3,8 +3,8 @@
 use lamplight::Gradient;
 use lamplight::scene::{Layers, Material};
 use lamplight::{
-    Bounces, Cone, Display, Falloff, Lamp, Matter, Method, Scene, Settings, SettingsTable, Shape,
-    Sky, ToneMap,
+    Bounces, Cone, Direct, Display, Falloff, Lamp, Matter, Method, Scene, Settings, SettingsTable,
+    Shape, Sky, ToneMap,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -48,6 +48,7 @@ fn whole() -> Scene {
             size: 1.5,
             falloff: Falloff::Smooth,
             cone: Some(Cone { direction: 1.5, angle: 0.75, softness: 0.25 }),
+            direct: Direct::Exact,
             solid: true,
             visible: true,
         });
