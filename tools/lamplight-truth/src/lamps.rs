@@ -8,7 +8,8 @@
 //!
 //! `J = L·f(d)·cone(φ)·⟨T(β)⟩`, and on a face `E/2 = ½∫L cosθ dω = π·L·f(d)·cone(φ)·⟨cosθ(β)·T(β)⟩`
 //!
-//! Parts of the disc that its centre does not see lie behind a wall and are dark.
+//! Parts of the disc that its centre does not see lie behind a wall and are dark, and so are parts outside the grid
+//! of a lamp inside.
 
 use crate::traverse::{Event, Grid, Traversal};
 use lamplight::Lamp;
@@ -53,7 +54,8 @@ pub fn direct(lamps: &[Lamp], grid: &Grid, at: &Vertex, point: f64) -> [f64; 3] 
         }
         let middle = centre.map(|v| v.floor() as i32);
         let aside = [0, 1].map(|a| part[a] - centre[a]);
-        let behind = transmittance(grid, middle, centre, aside).is_none();
+        let around = grid.contains(centre) && !grid.contains(part);
+        let behind = around || transmittance(grid, middle, centre, aside).is_none();
         if let (Some(through), false) = (transmittance(grid, at.cell, at.point, to), behind) {
             for c in 0..3 {
                 let radiance = f64::from(lamp.color[c]) * f64::from(lamp.intensity);

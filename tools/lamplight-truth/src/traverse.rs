@@ -64,6 +64,11 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// Returns whether a point lies in the grid.
+    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        (0.0..=f64::from(self.width)).contains(&x) && (0.0..=f64::from(self.height)).contains(&y)
+    }
+
     /// Prepares the cells.
     pub fn new(cells: &Cells) -> Self {
         let (width, height) = (cells.width() as usize, cells.height() as usize);

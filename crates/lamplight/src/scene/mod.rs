@@ -197,10 +197,13 @@ impl Scene {
             }
             let [x, y] = lamp.position;
             if !((0.0..=width).contains(&x) && (0.0..=height).contains(&y)) {
-                warnings.push(format!(
-                    "`lamp[{i}]` is at [{x}, {y}], outside the grid of {width}×{height}: polar \
-                     and flood light from there, the others see what of its disc lies inside"
-                ));
+                // Lit by a shadow map, it lights from there as well.
+                if !lamp.is_exact() {
+                    warnings.push(format!(
+                        "`lamp[{i}]` is at [{x}, {y}], outside the grid of {width}×{height}: polar \
+                         and flood light from there, the others see what of its disc lies inside"
+                    ));
+                }
             } else if is_walled_in(lamp, cells) {
                 warnings.push(format!(
                     "`lamp[{i}]` at [{x}, {y}] is inside a wall, which its light does not leave"

@@ -215,7 +215,7 @@ fn a_cone_fades_from_its_soft_edge_outwards() {
 }
 
 #[test]
-fn scene_files_have_cones_and_drawn_lamps_ignore_them() {
+fn scene_files_have_cones_and_lamps_with_one_are_not_drawn() {
     let text = "size = [32, 32]\n[[lamp]]\nposition = [16.0, 16.0]\n\
                 cone = { direction = 1.57, angle = 0.8, softness = 0.25 }\n";
     let scene = Scene::from_toml(text).unwrap();
@@ -225,7 +225,12 @@ fn scene_files_have_cones_and_drawn_lamps_ignore_them() {
     assert_eq!(Scene::from_json(&scene.to_json().unwrap()).unwrap(), scene);
     let round = Scene::new(32, 32).lamp(Lamp { cone: None, ..lamp });
     assert!(!round.to_toml().unwrap().contains("cone"));
-    assert!(scene.cells().unwrap().drawn() == round.cells().unwrap().drawn());
+    let drawn = |scene: &Scene| {
+        let mut cells = scene.cells().unwrap();
+        cells.draw_lamps();
+        (cells.lamps().len(), cells.glow().is_some())
+    };
+    assert_eq!((drawn(&scene), drawn(&round)), ((1, false), (0, true)));
 
     for (cone, message) in [
         ("{ angle = 0.8 }", "`lamp[0].cone.direction` is missing"),

@@ -8,7 +8,7 @@
 use crate::common::*;
 use fastrand::Rng;
 use lamplight::settings::{BounceMode, Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
-use lamplight::{Bounces, Cells, Matter, Rgb, Settings, Solver};
+use lamplight::{Bounces, Cells, Direct, Lamp, Matter, Rgb, Settings, Solver};
 use proptest::prelude::*;
 
 const BRIGHT: Rgb = [1000.0, 800.0, 1e6];
@@ -38,6 +38,10 @@ fn world(sealed: &Sealed, size: [u32; 2], random: &mut Rng) -> Cells {
         cells.set_matter(beside, Matter::EMPTY);
     }
     cells.set_matter(lamp, Matter { emission: BRIGHT, opacity, ..Matter::EMPTY });
+    let place = [lamp as u32 % size[0], lamp as u32 / size[0]];
+    let position = place.map(|v| v as f32 + random.f32());
+    let size = [0.05, 1.0, 4.0][random.usize(..3)];
+    cells.lamps_mut().push(Lamp { position, size, direct: Direct::Exact, ..Lamp::default() });
     cells
 }
 

@@ -4,7 +4,8 @@
 //! sight; its point β lies β·R beside the centre, β from −1 to 1. A corner of a cell, `a` px ahead of the pixel
 //! and `s` px beside the line of sight, hides what lies behind it at `β = s·d/(a·R)`. So a cell hides the interval
 //! between its outermost corners, and what is left of −1 to 1 after all cells in the triangle between pixel and
-//! segment is seen. Parts of the segment that the lamp's centre does not see lie behind a wall and are dark.
+//! segment is seen. Parts of the segment that the lamp's centre does not see lie behind a wall and are dark, and so
+//! are parts outside the grid of a lamp inside: no light goes round the walls of the grid.
 
 use crate::Rgb;
 use crate::grid::cast::RayHit;
@@ -177,6 +178,15 @@ fn point(number: usize, count: usize) -> f32 {
     (2 * number + 1) as f32 / count as f32 - 1.0
 }
 
+/// Returns the distance after which a ray from inside leaves the grid, px.
+fn leaves(grid: &MediumGrid, from: [f32; 2], way: [f32; 2]) -> f32 {
+    let along = |a: usize| {
+        let border = if way[a] > 0.0 { grid.size[a] as f32 } else { 0.0 };
+        if way[a] == 0.0 { f32::INFINITY } else { (border - from[a]) / way[a] }
+    };
+    along(0).min(along(1))
+}
+
 /// Rounds down, to no less than 0.
 #[inline(always)]
 fn whole(v: f32) -> usize {
@@ -193,11 +203,17 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
         return hidden;
     }
     let across = [-off[1] / distance, off[0] / distance];
-    for sign in [-1.0, 1.0].into_iter().filter(|_| lamp.clear < radius) {
-        let hit = grid.cast(center, across.map(|v| sign * v), radius, false, |_, _| ());
-        if hit.length < radius {
-            let at = sign * hit.length / radius;
-            hidden.add(at.min(sign), at.max(sign));
+    let to_border = [0, 1].map(|a| center[a].min(grid.size[a] as f32 - center[a]));
+    let to_border = to_border[0].min(to_border[1]);
+    if lamp.clear < radius || (0.0..radius).contains(&to_border) {
+        for sign in [-1.0, 1.0] {
+            let way = across.map(|v| sign * v);
+            let hit = grid.cast(center, way, radius, false, |_, _| ()).length;
+            let at = if to_border >= 0.0 { hit.min(leaves(grid, center, way)) } else { hit };
+            if at < radius {
+                let at = sign * at / radius;
+                hidden.add(at.min(sign), at.max(sign));
+            }
         }
     }
     // Columns, or rows, from the pixel to beyond the segment.
@@ -250,22 +266,22 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
             let corners = [[left, low], [right, low], [right, high], [left, high]]
                 .map(|[x, y]| [x * ahead[0] + y * ahead[1], x * beside[0] + y * beside[1]]);
             let mut before = corners[3];
-            let mut is_between = false;
             for corner in corners {
                 let ([a, s], [b, t]) = (corner, before);
-                is_between |= a > 0.0 && a < distance;
+                let crossing = |at: f32| s + (t - s) * (at - a) / (b - a);
                 if (a > AHEAD) != (b > AHEAD) {
                     // The cell goes on beside the pixel, to this side.
-                    hide(OUTSIDE.copysign(s + (t - s) * (AHEAD - a) / (b - a)));
+                    hide(OUTSIDE.copysign(crossing(AHEAD)));
                 }
-                if a > AHEAD {
-                    hide(s * scale / a.min(distance));
+                if (a > distance) != (b > distance) {
+                    hide(crossing(distance) / radius);
+                }
+                if a > AHEAD && a <= distance {
+                    hide(s * scale / a);
                 }
                 before = corner;
             }
-            if is_between {
-                hidden.add(least, most);
-            }
+            hidden.add(least, most);
         });
         if hidden.is_all() {
             break;

@@ -359,7 +359,7 @@ impl ShadowMap {
     /// Returns the lamp as a pixel at the angle `at` sees it.
     fn disc(&self, at: f32) -> LampDisc {
         // Walls may lie between two rays.
-        let clear = self.bounds[(at + 0.5) as usize][0] - NEAREST_BESIDE;
+        let clear = (self.bounds[(at + 0.5) as usize][0] - NEAREST_BESIDE).max(0.0);
         LampDisc { center: self.lamp.position, radius: self.lamp.size, clear }
     }
 
