@@ -22,6 +22,14 @@ pub fn scenes() -> Vec<(String, Scene)> {
     scenes
 }
 
+/// The same for methods that draw lamps: on the GPU those with a cone, too.
+pub fn scenes_without_cones() -> Vec<(String, Scene)> {
+    let mut scenes = scenes();
+    let lamps = scenes.iter_mut().flat_map(|(_, scene)| &mut scene.lamps);
+    lamps.for_each(|lamp| lamp.cone = None);
+    scenes
+}
+
 /// The tolerance, relative to a pixel's light or to the mean, whichever is larger: rounding, and occasionally a
 /// ray that passes a corner on the other side. Measured at up to 9e-5.
 pub const TOLERANCE: f64 = 1e-3;
