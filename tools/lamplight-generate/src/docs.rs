@@ -29,8 +29,19 @@ const THEATRE: [(&str, &[&str]); 4] = [
     ("theatre-flood-seed", &["--method", "flood", "--frames", "16", "--set", "flood.preset=seed"]),
 ];
 /// The recipes of docs/cookbook.md.
-const COOKBOOK: [&str; 10] =
-    ["dusk", "fireflies", "fog", "lava", "leaves", "neon", "sunbeams", "torch", "water", "window"];
+const COOKBOOK: [&str; 11] = [
+    "dusk",
+    "fireflies",
+    "flashlight",
+    "fog",
+    "lava",
+    "leaves",
+    "neon",
+    "sunbeams",
+    "torch",
+    "water",
+    "window",
+];
 /// Picture pixels per cell of a recipe.
 const COOKBOOK_SCALE: &str = "3";
 /// Sizes at which their cost is measured.

@@ -22,7 +22,7 @@ pub fn scenes() -> Vec<(String, Scene)> {
     scenes
 }
 
-/// The same for methods that draw lamps: on the GPU those with a cone, too.
+/// Those scenes for methods that draw lamps: on the GPU lamps with a cone, too, so they have none.
 pub fn scenes_without_cones() -> Vec<(String, Scene)> {
     let mut scenes = scenes();
     let lamps = scenes.iter_mut().flat_map(|(_, scene)| &mut scene.lamps);

@@ -6,8 +6,19 @@ use lamplight::{Light, Rgb, Scene, Shape, Sky, Solver};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const RECIPES: [&str; 10] =
-    ["dusk", "fireflies", "fog", "lava", "leaves", "neon", "sunbeams", "torch", "water", "window"];
+const RECIPES: [&str; 11] = [
+    "dusk",
+    "fireflies",
+    "flashlight",
+    "fog",
+    "lava",
+    "leaves",
+    "neon",
+    "sunbeams",
+    "torch",
+    "water",
+    "window",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -72,6 +83,22 @@ fn a_thicker_flame_is_a_brighter_light() {
     let ratio = wall(4.0) / wall(2.0);
     // The light grows as the area, less the little that the flame absorbs of its own.
     assert!((3.7..4.0).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn a_flashlight_shows_its_beam_and_lights_the_cave_by_what_it_meets() {
+    let (whole, black) = (
+        light("flashlight", |_| ()),
+        light("flashlight", |scene| {
+            scene.shapes.iter_mut().for_each(|shape| {
+                shape.albedo = Some([0.0; 3]);
+            })
+        }),
+    );
+    let (beam, beside) = ([90, 56], [20, 40]);
+    let at = |light: &Light, [x, y]: [u32; 2]| sum(light.at(x, y));
+    assert!(at(&whole, beam) > 4.0 * at(&whole, beside), "no beam");
+    assert!(at(&whole, beside) > 0.05 && at(&black, beside) == 0.0, "no light from the rock");
 }
 
 #[test]
