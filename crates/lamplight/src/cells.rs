@@ -5,7 +5,7 @@
 //! as glowing discs, for the methods that read only matter.
 
 use crate::limits;
-use crate::{Error, Lamp, Result, Rgb, Sky};
+use crate::{Error, Lamp, Result, Rgb, Sky, Sun};
 
 /// The contents of one cell.
 ///
@@ -74,7 +74,7 @@ impl Default for Matter {
     }
 }
 
-/// The grid: matter, lamps, and the sky around it.
+/// The grid: matter, lamps, and the sky and the suns around it.
 #[derive(Debug, PartialEq)]
 pub struct Cells {
     width: u32,
@@ -87,6 +87,7 @@ pub struct Cells {
     albedo: Vec<Rgb>,
     color: Option<Vec<Rgb>>,
     lamps: Vec<Lamp>,
+    suns: Vec<Sun>,
     sky: Sky,
 }
 
@@ -116,6 +117,7 @@ impl Cells {
             albedo: vec![[0.0; 3]; n],
             color: None,
             lamps: Vec::new(),
+            suns: Vec::new(),
             sky: Sky::BLACK,
         })
     }
@@ -268,12 +270,22 @@ impl Cells {
         &mut self.lamps
     }
 
-    /// The radiance of rays that leave the grid.
+    /// The suns.
+    pub fn suns(&self) -> &[Sun] {
+        &self.suns
+    }
+
+    /// The suns, mutably: add, turn or remove them.
+    pub fn suns_mut(&mut self) -> &mut Vec<Sun> {
+        &mut self.suns
+    }
+
+    /// The radiance of rays that leave the grid, without the suns.
     pub fn sky(&self) -> Sky {
         self.sky
     }
 
-    /// Removes all matter, lamps and colours. The sky stays.
+    /// Removes all matter, lamps and colours. The sky and the suns stay.
     pub fn clear(&mut self) {
         self.emission.fill(Matter::EMPTY.emission);
         self.glow.clear();
@@ -347,6 +359,9 @@ impl Cells {
         for (i, lamp) in self.lamps.iter().enumerate() {
             lamp.check(&format_args!("lamp[{i}]"))?;
         }
+        for (i, sun) in self.suns.iter().enumerate() {
+            sun.check(&format_args!("sun[{i}]"))?;
+        }
         self.sky.check()
     }
 
@@ -384,13 +399,14 @@ impl Clone for Cells {
             albedo: self.albedo.clone(),
             color: self.color.clone(),
             lamps: self.lamps.clone(),
+            suns: self.suns.clone(),
             sky: self.sky,
         }
     }
 
     /// Copies into the existing buffers: a solver does this every frame without allocating.
     fn clone_from(&mut self, source: &Self) {
-        let Self { width, height, emission, glow, opacity, tint, albedo, color, lamps, sky } =
+        let Self { width, height, emission, glow, opacity, tint, albedo, color, lamps, suns, sky } =
             source;
         (self.width, self.height, self.sky) = (*width, *height, *sky);
         rayon::join(
@@ -406,5 +422,6 @@ impl Clone for Cells {
             },
         );
         self.lamps.clone_from(lamps);
+        self.suns.clone_from(suns);
     }
 }

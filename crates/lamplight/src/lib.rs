@@ -36,6 +36,7 @@ mod solver;
 mod source_normalization;
 pub mod srgb;
 mod stages;
+mod sun;
 
 pub use cells::{Cells, Matter};
 pub use error::{Error, Result};
@@ -47,6 +48,7 @@ pub use settings::{Bounces, Method, Quality, Settings, SettingsTable};
 pub use sky::{Gradient, Sky};
 pub use solver::{Solver, Stages};
 pub use stages::display::{Display, ToneMap};
+pub use sun::Sun;
 
 /// The crate of the pictures that [`Light::compose`] returns.
 pub use image;

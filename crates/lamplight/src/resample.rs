@@ -35,6 +35,8 @@ pub fn downsample(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
     to.set_sky(from.sky());
     to.lamps_mut().clear();
     to.lamps_mut().extend(from.lamps().iter().map(|lamp| shrunk(lamp, factor)));
+    to.suns_mut().clear();
+    to.suns_mut().extend_from_slice(from.suns());
     for y in 0..size[1] {
         for x in 0..size[0] {
             let block = Block::of(from, factor, [x, y]);

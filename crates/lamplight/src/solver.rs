@@ -132,10 +132,11 @@ impl Solver {
         self.settings.method.draw_lamps(&mut self.cells);
         self.clock.lap("cells");
         self.direct.clear();
-        if !method.lights_lamps() && !self.cells.lamps().is_empty() {
-            let Self { polar, cells, direct, clock, .. } = self;
-            let settings = settings::Polar::default();
-            polar.solve_faces(cells, &settings, &mut direct.light, &mut direct.faces);
+        let Self { polar, cells, direct, clock, .. } = self;
+        let lamps = if method.lights_lamps() { &[] } else { cells.lamps() };
+        // `polar` finds the light of suns by itself.
+        if method != Method::Polar && !(lamps.is_empty() && cells.suns().is_empty()) {
+            polar.solve_faces(cells, lamps, &mut direct.light, &mut direct.faces);
             clock.lap("direct");
         }
         let glows = self.settings.method.reads_glow();
@@ -167,9 +168,7 @@ impl Solver {
         if glows {
             self.glow.restore(&mut self.cells);
         }
-        if !method.method().lights_lamps() {
-            self.direct.add_to(&mut self.light.rgb);
-        }
+        self.direct.add_to(&mut self.light.rgb);
         self.light.width = self.cells.width();
         self.light.height = self.cells.height();
         self.light.solid.clear();

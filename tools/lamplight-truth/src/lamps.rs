@@ -1,4 +1,4 @@
-//! The direct light of lamps with a cone, and of others that are not drawn: sampled, one point of each lamp at a
+//! The direct light of suns, of lamps with a cone and of others that are not drawn: sampled, one point of each at a
 //! time.
 //!
 //! A lamp of radius R is a disc of radiance L that is seen under the angle 2·asin(R/d). Its falloff f(d) says what
@@ -12,8 +12,8 @@
 //! of a lamp inside.
 
 use crate::traverse::{Event, Grid, Traversal};
-use lamplight::Lamp;
-use std::f64::consts::PI;
+use lamplight::{Lamp, Sun};
+use std::f64::consts::{FRAC_1_PI, PI};
 
 /// A place that receives light.
 pub struct Vertex {
@@ -31,9 +31,23 @@ impl Vertex {
     }
 }
 
-/// Returns the light of one point of each lamp, that at `point` (0 to 1) across it: J, or E/2 on a face.
-pub fn direct(lamps: &[Lamp], grid: &Grid, at: &Vertex, point: f64) -> [f64; 3] {
+/// Returns the light of one point of each lamp and of each sun, that at `point` (0 to 1) across it: J, or E/2 on a
+/// face.
+pub fn direct(lamps: &[Lamp], suns: &[Sun], grid: &Grid, at: &Vertex, point: f64) -> [f64; 3] {
     let mut light = [0.0; 3];
+    for sun in suns {
+        let width = f64::from(sun.angle);
+        let (sin, cos) = (f64::from(sun.direction) + (point - 0.5) * width).sin_cos();
+        let to = [-cos, -sin];
+        let cosine = at.normal.map(|n| n[0] * to[0] + n[1] * to[1]);
+        let weight = width * cosine.map_or(0.5 * FRAC_1_PI, |cosine| 0.5 * cosine);
+        if weight <= 0.0 {
+            continue;
+        }
+        let Some(through) = to_sky(grid, at.cell, at.point, to) else { continue };
+        let radiance = sun.radiance();
+        (0..3).for_each(|c| light[c] += weight * through[c] * f64::from(radiance[c]));
+    }
     for lamp in lamps {
         let centre = lamp.position.map(f64::from);
         let off = [0, 1].map(|a| at.point[a] - centre[a]);
@@ -72,7 +86,22 @@ fn transmittance(grid: &Grid, cell: [i32; 2], from: [f64; 2], to: [f64; 2]) -> O
     if length == 0.0 {
         return Some([1.0; 3]);
     }
-    let mut walk = Traversal::new(grid, cell, from, to.map(|v| v / length));
+    along(grid, cell, from, to.map(|v| v / length), length)
+}
+
+/// The transmittance from a point in `cell` up to the sky; `None` behind a wall.
+fn to_sky(grid: &Grid, cell: [i32; 2], from: [f64; 2], way: [f64; 2]) -> Option<[f64; 3]> {
+    along(grid, cell, from, way, f64::INFINITY)
+}
+
+fn along(
+    grid: &Grid,
+    cell: [i32; 2],
+    from: [f64; 2],
+    way: [f64; 2],
+    length: f64,
+) -> Option<[f64; 3]> {
+    let mut walk = Traversal::new(grid, cell, from, way);
     let mut depth = [0.0; 3];
     loop {
         match walk.next() {

@@ -4,7 +4,7 @@ use crate::lamps::{Vertex, direct};
 use crate::random::Random;
 use crate::traverse::{Event, Grid, Stretch, Traversal};
 use lamplight::internals::Walls;
-use lamplight::{Bounces, Cells, Error, Lamp, Light, Result, Rgb, Sky};
+use lamplight::{Bounces, Cells, Error, Lamp, Light, Result, Rgb, Sky, Sun};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -127,6 +127,7 @@ pub(crate) struct Tracer<'c> {
     cells: &'c Cells,
     /// The lamps that are not drawn.
     lamps: &'c [Lamp],
+    suns: &'c [Sun],
     sky: Sky,
     grid: &'c Grid,
     limit: u32,
@@ -141,6 +142,7 @@ impl<'c> Tracer<'c> {
         Self {
             cells,
             lamps: cells.lamps(),
+            suns: cells.suns(),
             sky: cells.sky(),
             grid,
             limit: settings.bounces.limit(),
@@ -187,7 +189,7 @@ impl<'c> Tracer<'c> {
                     None => self.leave_centre([x, y], even),
                 };
                 let point = (f64::from(path) * ACROSS + shift[0]).fract();
-                let direct = direct(self.lamps, self.grid, &vertex, point);
+                let direct = direct(self.lamps, self.suns, self.grid, &vertex, point);
                 let light = self.radiance(start, &mut sampler);
                 (0..3).for_each(|c| total[c] += light[c] + direct[c]);
             }
@@ -246,13 +248,13 @@ impl<'c> Tracer<'c> {
         Traversal::new(self.grid, cell, point, [nx * cos - ny * sin, ny * cos + nx * sin])
     }
 
-    /// The direct light of a random point of each lamp that is not drawn.
+    /// The direct light of a random point of each lamp that is not drawn, and of each sun.
     fn direct(&self, at: &Vertex, random: &mut Random) -> [f64; 3] {
         // No random number is spent where there is none, so that other scenes keep theirs.
-        if self.lamps.is_empty() {
+        if self.lamps.is_empty() && self.suns.is_empty() {
             [0.0; 3]
         } else {
-            direct(self.lamps, self.grid, at, random.unit())
+            direct(self.lamps, self.suns, self.grid, at, random.unit())
         }
     }
 

@@ -15,7 +15,7 @@ pub use layers::Layers;
 pub use material::Material;
 pub use shape::{Only, Shape};
 
-use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, exact};
+use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, Sun, exact};
 use coverage::Window;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -53,6 +53,9 @@ pub struct Scene {
     /// Lamps.
     #[serde(default, rename = "lamp", skip_serializing_if = "Vec::is_empty")]
     pub lamps: Vec<Lamp>,
+    /// Suns: parallel light from beyond the grid.
+    #[serde(default, rename = "sun", skip_serializing_if = "Vec::is_empty")]
+    pub suns: Vec<Sun>,
     /// The scene's own settings; those of the command line override them.
     #[serde(default, rename = "light", skip_serializing_if = "SettingsTable::is_empty")]
     pub settings: SettingsTable,
@@ -73,6 +76,7 @@ impl Scene {
             layers: Layers::default(),
             shapes: Vec::new(),
             lamps: Vec::new(),
+            suns: Vec::new(),
             settings: SettingsTable::default(),
             display: Display::default(),
             file: PathBuf::new(),
@@ -96,6 +100,13 @@ impl Scene {
     #[must_use]
     pub fn lamp(mut self, lamp: Lamp) -> Self {
         self.lamps.push(lamp);
+        self
+    }
+
+    /// Adds a sun.
+    #[must_use]
+    pub fn sun(mut self, sun: Sun) -> Self {
+        self.suns.push(sun);
         self
     }
 
@@ -123,6 +134,7 @@ impl Scene {
             raster::paint(shape, &format!("shape[{i}]"), source, &mut images, &mut cells)?;
         }
         cells.lamps_mut().clone_from(&self.lamps);
+        cells.suns_mut().clone_from(&self.suns);
         Ok(cells)
     }
 
@@ -161,6 +173,9 @@ impl Scene {
         }
         for (i, lamp) in self.lamps.iter().enumerate() {
             lamp.check(&format_args!("lamp[{i}]"))?;
+        }
+        for (i, sun) in self.suns.iter().enumerate() {
+            sun.check(&format_args!("sun[{i}]"))?;
         }
         self.display.check().map_err(|e| e.under("display"))?;
         self.own_settings().map(|_| ())

@@ -65,9 +65,9 @@ impl Method {
         matches!(self, Self::Polar | Self::Cascades | Self::Holographic)
     }
 
-    /// Rejects a scene that the method cannot light: `polar` needs a lamp.
+    /// Rejects a scene that the method cannot light: `polar` needs a lamp or a sun.
     pub fn suits(self, cells: &Cells) -> Result<()> {
-        if self != Self::Polar || !cells.lamps().is_empty() {
+        if self != Self::Polar || !(cells.lamps().is_empty() && cells.suns().is_empty()) {
             return Ok(());
         }
         let problem = "lights lamps only, and this scene has none; add a [[lamp]], or choose another \

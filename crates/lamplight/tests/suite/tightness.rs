@@ -8,7 +8,7 @@
 use crate::common::*;
 use fastrand::Rng;
 use lamplight::settings::{BounceMode, Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
-use lamplight::{Bounces, Cells, Direct, Lamp, Matter, Rgb, Settings, Solver};
+use lamplight::{Bounces, Cells, Direct, Lamp, Matter, Rgb, Settings, Solver, Sun};
 use proptest::prelude::*;
 
 const BRIGHT: Rgb = [1000.0, 800.0, 1e6];
@@ -130,6 +130,31 @@ proptest! {
             .map(|&i| ((i as u32 % size[0], i as u32 / size[0]), light[i]))
             .collect();
         prop_assert!(leaks.is_empty(), "{} cells lit outside: {places:?}", leaks.len());
+    }
+}
+
+#[test]
+fn no_sun_shines_into_a_sealed_room() {
+    let random = &mut fresh();
+    for _ in 0..200 {
+        let size = [random.u32(4..60), random.u32(4..60)];
+        let room = 2 + (random.f32().powi(2) * 0.3 * (size[0] * size[1]) as f32) as usize;
+        let contact = [Contact::Sides, Contact::Corners][random.usize(..2)];
+        let sealed = Sealed::new(random, size, room, contact);
+        let mut cells = world(&sealed, size, random);
+        cells.emission_mut().fill([0.0; 3]);
+        cells.lamps_mut().clear();
+        let (direction, angle) = (6.0 * random.f32(), [1e-4, 0.02, 1.0][random.usize(..3)]);
+        cells.suns_mut().push(Sun { direction, angle, ..Sun::default() });
+        let settings = settings(|s| s.bounces = Bounces::Count(1));
+        let light = frames(&settings, &cells);
+        let inside = sealed.room().into_iter();
+        let lit = inside.filter(|&i| !cells.is_solid(i) && light[i] != [0.0; 3]).count();
+        let on_the_border = sealed.room().iter().any(|&i| {
+            let [x, y] = [i as u32 % size[0], i as u32 / size[0]];
+            x == 0 || y == 0 || x + 1 == size[0] || y + 1 == size[1]
+        });
+        assert!(lit == 0 || on_the_border, "{lit} cells inside are lit");
     }
 }
 

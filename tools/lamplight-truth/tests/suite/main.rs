@@ -12,3 +12,4 @@ mod lamps;
 mod progressive;
 mod raymarch;
 mod spots;
+mod suns;

@@ -8,10 +8,10 @@ use lamplight::{Rgb, Settings, Solver};
 use lamplight_truth::{Estimate, Measures};
 use std::f32::consts::TAU;
 
-const SIZE: [u32; 2] = [100, 75];
+pub const SIZE: [u32; 2] = [100, 75];
 
 /// The methods that trace matter.
-fn methods() -> [(&'static str, MethodSettings); 4] {
+pub fn methods() -> [(&'static str, MethodSettings); 4] {
     [
         ("raymarch", Raymarch { rays: 512, ..Raymarch::default() }.into()),
         ("cascades", Method::Cascades.into()),
@@ -20,20 +20,19 @@ fn methods() -> [(&'static str, MethodSettings); 4] {
     ]
 }
 
-fn solve(method: &MethodSettings, cells: &Cells, bounces: u32) -> Light {
+pub fn solve(method: &MethodSettings, cells: &Cells, bounces: u32) -> Light {
     let bounces = Bounces::Count(bounces);
     let settings = Settings { bounces, ..Settings::direct(method.clone()) };
     Solver::new(settings).unwrap().solve(cells).unwrap().clone()
 }
 
-/// A room with boxes, a bank of fog and a red pane, and two spots.
-fn room(random: &mut Rng) -> Cells {
+/// Boxes, a bank of fog and a red pane, within walls where `is_wall` holds.
+pub fn furnished(random: &mut Rng, is_wall: impl Fn([u32; 2]) -> bool) -> Cells {
     let mut corner = |within: [u32; 2]| [0, 1].map(|a| random.u32(8..within[a]));
     let boxes: Vec<[u32; 2]> = (0..4).map(|_| corner([80, 55])).collect();
     let (fog, pane) = (corner([60, 40]), corner([85, 40]));
-    let mut cells = grid(SIZE[0], SIZE[1], |x, y| {
-        let edge = x < 4 || y < 4 || x + 4 >= SIZE[0] || y + 4 >= SIZE[1];
-        if edge || boxes.iter().any(|&b| inside([x, y], b, b.map(|v| v + 10))) {
+    grid(SIZE[0], SIZE[1], |x, y| {
+        if is_wall([x, y]) || boxes.iter().any(|&b| inside([x, y], b, b.map(|v| v + 10))) {
             Matter { albedo: [0.7, 0.6, 0.4], ..WALL }
         } else if inside([x, y], fog, [fog[0] + 30, fog[1] + 20]) {
             Matter { opacity: 0.02, albedo: [0.8; 3], ..Matter::EMPTY }
@@ -42,7 +41,13 @@ fn room(random: &mut Rng) -> Cells {
         } else {
             Matter::EMPTY
         }
-    });
+    })
+}
+
+/// A furnished room with two spots.
+fn room(random: &mut Rng) -> Cells {
+    let is_wall = |[x, y]: [u32; 2]| x < 4 || y < 4 || x + 4 >= SIZE[0] || y + 4 >= SIZE[1];
+    let mut cells = furnished(random, is_wall);
     while cells.lamps().len() < 2 {
         let position = [random.f32() * 80.0 + 9.0, random.f32() * 55.0 + 9.0];
         let is_free = |dx: i32, dy: i32| {
@@ -61,7 +66,7 @@ fn room(random: &mut Rng) -> Cells {
 }
 
 /// Relative RMSE without the noise of the reference.
-fn error(light: &[Rgb], truth: &Estimate, solid: &[bool]) -> f64 {
+pub fn error(light: &[Rgb], truth: &Estimate, solid: &[bool]) -> f64 {
     let found = Measures::of(light, truth.light.pixels(), solid);
     let open = || (0..light.len()).filter(|&cell| !solid[cell]);
     let square = |cell: usize| truth.standard_error[cell].map(|e| f64::from(e).powi(2));
@@ -70,9 +75,9 @@ fn error(light: &[Rgb], truth: &Estimate, solid: &[bool]) -> f64 {
 }
 
 /// Largest relative RMSE of direct light.
-const DIRECT: f64 = 0.01;
+pub const DIRECT: f64 = 0.01;
 /// Largest relative RMSE with two bounces, by method.
-const BOUNCED: [f64; 4] = [0.02, 0.06, 0.02, 0.03];
+pub const BOUNCED: [f64; 4] = [0.02, 0.06, 0.02, 0.03];
 
 #[test]
 fn spots_light_rooms_as_the_path_tracer_does() {

@@ -5,10 +5,11 @@
 
 use super::angle::atan2;
 use super::shadow_map::{ShadowMap, ShadowScene};
+use super::sun_map::SunMap;
 use crate::grid::cast::LANES;
 use crate::settings::{Blend, Polar, ShadowFilter};
 use crate::simd::dispatch;
-use crate::stages::bounce::{Surfaces, Wall};
+use crate::stages::bounce::{Surfaces, Wall, mean_over_faces};
 use crate::stages::faces::{Faces, NORMALS};
 use crate::{Cells, Falloff, Lamp, Rgb};
 use fearless_simd::{Level, f32x16, i32x16, prelude::*};
@@ -30,6 +31,8 @@ pub struct LightPlanes {
     open: Vec<f32>,
     /// Solid cells with a face in the open.
     surfaces: Surfaces,
+    /// The light of a sun on their faces.
+    shone: Vec<Faces>,
 }
 
 /// A band of rows.
@@ -100,10 +103,9 @@ impl LightPlanes {
         scene: ShadowScene,
         shadow_maps: &[ShadowMap],
         settings: &Polar,
-        faces: &mut Vec<Faces>,
+        faces: &mut [Faces],
     ) {
         let walls = &self.surfaces.walls;
-        faces.resize(walls.len(), Faces::default());
         faces.par_iter_mut().zip(walls).for_each(|(faces, wall)| {
             let cell = wall.cell as usize;
             let center = [cell % self.width, cell / self.width].map(|v| v as f32 + 0.5);
@@ -115,6 +117,46 @@ impl LightPlanes {
                 }
             }
         });
+    }
+
+    /// The number of solid cells with a face in the open.
+    pub fn walls(&self) -> usize {
+        self.surfaces.walls.len()
+    }
+
+    /// Adds a sun, to the irradiance ÷ 2 of the faces of walls, too. Suns add up, however lamps blend.
+    pub fn shine(&mut self, scene: ShadowScene, sun_map: &SunMap, faces: &mut [Faces]) {
+        let (width, stride) = (self.width, self.stride);
+        let [red, green, blue] = &mut self.planes;
+        let rows = red.par_chunks_mut(stride).zip(green.par_chunks_mut(stride));
+        let rows = rows.zip(blue.par_chunks_mut(stride)).zip(self.open.par_chunks(stride));
+        rows.enumerate().for_each(|(y, (((red, green), blue), open))| {
+            for x in (0..width).filter(|&x| open[x] > 0.0) {
+                let light = sun_map.at(scene, [x as f32 + 0.5, y as f32 + 0.5]);
+                (red[x], green[x], blue[x]) =
+                    (red[x] + light[0], green[x] + light[1], blue[x] + light[2]);
+            }
+        });
+        let walls = &self.surfaces.walls;
+        self.shone.clear();
+        self.shone.resize(walls.len(), Faces::default());
+        self.shone.par_iter_mut().zip(walls).for_each(|(shone, wall)| {
+            let cell = wall.cell as usize;
+            let center = [cell % width, cell / width].map(|v| v as f32 + 0.5);
+            for face in (0..4).filter(|&face| wall.exposed[face]) {
+                let normal = NORMALS[face].map(|n| n as f32);
+                let middle = [0, 1].map(|a| center[a] + 0.5 * normal[a]);
+                shone[face] = sun_map.on_face(scene, middle, normal);
+            }
+        });
+        for (shone, wall) in self.shone.iter().zip(walls) {
+            let (x, y) = (wall.cell as usize % width, wall.cell as usize / width);
+            let mean = mean_over_faces(wall, shone);
+            (0..3).for_each(|c| self.planes[c][y * stride + x] += mean[c]);
+        }
+        for (sum, shone) in faces.iter_mut().zip(&self.shone) {
+            (0..4).for_each(|face| (0..3).for_each(|c| sum[face][c] += shone[face][c]));
+        }
     }
 
     /// Writes the light in row order.
@@ -184,7 +226,7 @@ impl Band<'_> {
         let nearest = (at + 0.5).to_int::<i32x16<S>>().to_array();
         let mut bounds = [[0.0; LANES]; 2];
         for l in 0..LANES {
-            [bounds[0][l], bounds[1][l]] = shadow_map.bounds[nearest[l] as usize];
+            [bounds[0][l], bounds[1][l]] = shadow_map.ranges.ends[nearest[l] as usize];
         }
         let [lit, dark] = bounds.map(|b| f32x16::load_array(simd, b));
         let (lit, dark) = (distance.simd_lt(lit), distance.simd_ge(dark));

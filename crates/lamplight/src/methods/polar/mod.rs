@@ -18,9 +18,11 @@
 mod angle;
 mod debug_view;
 mod gather;
+mod lit_ranges;
 mod penumbra;
 mod sampling;
 mod shadow_map;
+mod sun_map;
 mod transmittance_curve;
 
 pub use shadow_map::{NARROWEST, NEAREST, WIDEST, rays};
@@ -30,12 +32,13 @@ use crate::clock::Clock;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::settings::Polar;
 use crate::stages::faces::Faces;
-use crate::{Cells, Rgb};
+use crate::{Cells, Lamp, Rgb};
 use fearless_simd::Level;
 use gather::LightPlanes;
 use penumbra::SolidBits;
 use rayon::prelude::*;
 use shadow_map::{ShadowMap, ShadowScene};
+use sun_map::SunMap;
 
 /// Memory for the shadow maps of a group of lamps, bytes.
 const MOST_BYTES: usize = 128 << 20;
@@ -48,6 +51,7 @@ pub struct PolarSolver {
     solid: SolidBits,
     /// Shadow maps of a group of lamps; more than its lamps if a larger group came before.
     shadow_maps: Vec<ShadowMap>,
+    sun_map: SunMap,
     /// The number of lamps in the last group of the last frame.
     last: usize,
     planes: LightPlanes,
@@ -67,12 +71,13 @@ impl PolarSolver {
             grid: MediumGrid::default(),
             solid: SolidBits::default(),
             shadow_maps: Vec::new(),
+            sun_map: SunMap::default(),
             last: 0,
             planes: LightPlanes::default(),
         }
     }
 
-    /// Lights the cells with their lamps, which are not drawn in. `distance` is the distance field,
+    /// Lights the cells with their lamps, which are not drawn in, and their suns. `distance` is the distance field,
     /// empty unless `traversal = "distance"`.
     pub(crate) fn solve(
         &mut self,
@@ -82,43 +87,48 @@ impl PolarSolver {
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
-        self.add_lamps(cells, distance, settings, None, clock);
+        self.add(cells, cells.lamps(), distance, settings, None, clock);
         self.planes.write(light);
         clock.lap("polar");
     }
 
-    /// Lights the cells like [`Self::solve`], and each face of their walls: irradiance ÷ 2, in the order of
-    /// [`Surfaces::walls`](crate::stages::bounce::Surfaces::walls).
+    /// Lights the cells by some lamps and by their suns with exact penumbrae, and each face of their walls: irradiance
+    /// ÷ 2, in the order of [`Surfaces::walls`](crate::stages::bounce::Surfaces::walls).
     pub fn solve_faces(
         &mut self,
         cells: &Cells,
-        settings: &Polar,
+        lamps: &[Lamp],
         light: &mut Vec<Rgb>,
         faces: &mut Vec<Faces>,
     ) {
-        self.add_lamps(cells, &[], settings, Some(faces), &mut Clock::default());
+        self.add(cells, lamps, &[], &Polar::default(), Some(faces), &mut Clock::default());
         self.planes.write(light);
     }
 
-    fn add_lamps(
+    fn add(
         &mut self,
         cells: &Cells,
+        lamps: &[Lamp],
         distance: &[f32],
         settings: &Polar,
         mut faces: Option<&mut Vec<Faces>>,
         clock: &mut Clock,
     ) {
         self.grid.read(cells, Reading { translucent: settings.translucent, ..Reading::default() });
-        if faces.is_some() {
+        if faces.is_some() || !cells.suns().is_empty() {
             self.solid.read(&self.grid);
         }
         self.planes.clear(cells);
+        if let Some(faces) = &mut faces {
+            faces.clear();
+            faces.resize(self.planes.walls(), Faces::default());
+        }
         clock.lap("ground");
         self.last = 0;
-        let mut lamps = cells.lamps();
+        let (level, grid, solid) = (self.level, &self.grid, &self.solid);
+        let scene = ShadowScene { grid, solid: faces.is_some().then_some(solid) };
+        let mut lamps = lamps;
         while !lamps.is_empty() {
-            let (level, grid) = (self.level, &self.grid);
-            let scene = ShadowScene { grid, solid: faces.is_some().then_some(&self.solid) };
             let bytes = |lamp| ShadowMap::most_bytes(lamp, grid, settings);
             let mut sum = 0usize;
             let fit = lamps.iter().take_while(|&lamp| {
@@ -141,6 +151,13 @@ impl PolarSolver {
             }
             clock.lap("polar");
             lamps = rest;
+        }
+        let scene = ShadowScene { grid, solid: Some(solid) };
+        for sun in cells.suns() {
+            self.sun_map.trace(sun, scene);
+            let faces = faces.as_deref_mut().map_or(&mut [][..], Vec::as_mut_slice);
+            self.planes.shine(scene, &self.sun_map, faces);
+            clock.lap("suns");
         }
     }
 }

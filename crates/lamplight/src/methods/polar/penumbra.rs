@@ -1,10 +1,12 @@
-//! The visible part of a lamp, exactly: the segment across the disc that is not hidden by any solid cell.
+//! The visible part of a light, exactly: what no solid cell hides of it.
 //!
-//! From a pixel the disc of radius R at distance d is taken for the segment through its centre, across the line of
-//! sight; its point β lies β·R beside the centre, β from −1 to 1. A corner of a cell, `a` px ahead of the pixel
-//! and `s` px beside the line of sight, hides what lies behind it at `β = s·d/(a·R)`. So a cell hides the interval
-//! between its outermost corners, and what is left of −1 to 1 after all cells in the triangle between pixel and
-//! segment is seen. Parts of the segment that the lamp's centre does not see lie behind a wall and are dark, and so
+//! From a pixel the disc of radius R of a lamp at distance d is taken for the segment through its centre, across the
+//! line of sight; its point β lies β·R beside the centre, β from −1 to 1. A sun of angle w is such a segment at
+//! infinity, with `R/d = tan(w/2)`. A corner of a cell, `a` px ahead of the pixel and `s` px beside the line of
+//! sight, hides what lies behind it at `β = s·d/(a·R)`. So a cell hides the interval between its outermost corners,
+//! and what is left of −1 to 1 after all cells in the triangle between pixel and segment is seen.
+//!
+//! Parts of the segment of a lamp that the lamp's centre does not see lie behind a wall and are dark, and so
 //! are parts outside the grid of a lamp inside: no light goes round the walls of the grid.
 
 use crate::Rgb;
@@ -91,9 +93,9 @@ impl SolidBits {
     }
 }
 
-/// The hidden parts of a segment, −1 to 1.
+/// The hidden parts of a light, −1 to 1.
 #[derive(Default)]
-struct Hidden {
+pub struct Hidden {
     parts: [[f32; 2]; GAPS],
     count: usize,
 }
@@ -124,18 +126,38 @@ impl Hidden {
 
     /// Returns whether a point is hidden.
     fn holds(&self, point: f32) -> bool {
-        self.parts[..self.count].iter().any(|&[a, b]| (a..b).contains(&point))
+        self.parts().iter().any(|&[a, b]| (a..b).contains(&point))
     }
 
+    /// The hidden intervals.
+    pub fn parts(&self) -> &[[f32; 2]] {
+        &self.parts[..self.count]
+    }
+
+    /// Returns whether nothing is seen.
     fn is_all(&self) -> bool {
         self.count == 1 && self.parts[0] == [-1.0, 1.0]
     }
 
     /// The fraction that is seen.
     fn rest(&self) -> f32 {
-        let hidden: f32 = self.parts[..self.count].iter().map(|[a, b]| b - a).sum();
+        let hidden: f32 = self.parts().iter().map(|[a, b]| b - a).sum();
         (1.0 - 0.5 * hidden).max(0.0)
     }
+}
+
+/// The rays from a pixel to all points of a light.
+#[derive(Clone, Copy)]
+pub struct Fan {
+    pub pixel: [f32; 2],
+    /// The direction of the middle of the light.
+    pub ahead: [f32; 2],
+    /// The distance of the light, px; infinite for a sun.
+    pub distance: f32,
+    /// Half the width of the fan per px ahead.
+    pub slope: f32,
+    /// The distance ahead up to which walls may be in the way, px.
+    pub until: f32,
 }
 
 /// A lamp, as seen by pixels.
@@ -145,6 +167,23 @@ pub struct LampDisc {
     pub radius: f32,
     /// Distance from the centre up to which no wall is in the way, px.
     pub clear: f32,
+}
+
+impl LampDisc {
+    /// Returns the rays to it from a pixel at `off`.
+    pub fn fan(&self, off: [f32; 2]) -> Fan {
+        let Self { center, radius, clear } = *self;
+        let distance = off[0].hypot(off[1]);
+        // Without the part of the triangle that no wall reaches.
+        let before = (clear * clear - radius * radius).max(0.0).sqrt().min(distance);
+        Fan {
+            pixel: [center[0] + off[0], center[1] + off[1]],
+            ahead: off.map(|v| -v / distance),
+            distance,
+            slope: radius / distance,
+            until: distance - before,
+        }
+    }
 }
 
 /// Returns the visible fraction of a lamp for a pixel at `off` from it, in an open cell.
@@ -216,18 +255,20 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
             }
         }
     }
-    // Columns, or rows, from the pixel to beyond the segment.
-    let axis = usize::from(off[1].abs() > off[0].abs());
+    hide_behind_walls(solid, &lamp.fan(off), &mut hidden);
+    hidden
+}
+
+/// Adds what solid cells hide of a light.
+pub fn hide_behind_walls(solid: &SolidBits, fan: &Fan, hidden: &mut Hidden) {
+    let &Fan { distance, slope, until, .. } = fan;
+    // Columns, or rows, from the pixel on.
+    let axis = usize::from(fan.ahead[1].abs() > fan.ahead[0].abs());
     let order = |v: [f32; 2]| [v[axis], v[1 - axis]];
-    let pixel = order([center[0] + off[0], center[1] + off[1]]);
-    let ahead = order(off.map(|v| -v / distance));
-    let beside = order(across);
-    // Without the part of the triangle that no wall reaches.
-    let before = (lamp.clear * lamp.clear - radius * radius).max(0.0).sqrt().min(distance);
-    let half = radius * (1.0 - before / distance);
-    let middle = order(center);
-    let end = |side: f32| [0, 1].map(|a| middle[a] - before * ahead[a] + side * beside[a]);
-    let ends = [end(-half), end(half)];
+    let (pixel, ahead) = (order(fan.pixel), order(fan.ahead));
+    let beside = order([fan.ahead[1], -fan.ahead[0]]);
+    let end = |side: f32| [0, 1].map(|a| pixel[a] + until * (ahead[a] + side * beside[a]));
+    let ends = [end(-slope), end(slope)];
     let far = ends.map(|end| end[0]);
     let lines = [far[0].min(far[1]).min(pixel[0]), far[0].max(far[1]).max(pixel[0])];
     let slopes = ends.map(|end| {
@@ -240,7 +281,7 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
     // One cell too many costs less than to round up.
     let first = whole(lines[0]);
     let last = (whole(lines[1]) + 1).min(solid.size[axis]);
-    let scale = distance / radius;
+    let scale = 1.0 / slope;
     for line in first..last {
         // Between the sides of the triangle, within the line.
         let edges = [line as f32, line as f32 + 1.0].map(|edge| edge.clamp(lines[0], lines[1]));
@@ -252,7 +293,7 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
             }
         }
         // Steep sides leave the triangle beyond its corners.
-        if radius > 0.5 * distance {
+        if slope > 0.5 {
             (from, to) = (bounds[0], bounds[1]);
         }
         let from = whole(from.clamp(bounds[0], bounds[1]));
@@ -274,7 +315,7 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
                     hide(OUTSIDE.copysign(crossing(AHEAD)));
                 }
                 if (a > distance) != (b > distance) {
-                    hide(crossing(distance) / radius);
+                    hide(crossing(distance) * scale / distance);
                 }
                 if a > AHEAD && a <= distance {
                     hide(s * scale / a);
@@ -287,13 +328,12 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
             break;
         }
     }
-    hidden
 }
 
-/// Returns the mean transmittance of media between a pixel at `off` from a lamp and the points of the lamp that it
-/// sees; `None` if it sees none.
-pub fn through_media(grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> Option<Rgb> {
-    let through = |at: f32| through_media_to(grid, lamp, off, at);
+/// Returns the mean transmittance of media between a pixel and the points of a light that it sees; `None` if it sees
+/// none.
+pub fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
+    let through = |at: f32| through_media_to(grid, fan, at);
     let coarse: [Option<Rgb>; RAYS] = std::array::from_fn(|number| through(point(number, RAYS)));
     let differ = |a: Option<Rgb>, b: Option<Rgb>| match (a, b) {
         (Some(a), Some(b)) => (0..3).any(|c| (a[c] - b[c]).abs() > DIFFERENT),
@@ -318,16 +358,15 @@ pub fn through_media(grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> Option
     (count > 0).then(|| sum.map(|v| v / count as f32))
 }
 
-/// Returns the transmittance of media between a pixel at `off` from a lamp and the point `at` across it, −1 to 1;
-/// `None` behind a wall.
-fn through_media_to(grid: &MediumGrid, lamp: LampDisc, off: [f32; 2], at: f32) -> Option<Rgb> {
-    let LampDisc { center, radius, .. } = lamp;
-    let part = at * radius / off[0].hypot(off[1]);
-    let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
+/// Returns the transmittance of media between a pixel and the point `at` across a light, −1 to 1; `None` behind a
+/// wall.
+fn through_media_to(grid: &MediumGrid, fan: &Fan, at: f32) -> Option<Rgb> {
+    let Fan { pixel, ahead, distance, slope, .. } = *fan;
+    let part = at * slope;
+    let way = [ahead[0] + part * ahead[1], ahead[1] - part * ahead[0]];
     let length = way[0].hypot(way[1]);
     let mut depth = [0.0; 3];
-    let from = [center[0] + off[0], center[1] + off[1]];
-    let hit = grid.cast(from, way.map(|v| v / length), length, false, |step, cell| {
+    let hit = grid.cast(pixel, way.map(|v| v / length), distance * length, false, |step, cell| {
         if grid.classes[cell] == CellClass::Medium {
             let px = step.span[1] - step.span[0];
             (0..3).for_each(|c| depth[c] += grid.extinction[cell][c] * px);

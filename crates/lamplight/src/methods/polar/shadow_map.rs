@@ -10,6 +10,7 @@
 //!
 //! Known failure: walls behind the nearest one throw no penumbra of their own.
 
+use super::lit_ranges::{LitRanges, beside};
 use super::penumbra::{LampDisc, SolidBits, mean_cosine, through_media, visible};
 use super::sampling::{clear_px, sample};
 use super::transmittance_curve::TransmittanceCurves;
@@ -35,14 +36,14 @@ pub const NARROWEST: f32 = 0.5;
 /// The smallest distance of a wall, px, so that 1/length is finite.
 pub const NEAREST: f32 = 1e-3;
 /// The distance by which a wall may be nearer than the rays beside it say, px: half a cell's diagonal.
-const NEAREST_BESIDE: f32 = 0.75;
+pub const NEAREST_BESIDE: f32 = 0.75;
 /// Points along a face at which exact light is found, and their number where the lamp is near, where a cone's edge
 /// may cross the face.
 const ALONG_FACE: [usize; 2] = [3, 12];
 /// The distance from which on a lamp is far, px.
 const FAR: f32 = 16.0;
 /// Distance of these points from the wall, px: in the open for rounding's sake.
-const OUTSIDE_OF_WALL: f32 = 1e-3;
+pub const OUTSIDE_OF_WALL: f32 = 1e-3;
 /// Angles beside a pixel at which media are compared with those in front of it, in radii of the lamp as seen from
 /// the pixel: half-way to the lamp media shade the pixel from 1 radius beside, at a ninth of the way from 8.
 const PARTS: [f32; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
@@ -51,7 +52,7 @@ const FARTHEST: f32 = 1.5;
 /// Size of a lamp up to which it is as far from a pixel as its centre, as a fraction of that distance.
 const SMALL: f32 = 0.1;
 /// The difference of transmittance up to which media are even.
-const EVEN: f32 = 0.003;
+pub const EVEN: f32 = 0.003;
 /// Rays that a thread casts at a time.
 const TOGETHER: usize = 128;
 
@@ -67,13 +68,7 @@ pub struct ShadowMap {
     hits: Vec<RayHit>,
     /// 1/length of each ray, 0 if it hits nothing.
     inverse: Vec<f32>,
-    /// True if the cells that this ray and the next hit touch: one wall, without a gap.
-    joined: Vec<bool>,
-    /// The distance up to which a pixel is fully lit, and that from which it is fully dark. The
-    /// first ray is repeated at the end.
-    pub bounds: Vec<[f32; 2]>,
-    /// The number of rays to either side that matter between the bounds.
-    window: Vec<u8>,
+    pub ranges: LitRanges,
     /// Intensity of the lamp's cone at each ray, with two rays more; empty without a cone.
     pub cone: Vec<f32>,
     pub curves: TransmittanceCurves,
@@ -102,18 +97,6 @@ pub fn rays(lamp: &Lamp, [width, height]: [u32; 2], settings: &Polar) -> (f32, u
     let reach = lamp.range.min(farthest + 1.0);
     let count = (TAU * reach * settings.density).ceil().clamp(FEWEST, MOST);
     (reach, count as usize)
-}
-
-/// Returns the neighbour of one of n rays round the circle, forwards or backwards.
-#[inline(always)]
-fn beside(ray: usize, n: usize, forward: bool) -> usize {
-    if forward {
-        if ray + 1 == n { 0 } else { ray + 1 }
-    } else if ray == 0 {
-        n - 1
-    } else {
-        ray - 1
-    }
 }
 
 impl ShadowMap {
@@ -211,28 +194,14 @@ impl ShadowMap {
         self.curves.next_ray();
         self.inverse.clear();
         self.inverse.extend(self.hits.iter().map(|hit| 1.0 / hit.length.max(NEAREST)));
-        self.bound(grid, settings.shadow_filter);
-    }
-
-    /// Finds the distances between which a pixel on each ray lies in a penumbra.
-    fn bound(&mut self, grid: &MediumGrid, shadow_filter: ShadowFilter) {
-        let n = self.count;
-        self.bounds.clear();
-        self.bounds.extend(self.hits.iter().map(|hit| [hit.length; 2]));
-        if shadow_filter != ShadowFilter::Nearest {
-            self.joined.clear();
-            let cell = |ray: usize| self.hits[ray].cell;
-            self.joined.extend((0..n).map(|i| grid.touch(cell(i), cell(beside(i, n, true)))));
-            self.window.clear();
-            self.window.resize(n, 0);
-            for ray in 0..n {
-                if self.inverse[ray] > 0.0 {
-                    self.shade(ray);
-                }
-                self.bounds[ray][1] = self.dark_from(ray);
-            }
+        let mut ranges = std::mem::take(&mut self.ranges);
+        if settings.shadow_filter == ShadowFilter::Nearest {
+            ranges.sharp(&self.hits);
+        } else {
+            let covers = |ray| if self.exact { self.shaded(ray) } else { self.widest(ray) };
+            ranges.find(grid, &self.hits, |ray| self.shaded(ray), covers);
         }
-        self.bounds.push(self.bounds[0]);
+        self.ranges = ranges;
     }
 
     /// Returns the half width, in rays, of the penumbra that a ray's wall throws at 1/d.
@@ -260,52 +229,11 @@ impl ShadowMap {
         if cosine == 0.0 { self.count as f32 } else { sine.asin() * self.per_radian + 1.5 }
     }
 
-    /// Propagates a ray's hit to its neighbours.
-    fn shade(&mut self, ray: usize) {
-        let n = self.count;
-        let reach = (self.shaded(ray) as usize).min((n - 1) / 2);
-        let length = self.hits[ray].length;
-        let mut i = (ray + n - reach) % n;
-        for k in 0..=2 * reach {
-            self.bounds[i][0] = self.bounds[i][0].min(length);
-            self.window[i] = self.window[i].max(k.abs_diff(reach) as u8);
-            i = beside(i, n, true);
-        }
-    }
-
-    /// Returns the distance from which a pixel on a ray sees nothing of the lamp: walls without a gap
-    /// to either side, as far as the penumbra reaches.
-    fn dark_from(&self, ray: usize) -> f32 {
-        let n = self.count;
-        let mut far = self.hits[ray].length;
-        for forward in [true, false] {
-            let mut i = ray;
-            for k in 0.. {
-                if self.inverse[i] == 0.0 {
-                    return f32::INFINITY;
-                }
-                far = far.max(self.hits[i].length);
-                if k as f32 >= if self.exact { self.shaded(i) } else { self.widest(i) } {
-                    break;
-                }
-                if k >= n {
-                    return f32::INFINITY;
-                }
-                let next = beside(i, n, forward);
-                if !self.joined[if forward { i } else { next }] {
-                    return f32::INFINITY;
-                }
-                i = next;
-            }
-        }
-        far
-    }
-
     /// Returns the visible fraction of the lamp for a pixel at `off` from it, `at` its angle in rays,
     /// 0 to `count`.
     pub fn seen(&self, scene: ShadowScene, off: [f32; 2], at: f32) -> f32 {
         let distance = off[0].hypot(off[1]);
-        let [lit, dark] = self.bounds[(at + 0.5) as usize];
+        let [lit, dark] = self.ranges.ends[(at + 0.5) as usize];
         if distance < lit {
             1.0
         } else if distance >= dark {
@@ -359,7 +287,7 @@ impl ShadowMap {
     /// Returns the lamp as a pixel at the angle `at` sees it.
     fn disc(&self, at: f32) -> LampDisc {
         // Walls may lie between two rays.
-        let clear = (self.bounds[(at + 0.5) as usize][0] - NEAREST_BESIDE).max(0.0);
+        let clear = (self.ranges.ends[(at + 0.5) as usize][0] - NEAREST_BESIDE).max(0.0);
         LampDisc { center: self.lamp.position, radius: self.lamp.size, clear }
     }
 
@@ -391,12 +319,12 @@ impl ShadowMap {
             let mut done = 0.0f32;
             let mut wall = false;
             let (mut i, mut before) = (own, own);
-            for k in 0..=self.window[own] {
+            for k in 0..=self.ranges.window[own] {
                 let link = if forward { before } else { i };
                 if self.inverse[i] > inverse {
                     let width = self.width(i, inverse);
                     let middle = if forward { beside_ray } else { -beside_ray } + f32::from(k);
-                    if !(wall && self.joined[link]) {
+                    if !(wall && self.ranges.joined[link]) {
                         gap(done, (middle - 0.5) / width);
                     }
                     done = done.max((middle + 0.5) / width);
@@ -459,7 +387,7 @@ impl ShadowMap {
             let longer = 0.5 * (k.hypot(1.0) + k.asinh() / k);
             return if k < SMALL { through } else { through.map(|t| t.powf(longer)) };
         }
-        through_media(scene.grid, self.disc(at), off).unwrap_or(through)
+        through_media(scene.grid, &self.disc(at).fan(off)).unwrap_or(through)
     }
 
     /// Returns the transmittance of media along the rays of an angle.

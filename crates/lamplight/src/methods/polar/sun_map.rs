@@ -1,0 +1,201 @@
+//! The shadow map of a sun: parallel rays, side by side, and their lookup by pixels.
+//!
+//! A pixel lies `across` px along the line that the rays start from, and `along` px behind it. Its ray is lit up to
+//! its first wall, as in the map of a lamp. A sun of apparent width w is seen from a pixel under the angles φ from
+//! −w/2 to w/2 beside the ray; what walls hide of them is found exactly for pixels in a penumbra:
+//!
+//! `J = (L/2π)·∫V(φ) dφ·⟨T⟩`, and on a face `E/2 = (L/2)·∫V(φ) cosθ dφ·⟨T⟩`
+
+use super::lit_ranges::LitRanges;
+use super::penumbra::{Fan, Hidden, hide_behind_walls, through_media};
+use super::shadow_map::{EVEN, NEAREST_BESIDE, OUTSIDE_OF_WALL, ShadowScene};
+use super::transmittance_curve::TransmittanceCurves;
+use crate::grid::cast::RayHit;
+use crate::grid::class::CellClass;
+use crate::{Rgb, Sun};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
+
+/// Rays per px.
+const DENSITY: f32 = 1.0;
+/// Points along a face at which its light is found.
+const ALONG_FACE: usize = 3;
+/// Angles beside a pixel at which media are compared with those in front of it, in half widths of the sun.
+const PARTS: [f32; 2] = [0.5, 1.0];
+
+/// The shadow map of one sun.
+#[derive(Debug, Default)]
+pub struct SunMap {
+    pub sun: Sun,
+    /// Unit vectors across the rays, and the way that its light travels.
+    across: [f32; 2],
+    travels: [f32; 2],
+    /// The place of the first ray across, and of the starts of all along.
+    start: [f32; 2],
+    /// Length of the rays, px.
+    reach: f32,
+    /// tan(w/2).
+    slope: f32,
+    hits: Vec<RayHit>,
+    ranges: LitRanges,
+    curves: TransmittanceCurves,
+}
+
+/// What a place sees of a sun.
+enum Seen {
+    All,
+    Nothing,
+    Part(Hidden),
+}
+
+impl SunMap {
+    /// Casts the rays of a sun.
+    pub fn trace(&mut self, sun: &Sun, scene: ShadowScene) {
+        let grid = scene.grid;
+        let (sin, cos) = sun.direction.sin_cos();
+        self.sun = *sun;
+        (self.travels, self.across) = ([cos, sin], [-sin, cos]);
+        self.slope = (0.5 * sun.angle).tan();
+        let [w, h] = grid.size.map(|side| side as f32);
+        let corners = [[0.0, 0.0], [w, 0.0], [0.0, h], [w, h]];
+        let range = |way: [f32; 2]| {
+            let at = corners.map(|[x, y]| x * way[0] + y * way[1]);
+            [
+                at.iter().copied().fold(f32::INFINITY, f32::min),
+                at.into_iter().fold(f32::NEG_INFINITY, f32::max),
+            ]
+        };
+        let ([left, right], [near, far]) = (range(self.across), range(self.travels));
+        self.reach = far - near;
+        // Rays beside the grid, so that the last is not beside the first.
+        let beside = (self.reach * self.slope * DENSITY).ceil() + 2.0;
+        self.start = [left - beside / DENSITY, near];
+        let count = ((right - left) * DENSITY + 2.0 * beside).ceil() as usize + 1;
+        self.curves.clear(self.reach);
+        self.hits.clear();
+        for ray in 0..count {
+            self.curves.next_ray();
+            let across = self.start[0] + ray as f32 / DENSITY;
+            let from = [0, 1].map(|a| across * self.across[a] + near * self.travels[a]);
+            let curves = &mut self.curves;
+            self.hits.push(grid.cast(from, self.travels, self.reach, false, |step, cell| {
+                if grid.classes[cell] == CellClass::Medium {
+                    curves.medium(step.span, grid.extinction[cell]);
+                }
+            }));
+        }
+        self.curves.next_ray();
+        let (reach, slope, hits) = (self.reach, self.slope, &self.hits);
+        let shades = |ray: usize| (reach - hits[ray].length).max(0.0) * slope * DENSITY + 1.5;
+        self.ranges.find(grid, hits, shades, shades);
+    }
+
+    /// Returns the place of a point: its ray, and its distance along it.
+    fn place(&self, [x, y]: [f32; 2]) -> (f32, f32) {
+        let across = x * self.across[0] + y * self.across[1];
+        let along = x * self.travels[0] + y * self.travels[1];
+        ((across - self.start[0]) * DENSITY, along - self.start[1])
+    }
+
+    fn fan(&self, pixel: [f32; 2], (at, along): (f32, f32)) -> Fan {
+        let clear = self.ranges.ends[(at + 0.5) as usize][0];
+        Fan {
+            pixel,
+            ahead: self.travels.map(|v| -v),
+            distance: f32::INFINITY,
+            slope: self.slope,
+            until: (along - clear + NEAREST_BESIDE).clamp(0.0, along.max(0.0)),
+        }
+    }
+
+    fn seen(&self, scene: ShadowScene, pixel: [f32; 2], place: (f32, f32)) -> Seen {
+        let (at, along) = place;
+        let [lit, dark] = self.ranges.ends[(at + 0.5) as usize];
+        if along < lit {
+            return Seen::All;
+        }
+        let Some(solid) = scene.solid.filter(|_| along < dark) else { return Seen::Nothing };
+        let mut hidden = Hidden::default();
+        hide_behind_walls(solid, &self.fan(pixel, place), &mut hidden);
+        Seen::Part(hidden)
+    }
+
+    /// Returns the mean radiance that an open cell receives.
+    pub fn at(&self, scene: ShadowScene, pixel: [f32; 2]) -> Rgb {
+        let place = self.place(pixel);
+        let angle = |at: f32| (at * self.slope).atan();
+        let width = match self.seen(scene, pixel, place) {
+            Seen::Nothing => return [0.0; 3],
+            Seen::All => self.sun.angle,
+            Seen::Part(hidden) => {
+                let hides = |&[from, to]: &[f32; 2]| angle(to) - angle(from);
+                self.sun.angle - hidden.parts().iter().map(hides).sum::<f32>()
+            }
+        };
+        self.light(scene, pixel, place, 0.5 * FRAC_1_PI * width)
+    }
+
+    /// Returns the irradiance ÷ 2 of a face, by its middle.
+    pub fn on_face(&self, scene: ShadowScene, middle: [f32; 2], normal: [f32; 2]) -> Rgb {
+        let ahead = self.travels.map(|v| -v);
+        let facing = normal[0] * ahead[0] + normal[1] * ahead[1];
+        let turned = (normal[0] * ahead[1] - normal[1] * ahead[0]).atan2(facing);
+        // ∫cosθ over the angles above the horizon, up to a point of the sun. Angles fall from −1 to 1.
+        let up_to =
+            |at: f32| -(turned - (at * self.slope).atan()).clamp(-FRAC_PI_2, FRAC_PI_2).sin();
+        let mut sum = [0.0; 3];
+        for part in 0..ALONG_FACE {
+            let along = (part as f32 + 0.5) / ALONG_FACE as f32 - 0.5;
+            let point =
+                [0, 1].map(|a| middle[a] + OUTSIDE_OF_WALL * normal[a] + along * normal[1 - a]);
+            let place = self.place(point);
+            let whole = up_to(1.0) - up_to(-1.0);
+            let received = match self.seen(scene, point, place) {
+                _ if whole <= 0.0 => continue,
+                Seen::Nothing => continue,
+                Seen::All => whole,
+                Seen::Part(hidden) => {
+                    let hides = |&[from, to]: &[f32; 2]| up_to(to) - up_to(from);
+                    whole - hidden.parts().iter().map(hides).sum::<f32>()
+                }
+            };
+            let light = self.light(scene, point, place, 0.5 * received / ALONG_FACE as f32);
+            (0..3).for_each(|c| sum[c] += light[c]);
+        }
+        sum
+    }
+
+    /// Returns light of the sun's radiance, times a factor, through media.
+    fn light(&self, scene: ShadowScene, pixel: [f32; 2], place: (f32, f32), factor: f32) -> Rgb {
+        // Rounding may leave less than nothing.
+        let factor = factor.max(0.0);
+        let light = self.sun.radiance().map(|v| v * factor);
+        if factor == 0.0 || self.curves.is_empty() {
+            return light;
+        }
+        let through = self.transmittance(scene, pixel, place);
+        [0, 1, 2].map(|c| light[c] * through[c])
+    }
+
+    fn transmittance(&self, scene: ShadowScene, pixel: [f32; 2], (at, along): (f32, f32)) -> Rgb {
+        let middle = self.through(at, along);
+        let varies = PARTS.iter().any(|part| {
+            let beside = part * along * self.slope * DENSITY;
+            [at - beside, at + beside].into_iter().any(|at| {
+                let there = self.through(at, along);
+                (0..3).any(|c| (there[c] - middle[c]).abs() > EVEN)
+            })
+        });
+        if !varies {
+            return middle;
+        }
+        through_media(scene.grid, &self.fan(pixel, (at, along))).unwrap_or(middle)
+    }
+
+    /// Returns the transmittance of media along the rays beside a place.
+    fn through(&self, at: f32, along: f32) -> Rgb {
+        let at = at.clamp(0.0, self.hits.len() as f32 - 1.001);
+        let (first, weight) = (at as usize, at.fract());
+        let [a, b] = [first, first + 1].map(|ray| self.curves.transmittance(ray, along));
+        [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * weight)
+    }
+}

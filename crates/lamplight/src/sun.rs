@@ -1,0 +1,71 @@
+//! Suns: parallel light from beyond the grid.
+
+use crate::{Result, Rgb, check, notation};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f32::consts::TAU;
+use std::fmt::Display;
+
+/// 2π, rounded up to four digits, as for [`crate::Cone`].
+#[expect(clippy::approx_constant, reason = "6.2832 in a file means the whole circle")]
+const TURN: f32 = 6.2832;
+
+/// A sun: a part of the sky so narrow that it throws shadows, lit exactly in every method.
+///
+/// Its radiance L is even over its apparent width w, so a face that it meets head on receives
+/// `E = ∫L cosθ dθ = 2L·sin(w/2)`, and an open cell the mean radiance `J = L·w/2π`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sun {
+    /// The way its light travels, radians from +x towards +y (down), −2π to 2π: `"90deg"` is straight down.
+    #[serde(deserialize_with = "notation::angle")]
+    #[schemars(with = "notation::Angle")]
+    pub direction: f32,
+    /// Its apparent width, radians, 0.0001 to 2. Higher: softer shadows. The sun of the earth has 0.0093; what
+    /// is wider is a sky.
+    #[serde(default = "default_angle", deserialize_with = "notation::angle")]
+    #[schemars(with = "notation::Angle")]
+    pub angle: f32,
+    /// The colour, linear RGB.
+    #[serde(default = "default_color", deserialize_with = "notation::color")]
+    #[schemars(with = "notation::Color")]
+    pub color: Rgb,
+    /// Factor on the colour, 0 to 1e6: the irradiance of a face that the sun meets head on. An open cell shows
+    /// about 1/2π of it, a white wall ½.
+    #[serde(default = "default_intensity")]
+    pub intensity: f32,
+}
+
+fn default_angle() -> f32 {
+    Sun::default().angle
+}
+
+fn default_color() -> Rgb {
+    Sun::default().color
+}
+
+fn default_intensity() -> f32 {
+    Sun::default().intensity
+}
+
+impl Default for Sun {
+    fn default() -> Self {
+        Self { direction: TAU / 4.0, angle: 0.02, color: [1.0; 3], intensity: 3.0 }
+    }
+}
+
+impl Sun {
+    /// Validates the sun; `key` names it in the error.
+    pub fn check(&self, key: &dyn Display) -> Result<()> {
+        check::number(format_args!("{key}.direction"), self.direction, -TURN..=TURN)?;
+        check::number(format_args!("{key}.angle"), self.angle, 1e-4..=2.0)?;
+        check::radiance(format_args!("{key}.color"), self.color)?;
+        check::number(format_args!("{key}.intensity"), self.intensity, 0.0..=1e6)
+    }
+
+    /// Its radiance.
+    pub fn radiance(&self) -> Rgb {
+        let head_on = 2.0 * (0.5 * self.angle).sin();
+        self.color.map(|c| c * self.intensity / head_on)
+    }
+}
