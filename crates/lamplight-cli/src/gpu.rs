@@ -26,6 +26,11 @@ pub struct Gpu {
     name: String,
 }
 
+/// Returns whether the GPU leaves out suns of a scene.
+pub fn leaves_out_suns(cells: &Cells) -> bool {
+    !cells.suns().is_empty()
+}
+
 /// Returns whether the GPU lights a scene otherwise than the CPU: below light that is found by these methods, it
 /// draws lamps that the CPU lights by their shadow maps, and their cones are lost.
 pub fn loses_beams(methods: &[Method], cells: &Cells) -> bool {
@@ -37,7 +42,7 @@ impl Gpu {
     pub fn choose(backend: Backend, methods: &[Method], cells: &Cells) -> Result<Option<Self>> {
         match backend {
             Backend::Cpu => Ok(None),
-            Backend::Auto if loses_beams(methods, cells) => Ok(None),
+            Backend::Auto if leaves_out_suns(cells) || loses_beams(methods, cells) => Ok(None),
             Backend::Gpu => Self::open().map(Some),
             // A GPU that fails is no reason to stop.
             Backend::Auto => Ok(stderr::captured(|| Self::request(Candidates::Hardware)).0.ok()),

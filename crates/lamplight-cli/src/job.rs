@@ -129,7 +129,8 @@ fn warn_of_what_is_ignored(
     settings: &Settings,
 ) {
     if let Renderer::Method(method) = renderer {
-        warnings::lost_beams(flags.machine.backend, &[method], cells).iter().for_each(|w| warn(w));
+        let unknown = warnings::unknown_to_the_gpu(flags.machine.backend, &[method], cells);
+        unknown.iter().for_each(|text| warn(text));
     }
     let suited = !matches!(renderer, Renderer::Method(method) if method.suits(cells).is_err());
     if let (Some(text), true) = (warnings::left_out(renderer, cells, settings), suited) {

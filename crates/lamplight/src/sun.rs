@@ -21,7 +21,7 @@ pub struct Sun {
     #[serde(deserialize_with = "notation::angle")]
     #[schemars(with = "notation::Angle")]
     pub direction: f32,
-    /// Its apparent width, radians, 0.0001 to 2. Higher: softer shadows. The sun of the earth has 0.0093; what
+    /// Its apparent width, radians, 0.0001 to 0.5. Higher: softer shadows. The sun of the earth has 0.0093; what
     /// is wider is a sky.
     #[serde(default = "default_angle", deserialize_with = "notation::angle")]
     #[schemars(with = "notation::Angle")]
@@ -58,7 +58,7 @@ impl Sun {
     /// Validates the sun; `key` names it in the error.
     pub fn check(&self, key: &dyn Display) -> Result<()> {
         check::number(format_args!("{key}.direction"), self.direction, -TURN..=TURN)?;
-        check::number(format_args!("{key}.angle"), self.angle, 1e-4..=2.0)?;
+        check::number(format_args!("{key}.angle"), self.angle, 1e-4..=0.5)?;
         check::radiance(format_args!("{key}.color"), self.color)?;
         check::number(format_args!("{key}.intensity"), self.intensity, 0.0..=1e6)
     }

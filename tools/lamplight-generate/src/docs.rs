@@ -29,11 +29,12 @@ const THEATRE: [(&str, &[&str]); 4] = [
     ("theatre-flood-seed", &["--method", "flood", "--frames", "16", "--set", "flood.preset=seed"]),
 ];
 /// The recipes of docs/cookbook.md.
-const COOKBOOK: [&str; 11] = [
+const COOKBOOK: [&str; 12] = [
     "dusk",
     "fireflies",
     "flashlight",
     "fog",
+    "forest",
     "lava",
     "leaves",
     "neon",

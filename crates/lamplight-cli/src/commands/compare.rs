@@ -153,7 +153,8 @@ fn warn_of_what_is_ignored(
     cells: &Cells,
     settings: &Settings,
 ) {
-    warnings::lost_beams(args.machine.backend, methods, cells).iter().for_each(|text| warn(text));
+    let unknown = warnings::unknown_to_the_gpu(args.machine.backend, methods, cells);
+    unknown.iter().for_each(|text| warn(text));
     for &method in methods.iter().filter(|method| method.suits(cells).is_ok()) {
         if let Some(text) = warnings::left_out(Renderer::Method(method), cells, settings) {
             warn(&text);

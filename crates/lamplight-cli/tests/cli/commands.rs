@@ -176,6 +176,21 @@ fn compare_names_methods_that_cannot_light_the_scene() {
 }
 
 #[test]
+fn a_sun_shines_by_every_method() {
+    let sandbox = Sandbox::new();
+    sandbox.write("sun.toml", "size = [9, 9]\n[[sun]]\ndirection = \"90deg\"\nangle = \"1deg\"\n");
+    for method in ["raymarch", "flood", "polar", "cascades", "holographic", "reference"] {
+        let command = format!("probe sun.toml 4,4 --json --backend cpu --method {method}");
+        let light = json(&sandbox.run(&command).done())["points"][0]["luminance"].as_f64().unwrap();
+        assert!((light - 3.0 / std::f64::consts::TAU).abs() < 1e-4, "{method}: {light}");
+    }
+    sandbox.write("sun.toml", "size = [9, 9]\n[[sun]]\nangle = 0.1\n");
+    sandbox.run("render sun.toml").failed(2, &["`sun[0].direction` is missing"]);
+    sandbox.write("sun.toml", "size = [9, 9]\n[[sun]]\ndirection = 1.0\nangle = 0.9\n");
+    sandbox.run("render sun.toml").failed(2, &["`sun[0].angle` is 0.9, but must be"]);
+}
+
+#[test]
 fn a_spot_throws_its_beam_by_every_method() {
     let sandbox = Sandbox::new();
     let lamp = "[[lamp]]\nposition = [16.5, 8.5]\ncone = { direction = 0.0, angle = 1.0 }\n";

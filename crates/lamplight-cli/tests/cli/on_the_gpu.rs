@@ -53,6 +53,9 @@ fn beams_that_the_gpu_loses_are_named() {
         let said = sandbox.run(&format!("render {flags}")).err;
         assert_eq!(said.contains(warning), is_lost, "{method}: {said}");
     }
+    sandbox.write("sun.toml", "size = [8, 8]\n[[sun]]\ndirection = 1.0\n");
+    let said = sandbox.run("render sun.toml --backend gpu").err;
+    assert!(said.contains("the GPU leaves out suns"), "{said}");
     let report = sandbox.run("render cone.toml --json").done();
     assert_eq!(json(&report)["backend"], "cpu", "auto loses the beam");
 }

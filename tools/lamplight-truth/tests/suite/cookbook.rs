@@ -6,11 +6,12 @@ use lamplight::{Light, Rgb, Scene, Shape, Sky, Solver};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const RECIPES: [&str; 11] = [
+const RECIPES: [&str; 12] = [
     "dusk",
     "fireflies",
     "flashlight",
     "fog",
+    "forest",
     "lava",
     "leaves",
     "neon",
@@ -181,6 +182,20 @@ fn each_firefly_lights_only_what_is_near() {
     assert!(sum(near) > 3.0 * sum(wood.at(127, 24)), "{near:?} {:?}", wood.at(127, 24));
     let moon = moonlit.at(4, 40);
     assert!(moon[2] > 1.5 * moon[1] && moon[1] > 1.5 * moon[0], "{moon:?}");
+}
+
+#[test]
+fn a_sun_between_trunks_makes_beams_that_run_side_by_side() {
+    let light = light("forest", |_| ());
+    // Along the direction of the sun, 52° down: in a beam, and in the shadow of the second trunk.
+    let along = |x: f32, px: f32| {
+        let (sin, cos) = 52.0f32.to_radians().sin_cos();
+        sum(light.at((x + px * cos) as u32, (20.0 + px * sin) as u32))
+    };
+    for px in [0.0, 10.0, 20.0] {
+        let (beam, shadow) = (along(80.0, px), along(63.0, px));
+        assert!(beam > 1.5 * shadow, "{px}: {beam} {shadow}");
+    }
 }
 
 #[test]

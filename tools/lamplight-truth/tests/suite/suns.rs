@@ -11,7 +11,7 @@ const ROUNDING: f32 = 1e-4;
 
 #[test]
 fn a_sun_lights_the_open_and_a_wall_that_it_meets_as_by_hand() {
-    for angle in [1e-4, 0.02, 0.5, 2.0] {
+    for angle in [1e-4, 0.02, 0.5] {
         // Down, on a floor.
         let mut cells = grid(24, 16, |_, y| if y < 12 { Matter::EMPTY } else { WALL });
         let sun = Sun { direction: 0.5 * PI, angle, intensity: 2.0, ..Sun::default() };

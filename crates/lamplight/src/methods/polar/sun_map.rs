@@ -20,7 +20,7 @@ const DENSITY: f32 = 1.0;
 /// Points along a face at which its light is found.
 const ALONG_FACE: usize = 3;
 /// Angles beside a pixel at which media are compared with those in front of it, in half widths of the sun.
-const PARTS: [f32; 2] = [0.5, 1.0];
+const PARTS: [f32; 4] = [0.125, 0.25, 0.5, 1.0];
 
 /// The shadow map of one sun.
 #[derive(Debug, Default)]
