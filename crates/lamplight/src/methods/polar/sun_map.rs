@@ -40,8 +40,8 @@ pub struct SunMap {
     curves: TransmittanceCurves,
 }
 
-/// What a place sees of a sun.
-enum Seen {
+/// The part of a sun that a place sees.
+enum SeenOfSun {
     All,
     Nothing,
     Part(Hidden),
@@ -107,16 +107,16 @@ impl SunMap {
         }
     }
 
-    fn seen(&self, scene: ShadowScene, pixel: [f32; 2], place: (f32, f32)) -> Seen {
+    fn seen(&self, scene: ShadowScene, pixel: [f32; 2], place: (f32, f32)) -> SeenOfSun {
         let (at, along) = place;
         let [lit, dark] = self.ranges.ends[(at + 0.5) as usize];
         if along < lit {
-            return Seen::All;
+            return SeenOfSun::All;
         }
-        let Some(solid) = scene.solid.filter(|_| along < dark) else { return Seen::Nothing };
+        let Some(solid) = scene.solid.filter(|_| along < dark) else { return SeenOfSun::Nothing };
         let mut hidden = Hidden::default();
         hide_behind_walls(solid, &self.fan(pixel, place), &mut hidden);
-        Seen::Part(hidden)
+        SeenOfSun::Part(hidden)
     }
 
     /// Returns the mean radiance that an open cell receives.
@@ -124,9 +124,9 @@ impl SunMap {
         let place = self.place(pixel);
         let angle = |at: f32| (at * self.slope).atan();
         let width = match self.seen(scene, pixel, place) {
-            Seen::Nothing => return [0.0; 3],
-            Seen::All => self.sun.angle,
-            Seen::Part(hidden) => {
+            SeenOfSun::Nothing => return [0.0; 3],
+            SeenOfSun::All => self.sun.angle,
+            SeenOfSun::Part(hidden) => {
                 let hides = |&[from, to]: &[f32; 2]| angle(to) - angle(from);
                 self.sun.angle - hidden.parts().iter().map(hides).sum::<f32>()
             }
@@ -151,9 +151,9 @@ impl SunMap {
             let whole = up_to(1.0) - up_to(-1.0);
             let received = match self.seen(scene, point, place) {
                 _ if whole <= 0.0 => continue,
-                Seen::Nothing => continue,
-                Seen::All => whole,
-                Seen::Part(hidden) => {
+                SeenOfSun::Nothing => continue,
+                SeenOfSun::All => whole,
+                SeenOfSun::Part(hidden) => {
                     let hides = |&[from, to]: &[f32; 2]| up_to(to) - up_to(from);
                     whole - hidden.parts().iter().map(hides).sum::<f32>()
                 }
