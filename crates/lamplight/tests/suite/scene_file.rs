@@ -4,7 +4,7 @@ use lamplight::Gradient;
 use lamplight::scene::{Layers, Material};
 use lamplight::{
     Bounces, Cone, Direct, Display, Falloff, Lamp, Matter, Method, Scene, Settings, SettingsTable,
-    Shape, Sky, ToneMap,
+    Shape, Sky, Sun, ToneMap,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -51,6 +51,12 @@ fn whole() -> Scene {
             direct: Direct::Exact,
             solid: true,
             visible: true,
+        })
+        .sun(Sun {
+            direction: 60f32.to_radians(),
+            angle: 0.03,
+            color: [1.0, 0.9, 0.8],
+            intensity: 2.0,
         });
     scene.layers = Layers {
         emission: Some("emission.png".into()),
@@ -238,7 +244,7 @@ const TOML_MISTAKES: &[Mistake] = &[
     (
         "size = [4, 4]\nskyy = 3",
         "line 2: `skyy` is not a known key; did you mean `sky`? (known here: size, sky, layers, \
-         shape, lamp, light, display)",
+         shape, lamp, sun, light, display)",
     ),
     (
         "size = [4, 4]\nsky = \"blue\"",
@@ -533,6 +539,7 @@ fn the_schema_has_every_key_and_no_other() {
     assert_eq!(schema["required"], serde_json::json!(["size"]));
     let definitions = &schema["$defs"];
     assert_eq!(keys(&definitions["Lamp"]["properties"]), keys(&scene["lamp"][0]));
+    assert_eq!(keys(&definitions["Sun"]["properties"]), keys(&scene["sun"][0]));
     assert_eq!(keys(&definitions["Layers"]["properties"]), keys(&scene["layers"]));
     let mut shapes: Vec<String> =
         scene["shape"].as_array().unwrap().iter().flat_map(keys).collect();

@@ -45,8 +45,8 @@ const FAR: f32 = 16.0;
 /// Distance of these points from the wall, px: in the open for rounding's sake.
 pub const OUTSIDE_OF_WALL: f32 = 1e-3;
 /// Angles beside a pixel at which media are compared with those in front of it, in radii of the lamp as seen from
-/// the pixel: half-way to the lamp media shade the pixel from 1 radius beside, at a ninth of the way from 8.
-const PARTS: [f32; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
+/// the pixel; the last is a quarter turn, where they are right beside the lamp.
+const PARTS: [f32; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, f32::INFINITY];
 /// The largest of these angles, radians.
 const FARTHEST: f32 = 1.5;
 /// Size of a lamp up to which it is as far from a pixel as its centre, as a fraction of that distance.
@@ -371,13 +371,15 @@ impl ShadowMap {
             return through;
         }
         let n = self.count as f32;
-        let farther = distance.max(self.lamp.size);
-        let (seen_under, middle) =
-            (self.lamp.size / farther, self.through(at, farther, shadow_filter));
+        let seen_under = self.lamp.size / distance.max(self.lamp.size);
         let varies = PARTS.iter().any(|part| {
+            // Where a ray from the lamp leaves the triangle between lamp and pixel.
+            let (sin, cos) = (part * seen_under).min(FARTHEST).sin_cos();
+            let leaves = self.lamp.size / (sin + seen_under * cos);
+            let middle = self.through(at, leaves, shadow_filter);
             let beside = (part * seen_under).min(FARTHEST) * self.per_radian;
             [at - beside, at + beside].into_iter().any(|at| {
-                let there = self.through(at.rem_euclid(n).min(n - 1.0), farther, shadow_filter);
+                let there = self.through(at.rem_euclid(n).min(n - 1.0), leaves, shadow_filter);
                 (0..3).any(|c| (there[c] - middle[c]).abs() > EVEN)
             })
         });

@@ -19,8 +19,9 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 const DENSITY: f32 = 1.0;
 /// Points along a face at which its light is found.
 const ALONG_FACE: usize = 3;
-/// Angles beside a pixel at which media are compared with those in front of it, in half widths of the sun.
-const PARTS: [f32; 4] = [0.125, 0.25, 0.5, 1.0];
+/// Places beside a pixel at which media are compared with those in front of it, as fractions of the width of what it
+/// sees of the sky.
+const PARTS: [f32; 4] = [0.125, 0.25, 0.5, 0.75];
 
 /// The shadow map of one sun.
 #[derive(Debug, Default)]
@@ -179,9 +180,11 @@ impl SunMap {
     fn transmittance(&self, scene: ShadowScene, pixel: [f32; 2], (at, along): (f32, f32)) -> Rgb {
         let middle = self.through(at, along);
         let varies = PARTS.iter().any(|part| {
-            let beside = part * along * self.slope * DENSITY;
+            // Where a ray leaves the triangle that the pixel sees the sun through.
+            let (beside, leaves) = (part * along * self.slope * DENSITY, (1.0 - part) * along);
+            let middle = self.through(at, leaves);
             [at - beside, at + beside].into_iter().any(|at| {
-                let there = self.through(at, along);
+                let there = self.through(at, leaves);
                 (0..3).any(|c| (there[c] - middle[c]).abs() > EVEN)
             })
         });
