@@ -45,8 +45,8 @@ const FAR: f32 = 16.0;
 /// Distance of these points from the wall, px: in the open for rounding's sake.
 pub const OUTSIDE_OF_WALL: f32 = 1e-3;
 /// Angles beside a pixel at which media are compared with those in front of it, in radii of the lamp as seen from
-/// the pixel; the last is a quarter turn, where they are right beside the lamp.
-const PARTS: [f32; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, f32::INFINITY];
+/// the pixel.
+const PARTS: [f32; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 /// The largest of these angles, radians.
 const FARTHEST: f32 = 1.5;
 /// Size of a lamp up to which it is as far from a pixel as its centre, as a fraction of that distance.
@@ -371,18 +371,20 @@ impl ShadowMap {
             return through;
         }
         let n = self.count as f32;
-        let seen_under = self.lamp.size / distance.max(self.lamp.size);
-        let varies = PARTS.iter().any(|part| {
-            // Where a ray from the lamp leaves the triangle between lamp and pixel.
-            let (sin, cos) = (part * seen_under).min(FARTHEST).sin_cos();
-            let leaves = self.lamp.size / (sin + seen_under * cos);
-            let middle = self.through(at, leaves, shadow_filter);
-            let beside = (part * seen_under).min(FARTHEST) * self.per_radian;
-            [at - beside, at + beside].into_iter().any(|at| {
-                let there = self.through(at.rem_euclid(n).min(n - 1.0), leaves, shadow_filter);
+        let farther = distance.max(self.lamp.size);
+        let seen_under = self.lamp.size / farther;
+        let differs = |angle: f32, up_to: f32| {
+            let middle = self.through(at, up_to, shadow_filter);
+            [-angle, angle].into_iter().any(|angle| {
+                let at = (at + angle * self.per_radian).rem_euclid(n).min(n - 1.0);
+                let there = self.through(at, up_to, shadow_filter);
                 (0..3).any(|c| (there[c] - middle[c]).abs() > EVEN)
             })
-        });
+        };
+        // Right beside the lamp only up to where a ray leaves the triangle between lamp and pixel.
+        let beside = self.lamp.size / (FARTHEST.sin() + seen_under * FARTHEST.cos());
+        let varies = PARTS.iter().any(|part| differs((part * seen_under).min(FARTHEST), farther))
+            || differs(FARTHEST, beside);
         if !varies {
             // The way to the rim of the lamp is longer: by ½·(√(1 + k²) + asinh(k)/k) in the mean.
             let k = self.lamp.size / distance.max(f32::MIN_POSITIVE);

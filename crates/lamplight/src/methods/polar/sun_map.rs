@@ -19,9 +19,9 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 const DENSITY: f32 = 1.0;
 /// Points along a face at which its light is found.
 const ALONG_FACE: usize = 3;
-/// Places beside a pixel at which media are compared with those in front of it, as fractions of the width of what it
-/// sees of the sky.
-const PARTS: [f32; 4] = [0.125, 0.25, 0.5, 0.75];
+/// Places beside a pixel at which media are compared with those in front of it, in half widths of what it sees of the
+/// sky.
+const PARTS: [f32; 4] = [0.125, 0.25, 0.5, 1.0];
 
 /// The shadow map of one sun.
 #[derive(Debug, Default)]
@@ -180,11 +180,9 @@ impl SunMap {
     fn transmittance(&self, scene: ShadowScene, pixel: [f32; 2], (at, along): (f32, f32)) -> Rgb {
         let middle = self.through(at, along);
         let varies = PARTS.iter().any(|part| {
-            // Where a ray leaves the triangle that the pixel sees the sun through.
-            let (beside, leaves) = (part * along * self.slope * DENSITY, (1.0 - part) * along);
-            let middle = self.through(at, leaves);
+            let beside = part * along * self.slope * DENSITY;
             [at - beside, at + beside].into_iter().any(|at| {
-                let there = self.through(at, leaves);
+                let there = self.through(at, along);
                 (0..3).any(|c| (there[c] - middle[c]).abs() > EVEN)
             })
         });
