@@ -10,6 +10,9 @@ use wgpu::{Buffer, Queue};
 pub const RAY_BYTES: u64 = size_of::<[u32; 4]>() as u64;
 /// Rays of a workgroup, all of one lamp.
 pub const GROUP_RAYS: u32 = 64;
+/// The cone of a lamp that shines in all directions.
+const NO_CONE: [f32; 3] = [0.0, -1.0, 0.0];
+
 /// Draws lamps into cells as a method reads them, unless it lights them by rule. The GPU lights no lamp by a shadow
 /// map below another method's light: it draws those with a cone too, and they glow all round.
 pub fn draw_lamps(method: &MethodSettings, cells: &mut Cells) {
@@ -20,9 +23,6 @@ pub fn draw_lamps(method: &MethodSettings, cells: &mut Cells) {
     }
     method.draw_lamps(cells);
 }
-
-/// The cone of a lamp that shines in all directions.
-const NO_CONE: [f32; 3] = [0.0, -1.0, 0.0];
 
 gpu_struct! {
     /// `Lamp` of shaders/shared/lamps.wgsl, where the fields are explained.

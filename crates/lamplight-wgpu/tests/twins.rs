@@ -13,6 +13,8 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ),
     ("cpu stage cast", "entry to the traversal for single rays"),
     ("cpu stage center_line", "shadow lines between centres; in denoise.wgsl"),
+    ("cpu stage direct", "lamps with exact direct light and suns exist on the CPU only"),
+    ("cpu stage faces", "the faces that direct.rs lights"),
     ("cpu stage pyramid", "blurs of walls.rs; in walls.wgsl"),
     ("cpu stage traverse", "shaders/shared/traverse.wgsl"),
     ("cpu cascades debug_view", "debug views exist on the CPU only"),
@@ -21,6 +23,9 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("cpu stage estimate", "three lists of light and its noise; a buffer on the GPU"),
     ("cpu holographic axis_sweep", "SIMD over rows; a workgroup does that on the GPU"),
     ("cpu holographic published", "the solver around the published cascades"),
+    ("cpu polar lit_ranges", "exact direct light exists on the CPU only"),
+    ("cpu polar penumbra", "exact direct light exists on the CPU only"),
+    ("cpu polar sun_map", "suns exist on the CPU only"),
     ("cpu polar sampling", "SIMD sampling; shaders/methods/polar/shadow_ray.wgsl"),
     ("cpu polar angle", "mathematics; shaders/shared/angle.wgsl"),
     // The host side of a method is its `mod.rs`; these files plan it.

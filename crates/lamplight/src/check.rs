@@ -9,6 +9,15 @@ const FAR: f32 = 1e6;
 /// The brightest radiance in a file. Products of two such values still fit single precision.
 pub(crate) const BRIGHT: f32 = 1e12;
 
+/// 2π, rounded up to four digits.
+#[expect(clippy::approx_constant, reason = "6.2832 in a file means the whole circle")]
+pub(crate) const TURN: f32 = 6.2832;
+
+/// Checks a direction, radians.
+pub(crate) fn direction(key: impl Display, value: f32) -> Result<()> {
+    number(key, value, -TURN..=TURN)
+}
+
 /// Checks that a number is in a range; NaN is in none.
 pub(crate) fn number(key: impl Display, value: f32, range: RangeInclusive<f32>) -> Result<()> {
     if range.contains(&value) {

@@ -59,10 +59,6 @@ pub enum Direct {
     Exact,
 }
 
-/// 2π, rounded up to four digits.
-#[expect(clippy::approx_constant, reason = "6.2832 in a file means the whole circle")]
-const TURN: f32 = 6.2832;
-
 /// The cone of a spotlight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -104,8 +100,8 @@ impl Cone {
     }
 
     fn check(&self, key: &dyn Display) -> Result<()> {
-        check::number(format_args!("{key}.direction"), self.direction, -TURN..=TURN)?;
-        check::number(format_args!("{key}.angle"), self.angle, 1e-3..=TURN)?;
+        check::direction(format_args!("{key}.direction"), self.direction)?;
+        check::number(format_args!("{key}.angle"), self.angle, 1e-3..=check::TURN)?;
         check::number(format_args!("{key}.softness"), self.softness, 0.0..=1.0)
     }
 }

@@ -6,10 +6,6 @@ use serde::{Deserialize, Serialize};
 use std::f32::consts::TAU;
 use std::fmt::Display;
 
-/// 2π, rounded up to four digits, as for [`crate::Cone`].
-#[expect(clippy::approx_constant, reason = "6.2832 in a file means the whole circle")]
-const TURN: f32 = 6.2832;
-
 /// A sun: a part of the sky so narrow that it throws shadows, lit exactly in every method.
 ///
 /// Its radiance L is even over its apparent width w, so a face that it meets head on receives
@@ -57,7 +53,7 @@ impl Default for Sun {
 impl Sun {
     /// Validates the sun; `key` names it in the error.
     pub fn check(&self, key: &dyn Display) -> Result<()> {
-        check::number(format_args!("{key}.direction"), self.direction, -TURN..=TURN)?;
+        check::direction(format_args!("{key}.direction"), self.direction)?;
         check::number(format_args!("{key}.angle"), self.angle, 1e-4..=0.5)?;
         check::radiance(format_args!("{key}.color"), self.color)?;
         check::number(format_args!("{key}.intensity"), self.intensity, 0.0..=1e6)

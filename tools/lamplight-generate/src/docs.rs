@@ -28,21 +28,6 @@ const THEATRE: [(&str, &[&str]); 4] = [
     ("theatre-flood", &["--method", "flood", "--frames", "16"]),
     ("theatre-flood-seed", &["--method", "flood", "--frames", "16", "--set", "flood.preset=seed"]),
 ];
-/// The recipes of docs/cookbook.md.
-const COOKBOOK: [&str; 12] = [
-    "dusk",
-    "fireflies",
-    "flashlight",
-    "fog",
-    "forest",
-    "lava",
-    "leaves",
-    "neon",
-    "sunbeams",
-    "torch",
-    "water",
-    "window",
-];
 /// Picture pixels per cell of a recipe.
 const COOKBOOK_SCALE: &str = "3";
 /// Sizes at which their cost is measured.
@@ -275,7 +260,7 @@ fn pictures() -> Result<()> {
         let picture = ["--scale", SCALE, "-o", &output];
         lamplight(&[&["render", &file(scenes::BY_RULE)], method, &picture[..]].concat())?;
     }
-    for name in COOKBOOK {
+    for name in recipes()? {
         println!("render {name}");
         let (scene, output) =
             (format!("scenes/cookbook/{name}.toml"), format!("docs/pictures/cookbook-{name}.png"));
@@ -304,6 +289,16 @@ fn pictures() -> Result<()> {
     lamplight(&["stages", &file("cave"), "--backend", "cpu", "-o", path])?;
     let sheet = image::open(folder.path().join("contact-sheet.png"))?;
     generated::picture(Mode::Write, "docs/pictures/cave-stages.png", &sheet, "docs")
+}
+
+/// The recipes of docs/cookbook.md, by name.
+fn recipes() -> Result<Vec<String>> {
+    let files = fs::read_dir(root().join("scenes/cookbook"))?;
+    let mut names = files
+        .map(|file| Ok(file?.path().file_stem().unwrap_or_default().to_string_lossy().into_owned()))
+        .collect::<Result<Vec<_>>>()?;
+    names.sort();
+    Ok(names)
 }
 
 fn times(machine: &str) -> Result<String> {

@@ -52,6 +52,8 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     if with_gpu && all {
         steps.step("a display", display::ensure)?;
     }
+    // A full run takes an hour: it names every failure, not the first.
+    tests.extend(all.then_some("--no-fail-fast"));
     tests.extend(["--quiet", "--"]);
     tests.extend(all.then_some("--include-ignored"));
     if !with_gpu {

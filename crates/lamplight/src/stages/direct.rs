@@ -1,14 +1,15 @@
-//! The direct light of lamps that are lit by a shadow map, in methods that find all other light themselves.
+//! The direct light of suns, and of lamps that are lit by a shadow map, in methods that find all other light
+//! themselves.
 //!
-//! A lamp with a cone is no matter that could be drawn ([`crate::Lamp::is_exact`]). So its light is found as in
-//! [`polar`](crate::methods::polar), by rays from its centre, and added twice: to the light of every cell at the
+//! A lamp with a cone is no matter that could be drawn ([`crate::Lamp::is_exact`]), and a sun lies beyond the grid. So
+//! their light is found as in [`polar`](crate::methods::polar), and added twice: to the light of every cell at the
 //! end, and to what surfaces receive in every bounce, E/2 on faces and J in media. From there the method sends it
 //! on, with all that was reflected before:
 //!
 //! `L_o = ρ·(E_gathered + E_direct)/2`
 //!
-//! Cost: per lamp of range R that of `polar`, `2πR` rays and `πR²` lookups; nothing without such lamps. Limits are
-//! those of `polar`: penumbrae are thrown by the nearest walls, and a lamp inside a wall lights nothing.
+//! Cost: per lamp of range R `2πR` rays and `πR²` lookups, per sun a ray per px of the grid's width across it and a
+//! lookup per cell; nothing without them. Limit: a lamp inside a wall lights nothing.
 
 use super::faces::Faces;
 use crate::Rgb;

@@ -27,8 +27,8 @@ pub const NAMES: [&str; 9] = [
     "odd",
 ];
 
-/// The scene of the methods that light lamps by rule. It stands apart: its lamps are much brighter than what it
-/// would show of the other methods.
+/// The scene of the methods that light lamps by rule. It stands apart: its lamps have the intensities and the falloff
+/// of those methods' looks.
 pub const BY_RULE: &str = "theatre";
 
 const CHORE: &str = "scenes";

@@ -68,7 +68,7 @@ fn room(random: &mut Rng) -> Cells {
 }
 
 /// Relative RMSE without the noise of the reference.
-pub fn error(light: &[Rgb], truth: &Estimate, solid: &[bool]) -> f64 {
+fn error(light: &[Rgb], truth: &Estimate, solid: &[bool]) -> f64 {
     let found = Measures::of(light, truth.light.pixels(), solid);
     let open = || (0..light.len()).filter(|&cell| !solid[cell]);
     let square = |cell: usize| truth.standard_error[cell].map(|e| f64::from(e).powi(2));
@@ -77,30 +77,34 @@ pub fn error(light: &[Rgb], truth: &Estimate, solid: &[bool]) -> f64 {
 }
 
 /// Largest relative RMSE of direct light.
-pub const DIRECT: f64 = 0.01;
+const DIRECT: f64 = 0.01;
 /// Largest relative RMSE with two bounces, by method.
-pub const BOUNCED: [f64; 4] = [0.02, 0.06, 0.02, 0.03];
+const BOUNCED: [f64; 4] = [0.02, 0.06, 0.02, 0.03];
+
+/// Compares direct light and that of two bounces with the path tracer, by each method.
+pub fn assert_right(cells: &Cells, case: &str) {
+    for (bounces, samples, bounds) in [(0, 2048, [DIRECT; 4]), (2, 4096, BOUNCED)] {
+        let tracer = tracer(samples, Bounces::Count(bounces));
+        let truth = tracer.render(cells, &|_| ()).unwrap();
+        for ((name, method), bound) in methods().into_iter().zip(bounds) {
+            let light = solve(&method, cells, bounces);
+            let found = error(light.pixels(), &truth, light.solid());
+            println!("{case}, {bounces} bounces, {name}: {:.2} %", 100.0 * found);
+            assert!(found < bound, "{case}, {name}, {bounces} bounces: {found}");
+            let darker = |rgb: &Rgb| rgb.map(|v| (1.0 - 1.5 * bound as f32) * v);
+            let darker: Vec<Rgb> = light.pixels().iter().map(darker).collect();
+            let off = error(&darker, &truth, light.solid());
+            assert!(off > bound, "{case}, {name} passes with less light");
+        }
+    }
+}
 
 #[test]
 fn spots_light_rooms_as_the_path_tracer_does() {
     // Of 40 rooms one is worse: direct light is 1.8 % off where panes stand right beside a lamp.
     let random = &mut seeded(1);
-    for _ in 0..2 {
-        let cells = room(random);
-        for (bounces, samples, bounds) in [(0, 2048, [DIRECT; 4]), (2, 4096, BOUNCED)] {
-            let tracer = tracer(samples, Bounces::Count(bounces));
-            let truth = tracer.render(&cells, &|_| ()).unwrap();
-            for ((name, method), bound) in methods().into_iter().zip(bounds) {
-                let light = solve(&method, &cells, bounces);
-                let found = error(light.pixels(), &truth, light.solid());
-                println!("{bounces} bounces, {name}: {:.2} %", 100.0 * found);
-                assert!(found < bound, "{name}, {bounces} bounces: {found}");
-                let darker = |rgb: &Rgb| rgb.map(|v| (1.0 - 1.5 * bound as f32) * v);
-                let darker: Vec<Rgb> = light.pixels().iter().map(darker).collect();
-                let off = error(&darker, &truth, light.solid());
-                assert!(off > bound, "{name} passes with less light");
-            }
-        }
+    for number in 0..2 {
+        assert_right(&room(random), &format!("room {number}"));
     }
 }
 

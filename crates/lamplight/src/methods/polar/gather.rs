@@ -31,8 +31,6 @@ pub struct LightPlanes {
     open: Vec<f32>,
     /// Solid cells with a face in the open.
     surfaces: Surfaces,
-    /// The light of a sun on their faces.
-    shone: Vec<Faces>,
 }
 
 /// A band of rows.
@@ -92,7 +90,10 @@ impl LightPlanes {
                 Band { rows, planes: [red, green, blue], open, walls, width, stride, scene };
             for shadow_map in shadow_maps {
                 dispatch!(level, simd => band.add(simd, shadow_map, settings));
-                band.add_to_walls(shadow_map, settings);
+                // Exact light on walls is found by face.
+                if scene.solid.is_none() {
+                    band.add_to_walls(shadow_map, settings);
+                }
             }
         });
     }
@@ -124,7 +125,8 @@ impl LightPlanes {
         self.surfaces.walls.len()
     }
 
-    /// Adds a sun, to the irradiance ÷ 2 of the faces of walls, too. Suns add up, however lamps blend.
+    /// Adds a sun to the open cells, and to the irradiance ÷ 2 of the exposed faces of walls. Suns add up, however
+    /// lamps blend.
     pub fn shine(&mut self, scene: ShadowScene, sun_map: &SunMap, faces: &mut [Faces]) {
         let (width, stride) = (self.width, self.stride);
         let [red, green, blue] = &mut self.planes;
@@ -137,25 +139,24 @@ impl LightPlanes {
                     (red[x] + light[0], green[x] + light[1], blue[x] + light[2]);
             }
         });
-        let walls = &self.surfaces.walls;
-        self.shone.clear();
-        self.shone.resize(walls.len(), Faces::default());
-        self.shone.par_iter_mut().zip(walls).for_each(|(shone, wall)| {
+        faces.par_iter_mut().zip(&self.surfaces.walls).for_each(|(faces, wall)| {
             let cell = wall.cell as usize;
             let center = [cell % width, cell / width].map(|v| v as f32 + 0.5);
-            for face in (0..4).filter(|&face| wall.exposed[face]) {
+            for (face, sum) in faces.iter_mut().enumerate().filter(|(f, _)| wall.exposed[*f]) {
                 let normal = NORMALS[face].map(|n| n as f32);
                 let middle = [0, 1].map(|a| center[a] + 0.5 * normal[a]);
-                shone[face] = sun_map.on_face(scene, middle, normal);
+                let arrives = sun_map.on_face(scene, middle, normal);
+                (0..3).for_each(|c| sum[c] += arrives[c]);
             }
         });
-        for (shone, wall) in self.shone.iter().zip(walls) {
-            let (x, y) = (wall.cell as usize % width, wall.cell as usize / width);
-            let mean = mean_over_faces(wall, shone);
-            (0..3).for_each(|c| self.planes[c][y * stride + x] += mean[c]);
-        }
-        for (sum, shone) in faces.iter_mut().zip(&self.shone) {
-            (0..4).for_each(|face| (0..3).for_each(|c| sum[face][c] += shone[face][c]));
+    }
+
+    /// Adds the light of the faces of walls to their cells: the mean over their exposed faces.
+    pub fn add_faces(&mut self, faces: &[Faces]) {
+        for (wall, faces) in self.surfaces.walls.iter().zip(faces) {
+            let (x, y) = (wall.cell as usize % self.width, wall.cell as usize / self.width);
+            let mean = mean_over_faces(wall, faces);
+            (0..3).for_each(|c| self.planes[c][y * self.stride + x] += mean[c]);
         }
     }
 

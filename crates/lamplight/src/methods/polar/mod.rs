@@ -52,6 +52,8 @@ pub struct PolarSolver {
     /// Shadow maps of a group of lamps; more than its lamps if a larger group came before.
     shadow_maps: Vec<ShadowMap>,
     sun_map: SunMap,
+    /// The light of suns on faces, in the method itself.
+    faces: Vec<Faces>,
     /// The number of lamps in the last group of the last frame.
     last: usize,
     planes: LightPlanes,
@@ -72,6 +74,7 @@ impl PolarSolver {
             solid: SolidBits::default(),
             shadow_maps: Vec::new(),
             sun_map: SunMap::default(),
+            faces: Vec::new(),
             last: 0,
             planes: LightPlanes::default(),
         }
@@ -87,7 +90,9 @@ impl PolarSolver {
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
-        self.add(cells, cells.lamps(), distance, settings, None, clock);
+        let mut faces = std::mem::take(&mut self.faces);
+        self.add(cells, cells.lamps(), distance, settings, false, &mut faces, clock);
+        self.faces = faces;
         self.planes.write(light);
         clock.lap("polar");
     }
@@ -101,32 +106,33 @@ impl PolarSolver {
         light: &mut Vec<Rgb>,
         faces: &mut Vec<Faces>,
     ) {
-        self.add(cells, lamps, &[], &Polar::default(), Some(faces), &mut Clock::default());
+        self.add(cells, lamps, &[], &Polar::default(), true, faces, &mut Clock::default());
         self.planes.write(light);
     }
 
+    /// Adds lamps and the suns of the cells. Only suns light `faces`, and lamps if they are `exact`.
+    #[expect(clippy::too_many_arguments, reason = "the two ways to solve differ in these")]
     fn add(
         &mut self,
         cells: &Cells,
         lamps: &[Lamp],
         distance: &[f32],
         settings: &Polar,
-        mut faces: Option<&mut Vec<Faces>>,
+        exact: bool,
+        faces: &mut Vec<Faces>,
         clock: &mut Clock,
     ) {
         self.grid.read(cells, Reading { translucent: settings.translucent, ..Reading::default() });
-        if faces.is_some() || !cells.suns().is_empty() {
-            self.solid.read(&self.grid);
-        }
         self.planes.clear(cells);
-        if let Some(faces) = &mut faces {
-            faces.clear();
+        faces.clear();
+        if exact || !cells.suns().is_empty() {
+            self.solid.read(&self.grid);
             faces.resize(self.planes.walls(), Faces::default());
         }
         clock.lap("ground");
         self.last = 0;
         let (level, grid, solid) = (self.level, &self.grid, &self.solid);
-        let scene = ShadowScene { grid, solid: faces.is_some().then_some(solid) };
+        let scene = ShadowScene { grid, solid: exact.then_some(solid) };
         let mut lamps = lamps;
         while !lamps.is_empty() {
             let bytes = |lamp| ShadowMap::most_bytes(lamp, grid, settings);
@@ -146,7 +152,7 @@ impl PolarSolver {
             });
             clock.lap("rays");
             self.planes.light(level, scene, shadow_maps, settings);
-            if let Some(faces) = &mut faces {
+            if exact {
                 self.planes.light_faces(scene, shadow_maps, settings, faces);
             }
             clock.lap("polar");
@@ -155,10 +161,10 @@ impl PolarSolver {
         let scene = ShadowScene { grid, solid: Some(solid) };
         for sun in cells.suns() {
             self.sun_map.trace(sun, scene);
-            let faces = faces.as_deref_mut().map_or(&mut [][..], Vec::as_mut_slice);
             self.planes.shine(scene, &self.sun_map, faces);
             clock.lap("suns");
         }
+        self.planes.add_faces(faces);
     }
 }
 

@@ -330,15 +330,18 @@ pub fn hide_behind_walls(solid: &SolidBits, fan: &Fan, hidden: &mut Hidden) {
     }
 }
 
+/// Returns whether two transmittances differ by more than `most` in any channel.
+pub fn differ(a: Rgb, b: Rgb, most: f32) -> bool {
+    (0..3).any(|c| (a[c] - b[c]).abs() > most)
+}
+
 /// Returns the mean transmittance of media between a pixel and the points of a light that it sees; `None` if it sees
 /// none.
 pub fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
     let through = |at: f32| through_media_to(grid, fan, at);
     let coarse: [Option<Rgb>; RAYS] = std::array::from_fn(|number| through(point(number, RAYS)));
-    let differ = |a: Option<Rgb>, b: Option<Rgb>| match (a, b) {
-        (Some(a), Some(b)) => (0..3).any(|c| (a[c] - b[c]).abs() > DIFFERENT),
-        _ => false,
-    };
+    let differ =
+        |a: Option<Rgb>, b: Option<Rgb>| a.zip(b).is_some_and(|(a, b)| differ(a, b, DIFFERENT));
     let (mut sum, mut count) = ([0.0; 3], 0);
     let mut add = |seen: Option<Rgb>, weight: usize| {
         let Some(seen) = seen else { return };

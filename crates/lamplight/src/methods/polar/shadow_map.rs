@@ -8,10 +8,11 @@
 //! angles: sin Δ ≈ Δ). The fraction of β from −1 to 1 that no ray hides is the visible fraction of the
 //! lamp.
 //!
-//! Known failure: walls behind the nearest one throw no penumbra of their own.
+//! Known failure: walls behind the nearest one throw no penumbra of their own. Maps for other methods find
+//! penumbrae by all solid cells instead (`penumbra.rs`).
 
 use super::lit_ranges::{LitRanges, beside};
-use super::penumbra::{LampDisc, SolidBits, mean_cosine, through_media, visible};
+use super::penumbra::{LampDisc, SolidBits, differ, mean_cosine, through_media, visible};
 use super::sampling::{clear_px, sample};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::{LANES, RayHit};
@@ -377,8 +378,7 @@ impl ShadowMap {
             let middle = self.through(at, up_to, shadow_filter);
             [-angle, angle].into_iter().any(|angle| {
                 let at = (at + angle * self.per_radian).rem_euclid(n).min(n - 1.0);
-                let there = self.through(at, up_to, shadow_filter);
-                (0..3).any(|c| (there[c] - middle[c]).abs() > EVEN)
+                differ(self.through(at, up_to, shadow_filter), middle, EVEN)
             })
         };
         // Right beside the lamp only up to where a ray leaves the triangle between lamp and pixel.

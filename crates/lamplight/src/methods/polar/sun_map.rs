@@ -7,7 +7,7 @@
 //! `J = (L/2π)·∫V(φ) dφ·⟨T⟩`, and on a face `E/2 = (L/2)·∫V(φ) cosθ dφ·⟨T⟩`
 
 use super::lit_ranges::LitRanges;
-use super::penumbra::{Fan, Hidden, hide_behind_walls, through_media};
+use super::penumbra::{Fan, Hidden, differ, hide_behind_walls, through_media};
 use super::shadow_map::{EVEN, NEAREST_BESIDE, OUTSIDE_OF_WALL, ShadowScene};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::RayHit;
@@ -26,7 +26,7 @@ const PARTS: [f32; 4] = [0.125, 0.25, 0.5, 1.0];
 /// The shadow map of one sun.
 #[derive(Debug, Default)]
 pub struct SunMap {
-    pub sun: Sun,
+    sun: Sun,
     /// Unit vectors across the rays, and the way that its light travels.
     across: [f32; 2],
     travels: [f32; 2],
@@ -181,10 +181,9 @@ impl SunMap {
         let middle = self.through(at, along);
         let varies = PARTS.iter().any(|part| {
             let beside = part * along * self.slope * DENSITY;
-            [at - beside, at + beside].into_iter().any(|at| {
-                let there = self.through(at, along);
-                (0..3).any(|c| (there[c] - middle[c]).abs() > EVEN)
-            })
+            [at - beside, at + beside]
+                .into_iter()
+                .any(|at| differ(self.through(at, along), middle, EVEN))
         });
         if !varies {
             return middle;
