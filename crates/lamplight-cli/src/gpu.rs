@@ -6,7 +6,7 @@ use crate::error::{CliError, Result};
 use crate::lit::{Lit, to_json};
 use crate::stage::Fields;
 use crate::stderr;
-use lamplight::{Cells, Lamp, Light, Method, Settings};
+use lamplight::{Cells, Light, Settings};
 use lamplight_wgpu::error::{CreateError, PrepareError, ReadBackError, RecordError};
 use lamplight_wgpu::read_back::{self, read_back};
 use lamplight_wgpu::wgpu::{
@@ -26,23 +26,11 @@ pub struct Gpu {
     name: String,
 }
 
-/// Returns whether the GPU leaves out suns of a scene.
-pub fn leaves_out_suns(cells: &Cells) -> bool {
-    !cells.suns().is_empty()
-}
-
-/// Returns whether the GPU lights a scene otherwise than the CPU: below light that is found by these methods, it
-/// draws lamps that the CPU lights by their shadow maps, and their cones are lost.
-pub fn loses_beams(methods: &[Method], cells: &Cells) -> bool {
-    cells.lamps().iter().any(Lamp::is_exact) && methods.iter().any(|method| !method.lights_lamps())
-}
-
 impl Gpu {
-    /// The GPU to light a scene on, or none if the CPU does.
-    pub fn choose(backend: Backend, methods: &[Method], cells: &Cells) -> Result<Option<Self>> {
+    /// The GPU to light scenes on, or none if the CPU does.
+    pub fn choose(backend: Backend) -> Result<Option<Self>> {
         match backend {
             Backend::Cpu => Ok(None),
-            Backend::Auto if leaves_out_suns(cells) || loses_beams(methods, cells) => Ok(None),
             Backend::Gpu => Self::open().map(Some),
             // A GPU that fails is no reason to stop.
             Backend::Auto => Ok(stderr::captured(|| Self::request(Candidates::Hardware)).0.ok()),

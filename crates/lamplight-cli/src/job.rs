@@ -58,9 +58,7 @@ impl RenderJob {
             warn_of_what_is_ignored(lighting, renderer, &cells, &settings);
         }
         let gpu = match renderer {
-            Renderer::Method(method) if computes => {
-                Gpu::choose(lighting.machine.backend, &[method], &cells)?
-            }
+            Renderer::Method(_) if computes => Gpu::choose(lighting.machine.backend)?,
             _ => None,
         };
         Ok(Self {
@@ -128,10 +126,6 @@ fn warn_of_what_is_ignored(
     cells: &Cells,
     settings: &Settings,
 ) {
-    if let Renderer::Method(method) = renderer {
-        let unknown = warnings::unknown_to_the_gpu(flags.machine.backend, &[method], cells);
-        unknown.iter().for_each(|text| warn(text));
-    }
     let suited = !matches!(renderer, Renderer::Method(method) if method.suits(cells).is_err());
     if let (Some(text), true) = (warnings::left_out(renderer, cells, settings), suited) {
         warn(&text);

@@ -1,7 +1,6 @@
 //! Warnings about valid input that has no effect or is ignored.
 
-use crate::args::{Backend, DisplayArgs, LightingArgs, Renderer};
-use crate::gpu::{leaves_out_suns, loses_beams};
+use crate::args::{DisplayArgs, LightingArgs, Renderer};
 use crate::output::Format;
 use crate::stage::Stage;
 use lamplight::{Bounces, Cells, Method, Settings};
@@ -72,18 +71,6 @@ pub fn idle_display_flags(flags: &DisplayArgs, stage: Stage, format: Format) -> 
         idle.push(format!("`--exposure` changes nothing: {why}"));
     }
     idle
-}
-
-/// The lights of a scene that the GPU does not know, one sentence each.
-pub fn unknown_to_the_gpu(backend: Backend, methods: &[Method], cells: &Cells) -> Vec<String> {
-    let on_gpu = backend == Backend::Gpu;
-    let suns = (on_gpu && leaves_out_suns(cells))
-        .then(|| "the GPU leaves out suns: `--backend cpu` shows them".into());
-    let beams = (on_gpu && loses_beams(methods, cells)).then(|| {
-        "the GPU draws lamps as discs that glow all round: `--backend cpu` shows cones and exact lamps"
-            .into()
-    });
-    suns.into_iter().chain(beams).collect()
 }
 
 /// The parts of a scene that `renderer` leaves out, as one sentence.

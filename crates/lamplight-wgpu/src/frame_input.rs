@@ -1,7 +1,7 @@
 //! The input of a frame.
 
 use crate::matter::Textures;
-use lamplight::{Cells, Lamp, Settings, Sky};
+use lamplight::{Cells, Lamp, Settings, Sky, Sun};
 use wgpu::TextureView;
 
 /// The input of a frame, for [`crate::Lighting::prepare`].
@@ -39,15 +39,17 @@ pub struct FrameInput<'a> {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum SceneInput<'a> {
-    /// Cells, which are uploaded, with their lamps and their sky.
+    /// Cells, which are uploaded, with their lamps, their suns and their sky.
     Cells(&'a Cells),
     /// The host's textures.
     Textures {
         /// The matter.
         textures: &'a Textures,
-        /// Lamps for the methods that light them by rule (`flood` and `polar`). For the other methods a lamp is
-        /// emission in the textures.
+        /// Lamps. Those without exact light ([`Lamp::is_exact`]) are for the methods that light them by rule
+        /// (`flood` and `polar`); for the other methods such a lamp is emission in the textures.
         lamps: &'a [Lamp],
+        /// Suns.
+        suns: &'a [Sun],
         /// The radiance beyond the grid.
         sky: Sky,
     },
@@ -59,14 +61,14 @@ impl<'a> FrameInput<'a> {
         Self::new(settings, SceneInput::Cells(cells))
     }
 
-    /// The input that lights the host's textures, at the origin of the world.
+    /// The input that lights the host's textures, without suns, at the origin of the world.
     pub fn of_textures(
         settings: &'a Settings,
         textures: &'a Textures,
         lamps: &'a [Lamp],
         sky: Sky,
     ) -> Self {
-        Self::new(settings, SceneInput::Textures { textures, lamps, sky })
+        Self::new(settings, SceneInput::Textures { textures, lamps, suns: &[], sky })
     }
 
     fn new(settings: &'a Settings, scene: SceneInput<'a>) -> Self {

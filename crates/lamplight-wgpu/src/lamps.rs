@@ -2,8 +2,7 @@
 
 use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
-use lamplight::settings::MethodSettings;
-use lamplight::{Cells, Direct, Falloff};
+use lamplight::Falloff;
 use wgpu::{Buffer, Queue};
 
 /// Bytes per ray in the largest buffer that stores something for each.
@@ -12,17 +11,6 @@ pub const RAY_BYTES: u64 = size_of::<[u32; 4]>() as u64;
 pub const GROUP_RAYS: u32 = 64;
 /// The cone of a lamp that shines in all directions.
 const NO_CONE: [f32; 3] = [0.0, -1.0, 0.0];
-
-/// Draws lamps into cells as a method reads them, unless it lights them by rule. The GPU lights no lamp by a shadow
-/// map below another method's light: it draws those with a cone too, and they glow all round.
-pub fn draw_lamps(method: &MethodSettings, cells: &mut Cells) {
-    if !method.method().lights_lamps() {
-        for lamp in cells.lamps_mut() {
-            (lamp.cone, lamp.direct) = (None, Direct::Glow);
-        }
-    }
-    method.draw_lamps(cells);
-}
 
 gpu_struct! {
     /// `Lamp` of shaders/shared/lamps.wgsl, where the fields are explained.
@@ -54,18 +42,30 @@ pub struct LampRays {
     pub falloff: Option<Falloff>,
 }
 
-/// Numbers of lamps and rays that buffers can hold.
+/// Numbers of lights and rays that buffers can hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacity {
+    /// Lamps that the method lights by its own rule.
     pub lamps: u64,
-    /// Rays of all lamps, each lamp padded to whole workgroups.
+    /// Rays of all these lamps, each lamp padded to whole workgroups.
     pub rays: u64,
+    /// Lamps with exact direct light below the light of a method.
+    pub exact_lamps: u64,
+    pub suns: u64,
 }
 
 impl Capacity {
     /// Returns whether it suffices for another.
     pub fn holds(&self, other: Self) -> bool {
-        self.lamps >= other.lamps && self.rays >= other.rays
+        self.lamps >= other.lamps
+            && self.rays >= other.rays
+            && self.exact_lamps >= other.exact_lamps
+            && self.suns >= other.suns
+    }
+
+    /// Returns whether there is room for direct light beside that of the method.
+    pub fn has_direct(&self) -> bool {
+        self.exact_lamps > 0 || self.suns > 0
     }
 
     /// Grows to what is needed, by at least half if the device allows it: lamps that are added one by one do
@@ -80,6 +80,8 @@ impl Capacity {
         Self {
             lamps: grown(self.lamps, needed.lamps, most.lamps),
             rays: grown(self.rays, needed.rays, most.rays),
+            exact_lamps: grown(self.exact_lamps, needed.exact_lamps, most.exact_lamps),
+            suns: grown(self.suns, needed.suns, most.suns),
         }
     }
 }
@@ -95,14 +97,19 @@ pub struct LampList {
 const HEAD: u64 = size_of::<[u32; 4]>() as u64;
 
 impl LampList {
-    /// Replaces the lamps, each lit by the rays that `rays` returns.
-    pub fn set(
-        &mut self,
-        lamps: &[lamplight::Lamp],
-        rays: impl Fn(&lamplight::Lamp) -> Result<LampRays, lamplight::Error>,
-    ) -> Result<(), lamplight::Error> {
+    /// Removes all lamps.
+    pub fn clear(&mut self) {
         self.lamps.clear();
         self.needed = Capacity::default();
+    }
+
+    /// Replaces the lamps, each lit by the rays that `rays` returns.
+    pub fn set<'a>(
+        &mut self,
+        lamps: impl IntoIterator<Item = &'a lamplight::Lamp>,
+        rays: impl Fn(&lamplight::Lamp) -> Result<LampRays, lamplight::Error>,
+    ) -> Result<(), lamplight::Error> {
+        self.clear();
         for lamp in lamps {
             let LampRays { reach, count, soft, falloff } = rays(lamp)?;
             let per_radian = count as f32 / std::f32::consts::TAU;

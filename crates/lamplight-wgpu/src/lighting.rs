@@ -15,6 +15,7 @@ use crate::pipeline_cache::{PipelineCache, share_pipelines};
 use crate::planner::{FramePlanner, Grid, HistoryBuffer, PassList};
 use crate::shared::Shared;
 use crate::stage::Stage;
+use crate::stages::direct::{Direct, DirectLights, LightBuffers};
 use crate::stages::distance::DistancePipelines;
 use crate::stages::glow::Glow;
 use crate::stages::output::Output;
@@ -22,7 +23,7 @@ use crate::stages::reproject::Reproject;
 use crate::stages::walls::Walls;
 use crate::timing::Timer;
 use crate::uniforms::{FrameUniforms, GridPosition, History};
-use lamplight::{Lamp, Settings, Sky};
+use lamplight::{Lamp, Settings, Sky, Sun};
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
 /// Finds light on the host's device.
@@ -49,8 +50,11 @@ pub struct Lighting {
     output: Output,
     /// Compiled when they are first needed.
     distance: Option<DistancePipelines>,
+    /// Compiled when a sun or an exact lamp first shines.
+    direct: Option<Direct>,
     upload: Option<Upload>,
     lamps: LampList,
+    direct_lights: DirectLights,
     frame: Option<PreparedFrame>,
     /// Frames prepared since the last reset.
     number: u32,
@@ -87,6 +91,8 @@ struct PreparedFrame {
     capacity: Capacity,
     light: Buffer,
     passes: PassList,
+    /// The buffers of suns and exact lamps, written before each frame.
+    direct: Option<LightBuffers>,
     /// Bytes of all buffers.
     memory: u64,
     history: Vec<HistoryBuffer>,
@@ -123,6 +129,7 @@ struct CheckedScene<'a> {
     grid: Grid<'a>,
     shown: Option<&'a TextureView>,
     lamps: &'a [Lamp],
+    suns: &'a [Sun],
     sky: Sky,
 }
 
@@ -168,8 +175,10 @@ impl Lighting {
                 reproject: Reproject::new(device),
                 output: Output::new(device),
                 distance: None,
+                direct: None,
                 upload: None,
                 lamps: LampList::default(),
+                direct_lights: DirectLights::default(),
                 frame: None,
                 number: 0,
                 before: None,
@@ -226,30 +235,40 @@ impl Lighting {
                 let hints = SceneHints::of(cells, input.settings.bounces);
                 let grid = Grid { size, textures: &upload.textures, hints };
                 let shown = upload.shown.as_ref();
-                Ok(CheckedScene { grid, shown, lamps: cells.lamps(), sky: cells.sky() })
+                let (lamps, suns, sky) = (cells.lamps(), cells.suns(), cells.sky());
+                Ok(CheckedScene { grid, shown, lamps, suns, sky })
             }
-            SceneInput::Textures { textures, lamps, sky } => {
+            SceneInput::Textures { textures, lamps, suns, sky } => {
                 sky.check()?;
+                for (i, sun) in suns.iter().enumerate() {
+                    sun.check(&format_args!("sun[{i}]"))?;
+                }
                 for (i, lamp) in lamps.iter().enumerate() {
                     lamp.check(&format_args!("lamp[{i}]"))?;
                 }
                 let size = GridSize::new(device, textures.size()?)?;
                 let grid = Grid { size, textures, hints: SceneHints::UNKNOWN };
-                Ok(CheckedScene { grid, shown: None, lamps, sky })
+                Ok(CheckedScene { grid, shown: None, lamps, suns, sky })
             }
         }
     }
 
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
-        let CheckedScene { grid, shown, lamps, sky } = scene;
+        let CheckedScene { grid, shown, lamps, suns, sky } = scene;
         let Shared { device, queue, .. } = &self.shared;
         let method = self.pipelines.method::<PrepareError>(device, queue, input.settings)?;
         if input.distance_field && self.distance.is_none() {
             let compile = || Ok(DistancePipelines::new(device));
             self.distance = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
-        method.set_lamps(lamps, grid.size.into(), &mut self.lamps)?;
-        let needed = self.lamps.needed();
+        let size = grid.size.into();
+        method.set_lamps(lamps, size, &mut self.lamps)?;
+        self.direct_lights.set(input.settings.method(), lamps, suns, size)?;
+        let needed = self.needed();
+        if needed.has_direct() && self.direct.is_none() {
+            let compile = || Ok(Direct::new(device));
+            self.direct = Some(with_error_scope::<_, PrepareError>(device, compile)?);
+        }
         let serves = |frame: &PreparedFrame| frame.serves(grid, input.settings, needed);
         let fresh = if self.frame.as_ref().is_some_and(serves) {
             None
@@ -276,10 +295,19 @@ impl Lighting {
         if let Some(lamps) = &frame.passes.lamps {
             self.lamps.write(queue, lamps);
         }
+        if let Some(buffers) = &frame.direct {
+            self.direct_lights.write(queue, buffers);
+        }
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky: *sky });
         self.number = self.number.wrapping_add(1);
         Ok(())
+    }
+
+    /// The capacity that the lights of the next frame need.
+    fn needed(&self) -> Capacity {
+        let Capacity { exact_lamps, suns, .. } = self.direct_lights.needed();
+        Capacity { exact_lamps, suns, ..self.lamps.needed() }
     }
 
     /// Returns the history of the next frame, and by how many cells the grid has moved.
@@ -302,12 +330,19 @@ impl Lighting {
         let before = before.filter(|frame| frame.size == grid.size);
         with_error_scope(&self.shared.device, || {
             let planner = FramePlanner::new(&self.shared, settings, self.options, *grid)
-                .with_capacity(capacity, self.lamps.needed())?
+                .with_capacity(capacity, self.needed())?
                 .after(before.map_or(&[], |frame| &frame.history));
             let light = match before {
                 Some(frame) => planner.counted(frame.light.clone()),
                 None => planner.buffer::<[f32; 4]>("light", planner.cells())?,
             };
+            let direct = self.direct.as_ref().filter(|_| planner.capacity.has_direct());
+            let direct = direct.map(|direct| direct.plan(&planner)).transpose()?;
+            let (found, direct, shine) = match direct {
+                Some((found, buffers, dispatches)) => (Some(found), Some(buffers), dispatches),
+                None => (None, None, Vec::new()),
+            };
+            let planner = planner.with_direct(found);
             let glow = grid.textures.glow.as_ref().filter(|_| settings.method.reads_glow());
             let media = glow.map(|glow| self.glow.plan(&planner, glow));
             let planner = match &media {
@@ -315,11 +350,15 @@ impl Lighting {
                 None => planner,
             };
             let mut passes = method.plan(&planner, &light)?;
-            passes.dispatches.splice(0..0, media.iter().map(|(_, dispatch)| dispatch.clone()));
+            let media = media.iter().map(|(_, dispatch)| dispatch.clone());
+            passes.dispatches.splice(0..0, shine.into_iter().chain(media));
             passes.dispatches.extend(self.walls.plan(&planner, &light)?);
             if let Some(lamps) = &passes.lamps {
                 // Written here too, so that a lost device is reported.
                 self.lamps.write(&self.shared.queue, lamps);
+            }
+            if let Some(buffers) = &direct {
+                self.direct_lights.write(&self.shared.queue, buffers);
             }
             Ok(PreparedFrame {
                 settings: settings.clone(),
@@ -332,6 +371,7 @@ impl Lighting {
                 history: planner.into_history(),
                 light,
                 passes,
+                direct,
                 reproject: None,
                 moved: false,
                 fields: None,

@@ -2,7 +2,6 @@
 
 use crate::error::{PrepareError, Result};
 use crate::grid_size::GridSize;
-use crate::lamps::draw_lamps;
 use lamplight::internals::display::emitted;
 use lamplight::internals::lamp::show_lamps;
 use lamplight::settings::MethodSettings;
@@ -158,7 +157,7 @@ impl Upload {
             cells
         } else {
             drawn.clone_from(cells);
-            draw_lamps(method, drawn);
+            method.draw_lamps(drawn);
             drawn
         };
         let made = |view: &mut Option<TextureView>, label| {

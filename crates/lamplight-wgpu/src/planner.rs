@@ -9,6 +9,7 @@ use crate::options::LightingOptions;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::shared::{Shared, filled};
 use crate::stage::Stage;
+use crate::stages::direct::FoundLight;
 use lamplight::Settings;
 use std::cell::{Cell, RefCell};
 use wgpu::{BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView};
@@ -31,8 +32,9 @@ pub struct FramePlanner<'a> {
     pub size: GridSize,
     pub textures: &'a Textures,
     pub hints: SceneHints,
-    /// Capacity for lamps of methods that light them by rule.
     pub capacity: Capacity,
+    /// The direct light of suns and exact lamps, if there are any.
+    direct: Option<FoundLight<'a>>,
     /// Bytes of the buffers and textures made so far.
     memory: Cell<u64>,
     /// History of the plan before, for a grid of this size.
@@ -74,6 +76,7 @@ impl<'a> FramePlanner<'a> {
             textures,
             hints,
             capacity: Capacity::default(),
+            direct: None,
             memory: Cell::default(),
             before: &[],
             history: RefCell::default(),
@@ -86,10 +89,14 @@ impl<'a> FramePlanner<'a> {
     /// If the device cannot hold that many lamps.
     pub fn with_capacity(self, present: Capacity, needed: Capacity) -> Result<Self> {
         let bytes = self.max_buffer_bytes();
-        let most = Capacity { lamps: LampList::max_lamps(bytes), rays: bytes / RAY_BYTES };
+        let lamps = LampList::max_lamps(bytes);
+        let rays = bytes / RAY_BYTES;
+        // A sun takes no more bytes than a lamp.
+        let most = Capacity { lamps, rays, exact_lamps: lamps, suns: lamps };
         if !most.holds(needed) {
-            let wanted = LampList::bytes(needed.lamps).max(needed.rays * RAY_BYTES);
-            return Err(self.size.too_large("bytes for the rays of its lamps", wanted, bytes));
+            let lights = needed.lamps.max(needed.exact_lamps).max(needed.suns);
+            let wanted = LampList::bytes(lights).max(needed.rays * RAY_BYTES);
+            return Err(self.size.too_large("bytes for its lamps and their rays", wanted, bytes));
         }
         Ok(Self { capacity: present.grown(needed, most), ..self })
     }
@@ -147,6 +154,29 @@ impl<'a> FramePlanner<'a> {
     /// Reads other textures from here on.
     pub fn with_textures(self, textures: &'a Textures) -> Self {
         Self { textures, ..self }
+    }
+
+    /// Has direct light, which methods add to theirs.
+    pub fn with_direct(self, direct: Option<FoundLight<'a>>) -> Self {
+        Self { direct, ..self }
+    }
+
+    /// Plans adding direct light, if there is any, to the light of cells.
+    pub fn add_direct(&self, light: &Buffer) -> Option<Dispatch> {
+        self.direct.as_ref().map(|direct| direct.add(self, light))
+    }
+
+    /// Plans adding what is scattered of direct light, if there is any, to scattered radiance.
+    pub fn scatter_direct(&self, scattered: &Buffer) -> Option<Dispatch> {
+        self.direct.as_ref().map(|direct| direct.scatter(self, scattered))
+    }
+
+    /// The direct light of all faces, or a single value without any.
+    pub fn direct_light(&self) -> Result<Buffer> {
+        match &self.direct {
+            Some(direct) => Ok(direct.found.clone()),
+            None => self.buffer::<[f32; 4]>("no direct light", 1),
+        }
     }
 
     /// Counts a texture of four floats per cell among the memory.

@@ -92,6 +92,12 @@ programs! {
         albedo: Texture,
     }
     CLASS: "stages/class", ["main"], { matter: Texture, classes: Write, used: Write }
+    DIRECT: "stages/direct", ["shine_lamps", "shine_suns"], {
+        lamps: Read, matter: Texture, classes: Read, suns: Read, found: Write,
+    }
+    ADD_DIRECT: "stages/add_direct", ["add", "scatter"], {
+        found: Read, albedo: Texture, light: Write,
+    }
     EMPTY_SPACE: "stages/empty_space", ["begin", "double", "finish"], {
         step: Step, source: Read, extinction: Read, before: Read, after: Write,
     }
@@ -187,11 +193,12 @@ programs! {
         albedo: Texture,
     }
     HOLOGRAPHIC_FACES: "methods/holographic/faces", ["scatter", "show"], {
-        matter: Texture, albedo: Texture, irradiance: Read, scattered: Write, light: Write,
+        matter: Texture, albedo: Texture, irradiance: Read, direct: Read, scattered: Write,
+        light: Write,
     }
     HOLOGRAPHIC_FACES_COMPARED: "methods/holographic/faces", ["scatter_compared"], {
-        matter: Texture, albedo: Texture, irradiance: Read, scattered: Write, light: Write,
-        changes: Write, step: Step,
+        matter: Texture, albedo: Texture, irradiance: Read, direct: Read, scattered: Write,
+        light: Write, changes: Write, step: Step,
     }
 
     PAPER_SOURCE: "methods/holographic/paper/source", ["main", "bounce"], {

@@ -3,7 +3,6 @@
 
 use crate::error::ReadBackError;
 use crate::error_scope::with_error_scope;
-use crate::lamps::draw_lamps;
 use crate::{Lighting, Stage};
 use bytemuck::Pod;
 use lamplight::{Cells, Light};
@@ -110,7 +109,7 @@ impl FetchLight {
         let buffer = lighting.stage(Stage::Light).ok_or(ReadBackError::NothingLit)?;
         let mut cells = cells.clone();
         if let Some(settings) = lighting.settings() {
-            draw_lamps(&settings.method, &mut cells);
+            settings.method.draw_lamps(&mut cells);
         }
         let (device, queue) = lighting.device();
         Ok(Self { numbers: Fetch::new(device, queue, buffer)?, cells: LitCells(cells) })

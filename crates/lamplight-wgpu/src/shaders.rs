@@ -39,6 +39,7 @@ const FILES: &[(&str, &str)] = files! {
     "methods/holographic/trace"
     "methods/polar/gather"
     "methods/polar/lookup"
+    "methods/polar/penumbra"
     "methods/polar/shadow_bounds"
     "methods/polar/shadow_map"
     "methods/polar/shadow_ray"
@@ -61,6 +62,7 @@ const FILES: &[(&str, &str)] = files! {
     "shared/normal"
     "shared/packet"
     "shared/pcg"
+    "shared/reaching"
     "shared/receive"
     "shared/scatter"
     "shared/sky"
@@ -69,10 +71,12 @@ const FILES: &[(&str, &str)] = files! {
     "shared/transmittance"
     "shared/traverse"
     "shared/uniforms"
+    "stages/add_direct"
     "stages/class"
     "stages/compare"
     "stages/convergence"
     "stages/denoise"
+    "stages/direct"
     "stages/display"
     "stages/distance"
     "stages/empty_space"
@@ -175,6 +179,7 @@ mod tests {
     use crate::lamps::Lamp;
     use crate::methods::cascades::ladder::{Layer, Path};
     use crate::methods::holographic::sweep::Sweep;
+    use crate::stages::direct::Sun;
     use crate::stages::display::ComposeUniforms;
     use crate::uniforms::FrameUniforms;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -279,6 +284,7 @@ mod tests {
             (Layer::LAYOUT, programs::CASCADES_MERGE.shader),
             (Sweep::LAYOUT, programs::HOLOGRAPHIC_TRACE.shader),
             (Lamp::LAYOUT, programs::POLAR_GATHER.shader),
+            (Sun::LAYOUT, programs::DIRECT.shader),
             (ComposeUniforms::LAYOUT, programs::DISPLAY.shader),
         ] {
             assert_eq!(differences(&layout, shader), [""; 0], "{}", layout.name);

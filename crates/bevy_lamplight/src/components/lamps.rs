@@ -58,7 +58,7 @@ impl Default for PointLight2d {
 /// without rotation.
 ///
 /// Every method lights it as `polar` does: `intensity` at the lamp, fading to nothing at the range, with
-/// shadows, glass and fog as for any light. Walls do not reflect its light, except with `flood`.
+/// shadows, glass and fog as for any light. In methods with bounces walls and fog send its light on.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]

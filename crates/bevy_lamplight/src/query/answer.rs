@@ -16,7 +16,7 @@ use bevy::prelude::{
 };
 use bevy::transform::{TransformPlugin, TransformSystems};
 use lamplight::resample::downsample;
-use lamplight::{Cells, Lamp, Light, Method, Settings, Sky, Solver};
+use lamplight::{Cells, Lamp, Light, Settings, Sky, Solver};
 use lamplight_wgpu::Camera2dView;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -137,8 +137,6 @@ pub struct QueriedLight {
     /// The fine grid, on which matter is drawn.
     grid: Option<Placement>,
     light: Light,
-    /// Light of spots, if the method does not evaluate them.
-    spots: Option<Light>,
     ambient: [f32; 3],
 }
 
@@ -156,9 +154,8 @@ impl QueriedLight {
     }
 
     fn sum(&self, light: impl Fn(&Light) -> [f32; 3]) -> LinearRgba {
-        let spots = self.spots.as_ref().map_or([0.0; 3], &light);
         let own = light(&self.light);
-        let [red, green, blue] = std::array::from_fn(|c| own[c] + spots[c] + self.ambient[c]);
+        let [red, green, blue] = std::array::from_fn(|c| own[c] + self.ambient[c]);
         LinearRgba::rgb(red, green, blue)
     }
 }
@@ -169,9 +166,7 @@ struct QueryState {
     scene: ExtractedScene,
     fine: Option<Cells>,
     cells: Option<Cells>,
-    lamps: Vec<Lamp>,
     solver: Option<Solver>,
-    spots: Option<Solver>,
     /// The error logged last.
     logged: String,
 }
@@ -212,9 +207,8 @@ fn solve(
     };
     known.ambient = camera.as_ref().map_or([0.0; 3], |camera| camera.ambient());
     match state.solve(&grid, &lighting, layers, sky, &assets) {
-        Ok((light, spots)) => {
+        Ok(light) => {
             known.light.clone_from(light);
-            known.spots = spots.cloned();
             known.grid = Some(grid);
         }
         Err(error) => {
@@ -279,7 +273,7 @@ impl QueryState {
         layers: &RenderLayers,
         sky: Sky,
         assets: &SceneAssets,
-    ) -> lamplight::Result<(&Light, Option<&Light>)> {
+    ) -> lamplight::Result<&Light> {
         let analytic = lighting.method.is_analytic();
         let [width, height] = grid.placed.size;
         let fine = match self.fine.take() {
@@ -289,22 +283,15 @@ impl QueryState {
         let fine = self.fine.insert(fine);
         rasterize(&self.scene, grid, layers, assets, fine);
         fine.set_sky(sky);
-        // Spots are evaluated analytically with every method.
-        self.lamps.clear();
         let lamps = self.scene.lamps.iter().filter(|(_, own)| own.intersects(layers));
         for (lamp, _) in lamps {
-            let is_spot = lamp.cone.is_some();
-            let on_grid = if analytic || is_spot {
+            // Spots are evaluated analytically with every method.
+            let on_grid = if analytic || lamp.cone.is_some() {
                 lamp.on_grid(grid.corner(), grid.cell)
             } else {
                 lamp.disc(grid.corner(), grid.cell)
             };
-            if on_grid.check(&"lamp").is_err() {
-                continue;
-            }
-            if is_spot && !analytic {
-                self.lamps.push(on_grid);
-            } else {
+            if on_grid.check(&"lamp").is_ok() {
                 fine.lamps_mut().push(on_grid);
             }
         }
@@ -319,17 +306,7 @@ impl QueryState {
         let cells = self.cells.insert(cells);
         downsample(fine, FINE_PER_CELL, cells)?;
         let settings = lighting.settings(grid.cell * FINE_PER_CELL as f32)?;
-        let light = solve_with(&mut self.solver, settings, cells)?;
-        if self.lamps.is_empty() {
-            return Ok((light, None));
-        }
-        // The same matter with spots only.
-        fine.lamps_mut().clear();
-        fine.lamps_mut().append(&mut self.lamps);
-        fine.set_sky(Sky::BLACK);
-        downsample(fine, FINE_PER_CELL, cells)?;
-        let settings = Settings::new(Method::Polar);
-        Ok((light, Some(solve_with(&mut self.spots, settings, cells)?)))
+        solve_with(&mut self.solver, settings, cells)
     }
 }
 

@@ -64,7 +64,7 @@ pub fn prepare(
         },
         color: Color::Target(target.main_texture_view()),
         emission: lit.glow.as_ref(),
-        more: lit.spots.as_ref().map(|spots| &spots.light),
+        more: None,
         ambient: view.ambient,
         visible: Some(view.placement.placed.visible),
     };

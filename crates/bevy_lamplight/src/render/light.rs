@@ -24,8 +24,7 @@ use lamplight_wgpu::wgpu::{
 /// world: linear RGB and 1 per cell, `Rgba16Float`.
 ///
 /// The component exists from `RenderSystems::PrepareBindGroups` on, and the texture holds the frame's
-/// light once the passes before the main pass have run. It contains the light of spots only if the
-/// method is `polar` or `flood`.
+/// light once the passes before the main pass have run.
 #[derive(Component, Clone, Debug)]
 pub struct ViewLightTexture {
     /// The texture.
@@ -150,9 +149,7 @@ pub fn record(
     draw_matter(lit, &pipelines, &images, encoder);
     span.end(encoder);
     let span = diagnostics.time_span(encoder, "lamplight light");
-    let recorded = lit.budget.record(&lit.lighting, encoder);
-    let spots = lit.spots.as_ref().map(|spots| spots.lighting.record(encoder));
-    if let Err(error) = recorded.and(spots.unwrap_or(Ok(()))) {
+    if let Err(error) = lit.budget.record(&lit.lighting, encoder) {
         error_once!("{error}");
     }
     span.end(encoder);

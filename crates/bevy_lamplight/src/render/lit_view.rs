@@ -10,7 +10,7 @@ use crate::quads::ExtractedScene;
 use bevy::log::{error, warn};
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
-use lamplight::{Method, Settings};
+use lamplight::Settings;
 use lamplight_wgpu::wgpu::util::TextureBlitter;
 use lamplight_wgpu::wgpu::{
     BindGroup, Device, Extent3d, Queue, TextureDescriptor, TextureDimension, TextureFormat,
@@ -60,8 +60,6 @@ impl CameraLog {
 pub struct LitView {
     pub lighting: Lighting,
     pub budget: Budget,
-    /// Lighting of spots, if the method does not evaluate them.
-    pub spots: Option<SpotLighting>,
     pub compose: Compose,
     /// Copies the parts of the target that belong to other cameras.
     pub neighbours: Option<(TextureFormat, TextureBlitter)>,
@@ -75,12 +73,6 @@ pub struct LitView {
     settings: Settings,
     /// The component and the size of cells that `settings` were resolved for.
     configured: (Lighting2d, f32),
-}
-
-/// The light of spots, by the method `polar`.
-pub struct SpotLighting {
-    pub lighting: Lighting,
-    pub light: TextureView,
 }
 
 /// Matter, cell by cell.
@@ -131,7 +123,6 @@ impl LitView {
         Ok(Self {
             lighting: Lighting::new(device, queue, &LightingOptions::default())?,
             budget: Budget::new(device, queue),
-            spots: None,
             compose: Compose::new(device, queue)?,
             neighbours: None,
             draw: DrawList::default(),
@@ -164,9 +155,7 @@ impl LitView {
         if placed.size != self.grid.size {
             self.grid = MatterTextures::new(device, pipelines, placed.size);
         }
-        let model = LampModel::of(&self.settings);
-        let analytic = model == LampModel::Analytic;
-        self.draw.fill(view, scene, model);
+        self.draw.fill(view, scene, LampModel::of(&self.settings));
         if !self.draw.lamp_batches.is_empty() {
             self.grid.add_lamps(device);
         }
@@ -196,43 +185,10 @@ impl LitView {
             (true, _) => Some(light_texture(device, placed.size)),
         };
         let textures = self.grid.textures();
-        let lamps: &[_] = if analytic { &self.draw.lamps } else { &[] };
+        let lamps = &self.draw.lamps;
         let input = FrameInput::of_textures(&self.settings, &textures, lamps, view.sky);
         let (origin, output) = (placed.origin, self.texture.as_ref());
-        self.lighting.prepare(&FrameInput { origin, output, ..input })?;
-        self.prepare_spots(device, queue, view, &textures, analytic)
-    }
-
-    fn prepare_spots(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        view: &LitCameraView,
-        textures: &Textures,
-        analytic: bool,
-    ) -> Result<(), Error> {
-        if analytic || self.draw.lamps.is_empty() {
-            self.spots = None;
-            return Ok(());
-        }
-        let size = view.placement.placed.size;
-        let wall_depth = self.settings.wall_depth;
-        let settings = Settings { wall_depth, ..Settings::new(Method::Polar) };
-        let mut spots = match self.spots.take() {
-            Some(spots) => spots,
-            None => SpotLighting {
-                lighting: Lighting::new(device, queue, &LightingOptions::default())?,
-                light: light_texture(device, size),
-            },
-        };
-        if size_of_view(&spots.light) != size {
-            spots.light = light_texture(device, size);
-        }
-        let black = lamplight::Sky::BLACK;
-        let input = FrameInput::of_textures(&settings, textures, &self.draw.lamps, black);
-        spots.lighting.prepare(&FrameInput { output: Some(&spots.light), ..input })?;
-        self.spots = Some(spots);
-        Ok(())
+        Ok(self.lighting.prepare(&FrameInput { origin, output, ..input })?)
     }
 }
 

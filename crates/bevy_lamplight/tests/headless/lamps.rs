@@ -87,6 +87,28 @@ fn a_spot_lights_its_cone_and_walls_block_it() {
 }
 
 #[test]
+fn walls_reflect_the_light_of_a_spot() {
+    let lit = |bounces: u32| {
+        let mut app = app();
+        let image = target(&mut app, SIZE);
+        let bounces = LightBounces::Count(bounces);
+        camera(&mut app, &image, Lighting2d { bounces, ..plain() });
+        let spot = SpotLight2d { range: 100.0, angle: 0.6, ..default() };
+        app.world_mut().spawn((spot, Transform::default()));
+        // A white wall in the beam, to the right.
+        let wall = Sprite::from_color(Color::WHITE, Vec2::new(8.0, 100.0));
+        app.world_mut().spawn((wall, Matter2d::wall(), Transform::from_xyz(40.0, 0.0, 0.0)));
+        begin(&mut app);
+        let seen = picture(&mut app, &image, 3);
+        // Above the beam, and behind the lamp.
+        [seen.grey(105, 25), seen.grey(50, 60)]
+    };
+    assert_eq!(lit(0), [0.0; 2]);
+    let bounced = lit(1);
+    assert!(bounced[0] > 0.02 && bounced[1] > 0.005, "{bounced:?}");
+}
+
+#[test]
 fn ambient_light_is_everywhere_and_the_sky_comes_from_outside() {
     let mut app = app();
     let image = target(&mut app, SIZE);

@@ -67,7 +67,7 @@ pub fn run(args: CompareArgs) -> Result {
         if !quiet {
             warn_of_what_is_ignored(&args, methods, &cells, &settings);
         }
-        let gpu = Gpu::choose(args.machine.backend, methods, &cells)?;
+        let gpu = Gpu::choose(args.machine.backend)?;
         let device = gpu.as_ref().map_or_else(DeviceInfo::cpu, Gpu::device_info);
         if let Some(folder) = &args.report {
             output::make_directory(folder)?;
@@ -153,8 +153,6 @@ fn warn_of_what_is_ignored(
     cells: &Cells,
     settings: &Settings,
 ) {
-    let unknown = warnings::unknown_to_the_gpu(args.machine.backend, methods, cells);
-    unknown.iter().for_each(|text| warn(text));
     for &method in methods.iter().filter(|method| method.suits(cells).is_ok()) {
         if let Some(text) = warnings::left_out(Renderer::Method(method), cells, settings) {
             warn(&text);

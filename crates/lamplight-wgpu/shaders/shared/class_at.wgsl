@@ -1,6 +1,7 @@
 // Reads the classes of cells as stages/class.wgsl packs them.
 
 #import shared/class
+#import shared/normal
 #import shared/uniforms
 
 @group(0) @binding(3) var<storage, read> classes: array<u32>;
@@ -25,4 +26,13 @@ fn class_at(cell: vec2i) -> u32 {
 fn open(cell: vec2i) -> bool {
     let cell_class = class_at(cell);
     return cell_class == EMPTY || cell_class == MEDIUM;
+}
+
+// The faces of a solid cell that look at open cells, a bit each: left, right, top, bottom.
+fn exposed_faces(cell: vec2i) -> u32 {
+    var faces = 0u;
+    for (var face = 0u; face < 4u; face++) {
+        faces |= select(0u, 1u << face, open(cell + normal(face)));
+    }
+    return faces;
 }

@@ -103,12 +103,17 @@ fn falloff(lamp: Lamp, distance: f32) -> f32 {
     }
 }
 
-// The fraction of a lamp's light that leaves along ray `i` of `n`: smoothstep over the soft edge.
+// The fraction of a lamp's light that leaves along ray `i` of `n`.
 fn in_cone(lamp: Lamp, i: u32, n: u32) -> f32 {
+    return cone_share(lamp, TURN * (f32(i) / f32(n)));
+}
+
+// The fraction of a lamp's light that leaves at an angle from −π to 2π: smoothstep over the soft edge.
+fn cone_share(lamp: Lamp, at: f32) -> f32 {
     if lamp.cone.y < 0.0 {
         return 1.0;
     }
-    var rotated = TURN * (f32(i) / f32(n)) - lamp.cone.x;
+    var rotated = at - lamp.cone.x;
     // The direction is at most a little over one turn to either side.
     rotated += select(0.0, TURN, rotated < 0.0);
     rotated += select(0.0, TURN, rotated < 0.0);

@@ -134,6 +134,7 @@ impl Flood {
             dispatches.extend(passes.iter().zip(halves).map(|(&step, half)| blur(MIX, half, step)));
         }
         dispatches.push(blur(SHOW, 0, 0));
+        dispatches.extend(planner.add_direct(light));
         Ok(PassList { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: Some(lamps) })
     }
 }

@@ -69,7 +69,10 @@ impl Method {
         match self {
             Self::Flood(flood) => list.set(lamps, |lamp| flood.lamp_rays(lamp, size)),
             Self::Polar(polar) => list.set(lamps, |lamp| Ok(polar.lamp_rays(lamp, size))),
-            Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => Ok(()),
+            Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => {
+                list.clear();
+                Ok(())
+            }
         }
     }
 

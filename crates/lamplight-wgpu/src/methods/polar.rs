@@ -134,6 +134,7 @@ impl Polar {
             Dispatch::new(&self.shadow_bounds.entries[0], &bounded, None, groups),
             Dispatch::new(&self.gather.entries[0], &gathered, None, [tiles[0], tiles[1], 1]),
         ]);
+        dispatches.extend(planner.add_direct(light));
         stages.push((Stage::Light, light.clone()));
         Ok(PassList { dispatches, stages, lamps: Some(lamps) })
     }

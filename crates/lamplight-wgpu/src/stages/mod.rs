@@ -4,6 +4,7 @@ pub mod class;
 pub mod compare;
 pub mod convergence;
 pub mod denoise;
+pub mod direct;
 pub mod display;
 pub mod distance;
 pub mod empty_space;

@@ -1,7 +1,7 @@
 //! `cascades`, by both merges.
 
 use crate::common::{cells, device, device_with};
-use crate::compare::{SIZES, agree, agree_but_for, scenes_without_cones};
+use crate::compare::{SIZES, agree, agree_but_for, scenes};
 use lamplight::settings::{Cascades, Merge};
 use lamplight::{Bounces, Cells, Gradient, Scene, Settings, Sky};
 
@@ -107,7 +107,7 @@ fn sampled(scene: &Scene, step: u32) -> Cells {
 #[test]
 fn cascades_agree_on_every_example_scene() {
     let gpu = device();
-    for (name, scene) in scenes_without_cones() {
+    for (name, scene) in scenes() {
         let wall_depth = scene.resolve_settings().unwrap().wall_depth;
         // Finer cascades take more time, and so fewer cells.
         for (preset, step) in [("plain", 1), ("default", 3), ("quality", 5)] {

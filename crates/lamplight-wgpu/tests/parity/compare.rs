@@ -22,14 +22,6 @@ pub fn scenes() -> Vec<(String, Scene)> {
     scenes
 }
 
-/// Those scenes for methods that draw lamps: on the GPU lamps with a cone, too, so they have none.
-pub fn scenes_without_cones() -> Vec<(String, Scene)> {
-    let mut scenes = scenes();
-    let lamps = scenes.iter_mut().flat_map(|(_, scene)| &mut scene.lamps);
-    lamps.for_each(|lamp| lamp.cone = None);
-    scenes
-}
-
 /// The tolerance, relative to a pixel's light or to the mean, whichever is larger: rounding, and occasionally a
 /// ray that passes a corner on the other side. Measured at up to 9e-5.
 pub const TOLERANCE: f64 = 1e-3;
@@ -74,8 +66,7 @@ pub fn agree_but_for(
     cells: &Cells,
     settings: Settings,
 ) {
-    let [seen, right] = Both::new(gpu, settings).light(gpu, cells);
-    agrees(name, &seen, &right, ties);
+    Both::new(gpu, settings).agree_but_for(ties, gpu, name, cells);
 }
 
 /// CPU and GPU with the same settings, frame by frame.
@@ -106,6 +97,11 @@ impl Both {
             method => method.method() == Method::Polar,
         };
         let ties = if tied { TIES } else { 0.0 };
+        self.agree_but_for(ties, gpu, name, cells);
+    }
+
+    #[track_caller]
+    pub fn agree_but_for(&mut self, ties: f64, gpu: &(Device, Queue), name: &str, cells: &Cells) {
         let [seen, right] = self.light(gpu, cells);
         agrees(name, &seen, &right, ties);
     }

@@ -1,7 +1,7 @@
 //! `holographic`, every preset.
 
 use crate::common::{cells, device, device_of, device_with, frame, lighting};
-use crate::compare::{Both, SIZES, agree, differences, scenes_without_cones};
+use crate::compare::{Both, SIZES, agree, differences, scenes};
 use lamplight::settings::Holographic;
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Settings, Sky};
 use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Tier};
@@ -79,7 +79,7 @@ fn every_setting_agrees() {
 #[test]
 fn every_example_scene_agrees() {
     let gpu = device();
-    for (name, scene) in scenes_without_cones() {
+    for (name, scene) in scenes() {
         let Settings { wall_depth, .. } = scene.resolve_settings().unwrap();
         let settings =
             Settings { bounces: Bounces::Count(1), wall_depth, ..holographic("default") };
@@ -170,7 +170,7 @@ fn the_published_cascades_agree_with_bounces_and_under_any_sky() {
 #[test]
 fn the_published_cascades_agree_in_example_scenes() {
     let gpu = device();
-    for (name, scene) in scenes_without_cones() {
+    for (name, scene) in scenes() {
         if ["fog", "stained_glass", "two_rooms"].contains(&name.as_str()) {
             let Settings { wall_depth, .. } = scene.resolve_settings().unwrap();
             let settings =

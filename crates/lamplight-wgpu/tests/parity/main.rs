@@ -8,6 +8,7 @@ mod cascades;
 mod compare;
 mod cost;
 mod denoise;
+mod direct;
 mod flood;
 mod frames;
 mod glow;

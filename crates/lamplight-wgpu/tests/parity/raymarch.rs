@@ -1,7 +1,7 @@
 //! `raymarch`, by both rules.
 
 use crate::common::{cells, device, frame, lighting, raymarch_of};
-use crate::compare::{SIZES, agree, scenes_without_cones, wrong};
+use crate::compare::{SIZES, agree, scenes, wrong};
 use lamplight::settings::{BounceMode, Noise, Raymarch, Spacing};
 use lamplight::{Bounces, Gradient, Method, Rgb, Settings, Sky, Solver};
 
@@ -69,7 +69,7 @@ fn raymarch_agrees_under_a_sky_that_changes() {
 #[test]
 fn raymarch_agrees_on_every_example_scene() {
     let gpu = device();
-    for (name, scene) in scenes_without_cones() {
+    for (name, scene) in scenes() {
         let Settings { wall_depth, seed, .. } = scene.resolve_settings().unwrap();
         for (preset, bounces) in [("default", 0), ("default", 2), ("godot", 1)] {
             let bounces = Bounces::Count(bounces);

@@ -1,7 +1,7 @@
 //! The mean over frames.
 
 use crate::common::{device, raymarch_of};
-use crate::compare::scenes_without_cones;
+use crate::compare::scenes;
 use crate::frames::{FRAMES, frames_agree, moving};
 use lamplight::settings::{BounceMode, Denoise, Hit, Raymarch, Temporal};
 use lamplight::{Bounces, Settings};
@@ -48,7 +48,7 @@ fn rays_that_tire_on_their_way_past_changes_agree() {
 #[test]
 fn means_agree_on_every_example_scene() {
     let gpu = device();
-    for (number, (name, scene)) in scenes_without_cones().into_iter().enumerate() {
+    for (number, (name, scene)) in scenes().into_iter().enumerate() {
         let mut settings = Settings {
             wall_depth: scene.resolve_settings().unwrap().wall_depth,
             ..accumulating(true)

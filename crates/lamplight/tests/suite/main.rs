@@ -8,6 +8,7 @@ mod common;
 mod cascades;
 mod debug_views;
 mod denoise;
+mod direct;
 mod draw;
 mod flood;
 mod invariants;

@@ -1,6 +1,6 @@
 //! Suns, in every method: their own light, and what it does where it falls.
 
-use crate::common::{WALL, fresh, grid};
+use crate::common::{WALL, grid, seeded};
 use crate::spots::{SIZE, assert_right, furnished, methods, solve};
 use lamplight::settings::MethodSettings;
 use lamplight::{Matter, Method, Rgb, Sun};
@@ -30,7 +30,8 @@ fn a_sun_lights_the_open_and_a_wall_that_it_meets_as_by_hand() {
 
 #[test]
 fn suns_light_rooms_as_the_path_tracer_does() {
-    let random = &mut fresh();
+    // Direct light of 40 rooms: with 0.02 rad 0.11 % off at most, with 0.4 rad 0.40 %.
+    let random = &mut seeded(1);
     for angle in [0.02, 0.4] {
         // Open above and to the right.
         let mut cells = furnished(random, |[x, y]| x < 4 || y + 4 >= SIZE[1]);

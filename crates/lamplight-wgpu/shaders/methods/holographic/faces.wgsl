@@ -9,11 +9,13 @@
 
 @group(0) @binding(2) var albedo: texture_2d<f32>;
 @group(0) @binding(3) var<storage, read> irradiance: array<vec2u>;
-@group(0) @binding(4) var<storage, read_write> scattered: array<vec2u>;
-@group(0) @binding(5) var<storage, read_write> light: array<vec4f>;
+// Direct light of lamps and suns: E/2 of faces, J of media; a single value if there is none.
+@group(0) @binding(4) var<storage, read> direct: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> scattered: array<vec2u>;
+@group(0) @binding(6) var<storage, read_write> light: array<vec4f>;
 // Bound if light bounces until it has converged.
-@group(0) @binding(6) var<storage, read_write> changes: array<Change>;
-@group(0) @binding(7) var<uniform> step: u32;
+@group(0) @binding(7) var<storage, read_write> changes: array<Change>;
+@group(0) @binding(8) var<uniform> step: u32;
 
 // Returns whether a face (left, right, top, bottom) looks at a cell of the grid that is not solid.
 fn exposed(at: vec2u, face: u32) -> bool {
@@ -34,6 +36,14 @@ fn incoming(at: vec2u, face: u32, tint_opacity: vec4f) -> vec4f {
     return vec4f(0.0);
 }
 
+// What a face, or a medium, scatters.
+fn scattered_by(at: vec2u, face: u32, own_albedo: vec3f, gathered: vec3f) -> vec3f {
+    if arrayLength(&direct) == 1u {
+        return own_albedo * gathered;
+    }
+    return own_albedo * (gathered + direct[4u * index(at) + face].rgb);
+}
+
 @compute @workgroup_size(8, 8)
 fn scatter(@builtin(global_invocation_id) id: vec3u) {
     if outside(id.xy) {
@@ -42,7 +52,8 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
     let own_albedo = textureLoad(albedo, id.xy, 0).rgb;
     let tint_opacity = textureLoad(matter, id.xy, 0);
     for (var face = 0u; face < 4u; face++) {
-        let radiance = own_albedo * incoming(id.xy, face, tint_opacity).rgb;
+        let gathered = incoming(id.xy, face, tint_opacity).rgb;
+        let radiance = scattered_by(id.xy, face, own_albedo, gathered);
         scattered[4u * index(id.xy) + face] = pack_rgb(radiance);
     }
 }
@@ -60,7 +71,7 @@ fn scatter_compared(thread: TileThread) {
         for (var face = 0u; face < 4u; face++) {
             let slot = 4u * index(id.xy) + face;
             let light = incoming(id.xy, face, tint_opacity);
-            let now = pack_rgb(own_albedo * light.rgb);
+            let now = pack_rgb(scattered_by(id.xy, face, own_albedo, light.rgb));
             // Before the first bounce there is no scattered radiance.
             let old = select(scattered[slot], vec2u(0u), step == 0u);
             scattered[slot] = now;

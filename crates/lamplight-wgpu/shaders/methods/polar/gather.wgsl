@@ -1,34 +1,18 @@
 // Lights every pixel in reach of a lamp from the lamp's shadow map (`gather.rs` of the library).
-//
-// A workgroup is a tile. It takes the lamps 256 at a time: each thread tests whether one of them reaches the
-// tile, then all pixels go through those that do, in the lamps' order, so that blending does not depend on
-// how the work was divided.
 
 #import methods/polar/lookup
 #import shared/class
 #import shared/class_at
 #import shared/normal
+#import shared/reaching
 #import shared/uniforms
 
 override BLEND: u32;
 const ADD: u32 = 0u;
 const MAX: u32 = 1u;
 const PI: f32 = 3.1415927;
-const TILE: u32 = 16u;
 
 @group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
-
-var<workgroup> reaching: array<atomic<u32>, 8>;
-
-// Returns whether any pixel of a tile may be in reach of a lamp. The reach is one px larger on all sides, and
-// another for the faces of solid cells.
-fn reaches(lamp: u32, tile: vec2u) -> bool {
-    let start = vec2f(tile * TILE);
-    let position = lamps.list[lamp].position;
-    let away = position - clamp(position, start, start + f32(TILE));
-    let reach = lamps.list[lamp].reach + 2.0;
-    return dot(away, away) <= reach * reach;
-}
 
 fn blend(sum: vec3f, more: vec3f) -> vec3f {
     if BLEND == ADD {
@@ -39,15 +23,6 @@ fn blend(sum: vec3f, more: vec3f) -> vec3f {
     }
     let capped = min(more, vec3f(1.0));
     return sum + capped - sum * capped;
-}
-
-// The faces of a solid cell that look at open cells, a bit each: left, right, top, bottom.
-fn exposed(cell: vec2i) -> u32 {
-    var faces = 0u;
-    for (var face = 0u; face < 4u; face++) {
-        faces |= select(0u, 1u << face, open(cell + normal(face)));
-    }
-    return faces;
 }
 
 // The light of a lamp at a cell: of an open cell at its centre; of a solid one (with `faces`) the mean
@@ -84,19 +59,12 @@ fn main(
     let cell = vec2i(id.xy);
     var faces = 0u;
     if class_at(cell) == SOLID {
-        faces = exposed(cell);
+        faces = exposed_faces(cell);
     }
     let lit = open(cell) || faces != 0u;
     var sum = vec3f(0.0);
     for (var first = 0u; first < lamps.count; first += 256u) {
-        if lane < 8u {
-            atomicStore(&reaching[lane], 0u);
-        }
-        workgroupBarrier();
-        if first + lane < lamps.count && reaches(first + lane, tile.xy) {
-            atomicOr(&reaching[lane / 32u], 1u << (lane % 32u));
-        }
-        workgroupBarrier();
+        find_reaching(first, tile.xy, lane);
         for (var word = 0u; word < 8u; word++) {
             var left = atomicLoad(&reaching[word]);
             while left != 0u {
@@ -108,7 +76,6 @@ fn main(
                 }
             }
         }
-        workgroupBarrier();
     }
     if !outside(id.xy) {
         light[index(id.xy)] = vec4f(sum, 1.0);

@@ -114,6 +114,7 @@ impl Cascades {
             let [first, later] = [0, 1].map(|step| {
                 let target = GatherTarget { entry: SCATTERED, step, scattered: from, to };
                 let mut bounce = self.gather(&plan, target);
+                bounce.extend(planner.scatter_direct(to));
                 bounce.push(compare.plan(planner, to, from, &changes, step));
                 bounce.push(self.medium_grid.light_media(planner, &plan.grid, from));
                 bounce
@@ -124,6 +125,7 @@ impl Cascades {
                 let target =
                     GatherTarget { entry: SCATTERED, step: bounce.min(1), scattered: from, to };
                 dispatches.extend(self.gather(&plan, target));
+                dispatches.extend(planner.scatter_direct(to));
                 dispatches.push(self.medium_grid.light_media(planner, &plan.grid, to));
                 // Media that scatter other light are other matter to empty-space skipping.
                 dispatches.extend_from_slice(&find_squares);
@@ -133,6 +135,7 @@ impl Cascades {
         let target =
             GatherTarget { entry: LIGHT, step: bounces.min(1), scattered: from, to: light };
         dispatches.extend(self.gather(&plan, target));
+        dispatches.extend(planner.add_direct(light));
         let stages = vec![(Stage::EmptySpace, plan.squares), (Stage::Light, light.clone())];
         Ok(PassList { dispatches, stages, lamps: None })
     }

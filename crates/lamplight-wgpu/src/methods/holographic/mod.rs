@@ -233,10 +233,12 @@ impl Holographic {
         };
         let [mut first, mut later, last] = [first, later, last].map(|planned| bound(&planned));
 
+        let direct = planner.direct_light()?;
         let resources = [
             view(&planner.textures.tint_opacity),
             view(&planner.textures.albedo),
             whole(&buffers.irradiance),
+            whole(&direct),
             whole(&buffers.scattered),
             whole(light),
         ];
@@ -257,6 +259,7 @@ impl Holographic {
         }
         dispatches.extend(last);
         dispatches.push(planner.over_cells(&self.faces, SHOW, &faces, None));
+        dispatches.extend(planner.add_direct(light));
         Ok(PassList { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: None })
     }
 

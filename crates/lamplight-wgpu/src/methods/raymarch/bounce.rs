@@ -68,8 +68,10 @@ impl Bounce {
         find_squares: &[Dispatch],
     ) -> Result<(Vec<Dispatch>, Buffer)> {
         let [one, other] = scattered;
-        let gather =
-            |step, from, to| gather.plan(planner, Gathered::Scattered, buffers, step, from, to);
+        let gather = |step, from, to| {
+            let gathered = gather.plan(planner, Gathered::Scattered, buffers, step, from, to);
+            [gathered].into_iter().chain(planner.scatter_direct(to))
+        };
         let light_media = |scattered: &Buffer| {
             let lit = medium_grid.light_media(planner, &buffers.grid, scattered);
             let mut dispatches = vec![lit];
@@ -81,7 +83,7 @@ impl Bounce {
                 let mut dispatches = Vec::new();
                 let (mut from, mut to) = (one, other);
                 for bounce in 0..*times {
-                    dispatches.push(gather(bounce.min(1), from, to));
+                    dispatches.extend(gather(bounce.min(1), from, to));
                     dispatches.extend(light_media(to));
                     (from, to) = (to, from);
                 }
@@ -91,15 +93,15 @@ impl Bounce {
                 let changes = Convergence::changes(planner)?;
                 let [first, later] = [0, 1].map(|step| {
                     let compare = compare.plan(planner, one, other, &changes, step);
-                    let gathered = [gather(step, other, one), compare];
-                    gathered.into_iter().chain(light_media(other)).collect()
+                    let gathered = gather(step, other, one).chain([compare]);
+                    gathered.chain(light_media(other)).collect()
                 });
                 convergence.plan(planner, &changes, first, later)?
             }
             Self::Feedback(feedback) => {
                 let mut dispatches = vec![feedback.plan(planner, &buffers.grid, other, one)];
                 dispatches.extend(light_media(one));
-                dispatches.push(gather(1, one, other));
+                dispatches.extend(gather(1, one, other));
                 dispatches.extend(light_media(other));
                 dispatches
             }

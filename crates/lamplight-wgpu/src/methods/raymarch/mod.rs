@@ -110,6 +110,7 @@ impl Raymarch {
         if let Some(denoise) = &self.denoise {
             dispatches.extend(denoise.plan(planner, near, traced, light)?);
         }
+        dispatches.extend(planner.add_direct(light));
         stages.push((Stage::Light, light.clone()));
         Ok(PassList { dispatches, stages, lamps: None })
     }

@@ -6,8 +6,8 @@
 //! sight, hides what lies behind it at `β = s·d/(a·R)`. So a cell hides the interval between its outermost corners,
 //! and what is left of −1 to 1 after all cells in the triangle between pixel and segment is seen.
 //!
-//! Parts of the segment of a lamp that the lamp's centre does not see lie behind a wall and are dark, and so
-//! are parts outside the grid of a lamp inside: no light goes round the walls of the grid.
+//! Parts of the segment of a lamp that the lamp's centre does not see lie behind a wall and are dark. Of a lamp that
+//! reaches over the border of the grid the part inside stands for the whole: no light goes round the walls.
 
 use crate::Rgb;
 use crate::grid::cast::RayHit;
@@ -23,10 +23,12 @@ const TOUCHING: f32 = 1e-4;
 const AHEAD: f32 = 1e-6;
 /// β of corners beside and behind the pixel: far outside of the disc.
 const OUTSIDE: f32 = 1e6;
+/// The smallest part of a lamp, −1 to 1, that may stand for the whole.
+const SMALLEST_PART: f32 = 1e-3;
 /// Points across the lamp at which cosines are taken.
 const POINTS: usize = 16;
-/// Points across the lamp to which rays are cast through media.
-const RAYS: usize = 8;
+/// Fewest and most points across a light to which rays are cast through media, one per px.
+const RAYS: [usize; 2] = [8, 48];
 /// Rays in place of one where media differ from those before a point beside it.
 const FINER: usize = 4;
 /// The difference of transmittance from which on they differ.
@@ -98,6 +100,8 @@ impl SolidBits {
 pub struct Hidden {
     parts: [[f32; 2]; GAPS],
     count: usize,
+    /// The fraction of the light beyond the grid, which is hidden too.
+    outside: f32,
 }
 
 impl Hidden {
@@ -139,10 +143,10 @@ impl Hidden {
         self.count == 1 && self.parts[0] == [-1.0, 1.0]
     }
 
-    /// The fraction that is seen.
+    /// The fraction that is seen, of the part within the grid.
     fn rest(&self) -> f32 {
         let hidden: f32 = self.parts().iter().map(|[a, b]| b - a).sum();
-        (1.0 - 0.5 * hidden).max(0.0)
+        (1.0 - 0.5 * hidden).max(0.0) / (1.0 - self.outside)
     }
 }
 
@@ -156,6 +160,8 @@ pub struct Fan {
     pub distance: f32,
     /// Half the width of the fan per px ahead.
     pub slope: f32,
+    /// Half the width of the fan at its end, at the light or at the border of the grid, px.
+    pub half_width: f32,
     /// The distance ahead up to which walls may be in the way, px.
     pub until: f32,
 }
@@ -181,6 +187,7 @@ impl LampDisc {
             ahead: off.map(|v| -v / distance),
             distance,
             slope: radius / distance,
+            half_width: radius,
             until: distance - before,
         }
     }
@@ -209,7 +216,8 @@ pub fn mean_cosine(
     };
     let seen =
         (0..POINTS).map(|number| point(number, POINTS)).filter(|&point| !hidden.holds(point));
-    seen.map(|point| cosine(point).max(0.0)).sum::<f32>() / POINTS as f32
+    let sum: f32 = seen.map(|point| cosine(point).max(0.0)).sum();
+    sum / (POINTS as f32 * (1.0 - hidden.outside))
 }
 
 /// One of `count` points across a lamp, −1 to 1.
@@ -245,13 +253,21 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
     let to_border = [0, 1].map(|a| center[a].min(grid.size[a] as f32 - center[a]));
     let to_border = to_border[0].min(to_border[1]);
     if lamp.clear < radius || (0.0..radius).contains(&to_border) {
-        for sign in [-1.0, 1.0] {
+        let inside = [-1.0, 1.0].map(|sign| {
+            let leaves = leaves(grid, center, across.map(|v| sign * v));
+            if to_border >= 0.0 { (leaves / radius).min(1.0) } else { 1.0 }
+        });
+        // A lamp at a corner may have no part inside.
+        let counts = inside[0] + inside[1] > SMALLEST_PART;
+        for (sign, inside) in [-1.0, 1.0].into_iter().zip(inside) {
             let way = across.map(|v| sign * v);
-            let hit = grid.cast(center, way, radius, false, |_, _| ()).length;
-            let at = if to_border >= 0.0 { hit.min(leaves(grid, center, way)) } else { hit };
-            if at < radius {
-                let at = sign * at / radius;
-                hidden.add(at.min(sign), at.max(sign));
+            let seen = grid.cast(center, way, radius, false, |_, _| ()).length / radius;
+            let at = if counts { seen.min(inside) } else { seen };
+            if counts {
+                hidden.outside += 0.5 * (1.0 - inside);
+            }
+            if at < 1.0 {
+                hidden.add((sign * at).min(sign), (sign * at).max(sign));
             }
         }
     }
@@ -338,8 +354,9 @@ pub fn differ(a: Rgb, b: Rgb, most: f32) -> bool {
 /// Returns the mean transmittance of media between a pixel and the points of a light that it sees; `None` if it sees
 /// none.
 pub fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
-    let through = |at: f32| through_media_to(grid, fan, at);
-    let coarse: [Option<Rgb>; RAYS] = std::array::from_fn(|number| through(point(number, RAYS)));
+    let [fewest, most] = RAYS;
+    let rays = ((2.0 * fan.half_width) as usize).clamp(fewest, most);
+    let through = |number: usize, count: usize| through_media_to(grid, fan, point(number, count));
     let differ =
         |a: Option<Rgb>, b: Option<Rgb>| a.zip(b).is_some_and(|(a, b)| differ(a, b, DIFFERENT));
     let (mut sum, mut count) = ([0.0; 3], 0);
@@ -348,15 +365,16 @@ pub fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
         (0..3).for_each(|c| sum[c] += seen[c] * weight as f32);
         count += weight;
     };
-    for (number, &seen) in coarse.iter().enumerate() {
-        let beside = [number.saturating_sub(1), (number + 1).min(RAYS - 1)];
-        if beside.iter().any(|&other| differ(seen, coarse[other])) {
-            let first = point(number, RAYS) - 1.0 / RAYS as f32;
-            let step = 2.0 / (RAYS * FINER) as f32;
-            (0..FINER).for_each(|k| add(through(first + (k as f32 + 0.5) * step), 1));
+    let (mut before, mut own) = (None, through(0, rays));
+    for number in 0..rays {
+        let after = if number + 1 < rays { through(number + 1, rays) } else { None };
+        if differ(own, before) || differ(own, after) {
+            let first = FINER * number;
+            (first..first + FINER).for_each(|finer| add(through(finer, FINER * rays), 1));
         } else {
-            add(seen, FINER);
+            add(own, FINER);
         }
+        (before, own) = (own, after);
     }
     (count > 0).then(|| sum.map(|v| v / count as f32))
 }

@@ -201,6 +201,11 @@ impl ShadowMap {
         } else {
             let covers = |ray| if self.exact { self.shaded(ray) } else { self.widest(ray) };
             ranges.find(grid, &self.hits, |ray| self.shaded(ray), covers);
+            // A wall within the lamp hides a part of it from pixels in front of that wall, too.
+            let nearest = self.hits.iter().fold(reach, |nearest, hit| nearest.min(hit.length));
+            if self.exact && nearest < lamp.size {
+                ranges.ends.iter_mut().for_each(|[lit, _]| *lit = 0.0);
+            }
         }
         self.ranges = ranges;
     }
@@ -368,7 +373,7 @@ impl ShadowMap {
     ) -> Rgb {
         let distance = off[0].hypot(off[1]);
         let through = self.through(at, distance, shadow_filter);
-        if !self.exact {
+        if !self.exact || distance == 0.0 {
             return through;
         }
         let n = self.count as f32;
@@ -383,7 +388,9 @@ impl ShadowMap {
         };
         // Right beside the lamp only up to where a ray leaves the triangle between lamp and pixel.
         let beside = self.lamp.size / (FARTHEST.sin() + seen_under * FARTHEST.cos());
-        let varies = PARTS.iter().any(|part| differs((part * seen_under).min(FARTHEST), farther))
+        // Rays end at walls, so in a penumbra they do not know all media.
+        let varies = distance >= self.ranges.ends[(at + 0.5) as usize][0]
+            || PARTS.iter().any(|part| differs((part * seen_under).min(FARTHEST), farther))
             || differs(FARTHEST, beside);
         if !varies {
             // The way to the rim of the lamp is longer: by ½·(√(1 + k²) + asinh(k)/k) in the mean.

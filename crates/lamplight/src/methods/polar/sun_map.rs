@@ -69,7 +69,8 @@ impl SunMap {
         self.reach = far - near;
         // Rays beside the grid, so that the last is not beside the first.
         let beside = (self.reach * self.slope * DENSITY).ceil() + 2.0;
-        self.start = [left - beside / DENSITY, near];
+        // Half a px on, so that the rays of a sun along an axis go through the middles of cells.
+        self.start = [left - (beside - 0.5) / DENSITY, near];
         let count = ((right - left) * DENSITY + 2.0 * beside).ceil() as usize + 1;
         self.curves.clear(self.reach);
         self.hits.clear();
@@ -104,6 +105,7 @@ impl SunMap {
             ahead: self.travels.map(|v| -v),
             distance: f32::INFINITY,
             slope: self.slope,
+            half_width: along * self.slope,
             until: (along - clear + NEAREST_BESIDE).clamp(0.0, along.max(0.0)),
         }
     }
@@ -179,12 +181,15 @@ impl SunMap {
 
     fn transmittance(&self, scene: ShadowScene, pixel: [f32; 2], (at, along): (f32, f32)) -> Rgb {
         let middle = self.through(at, along);
-        let varies = PARTS.iter().any(|part| {
-            let beside = part * along * self.slope * DENSITY;
-            [at - beside, at + beside]
-                .into_iter()
-                .any(|at| differ(self.through(at, along), middle, EVEN))
-        });
+        // Rays end at walls, so in a penumbra they do not know all media.
+        let in_penumbra = along >= self.ranges.ends[(at + 0.5) as usize][0];
+        let varies = in_penumbra
+            || PARTS.iter().any(|part| {
+                let beside = part * along * self.slope * DENSITY;
+                [at - beside, at + beside]
+                    .into_iter()
+                    .any(|at| differ(self.through(at, along), middle, EVEN))
+            });
         if !varies {
             return middle;
         }

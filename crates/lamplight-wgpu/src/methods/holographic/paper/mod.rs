@@ -200,7 +200,8 @@ impl Paper {
         let gather = planner.bind(&self.gather, &resources);
         let solve = |source: Dispatch| -> Vec<_> {
             let gather = planner.over_cells(&self.gather, 0, &gather, None);
-            [source].into_iter().chain(quadrants.iter().cloned()).chain([gather]).collect()
+            let gathered = [source].into_iter().chain(quadrants.iter().cloned()).chain([gather]);
+            gathered.chain(planner.add_direct(light)).collect()
         };
         // Direct light, then the light that it makes cells scatter, once per bounce.
         let mut dispatches = solve(planner.over_cells(&self.source, 0, &sources, None));

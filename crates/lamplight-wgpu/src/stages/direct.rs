@@ -1,0 +1,176 @@
+//! The direct light of lamps with exact light ([`lamplight::Lamp::is_exact`]) and of suns, for methods that find all
+//! other light themselves.
+//!
+//! One dispatch finds what every open cell and every face receives from all lamps, one adds the suns. Methods add it
+//! to what surfaces scatter in each bounce, and to the light at the end. Visibility is exact, without a shadow map:
+//! a cell goes through the blocks of cells in the triangle between itself and the light. Cost: about
+//! `d/4 · (1 + s/4)` words of classes per cell and light at distance d and of size s.
+
+use crate::error::Result;
+use crate::gpu_struct::gpu_struct;
+use crate::lamps::{Capacity, LampList, LampRays};
+use crate::pipeline::{ComputePipelines, Dispatch};
+use crate::planner::{FramePlanner, view, whole};
+use crate::programs;
+use crate::stages::class::ClassPipeline;
+use lamplight::internals::{MAX_OPTICAL_DEPTH, polar};
+use lamplight::settings::Polar;
+use lamplight::{Lamp, Method};
+use wgpu::{Buffer, Device, Queue};
+
+/// Side of a tile, px.
+const TILE: u32 = 16;
+/// Values per cell: four faces, of which an open cell uses the first.
+const FACES: u32 = 4;
+/// Bytes before the suns: their number.
+const HEAD: u64 = size_of::<[u32; 4]>() as u64;
+
+gpu_struct! {
+    /// `Sun` of shaders/stages/direct.wgsl, where the fields are explained.
+    pub struct Sun {
+        travels: [f32; 2],
+        slope: f32,
+        width: f32,
+        radiance: [f32; 3],
+        padding: f32,
+    }
+}
+
+/// The lights of a frame before they are written to the GPU.
+#[derive(Debug, Default)]
+pub struct DirectLights {
+    lamps: LampList,
+    suns: Vec<Sun>,
+}
+
+impl DirectLights {
+    /// Replaces the lights by all suns, and the lamps that a method lights exactly.
+    pub fn set(
+        &mut self,
+        method: Method,
+        lamps: &[Lamp],
+        suns: &[lamplight::Sun],
+        size: [u32; 2],
+    ) -> lamplight::Result<()> {
+        let settings = Polar::default();
+        let rays = |lamp: &Lamp| {
+            let (reach, _) = polar::rays(lamp, size, &settings);
+            Ok(LampRays { reach, count: 0, soft: 0.0, falloff: Some(lamp.falloff) })
+        };
+        let exact = |lamp: &&Lamp| lamp.is_exact() && !method.lights_lamps();
+        self.lamps.set(lamps.iter().filter(exact), rays)?;
+        self.suns.clear();
+        self.suns.extend(suns.iter().map(|sun| Sun {
+            travels: [sun.direction.cos(), sun.direction.sin()],
+            slope: (0.5 * sun.angle).tan(),
+            width: sun.angle,
+            radiance: sun.radiance(),
+            padding: 0.0,
+        }));
+        Ok(())
+    }
+
+    /// The capacity that the lights need.
+    pub fn needed(&self) -> Capacity {
+        let exact_lamps = self.lamps.needed().lamps;
+        Capacity { exact_lamps, suns: self.suns.len() as u64, ..Capacity::default() }
+    }
+
+    /// Writes the lights to the buffers of a plan.
+    pub fn write(&self, queue: &Queue, buffers: &LightBuffers) {
+        self.lamps.write(queue, &buffers.lamps);
+        let head = [self.suns.len() as u32, 0, 0, 0];
+        queue.write_buffer(&buffers.suns, 0, bytemuck::bytes_of(&head));
+        queue.write_buffer(&buffers.suns, HEAD, bytemuck::cast_slice(&self.suns));
+    }
+}
+
+/// The buffers that lights are written to before each frame.
+#[derive(Debug)]
+pub struct LightBuffers {
+    lamps: Buffer,
+    suns: Buffer,
+}
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct Direct {
+    class: ClassPipeline,
+    shine: ComputePipelines,
+    add: ComputePipelines,
+}
+
+/// The direct light of a plan, which its methods add to their own.
+#[derive(Clone, Debug)]
+pub struct FoundLight<'a> {
+    pipelines: &'a ComputePipelines,
+    /// J of open cells and E/2 of faces, four values per cell.
+    pub found: Buffer,
+}
+
+impl Direct {
+    pub fn new(device: &Device) -> Self {
+        let constants = [("TRANSLUCENT", 1.0), ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH))];
+        Self {
+            class: ClassPipeline::new(device),
+            shine: ComputePipelines::new(device, &programs::DIRECT, &constants),
+            add: ComputePipelines::new(device, &programs::ADD_DIRECT, &[]),
+        }
+    }
+
+    /// Plans finding the direct light.
+    pub fn plan(
+        &self,
+        planner: &FramePlanner,
+    ) -> Result<(FoundLight<'_>, LightBuffers, Vec<Dispatch>)> {
+        let class = self.class.plan(planner)?;
+        let Capacity { exact_lamps, suns, .. } = planner.capacity;
+        let bytes = HEAD + suns.max(1) * size_of::<Sun>() as u64;
+        let buffers = LightBuffers {
+            lamps: planner.buffer_of_bytes("exact lamps", LampList::bytes(exact_lamps))?,
+            suns: planner.buffer_of_bytes("suns", bytes)?,
+        };
+        let found =
+            planner.buffer::<[f32; 4]>("direct light", u64::from(FACES) * planner.cells())?;
+        let resources = [
+            whole(&buffers.lamps),
+            view(&planner.textures.tint_opacity),
+            whole(&class.classes),
+            whole(&buffers.suns),
+            whole(&found),
+        ];
+        let bound = planner.bind(&self.shine, &resources);
+        let [columns, rows] = <[u32; 2]>::from(planner.size).map(|side| side.div_ceil(TILE));
+        let shine = |entry: usize| {
+            Dispatch::new(&self.shine.entries[entry], &bound, None, [columns, rows, FACES])
+        };
+        let mut dispatches = vec![class.dispatch, shine(LAMPS)];
+        dispatches.extend((suns > 0).then(|| shine(SUNS)));
+        Ok((FoundLight { pipelines: &self.add, found }, buffers, dispatches))
+    }
+}
+
+impl FoundLight<'_> {
+    /// Plans adding it to the light of cells.
+    pub fn add(&self, planner: &FramePlanner, light: &Buffer) -> Dispatch {
+        self.add_to(planner, ADD, light)
+    }
+
+    /// Plans adding what surfaces and media scatter of it to all that they scatter.
+    pub fn scatter(&self, planner: &FramePlanner, scattered: &Buffer) -> Dispatch {
+        self.add_to(planner, SCATTER, scattered)
+    }
+
+    fn add_to(&self, planner: &FramePlanner, entry: usize, sum: &Buffer) -> Dispatch {
+        let resources = [whole(&self.found), view(&planner.textures.albedo), whole(sum)];
+        let bound = planner.bind(self.pipelines, &resources);
+        planner.over_cells(self.pipelines, entry, &bound, None)
+    }
+}
+
+/// Entries of [`programs::DIRECT`].
+const LAMPS: usize = 0;
+const SUNS: usize = 1;
+/// Entries of [`programs::ADD_DIRECT`].
+const ADD: usize = 0;
+const SCATTER: usize = 1;
