@@ -21,7 +21,7 @@
 //! ```
 //!
 //! [`Lighting2d`] lights a camera. [`Matter2d`] makes anything that is drawn emit, block, filter or
-//! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, and [`LightOccluder2d`] is an invisible
+//! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, [`SunLight2d`] is a sun, and [`LightOccluder2d`] is an invisible
 //! shape that blocks light. Entities with [`Unlit2d`] are drawn unlit, over the lit picture.
 //! [`LightQuery`] returns the light at a place, for game rules.
 //!
@@ -65,6 +65,7 @@ impl Plugin for LamplightPlugin {
             .register_type::<Unlit2d>()
             .register_type::<PointLight2d>()
             .register_type::<SpotLight2d>()
+            .register_type::<SunLight2d>()
             .register_type::<AmbientLight2d>()
             .register_type::<Sky2d>()
             .register_type::<LightQuerySettings>();

@@ -9,7 +9,7 @@ use lamplight_wgpu::wgpu::{
     Device, DeviceDescriptor, Extent3d, Instance, InstanceDescriptor, Queue, TexelCopyBufferLayout,
     TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
 };
-use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Stage, Textures};
+use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Lights, Stage, Textures};
 use pollster::block_on;
 
 const SIZE: [u32; 2] = [320, 180];
@@ -47,7 +47,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Settings { bounces: Bounces::Count(2), wall_depth: 4.0, ..Settings::new(raymarch) };
     let mut lighting = Lighting::new(&device, &queue, &LightingOptions::default())?;
     let sky = Sky::Uniform([0.01, 0.01, 0.03]);
-    lighting.prepare(&FrameInput::of_textures(&settings, &textures, &[], sky))?;
+    lighting.prepare(&FrameInput::of_textures(
+        &settings,
+        &textures,
+        Lights { sky, ..Lights::default() },
+    ))?;
     let mut encoder = device.create_command_encoder(&Default::default());
     lighting.record(&mut encoder)?;
     queue.submit([encoder.finish()]);

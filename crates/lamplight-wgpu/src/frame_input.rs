@@ -7,11 +7,12 @@ use wgpu::TextureView;
 /// The input of a frame, for [`crate::Lighting::prepare`].
 ///
 /// ```no_run
-/// # use lamplight::{Lamp, Settings, Sky};
-/// # use lamplight_wgpu::{FrameInput, Lighting, Textures};
+/// # use lamplight::{Lamp, Settings};
+/// # use lamplight_wgpu::{FrameInput, Lighting, Lights, Textures};
 /// # fn frame(lighting: &mut Lighting, settings: &Settings, textures: &Textures, lamps: &[Lamp],
 /// #     camera: [i32; 2]) -> Result<(), lamplight_wgpu::Error> {
-/// let input = FrameInput::of_textures(settings, textures, lamps, Sky::BLACK);
+/// let lights = Lights { lamps, ..Lights::default() };
+/// let input = FrameInput::of_textures(settings, textures, lights);
 /// lighting.prepare(&FrameInput { origin: camera, ..input })?;
 /// # Ok(())
 /// # }
@@ -45,14 +46,21 @@ pub enum SceneInput<'a> {
     Textures {
         /// The matter.
         textures: &'a Textures,
-        /// Lamps. Those without exact light ([`Lamp::is_exact`]) are for the methods that light them by rule
-        /// (`flood` and `polar`); for the other methods such a lamp is emission in the textures.
-        lamps: &'a [Lamp],
-        /// Suns.
-        suns: &'a [Sun],
-        /// The radiance beyond the grid.
-        sky: Sky,
+        /// The light that is not in the textures.
+        lights: Lights<'a>,
     },
+}
+
+/// The light of a frame that is not in its textures; by default there is none.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lights<'a> {
+    /// Lamps. Those without exact light ([`Lamp::is_exact`]) are for the methods that light them by rule
+    /// (`flood` and `polar`); for the other methods such a lamp is emission in the textures.
+    pub lamps: &'a [Lamp],
+    /// Suns.
+    pub suns: &'a [Sun],
+    /// The radiance beyond the grid.
+    pub sky: Sky,
 }
 
 impl<'a> FrameInput<'a> {
@@ -61,14 +69,9 @@ impl<'a> FrameInput<'a> {
         Self::new(settings, SceneInput::Cells(cells))
     }
 
-    /// The input that lights the host's textures, without suns, at the origin of the world.
-    pub fn of_textures(
-        settings: &'a Settings,
-        textures: &'a Textures,
-        lamps: &'a [Lamp],
-        sky: Sky,
-    ) -> Self {
-        Self::new(settings, SceneInput::Textures { textures, lamps, suns: &[], sky })
+    /// The input that lights the host's textures, at the origin of the world.
+    pub fn of_textures(settings: &'a Settings, textures: &'a Textures, lights: Lights<'a>) -> Self {
+        Self::new(settings, SceneInput::Textures { textures, lights })
     }
 
     fn new(settings: &'a Settings, scene: SceneInput<'a>) -> Self {

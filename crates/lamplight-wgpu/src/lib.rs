@@ -59,7 +59,7 @@ pub use camera::{Camera2dView, GridPlacement, VisibleRect};
 pub use compose::{Color, Compose, ComposeParams, Filter};
 pub use cost::{Cost, PipelineCost};
 pub use error::Error;
-pub use frame_input::{FrameInput, SceneInput};
+pub use frame_input::{FrameInput, Lights, SceneInput};
 pub use lighting::Lighting;
 pub use matter::Textures;
 pub use options::LightingOptions;

@@ -3,7 +3,7 @@
 use crate::cost::Cost;
 use crate::error::{CreateError, PrepareError, RecordError, Result};
 use crate::error_scope::with_error_scope;
-use crate::frame_input::{FrameInput, SceneInput};
+use crate::frame_input::{FrameInput, Lights, SceneInput};
 use crate::grid_size::GridSize;
 use crate::hints::SceneHints;
 use crate::lamps::{Capacity, LampList};
@@ -238,7 +238,8 @@ impl Lighting {
                 let (lamps, suns, sky) = (cells.lamps(), cells.suns(), cells.sky());
                 Ok(CheckedScene { grid, shown, lamps, suns, sky })
             }
-            SceneInput::Textures { textures, lamps, suns, sky } => {
+            SceneInput::Textures { textures, lights } => {
+                let Lights { lamps, suns, sky } = lights;
                 sky.check()?;
                 for (i, sun) in suns.iter().enumerate() {
                     sun.check(&format_args!("sun[{i}]"))?;

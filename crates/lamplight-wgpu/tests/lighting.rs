@@ -8,7 +8,7 @@ use common::{cells, device, frame, lighting, raymarch_of, recorded};
 use lamplight::settings::BounceMode;
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Rgb, Settings, Sky};
 use lamplight_wgpu::error::{PrepareError, RecordError};
-use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Stage, Textures};
+use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Lights, Stage, Textures};
 use textures::{fetch, filled, float, texture, view};
 use wgpu::{Device, Queue, TextureFormat, TextureUsages};
 
@@ -139,7 +139,7 @@ fn a_hosts_textures_are_lit_into_its_own() {
     let mut lighting = lighting(&device, &queue);
     let format = TextureFormat::Rgba16Float;
     let output = texture(&device, [48, 32], format, TextureUsages::STORAGE_BINDING);
-    let input = FrameInput::of_textures(&settings, &textures, &[], sky);
+    let input = FrameInput::of_textures(&settings, &textures, Lights { sky, ..Lights::default() });
     lighting.prepare(&FrameInput { output: Some(&view(&output)), ..input }).unwrap();
     assert_eq!(recorded(&device, &queue, &lighting), right);
     let picture = fetch(&device, &queue, &output);
@@ -167,7 +167,7 @@ fn history_goes_on_when_textures_are_exchanged() {
         let mut light = Vec::new();
         for number in 0..5 {
             let textures = &two[number * exchange % 2];
-            let input = FrameInput::of_textures(&settings, textures, &[], Sky::BLACK);
+            let input = FrameInput::of_textures(&settings, textures, Lights::default());
             lighting.prepare(&input).unwrap();
             light = recorded(&device, &queue, &lighting);
         }
@@ -184,7 +184,7 @@ fn textures_that_cannot_be_used_are_named_with_the_reason() {
     let settings = raymarch();
     let bound = TextureUsages::TEXTURE_BINDING;
     let mut rejected = |textures: Textures| {
-        let input = FrameInput::of_textures(&settings, &textures, &[], Sky::BLACK);
+        let input = FrameInput::of_textures(&settings, &textures, Lights::default());
         lighting.prepare(&input).unwrap_err().to_string()
     };
     let other = |format, usage, size| view(&texture(&device, size, format, usage));
@@ -207,7 +207,7 @@ fn textures_that_cannot_be_used_are_named_with_the_reason() {
     let half = TextureFormat::Rgba16Float;
     let output = |format, usage, size| view(&texture(&device, size, format, usage));
     let stored = TextureUsages::STORAGE_BINDING;
-    let input = FrameInput::of_textures(&settings, &good, &[], Sky::BLACK);
+    let input = FrameInput::of_textures(&settings, &good, Lights::default());
     for (picture, problem) in [
         (output(TextureFormat::Rgba8Unorm, stored, [48, 32]), "has the format Rgba8Unorm, not"),
         (output(half, bound, [48, 32]), "lacks the usage STORAGE_BINDING"),
@@ -238,10 +238,15 @@ fn lamps_light_a_hosts_textures() {
 
     let mut lighting = lighting(&device, &queue);
     let bad = [Lamp { range: f32::NAN, ..Lamp::default() }];
-    let input = FrameInput::of_textures(&settings, &textures, &bad, Sky::BLACK);
+    let input =
+        FrameInput::of_textures(&settings, &textures, Lights { lamps: &bad, ..Lights::default() });
     let error = lighting.prepare(&input).unwrap_err().to_string();
     assert!(error.starts_with("`lamp[0].range`"), "{error}");
-    let input = FrameInput::of_textures(&settings, &textures, cells.lamps(), Sky::BLACK);
+    let input = FrameInput::of_textures(
+        &settings,
+        &textures,
+        Lights { lamps: cells.lamps(), ..Lights::default() },
+    );
     lighting.prepare(&input).unwrap();
     assert_eq!(recorded(&device, &queue, &lighting), right);
 }

@@ -9,7 +9,8 @@ use lamplight::{Bounces, Lamp, Method, Settings, Sky};
 use lamplight_wgpu::error::ReadBackError;
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{
-    Compose, ComposeParams, FrameInput, Lighting, LightingOptions, Stage, Textures, Tier, Timer,
+    Compose, ComposeParams, FrameInput, Lighting, LightingOptions, Lights, Stage, Textures, Tier,
+    Timer,
 };
 use textures::{texture, view};
 use wgpu::{TextureFormat, TextureUsages};
@@ -66,7 +67,11 @@ fn a_lost_device_does_nothing_and_returns_errors_when_results_are_read() {
             let _ = lit.prepare(&FrameInput::of_cells(&other, &cells));
             // As after the size of a window changed.
             let sky = Sky::default();
-            let _ = lit.prepare(&FrameInput::of_textures(&other, &textures, &[], sky));
+            let _ = lit.prepare(&FrameInput::of_textures(
+                &other,
+                &textures,
+                Lights { sky, ..Lights::default() },
+            ));
             let _ = lit.record(&mut device.create_command_encoder(&Default::default()));
         }
     }

@@ -8,7 +8,9 @@ use common::{adapter, cells, device, frame, lighting, open, raymarch_of, recorde
 use lamplight::settings::Temporal;
 use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
 use lamplight_wgpu::error::PrepareError;
-use lamplight_wgpu::{Color, Compose, ComposeParams, FrameInput, Lighting, Stage, Textures, Tier};
+use lamplight_wgpu::{
+    Color, Compose, ComposeParams, FrameInput, Lighting, Lights, Stage, Textures, Tier,
+};
 use textures::{fetch, filled, texture, view};
 use wgpu::{
     Device, Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
@@ -53,7 +55,7 @@ fn prepare(
     output: Option<&TextureView>,
 ) -> Result<(), PrepareError> {
     let textures = textures_like(view);
-    let input = FrameInput::of_textures(settings, &textures, &[], Sky::BLACK);
+    let input = FrameInput::of_textures(settings, &textures, Lights::default());
     lighting.prepare(&FrameInput { output, ..input })
 }
 
@@ -229,7 +231,8 @@ fn textures_may_alternate_under_one_output() {
     let sky = Sky::Uniform([1.0; 3]);
     let lit = |lighting: &mut Lighting, matter: &TextureView, output: &Texture| {
         let textures = textures_like(matter);
-        let input = FrameInput::of_textures(&settings, &textures, &[], sky);
+        let input =
+            FrameInput::of_textures(&settings, &textures, Lights { sky, ..Lights::default() });
         lighting.prepare(&FrameInput { output: Some(&view(output)), ..input }).unwrap();
         recorded(&device, &queue, lighting);
         fetch(&device, &queue, output)
@@ -278,7 +281,8 @@ fn textures_without_lamps_are_dark_under_polar() {
     let settings = Settings::direct(Method::Polar);
     let mut lighting = lighting(&device, &queue);
     let mut light = |lamps: &[Lamp]| {
-        let input = FrameInput::of_textures(&settings, &matter, lamps, Sky::default());
+        let input =
+            FrameInput::of_textures(&settings, &matter, Lights { lamps, ..Lights::default() });
         lighting.prepare(&input).unwrap();
         let light = recorded(&device, &queue, &lighting);
         light.iter().map(|[r, g, b, _]| r + g + b).sum::<f32>()

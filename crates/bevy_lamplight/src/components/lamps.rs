@@ -189,7 +189,7 @@ impl Sky2d {
 pub(crate) const BRIGHTEST: f32 = 60_000.0;
 
 /// The radiance of a colour. Channels that are negative or not finite become 0.
-fn radiance(color: Color, brightness: f32) -> [f32; 3] {
+pub(super) fn radiance(color: Color, brightness: f32) -> [f32; 3] {
     let LinearRgba { red, green, blue, .. } = color.to_linear();
     [red, green, blue].map(|v| v * brightness).map(|v| if v.is_finite() { v.max(0.0) } else { 0.0 })
 }

@@ -8,7 +8,9 @@ use super::source::{QuadSource, QuadWriter};
 use super::sprites::SpriteMatter;
 use super::texts::TextMatter;
 use super::tiles::TileMatter;
-use crate::components::{LightOccluder2d, Matter2d, PointLight2d, SpotLight2d, WorldLamp};
+use crate::components::{
+    LightOccluder2d, Matter2d, PointLight2d, SpotLight2d, SunLight2d, WorldLamp,
+};
 use bevy::ecs::system::SystemParam;
 use bevy::math::Rect;
 use bevy::prelude::{Query, Res};
@@ -23,12 +25,13 @@ pub struct Gather<'w, 's> {
     occluders: Query<'w, 's, (Option<&'static Matter2d>, EntityPlace, &'static LightOccluder2d)>,
     points: Query<'w, 's, (&'static PointLight2d, EntityPlace)>,
     spots: Query<'w, 's, (&'static SpotLight2d, EntityPlace)>,
+    suns: Query<'w, 's, (&'static SunLight2d, EntityPlace)>,
     assets: SceneAssets<'w, 's>,
     propagates: Option<Res<'w, VisibilityPropagates>>,
 }
 
 impl Gather<'_, '_> {
-    /// Collects matter that overlaps any of these areas of the world, and all lamps.
+    /// Collects matter that overlaps any of these areas of the world, all lamps, and all suns.
     pub fn gather(&self, areas: &[Rect], scene: &mut ExtractedScene) {
         scene.clear();
         if areas.is_empty() {
@@ -49,6 +52,10 @@ impl Gather<'_, '_> {
             |(lamp, place)| Some((WorldLamp::spot(lamp, place.transform)?, place.layers())),
         );
         scene.lamps.extend(points.chain(spots));
+        let suns = self.suns.iter().filter(|(_, place)| self.is_visible(place));
+        let suns =
+            suns.filter_map(|(sun, place)| Some((sun.sun(place.transform)?, place.layers())));
+        scene.suns.extend(suns);
         scene.sort();
     }
 

@@ -1,4 +1,4 @@
-//! The scene as quads and lamps, in world units.
+//! The scene as quads, lamps and suns, in world units.
 
 use super::material::QuadMaterial;
 use super::quad::Quad;
@@ -7,6 +7,7 @@ use bevy::asset::AssetId;
 use bevy::camera::visibility::RenderLayers;
 use bevy::image::Image;
 use bevy::math::{Rect, Vec2};
+use lamplight::Sun;
 use std::ops::Range;
 
 /// Everything that takes part in light.
@@ -20,6 +21,8 @@ pub struct ExtractedScene {
     pub groups: Vec<QuadGroup>,
     /// Lamps that are on.
     pub lamps: Vec<(WorldLamp, RenderLayers)>,
+    /// Suns that are on, as grids see them.
+    pub suns: Vec<(Sun, RenderLayers)>,
 }
 
 /// The quads of one entity that show one image.
@@ -60,6 +63,7 @@ impl ExtractedScene {
         self.materials.clear();
         self.groups.clear();
         self.lamps.clear();
+        self.suns.clear();
     }
 
     /// The quads of a group.

@@ -295,6 +295,8 @@ impl QueryState {
                 fine.lamps_mut().push(on_grid);
             }
         }
+        let suns = self.scene.suns.iter().filter(|(_, own)| own.intersects(layers));
+        fine.suns_mut().extend(suns.map(|(sun, _)| *sun));
         if lighting.method == LightMethod::Polar && fine.lamps().is_empty() {
             // The method requires a lamp; this one is off.
             fine.lamps_mut().push(Lamp { intensity: 0.0, ..Lamp::default() });

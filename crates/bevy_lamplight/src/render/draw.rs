@@ -7,7 +7,7 @@ use bevy::image::Image;
 use bevy::math::Vec2;
 use bevy::platform::collections::HashMap;
 use lamplight::internals::lamp;
-use lamplight::{Lamp, Settings};
+use lamplight::{Lamp, Settings, Sun};
 use std::ops::Range;
 
 /// Quads on the grid of a camera, in cells and y down, in drawing order.
@@ -22,6 +22,7 @@ pub struct DrawList {
     pub glows: bool,
     /// Lamps that the method evaluates analytically instead of as discs.
     pub lamps: Vec<Lamp>,
+    pub suns: Vec<Sun>,
     normalization: SourceNormalization,
 }
 
@@ -42,10 +43,13 @@ impl DrawList {
         self.batches.clear();
         self.lamp_batches.clear();
         self.lamps.clear();
+        self.suns.clear();
         self.materials.clone_from(&scene.materials);
         self.glows = false;
         self.add_groups(view, scene);
         self.add_lamps(view, scene, model);
+        let suns = scene.suns.iter().filter(|(_, layers)| layers.intersects(&view.layers));
+        self.suns.extend(suns.map(|(sun, _)| *sun));
     }
 
     /// Lists the quads of matter, with neighbours of one image in one batch.

@@ -17,7 +17,7 @@ use lamplight_wgpu::wgpu::{
     TextureUsages, TextureView,
 };
 use lamplight_wgpu::{
-    Compose, Error, FrameInput, Lighting, LightingOptions, Textures, VisibleRect,
+    Compose, Error, FrameInput, Lighting, LightingOptions, Lights, Textures, VisibleRect,
 };
 use std::fmt::Display;
 
@@ -185,8 +185,9 @@ impl LitView {
             (true, _) => Some(light_texture(device, placed.size)),
         };
         let textures = self.grid.textures();
-        let lamps = &self.draw.lamps;
-        let input = FrameInput::of_textures(&self.settings, &textures, lamps, view.sky);
+        let DrawList { lamps, suns, .. } = &self.draw;
+        let lights = Lights { lamps, suns, sky: view.sky };
+        let input = FrameInput::of_textures(&self.settings, &textures, lights);
         let (origin, output) = (placed.origin, self.texture.as_ref());
         Ok(self.lighting.prepare(&FrameInput { origin, output, ..input })?)
     }

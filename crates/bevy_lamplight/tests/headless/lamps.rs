@@ -109,6 +109,30 @@ fn walls_reflect_the_light_of_a_spot() {
 }
 
 #[test]
+fn a_sun_lights_the_open_and_walls_throw_its_shadow() {
+    for method in [LightMethod::Cascades, LightMethod::Polar, LightMethod::Flood] {
+        let mut app = app();
+        let image = target(&mut app, SIZE);
+        camera(&mut app, &image, Lighting2d { method, ..plain() });
+        // Down to the right, by 45 degrees.
+        let turn = Quat::from_rotation_z(-std::f32::consts::FRAC_PI_4);
+        let sun =
+            SunLight2d { intensity: 3.0, color: Color::linear_rgb(1.0, 0.5, 0.0), ..default() };
+        app.world_mut().spawn((sun, Transform::from_rotation(turn)));
+        let wall = LightOccluder2d::rectangle(20.0, 20.0);
+        app.world_mut().spawn((wall, Transform::from_xyz(0.0, 20.0, 0.0)));
+        begin(&mut app);
+        let seen = picture(&mut app, &image, 3);
+        // L·w/2π for the irradiance of 3 head on.
+        let open = 3.0 / std::f32::consts::TAU;
+        let [red, green, blue] = seen.at(30, 60);
+        assert!((red / open - 1.0).abs() < 1e-3 && (green / red - 0.5).abs() < 1e-3, "{red}");
+        assert_eq!(blue, 0.0);
+        assert_eq!(seen.at(105, 65), [0.0; 3], "{method:?}: in the shadow");
+    }
+}
+
+#[test]
 fn ambient_light_is_everywhere_and_the_sky_comes_from_outside() {
     let mut app = app();
     let image = target(&mut app, SIZE);

@@ -44,6 +44,7 @@ fn components_round_trip_through_reflection() {
     round_trip(&LightTexture2d, &registry);
     round_trip(&PointLight2d { falloff: Falloff2d::Smooth, ..default() }, &registry);
     round_trip(&SpotLight2d::default(), &registry);
+    round_trip(&SunLight2d::default(), &registry);
     round_trip(&AmbientLight2d::default(), &registry);
     round_trip(&Sky2d::default(), &registry);
 }

@@ -42,7 +42,7 @@ fn lit(width: u32, height: u32, seed: u64) -> Cells {
     cells
 }
 
-/// The same without media, through which the CPU looks by other rays. The rims of drawn lamps are such.
+/// Removes media, through which the CPU looks by other rays. The rims of drawn lamps are such.
 fn without_media(mut cells: Cells) -> Cells {
     cells.lamps_mut().iter_mut().for_each(|lamp| lamp.direct = Direct::Exact);
     for i in 0..cells.len() {

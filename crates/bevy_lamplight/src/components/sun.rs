@@ -1,0 +1,48 @@
+//! Suns.
+
+use super::lamps::radiance;
+use bevy::prelude::*;
+use lamplight::Sun;
+
+/// A sun: parallel light from beyond the lit grid, which travels along the entity's own x axis; its place does not
+/// matter. Every method lights it exactly, with shadows whose edges are as soft as the sun is wide.
+///
+/// Matter beyond the grid throws no shadow into it: a larger [`border`](crate::Lighting2d::border) of the camera
+/// lets longer shadows in.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[require(Transform, Visibility)]
+pub struct SunLight2d {
+    /// Colour of the light.
+    pub color: Color,
+    /// Brightness; 0 is off. What a wall receives that the sun meets head on: a white one shows half of that, and the
+    /// open 1/2π.
+    pub intensity: f32,
+    /// Apparent width, radians, 0.0001 to 0.5. Higher: softer shadows.
+    pub angle: f32,
+}
+
+impl Default for SunLight2d {
+    fn default() -> Self {
+        let Sun { intensity, angle, .. } = Sun::default();
+        Self { color: Color::WHITE, intensity, angle }
+    }
+}
+
+impl SunLight2d {
+    /// Converts to a sun of `lamplight`, whose y points down; `None` if it is off or a value is not finite.
+    pub(crate) fn sun(&self, transform: &GlobalTransform) -> Option<Sun> {
+        let travels = transform.affine().transform_vector3(Vec3::X).truncate();
+        let sun = Sun {
+            direction: -travels.to_angle(),
+            angle: self.angle.clamp(1e-4, 0.5),
+            color: radiance(self.color, self.intensity),
+            intensity: 1.0,
+        };
+        let is_on = sun.color != [0.0; 3] && travels != Vec2::ZERO;
+        (is_on && sun.check(&"sun").is_ok()).then_some(sun)
+    }
+}
