@@ -32,6 +32,7 @@ mod compose;
 mod cost;
 pub mod error;
 mod error_scope;
+mod found_light;
 mod frame_input;
 mod gpu_struct;
 mod grid_size;

@@ -1,6 +1,7 @@
 //! The planner of a frame: makes the buffers for a grid and binds them to pipelines.
 
 use crate::error::Result;
+use crate::found_light::{FoundLight, TO_LIGHT, TO_SCATTERED};
 use crate::grid_size::GridSize;
 use crate::hints::SceneHints;
 use crate::lamps::{Capacity, LampList, RAY_BYTES};
@@ -9,7 +10,6 @@ use crate::options::LightingOptions;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::shared::{Shared, filled};
 use crate::stage::Stage;
-use crate::stages::direct::FoundLight;
 use lamplight::Settings;
 use std::cell::{Cell, RefCell};
 use wgpu::{BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView};
@@ -163,12 +163,19 @@ impl<'a> FramePlanner<'a> {
 
     /// Plans adding direct light, if there is any, to the light of cells.
     pub fn add_direct(&self, light: &Buffer) -> Option<Dispatch> {
-        self.direct.as_ref().map(|direct| direct.add(self, light))
+        self.add_to(TO_LIGHT, light)
     }
 
     /// Plans adding what is scattered of direct light, if there is any, to scattered radiance.
     pub fn scatter_direct(&self, scattered: &Buffer) -> Option<Dispatch> {
-        self.direct.as_ref().map(|direct| direct.scatter(self, scattered))
+        self.add_to(TO_SCATTERED, scattered)
+    }
+
+    fn add_to(&self, entry: usize, sum: &Buffer) -> Option<Dispatch> {
+        let FoundLight { pipelines, found } = self.direct.as_ref()?;
+        let resources = [whole(found), view(&self.textures.albedo), whole(sum)];
+        let bound = self.bind(pipelines, &resources);
+        Some(self.over_cells(pipelines, entry, &bound, None))
     }
 
     /// The direct light of all faces, or a single value without any.

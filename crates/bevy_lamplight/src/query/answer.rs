@@ -296,6 +296,7 @@ impl QueryState {
             }
         }
         let suns = self.scene.suns.iter().filter(|(_, own)| own.intersects(layers));
+        fine.suns_mut().clear();
         fine.suns_mut().extend(suns.map(|(sun, _)| *sun));
         if lighting.method == LightMethod::Polar && fine.lamps().is_empty() {
             // The method requires a lamp; this one is off.

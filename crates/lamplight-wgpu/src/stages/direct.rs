@@ -7,6 +7,7 @@
 //! `d/4 · (1 + s/4)` words of classes per cell and light at distance d and of size s.
 
 use crate::error::Result;
+use crate::found_light::FoundLight;
 use crate::gpu_struct::gpu_struct;
 use crate::lamps::{Capacity, LampList, LampRays};
 use crate::pipeline::{ComputePipelines, Dispatch};
@@ -100,14 +101,6 @@ pub struct Direct {
     add: ComputePipelines,
 }
 
-/// The direct light of a plan, which its methods add to their own.
-#[derive(Clone, Debug)]
-pub struct FoundLight<'a> {
-    pipelines: &'a ComputePipelines,
-    /// J of open cells and E/2 of faces, four values per cell.
-    pub found: Buffer,
-}
-
 impl Direct {
     pub fn new(device: &Device) -> Self {
         let constants = [("TRANSLUCENT", 1.0), ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH))];
@@ -150,27 +143,6 @@ impl Direct {
     }
 }
 
-impl FoundLight<'_> {
-    /// Plans adding it to the light of cells.
-    pub fn add(&self, planner: &FramePlanner, light: &Buffer) -> Dispatch {
-        self.add_to(planner, ADD, light)
-    }
-
-    /// Plans adding what surfaces and media scatter of it to all that they scatter.
-    pub fn scatter(&self, planner: &FramePlanner, scattered: &Buffer) -> Dispatch {
-        self.add_to(planner, SCATTER, scattered)
-    }
-
-    fn add_to(&self, planner: &FramePlanner, entry: usize, sum: &Buffer) -> Dispatch {
-        let resources = [whole(&self.found), view(&planner.textures.albedo), whole(sum)];
-        let bound = planner.bind(self.pipelines, &resources);
-        planner.over_cells(self.pipelines, entry, &bound, None)
-    }
-}
-
 /// Entries of [`programs::DIRECT`].
 const LAMPS: usize = 0;
 const SUNS: usize = 1;
-/// Entries of [`programs::ADD_DIRECT`].
-const ADD: usize = 0;
-const SCATTER: usize = 1;

@@ -5,6 +5,7 @@ use crate::compare::{Both, SIZES, agree_but_for, differences};
 use crate::lamps::lamps;
 use lamplight::settings::{Cascades, Flood, Holographic, MethodSettings, Polar, Raymarch};
 use lamplight::{Bounces, Cells, Direct, Matter, Settings, Sun};
+use std::f32::consts::TAU;
 
 fn methods() -> [(&'static str, MethodSettings); 7] {
     [
@@ -22,7 +23,7 @@ fn methods() -> [(&'static str, MethodSettings); 7] {
 fn suns(seed: u64) -> Vec<Sun> {
     let mut random = seeded(seed);
     let sun = |angle| Sun {
-        direction: 6.28 * random.f32(),
+        direction: TAU * random.f32(),
         angle,
         color: std::array::from_fn(|_| random.f32()),
         intensity: 3.0 * random.f32(),
