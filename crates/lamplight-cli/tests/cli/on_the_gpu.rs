@@ -47,7 +47,7 @@ fn spots_and_suns_match_the_cpu() {
     let sandbox = Sandbox::new();
     let spot = "[[lamp]]\nposition = [20.5, 8.5]\ncone = { direction = 1.8, angle = 1.0 }\n";
     let sun = "[[sun]]\ndirection = 1.0\nangle = 0.1\n";
-    let wall = "[[shape]]\nrect = [10, 20, 15, 4]\nopacity = 1.0\nalbedo = [0.6, 0.6, 0.6]\n";
+    let wall = "[[shape]]\nrect = { min = [10, 20], max = [25, 24] }\nopacity = 1.0\nalbedo = [0.6, 0.6, 0.6]\n";
     for (name, lights) in [("spot", spot), ("sun", sun)] {
         sandbox.write("small.toml", format!("size = [40, 30]\n{lights}{wall}"));
         for method in ["raymarch", "cascades", "holographic", "polar", "flood"] {

@@ -29,10 +29,14 @@ const SMALLEST_PART: f32 = 1e-3;
 const POINTS: usize = 16;
 /// Fewest and most points across a light to which rays are cast through media, one per px.
 const RAYS: [usize; 2] = [8, 48];
+/// Half the width of a fan that five rays do not leave a pane of 2 px between them, px.
+const NARROW: f32 = 4.0;
 /// Rays in place of one where media differ from those before a point beside it.
 const FINER: usize = 4;
 /// The difference of transmittance from which on they differ.
 const DIFFERENT: f32 = 0.05;
+/// The difference of transmittance up to which media are even.
+pub const EVEN: f32 = 0.003;
 /// Most gaps between walls that are told apart.
 const GAPS: usize = 16;
 
@@ -357,6 +361,11 @@ pub fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
     let [fewest, most] = RAYS;
     let rays = ((2.0 * fan.half_width) as usize).clamp(fewest, most);
     let through = |number: usize, count: usize| through_media_to(grid, fan, point(number, count));
+    if fan.half_width <= NARROW
+        && let Some(smooth) = through_smooth_media(grid, fan)
+    {
+        return Some(smooth);
+    }
     let differ =
         |a: Option<Rgb>, b: Option<Rgb>| a.zip(b).is_some_and(|(a, b)| differ(a, b, DIFFERENT));
     let (mut sum, mut count) = ([0.0; 3], 0);
@@ -377,6 +386,18 @@ pub fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
         (before, own) = (own, after);
     }
     (count > 0).then(|| sum.map(|v| v / count as f32))
+}
+
+/// Returns the mean transmittance by five rays and Simpson's rule, if the light is seen whole and that is enough.
+fn through_smooth_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
+    let mut rays = [[0.0; 3]; 5];
+    for (number, ray) in rays.iter_mut().enumerate() {
+        *ray = through_media_to(grid, fan, 0.5 * number as f32 - 1.0)?;
+    }
+    let [a, b, c, d, e] = rays;
+    let coarse = [0, 1, 2].map(|k| (a[k] + 4.0 * c[k] + e[k]) / 6.0);
+    let fine = [0, 1, 2].map(|k| (a[k] + 4.0 * (b[k] + d[k]) + 2.0 * c[k] + e[k]) / 12.0);
+    (!differ(coarse, fine, EVEN)).then_some(fine)
 }
 
 /// Returns the transmittance of media between a pixel and the point `at` across a light, −1 to 1; `None` behind a

@@ -12,7 +12,7 @@
 //! penumbrae by all solid cells instead (`penumbra.rs`).
 
 use super::lit_ranges::{LitRanges, beside};
-use super::penumbra::{LampDisc, SolidBits, differ, mean_cosine, through_media, visible};
+use super::penumbra::{EVEN, LampDisc, SolidBits, differ, mean_cosine, through_media, visible};
 use super::sampling::{clear_px, sample};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::{LANES, RayHit};
@@ -52,8 +52,6 @@ const PARTS: [f32; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 const FARTHEST: f32 = 1.5;
 /// Size of a lamp up to which it is as far from a pixel as its centre, as a fraction of that distance.
 const SMALL: f32 = 0.1;
-/// The difference of transmittance up to which media are even.
-pub const EVEN: f32 = 0.003;
 /// Rays that a thread casts at a time.
 const TOGETHER: usize = 128;
 

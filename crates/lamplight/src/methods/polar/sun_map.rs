@@ -7,8 +7,8 @@
 //! `J = (L/2π)·∫V(φ) dφ·⟨T⟩`, and on a face `E/2 = (L/2)·∫V(φ) cosθ dφ·⟨T⟩`
 
 use super::lit_ranges::LitRanges;
-use super::penumbra::{Fan, Hidden, differ, hide_behind_walls, through_media};
-use super::shadow_map::{EVEN, NEAREST_BESIDE, OUTSIDE_OF_WALL, ShadowScene};
+use super::penumbra::{EVEN, Fan, Hidden, differ, hide_behind_walls, through_media};
+use super::shadow_map::{NEAREST_BESIDE, OUTSIDE_OF_WALL, ShadowScene};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::RayHit;
 use crate::grid::class::CellClass;
@@ -21,7 +21,11 @@ const DENSITY: f32 = 1.0;
 const ALONG_FACE: usize = 3;
 /// Places beside a pixel at which media are compared with those in front of it, in half widths of what it sees of the
 /// sky.
-const PARTS: [f32; 4] = [0.125, 0.25, 0.5, 1.0];
+const PARTS: [f32; 3] = [0.125, 0.25, 0.5];
+/// The largest change of transmittance per px across that is no edge of a medium.
+const SLOPE: f32 = 0.03;
+/// The largest bend of transmittance from the middle of the sun to its edges of which the mean is known well enough.
+const GENTLE: f32 = 6.0 * EVEN;
 
 /// The shadow map of one sun.
 #[derive(Debug, Default)]
@@ -119,14 +123,15 @@ impl SunMap {
         let Some(solid) = scene.solid.filter(|_| along < dark) else { return SeenOfSun::Nothing };
         let mut hidden = Hidden::default();
         hide_behind_walls(solid, &self.fan(pixel, place), &mut hidden);
-        SeenOfSun::Part(hidden)
+        if hidden.parts().is_empty() { SeenOfSun::All } else { SeenOfSun::Part(hidden) }
     }
 
     /// Returns the mean radiance that an open cell receives.
     pub fn at(&self, scene: ShadowScene, pixel: [f32; 2]) -> Rgb {
         let place = self.place(pixel);
         let angle = |at: f32| (at * self.slope).atan();
-        let width = match self.seen(scene, pixel, place) {
+        let seen = self.seen(scene, pixel, place);
+        let width = match &seen {
             SeenOfSun::Nothing => return [0.0; 3],
             SeenOfSun::All => self.sun.angle,
             SeenOfSun::Part(hidden) => {
@@ -134,7 +139,7 @@ impl SunMap {
                 self.sun.angle - hidden.parts().iter().map(hides).sum::<f32>()
             }
         };
-        self.light(scene, pixel, place, 0.5 * FRAC_1_PI * width)
+        self.light(scene, pixel, place, &seen, 0.5 * FRAC_1_PI * width)
     }
 
     /// Returns the irradiance ÷ 2 of a face, by its middle.
@@ -152,7 +157,8 @@ impl SunMap {
                 [0, 1].map(|a| middle[a] + OUTSIDE_OF_WALL * normal[a] + along * normal[1 - a]);
             let place = self.place(point);
             let whole = up_to(1.0) - up_to(-1.0);
-            let received = match self.seen(scene, point, place) {
+            let seen = self.seen(scene, point, place);
+            let received = match &seen {
                 _ if whole <= 0.0 => continue,
                 SeenOfSun::Nothing => continue,
                 SeenOfSun::All => whole,
@@ -161,39 +167,60 @@ impl SunMap {
                     whole - hidden.parts().iter().map(hides).sum::<f32>()
                 }
             };
-            let light = self.light(scene, point, place, 0.5 * received / ALONG_FACE as f32);
+            let light = self.light(scene, point, place, &seen, 0.5 * received / ALONG_FACE as f32);
             (0..3).for_each(|c| sum[c] += light[c]);
         }
         sum
     }
 
     /// Returns light of the sun's radiance, times a factor, through media.
-    fn light(&self, scene: ShadowScene, pixel: [f32; 2], place: (f32, f32), factor: f32) -> Rgb {
+    fn light(
+        &self,
+        scene: ShadowScene,
+        pixel: [f32; 2],
+        place: (f32, f32),
+        seen: &SeenOfSun,
+        factor: f32,
+    ) -> Rgb {
         // Rounding may leave less than nothing.
         let factor = factor.max(0.0);
         let light = self.sun.radiance().map(|v| v * factor);
         if factor == 0.0 || self.curves.is_empty() {
             return light;
         }
-        let through = self.transmittance(scene, pixel, place);
+        // Rays end at walls, so in a penumbra they do not know all media.
+        let by_map = match seen {
+            SeenOfSun::All => self.transmittance(place),
+            _ => None,
+        };
+        let through = by_map
+            .or_else(|| through_media(scene.grid, &self.fan(pixel, place)))
+            .unwrap_or_else(|| self.through(place.0, place.1));
         [0, 1, 2].map(|c| light[c] * through[c])
     }
 
-    fn transmittance(&self, scene: ShadowScene, pixel: [f32; 2], (at, along): (f32, f32)) -> Rgb {
+    /// Returns the mean transmittance of media before the whole sun by the rays of the map; `None` if they are not
+    /// enough for it.
+    fn transmittance(&self, (at, along): (f32, f32)) -> Option<Rgb> {
         let middle = self.through(at, along);
-        // Rays end at walls, so in a penumbra they do not know all media.
-        let in_penumbra = along >= self.ranges.ends[(at + 0.5) as usize][0];
-        let varies = in_penumbra
-            || PARTS.iter().any(|part| {
-                let beside = part * along * self.slope * DENSITY;
-                [at - beside, at + beside]
-                    .into_iter()
-                    .any(|at| differ(self.through(at, along), middle, EVEN))
+        // What changes evenly from side to side has the mean of the middle: only the bend counts, but for edges, which
+        // look even between two rays.
+        let beside = |part: f32| part * along * self.slope * DENSITY;
+        let sides =
+            |part: f32| [at - beside(part), at + beside(part)].map(|at| self.through(at, along));
+        let is_edge = |[a, b]: [Rgb; 2], part: f32| differ(a, b, EVEN + SLOPE * 2.0 * beside(part));
+        let bend = |[a, b]: [Rgb; 2]| [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]) - middle[c]);
+        let ends = sides(1.0);
+        let whole = bend(ends);
+        let is_smooth = !is_edge(ends, 1.0)
+            && !differ(whole, [0.0; 3], GENTLE)
+            && PARTS.iter().all(|&part| {
+                let sides = sides(part);
+                let parabola = whole.map(|v| part * part * v);
+                !is_edge(sides, part) && !differ(bend(sides), parabola, EVEN)
             });
-        if !varies {
-            return middle;
-        }
-        through_media(scene.grid, &self.fan(pixel, (at, along))).unwrap_or(middle)
+        // The mean of a parabola is a third of its bend; half of that, as media near the pixel bend less.
+        is_smooth.then(|| [0, 1, 2].map(|c| middle[c] + whole[c] / 6.0))
     }
 
     /// Returns the transmittance of media along the rays beside a place.
