@@ -96,7 +96,7 @@ impl<'a> FramePlanner<'a> {
         if !most.holds(needed) {
             let lights = needed.lamps.max(needed.exact_lamps).max(needed.suns);
             let wanted = LampList::bytes(lights).max(needed.rays * RAY_BYTES);
-            return Err(self.size.too_large("bytes for its lamps and their rays", wanted, bytes));
+            return Err(self.size.too_large("bytes for the rays of its lamps", wanted, bytes));
         }
         Ok(Self { capacity: present.grown(needed, most), ..self })
     }

@@ -101,7 +101,7 @@ pub fn assert_right(cells: &Cells, case: &str) {
 
 #[test]
 fn spots_light_rooms_as_the_path_tracer_does() {
-    // Direct light of 40 rooms: 0.63 % off at most.
+    // Direct light of 30 rooms: 0.56 % off at most.
     let random = &mut seeded(1);
     for number in 0..2 {
         assert_right(&room(random), &format!("room {number}"));

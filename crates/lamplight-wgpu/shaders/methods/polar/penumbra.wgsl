@@ -261,5 +261,13 @@ fn through_media(fan: Fan) -> vec3f {
         before = own;
         own = after;
     }
-    return select(sum.rgb / max(sum.w, 1.0), middle.rgb, sum.w == 0.0);
+    if sum.w > 0.0 {
+        return sum.rgb / sum.w;
+    }
+    // A face sees the light, but not the place before it: up to the wall between them.
+    depth = vec3f(0.0);
+    let sign = select(vec2f(1.0), vec2f(-1.0), fan.ahead > vec2f(0.0));
+    let back = direction(abs(fan.ahead), sign);
+    _ = traverse(fan.pixel + fan.until * fan.ahead, back, fan.until, false, true);
+    return exp(-depth);
 }
