@@ -38,6 +38,7 @@ struct Material {
     tint: vec3f,
     glow: f32,
     albedo: vec3f,
+    normal_encoding: u32,
 }
 
 @group(0) @binding(0) var<uniform> target_transform: TargetTransform;

@@ -22,7 +22,8 @@
 //!
 //! [`Lighting2d`] lights a camera. [`Matter2d`] makes anything that is drawn emit, block, filter or
 //! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, [`SunLight2d`] is a sun, and [`LightOccluder2d`] is an invisible
-//! shape that blocks light. Entities with [`Unlit2d`] are drawn unlit, over the lit picture.
+//! shape that blocks light. Entities with [`Unlit2d`] are drawn unlit, over the lit picture. [`NormalMap2d`] lights flat
+//! pictures as if their surface were tilted.
 //! [`LightQuery`] returns the light at a place, for game rules.
 //!
 //! `docs/light.md` of the project defines light. Where it measures in cells, this crate measures in
@@ -63,6 +64,8 @@ impl Plugin for LamplightPlugin {
             .register_type::<Matter2d>()
             .register_type::<LightOccluder2d>()
             .register_type::<Unlit2d>()
+            .register_type::<NormalMap2d>()
+            .register_type::<Relief2d>()
             .register_type::<PointLight2d>()
             .register_type::<SpotLight2d>()
             .register_type::<SunLight2d>()

@@ -1,13 +1,13 @@
 //! The query of lit cameras and the components that configure their light.
 
-use crate::components::{AmbientLight2d, LightTexture2d, Lighting2d, Sky2d};
+use crate::components::{AmbientLight2d, LightTexture2d, Lighting2d, Relief2d, Sky2d};
 use crate::placement::{Placement, PlacementError};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{Camera, Projection};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::ecs::query::QueryData;
 use bevy::prelude::{GlobalTransform, Has};
-use lamplight::{Sky, ToneMap};
+use lamplight::{Relief, Sky, ToneMap};
 
 /// A lit camera.
 #[derive(QueryData)]
@@ -19,6 +19,7 @@ pub struct LitCamera {
     layers: Option<&'static RenderLayers>,
     sky: Option<&'static Sky2d>,
     ambient: Option<&'static AmbientLight2d>,
+    relief: Option<&'static Relief2d>,
     tone_map: Option<&'static Tonemapping>,
     pub has_light_texture: Has<LightTexture2d>,
 }
@@ -46,6 +47,11 @@ impl LitCameraItem<'_, '_> {
     /// The radiance of its ambient light.
     pub fn ambient(&self) -> [f32; 3] {
         self.ambient.map_or([0.0; 3], |ambient| ambient.radiance())
+    }
+
+    /// The way in which its light falls on tilted surfaces.
+    pub fn relief(&self) -> Relief {
+        self.relief.map_or(Relief::default(), Relief2d::relief)
     }
 
     /// The tone map of its lit picture.

@@ -5,6 +5,7 @@ use crate::error::{CliError, Result};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lamplight::{Bounces, Display, Method, Quality, Settings, SettingsTable, ToneMap};
+use std::str::FromStr;
 
 /// A method of the engine, or the path tracer that methods are compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +56,21 @@ pub fn by_name<T: Copy + Send + Sync + 'static>(
     PossibleValuesParser::new(all.iter().map(|&value| name(value))).try_map(move |text| {
         all.iter().copied().find(|&value| name(value) == text).ok_or("not a known name")
     })
+}
+
+/// A point of a scene, px.
+#[derive(Clone, Copy, Debug)]
+pub struct Point(pub [f32; 2]);
+
+impl FromStr for Point {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let number = |text: &str| text.trim().parse().ok().filter(|v: &f32| v.is_finite());
+        text.split_once(',')
+            .and_then(|(x, y)| Some(Self([number(x)?, number(y)?])))
+            .ok_or("a point is two numbers with a comma between them, such as 160,90")
+    }
 }
 
 /// Flags of how a scene is lit: method, settings, device.
@@ -228,6 +244,7 @@ impl DisplayArgs {
         let display = Display {
             tonemap: self.tonemap.unwrap_or(scene.tonemap),
             exposure: self.exposure.unwrap_or(scene.exposure),
+            ..scene
         };
         display.check()?;
         Ok(display)

@@ -4,7 +4,7 @@ use crate::args::{Backend, DisplayArgs, LightingArgs, Renderer};
 use crate::error::{CliError, Result, warn};
 use crate::gpu::Gpu;
 use crate::lit::Lit;
-use crate::memory;
+use crate::memory::{self, SceneSize};
 use crate::output::OutputFiles;
 use crate::solve;
 use crate::stage::{Fields, check_scale};
@@ -50,9 +50,9 @@ impl RenderJob {
             return Err(CliError::bad_input("the reference has no GPU backend so far")
                 .hint("leave --backend out, or say --backend cpu"));
         }
-        let (cells, outputs) = read_cells(&scene, path, quiet, |cells| {
-            memory::estimate(cells, renderer, &settings, lighting.machine.backend)
-                + memory::estimate_picture(cells, scale)
+        let (cells, outputs) = read_cells(&scene, path, quiet, |size| {
+            memory::estimate(size, renderer, &settings, lighting.machine.backend)
+                + memory::estimate_picture(size.cells, scale)
         })?;
         if computes && !quiet {
             warn_of_what_is_ignored(lighting, renderer, &cells, &settings);
@@ -102,16 +102,16 @@ impl RenderJob {
     }
 }
 
-/// Makes the cells of a scene, if `bytes_needed` for that number of cells can be allocated. Prints the scene's
+/// Makes the cells of a scene, if `bytes_needed` for its size can be allocated. Prints the scene's
 /// warnings unless `quiet`.
 pub fn read_cells(
     scene: &Scene,
     path: &Path,
     quiet: bool,
-    bytes_needed: impl FnOnce(u64) -> u64,
+    bytes_needed: impl FnOnce(SceneSize) -> u64,
 ) -> Result<(Cells, OutputFiles)> {
     let [width, height] = scene.size;
-    let needed = bytes_needed(u64::from(width) * u64::from(height));
+    let needed = bytes_needed(SceneSize::of(scene));
     memory::check(needed, format_args!("lighting {} ({width}×{height} cells)", path.display()))?;
     let cells = scene.cells()?;
     if !quiet {

@@ -7,7 +7,7 @@ use crate::args::{Backend, Renderer};
 use crate::available_memory::available;
 use crate::error::{CliError, Result};
 use lamplight::settings::{MethodSettings, Variant};
-use lamplight::{Bounces, Settings};
+use lamplight::{Bounces, Lamp, Scene, Settings};
 
 /// Bytes that do not grow with the scene: the program, its threads and tables.
 const BASE: u64 = 48 << 20;
@@ -15,19 +15,57 @@ const BASE: u64 = 48 << 20;
 const SCENE: u64 = 185;
 /// Bytes per cell of the method that takes most.
 const MOST: u64 = 1200;
+/// Bytes per cell of normals: in the scene, and in its copies.
+const NORMALS: u64 = 45;
+/// Bytes per cell of the direct light of suns and of lamps that are exact.
+const EXACT: u64 = 50;
+/// Bytes per cell of the first moment of light that the GPU found: as it arrives, and as the library keeps it.
+const MOMENT_READ: u64 = 60;
 /// Bytes per cell of the light of a row, kept until all rows are compared.
 const ROW: u64 = 16;
 /// Bytes per cell of FLIP.
 const FLIP: u64 = 80;
 
-/// The number of bytes that lighting `cells` cells takes in main memory, rounded up.
-pub fn estimate(cells: u64, renderer: Renderer, settings: &Settings, backend: Backend) -> u64 {
+/// Properties of a scene that decide how much memory it takes.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneSize {
+    pub cells: u64,
+    /// True if the cells have normals.
+    normals: bool,
+    /// True if a lamp or a sun is lit by a shadow map.
+    exact: bool,
+}
+
+impl SceneSize {
+    /// The size of matter alone.
+    pub fn of_matter(cells: u64) -> Self {
+        Self { cells, normals: false, exact: false }
+    }
+
+    pub fn of(scene: &Scene) -> Self {
+        let [width, height] = scene.size.map(u64::from);
+        Self {
+            cells: width * height,
+            normals: scene.layers.normal.is_some(),
+            exact: !scene.suns.is_empty() || scene.lamps.iter().any(Lamp::is_exact),
+        }
+    }
+}
+
+/// The number of bytes that lighting a scene takes in main memory, rounded up.
+pub fn estimate(size: SceneSize, renderer: Renderer, settings: &Settings, backend: Backend) -> u64 {
+    let SceneSize { cells, normals, exact } = size;
+    let moment = normals || settings.moment;
+    let if_so = |asked: bool, bytes: u64| if asked { bytes } else { 0 };
     let per_cell = match renderer {
-        Renderer::Method(_) if backend == Backend::Gpu => SCENE,
-        Renderer::Method(_) => of_method(settings),
-        Renderer::Reference => SCENE,
+        Renderer::Method(_) if backend == Backend::Gpu => SCENE + if_so(moment, MOMENT_READ),
+        Renderer::Method(_) => {
+            of_method(settings) + if_so(moment, of_moment(settings)) + if_so(exact, EXACT)
+        }
+        // It always finds the moment.
+        Renderer::Reference => SCENE + MOMENT_READ,
     };
-    BASE + cells.saturating_mul(per_cell)
+    BASE + cells.saturating_mul(per_cell + if_so(normals, NORMALS))
 }
 
 /// The number of bytes that a comparison of some rows needs in addition to lighting.
@@ -57,6 +95,17 @@ fn of_method(settings: &Settings) -> u64 {
         MethodSettings::Holographic(_) => 400 + if bounces { 120 } else { 0 },
         // Not measured yet.
         _ => MOST,
+    }
+}
+
+/// Bytes per cell of the first moment of light that a method finds on the CPU, measured as those of the method.
+fn of_moment(settings: &Settings) -> u64 {
+    match &settings.method {
+        MethodSettings::Raymarch(_) => 165,
+        MethodSettings::Flood(_) => 65,
+        MethodSettings::Polar(_) => 90,
+        MethodSettings::Cascades(_) => 80,
+        _ => 115,
     }
 }
 

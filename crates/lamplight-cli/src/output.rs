@@ -1,7 +1,10 @@
 //! Results on stdout, and output files: whole or not written at all, and never over an input.
 
 use crate::error::{CliError, Result};
-use image::{ExtendedColorType, ImageEncoder, Rgb32FImage, RgbImage};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage,
+};
+use image::{ExtendedColorType, ImageEncoder, RgbImage};
 use lamplight::Rgb;
 use std::fmt::Display;
 use std::fs::{self, OpenOptions};
@@ -227,14 +230,26 @@ pub fn png(picture: &RgbImage) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Linear pixels in row order as the bytes of an EXR file of 32-bit floats.
-pub fn exr(width: u32, height: u32, pixels: &[Rgb]) -> Result<Vec<u8>> {
+/// Linear pixels of some layers, in row order, as the bytes of an EXR file of 32-bit floats. The channels of the layer
+/// `moment.x` are `moment.x.R`, `moment.x.G` and `moment.x.B`; those of a layer without a name, `R`, `G` and `B`.
+pub fn exr(width: u32, height: u32, layers: &[(&str, Vec<Rgb>)]) -> Result<Vec<u8>> {
+    let channel = |(layer, pixels): &(&str, Vec<Rgb>), c: usize| {
+        let samples = pixels.iter().map(|rgb| rgb[c]).collect();
+        let dot = if layer.is_empty() { "" } else { "." };
+        let name = format!("{layer}{dot}{}", ["R", "G", "B"][c]);
+        AnyChannel::new(name.as_str(), FlatSamples::F32(samples))
+    };
+    let channels = layers.iter().flat_map(|layer| (0..3).map(move |c| channel(layer, c)));
+    let layer = Layer::new(
+        (width as usize, height as usize),
+        LayerAttributes::default(),
+        Encoding::SMALL_FAST_LOSSLESS,
+        AnyChannels::sort(channels.collect()),
+    );
     let mut bytes = Cursor::new(Vec::new());
-    Rgb32FImage::from_raw(width, height, pixels.as_flattened().to_vec())
-        .ok_or_else(|| "a pixel is missing".to_owned())
-        .and_then(|image| {
-            image.write_to(&mut bytes, image::ImageFormat::OpenExr).map_err(|e| e.to_string())
-        })
+    Image::from_layer(layer)
+        .write()
+        .to_buffered(&mut bytes)
         .map_err(|e| CliError::failed(format_args!("cannot encode an EXR: {e}")))?;
     Ok(bytes.into_inner())
 }

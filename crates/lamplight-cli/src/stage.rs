@@ -131,8 +131,20 @@ impl<'a> FrameView<'a> {
         enlarge(&picture, scale)
     }
 
+    /// A stage as the layers of a file of linear numbers: itself, without a name, and for light its first moment if it
+    /// was found.
+    pub fn layers(&self, stage: Stage) -> Result<Vec<(&'static str, Vec<Rgb>)>> {
+        let mut layers = vec![("", self.floats(stage)?)];
+        let moment = if stage == Stage::Light { self.light()?.moment() } else { None };
+        if let Some(moment) = moment {
+            layers.push(("moment.x", moment.iter().map(|[x, _]| *x).collect()));
+            layers.push(("moment.y", moment.iter().map(|[_, y]| *y).collect()));
+        }
+        Ok(layers)
+    }
+
     /// A stage as linear numbers. Only the final picture has exposure applied.
-    pub fn floats(&self, stage: Stage) -> Result<Vec<Rgb>> {
+    fn floats(&self, stage: Stage) -> Result<Vec<Rgb>> {
         let grey = |values: &[f32]| values.iter().map(|&v| [v; 3]).collect();
         Ok(match stage {
             Stage::Emission => debug_views::emitted(self.drawn).into_owned(),
@@ -149,7 +161,7 @@ impl<'a> FrameView<'a> {
             Stage::Light => self.light()?.pixels().to_vec(),
             Stage::Final => {
                 let gain = self.display.gain();
-                let mut seen = self.light()?.radiance(self.cells)?;
+                let mut seen = self.light()?.radiance(self.cells, &self.display)?;
                 seen.as_flattened_mut().iter_mut().for_each(|v| *v *= gain);
                 seen
             }

@@ -40,6 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 if x < 160.0 { [220, 90, 60, 255] } else { [80, 140, 220, 255] }
             }),
             glow: None,
+            masks: None,
         };
 
     let raymarch = Raymarch { rays: 256, emission_multiplier: 6.0, ..Raymarch::default() };

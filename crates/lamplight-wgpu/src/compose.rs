@@ -5,7 +5,7 @@ use crate::error::{CreateError, PrepareError, RecordError, Result};
 use crate::error_scope::with_error_scope;
 use crate::stages::display::{ComposeUniforms, Shading, Target, encodes};
 use crate::{Lighting, matter};
-use lamplight::{Display, Rgb};
+use lamplight::Display;
 use std::collections::HashMap;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor,
@@ -47,7 +47,7 @@ pub enum Color<'a> {
 /// The parameters of the compose pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ComposeParams<'a> {
-    /// Exposure and tone map.
+    /// Ambient light, relief, exposure and tone map.
     pub display: Display,
     /// Filter between cells.
     pub filter: Filter,
@@ -59,8 +59,12 @@ pub struct ComposeParams<'a> {
     /// Light in addition to the grid's, one texel per cell: the output of another [`Lighting`]
     /// ([`crate::FrameInput::output`]).
     pub more: Option<&'a TextureView>,
-    /// Light that arrives everywhere, in solid cells too; finite and 0 or more.
-    pub ambient: Rgb,
+    /// The normals of the colour, in a picture that lies as `color` does: on cells if that is [`Color::White`] or
+    /// [`Color::Cells`]. Unit vectors with x along the grid's rows, y down its columns (also where `visible` is
+    /// rotated) and z towards the viewer, in a format with a sign such as `Rgba8Snorm`; a texel of length 0 is not
+    /// tilted. Without it those of the cells that were lit count. `ambient` is the same on every normal.
+    /// The light needs its first moment ([`lamplight::Settings::moment`]).
+    pub normals: Option<&'a TextureView>,
     /// The part of the grid that fills the target's viewport, as [`crate::Camera2dView::place`] returns it;
     /// `None`: all of it.
     pub visible: Option<VisibleRect>,
@@ -100,7 +104,7 @@ pub struct Compose {
 /// A bind group and its resources.
 #[derive(Debug)]
 struct BoundGroup {
-    resources: [Resource; 8],
+    resources: [Resource; 9],
     group: BindGroup,
 }
 
@@ -184,10 +188,21 @@ impl Compose {
         if let Some(more) = params.more {
             of_cells("more", more)?;
         }
-        if !params.ambient.iter().all(|v| v.is_finite() && *v >= 0.0) {
-            let [r, g, b] = params.ambient;
-            let found = format!("[{r}, {g}, {b}]");
-            return Err(lamplight::Error::value("ambient", found, "finite and 0 or more").into());
+        let (normals, normals_of) = match (params.normals, params.color) {
+            (Some(normals), Color::White | Color::Cells(_)) => {
+                of_cells("normals", normals)?;
+                (Some(normals), 1)
+            }
+            (Some(normals), Color::View(_) | Color::Target(_)) => {
+                matter::readable("normals", normals)?;
+                (Some(normals), 2)
+            }
+            (None, _) => (lit.normals, 1),
+        };
+        let normals = normals.filter(|_| lit.moment);
+        if params.normals.is_some() && !lit.moment {
+            let problem = "need the first moment of light: set `Settings::moment`".to_owned();
+            return Err(PrepareError::Texture { name: "normals", problem });
         }
         let mut uniforms = ComposeUniforms::new(&params.display, lit.size)?;
         if matches!(target.format, TextureFormat::Rgba16Float | TextureFormat::Rg11b10Ufloat) {
@@ -199,7 +214,7 @@ impl Compose {
         uniforms.color_emits = params.emission.is_some().into();
         uniforms.more_light = params.more.is_some().into();
         uniforms.has_shown = lit.shown.is_some().into();
-        uniforms.ambient = params.ambient;
+        uniforms.normals = if normals.is_some() { normals_of } else { 0 };
         if let Some(VisibleRect { corner, right, down }) = params.visible {
             (uniforms.corner, uniforms.right, uniforms.down) = (corner, right, down);
         }
@@ -220,6 +235,7 @@ impl Compose {
             Resource::View(params.emission.unwrap_or(nothing).clone()),
             Resource::View(params.more.unwrap_or(nothing).clone()),
             Resource::View(lit.shown.unwrap_or(nothing).clone()),
+            Resource::View(normals.unwrap_or(nothing).clone()),
         ];
         if self.bound.as_ref().is_none_or(|bound| bound.resources != resources) {
             let bind = || Ok(self.bind(&resources));
@@ -229,7 +245,7 @@ impl Compose {
         Ok(())
     }
 
-    fn bind(&self, [frame, rest @ ..]: &[Resource; 8]) -> BindGroup {
+    fn bind(&self, [frame, rest @ ..]: &[Resource; 9]) -> BindGroup {
         let uniforms = self.uniforms.as_entire_binding();
         let all = [frame.binding(), uniforms].into_iter().chain(rest.iter().map(Resource::binding));
         let entries: Vec<_> = (0..)

@@ -1,7 +1,7 @@
 //! The input of a frame.
 
 use crate::matter::Textures;
-use lamplight::{Cells, Lamp, Settings, Sky, Sun};
+use lamplight::{Cells, Lamp, Settings, Sight, Sky, Sun};
 use wgpu::TextureView;
 
 /// The input of a frame, for [`crate::Lighting::prepare`].
@@ -34,6 +34,11 @@ pub struct FrameInput<'a> {
     /// True to record the seed map, the jump flood and the distance field too
     /// ([`crate::Stage::Distance`]). A method that needs them makes its own.
     pub distance_field: bool,
+    /// Viewers, whose sight is recorded too ([`crate::Stage::Sight`]), as by [`lamplight::SightSolver`]: the largest
+    /// visibility of all of them per cell. Positions are px of the grid, as those of lamps. Walls and media are those
+    /// of the matter that the method reads, in which solid lamps are matter if the method draws lamps. Without
+    /// viewers nothing is recorded.
+    pub sights: &'a [Sight],
 }
 
 /// The scene of a frame.
@@ -75,6 +80,6 @@ impl<'a> FrameInput<'a> {
     }
 
     fn new(settings: &'a Settings, scene: SceneInput<'a>) -> Self {
-        Self { settings, scene, origin: [0; 2], output: None, distance_field: false }
+        Self { settings, scene, origin: [0; 2], output: None, distance_field: false, sights: &[] }
     }
 }

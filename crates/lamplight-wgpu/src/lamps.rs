@@ -2,14 +2,14 @@
 
 use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
-use lamplight::Falloff;
+use lamplight::{Cone, Falloff};
 use wgpu::{Buffer, Queue};
 
 /// Bytes per ray in the largest buffer that stores something for each.
 pub const RAY_BYTES: u64 = size_of::<[u32; 4]>() as u64;
 /// Rays of a workgroup, all of one lamp.
 pub const GROUP_RAYS: u32 = 64;
-/// The cone of a lamp that shines in all directions.
+/// The cone of a lamp that shines, or of a viewer that looks, in all directions.
 const NO_CONE: [f32; 3] = [0.0, -1.0, 0.0];
 
 gpu_struct! {
@@ -26,7 +26,20 @@ gpu_struct! {
         per_radian: f32,
         cone: [f32; 3],
         spread: f32,
+        mask: u32,
+        number: u32,
+        profile_count: u32,
+        padding: u32,
+        profile: [[f32; 4]; 4],
     }
+}
+
+/// Returns a cone as shaders/shared/cone.wgsl reads it.
+pub fn cone_of(cone: Option<Cone>) -> [f32; 3] {
+    cone.map_or(NO_CONE, |cone| {
+        let half = 0.5 * cone.angle;
+        [cone.direction, half, cone.softness * half]
+    })
 }
 
 /// The rays by which a method lights a lamp.
@@ -91,9 +104,11 @@ impl Capacity {
 pub struct LampList {
     lamps: Vec<Lamp>,
     needed: Capacity,
+    /// True if other direct light is added to that of these lamps.
+    pub more_follows: bool,
 }
 
-/// Bytes before the lamps: their number, and the number of rays.
+/// Bytes before the lamps: their number, the number of rays, and whether more light follows.
 const HEAD: u64 = size_of::<[u32; 4]>() as u64;
 
 impl LampList {
@@ -113,7 +128,8 @@ impl LampList {
         for lamp in lamps {
             let LampRays { reach, count, soft, falloff } = rays(lamp)?;
             let per_radian = count as f32 / std::f32::consts::TAU;
-            let half = |angle: f32| 0.5 * angle;
+            let profile = lamp.cone.as_ref().and_then(|cone| cone.profile.as_ref());
+            let profile = profile.map_or(&[][..], |profile| profile.values());
             self.lamps.push(Lamp {
                 position: lamp.position,
                 reach,
@@ -131,10 +147,16 @@ impl LampList {
                 first: self.needed.rays as u32,
                 count,
                 per_radian,
-                cone: lamp.cone.map_or(NO_CONE, |cone| {
-                    [cone.direction, half(cone.angle), cone.softness * half(cone.angle)]
-                }),
+                cone: cone_of(lamp.cone),
                 spread: soft * per_radian,
+                mask: lamp.mask.into(),
+                // Truncated only if there are too many lamps for any buffer.
+                number: self.needed.lamps as u32,
+                profile_count: profile.len() as u32,
+                padding: 0,
+                profile: std::array::from_fn(|row| {
+                    std::array::from_fn(|k| profile.get(4 * row + k).copied().unwrap_or_default())
+                }),
             });
             self.needed.lamps += 1;
             self.needed.rays += u64::from(count.next_multiple_of(GROUP_RAYS));
@@ -159,7 +181,8 @@ impl LampList {
 
     /// Writes the lamps to a buffer.
     pub fn write(&self, queue: &Queue, buffer: &Buffer) {
-        let head = [self.needed.lamps as u32, self.needed.rays as u32, 0, 0];
+        let Capacity { lamps, rays, .. } = self.needed;
+        let head = [lamps as u32, rays as u32, self.more_follows.into(), 0];
         queue.write_buffer(buffer, 0, bytemuck::bytes_of(&head));
         queue.write_buffer(buffer, HEAD, bytemuck::cast_slice(&self.lamps));
     }

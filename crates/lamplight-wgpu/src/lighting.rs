@@ -20,7 +20,8 @@ use crate::stages::distance::DistancePipelines;
 use crate::stages::glow::Glow;
 use crate::stages::output::Output;
 use crate::stages::reproject::Reproject;
-use crate::stages::walls::Walls;
+use crate::stages::sight::{SightList, SightPass, SightPipelines};
+use crate::stages::walls::{MomentWalls, Walls};
 use crate::timing::Timer;
 use crate::uniforms::{FrameUniforms, GridPosition, History};
 use lamplight::{Lamp, Settings, Sky, Sun};
@@ -46,15 +47,20 @@ pub struct Lighting {
     pipelines: PipelineCache,
     glow: Glow,
     walls: Walls,
+    /// Compiled when the first moment is first asked for.
+    moment_walls: Option<MomentWalls>,
     reproject: Reproject,
     output: Output,
     /// Compiled when they are first needed.
     distance: Option<DistancePipelines>,
     /// Compiled when a sun or an exact lamp first shines.
     direct: Option<Direct>,
+    /// Compiled when there is first a viewer.
+    sight: Option<SightPipelines>,
     upload: Option<Upload>,
     lamps: LampList,
     direct_lights: DirectLights,
+    sights: SightList,
     frame: Option<PreparedFrame>,
     /// Frames prepared since the last reset.
     number: u32,
@@ -69,6 +75,10 @@ pub struct ComposeInputs<'a> {
     pub shown: Option<&'a TextureView>,
     pub light: &'a Buffer,
     pub frame: &'a Buffer,
+    /// True if the first moment is behind the light.
+    pub moment: bool,
+    /// The normals of the cells, if they have some.
+    pub normals: Option<&'a TextureView>,
 }
 
 /// The frame that history comes from.
@@ -87,6 +97,7 @@ struct PreparedFrame {
     textures: Textures,
     /// The emission of the displayed picture, if it is not that of the textures.
     shown: Option<TextureView>,
+    normals: Option<TextureView>,
     hints: SceneHints,
     capacity: Capacity,
     light: Buffer,
@@ -104,6 +115,10 @@ struct PreparedFrame {
     fields: Option<PassList>,
     /// True if it is recorded in this frame.
     records_fields: bool,
+    /// The sight of viewers.
+    sight: Option<SightPass>,
+    /// True if it is recorded in this frame.
+    records_sight: bool,
     output: Option<OutputPass>,
 }
 
@@ -120,7 +135,9 @@ struct Extras {
     /// Planned now for the first time.
     fields: Option<PassList>,
     reproject: Option<Vec<Dispatch>>,
-    /// Bytes of their buffers.
+    /// Planned now for the first time, or for more viewers.
+    sight: Option<SightPass>,
+    /// Bytes of their buffers, without those of sight.
     memory: u64,
 }
 
@@ -128,6 +145,7 @@ struct Extras {
 struct CheckedScene<'a> {
     grid: Grid<'a>,
     shown: Option<&'a TextureView>,
+    normals: Option<&'a TextureView>,
     lamps: &'a [Lamp],
     suns: &'a [Sun],
     sky: Sky,
@@ -139,8 +157,10 @@ impl PreparedFrame {
         let reproject = self.reproject.iter().flatten().filter(|_| self.moved);
         let fields = self.fields.iter().filter(|_| self.records_fields);
         let fields = fields.flat_map(|fields| &fields.dispatches);
+        let sight = self.sight.iter().filter(|_| self.records_sight);
+        let sight = sight.flat_map(|sight| &sight.dispatches);
         let output = self.output.iter().map(|output| &output.dispatch);
-        reproject.chain(fields).chain(&self.passes.dispatches).chain(output)
+        reproject.chain(fields).chain(sight).chain(&self.passes.dispatches).chain(output)
     }
 
     /// Returns whether the plan serves a grid under these settings.
@@ -172,13 +192,16 @@ impl Lighting {
                 pipelines: PipelineCache::default(),
                 glow: Glow::new(device),
                 walls: Walls::new(device),
+                moment_walls: None,
                 reproject: Reproject::new(device),
                 output: Output::new(device),
                 distance: None,
                 direct: None,
+                sight: None,
                 upload: None,
                 lamps: LampList::default(),
                 direct_lights: DirectLights::default(),
+                sights: SightList::default(),
                 frame: None,
                 number: 0,
                 before: None,
@@ -205,6 +228,10 @@ impl Lighting {
     /// If the input is invalid or the device cannot light it. The frame before then stays prepared.
     pub fn prepare(&mut self, input: &FrameInput) -> Result<()> {
         input.settings.check()?;
+        let normals = matches!(input.scene, SceneInput::Cells(cells) if cells.normals().is_some());
+        let moment = input.settings.moment || normals;
+        let settings = Settings { moment, ..input.settings.clone() };
+        let input = &FrameInput { settings: &settings, ..*input };
         // The upload is taken out of `self`, so that its textures can be borrowed beside it.
         let mut upload = self.upload.take();
         let prepared =
@@ -234,9 +261,9 @@ impl Lighting {
                 upload.write(device, queue, cells, &input.settings.method);
                 let hints = SceneHints::of(cells, input.settings.bounces);
                 let grid = Grid { size, textures: &upload.textures, hints };
-                let shown = upload.shown.as_ref();
+                let (shown, normals) = (upload.shown.as_ref(), upload.normals.as_ref());
                 let (lamps, suns, sky) = (cells.lamps(), cells.suns(), cells.sky());
-                Ok(CheckedScene { grid, shown, lamps, suns, sky })
+                Ok(CheckedScene { grid, shown, normals, lamps, suns, sky })
             }
             SceneInput::Textures { textures, lights } => {
                 let Lights { lamps, suns, sky } = lights;
@@ -249,26 +276,38 @@ impl Lighting {
                 }
                 let size = GridSize::new(device, textures.size()?)?;
                 let grid = Grid { size, textures, hints: SceneHints::UNKNOWN };
-                Ok(CheckedScene { grid, shown: None, lamps, suns, sky })
+                Ok(CheckedScene { grid, shown: None, normals: None, lamps, suns, sky })
             }
         }
     }
 
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
-        let CheckedScene { grid, shown, lamps, suns, sky } = scene;
+        let CheckedScene { grid, shown, normals, lamps, suns, sky } = scene;
         let Shared { device, queue, .. } = &self.shared;
         let method = self.pipelines.method::<PrepareError>(device, queue, input.settings)?;
         if input.distance_field && self.distance.is_none() {
             let compile = || Ok(DistancePipelines::new(device));
             self.distance = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
+        self.sights.set(input.sights)?;
+        if !self.sights.is_empty() && self.sight.is_none() {
+            let compile = || Ok(SightPipelines::new(device));
+            self.sight = Some(with_error_scope::<_, PrepareError>(device, compile)?);
+        }
         let size = grid.size.into();
         method.set_lamps(lamps, size, &mut self.lamps)?;
         self.direct_lights.set(input.settings.method(), lamps, suns, size)?;
         let needed = self.needed();
-        if needed.has_direct() && self.direct.is_none() {
-            let compile = || Ok(Direct::new(device));
+        self.lamps.more_follows = needed.has_direct();
+        let moment = input.settings.moment;
+        let compiled = self.direct.as_ref().is_some_and(|direct| direct.moment == moment);
+        if needed.has_direct() && !compiled {
+            let compile = || Ok(Direct::new(device, moment));
             self.direct = Some(with_error_scope::<_, PrepareError>(device, compile)?);
+        }
+        if moment && self.moment_walls.is_none() {
+            let compile = || Ok(MomentWalls::new(device));
+            self.moment_walls = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         let serves = |frame: &PreparedFrame| frame.serves(grid, input.settings, needed);
         let fresh = if self.frame.as_ref().is_some_and(serves) {
@@ -287,10 +326,13 @@ impl Lighting {
         let Some(frame) = &mut self.frame else { return Ok(()) };
         frame.settings.clone_from(input.settings);
         frame.shown = shown.cloned();
+        frame.normals = normals.cloned();
         frame.moved = moved != [0; 2];
         frame.records_fields = input.distance_field;
         frame.output = extras.output;
         frame.fields = extras.fields.or(frame.fields.take());
+        frame.sight = extras.sight.or(frame.sight.take());
+        frame.records_sight = !self.sights.is_empty();
         frame.reproject = extras.reproject.or(frame.reproject.take());
         frame.memory += extras.memory;
         if let Some(lamps) = &frame.passes.lamps {
@@ -298,6 +340,9 @@ impl Lighting {
         }
         if let Some(buffers) = &frame.direct {
             self.direct_lights.write(queue, buffers);
+        }
+        if let Some(sight) = frame.sight.as_ref().filter(|_| frame.records_sight) {
+            self.sights.write(queue, sight);
         }
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky: *sky });
@@ -334,8 +379,10 @@ impl Lighting {
                 .with_capacity(capacity, self.needed())?
                 .after(before.map_or(&[], |frame| &frame.history));
             let light = match before {
-                Some(frame) => planner.counted(frame.light.clone()),
-                None => planner.buffer::<[f32; 4]>("light", planner.cells())?,
+                Some(frame) if frame.settings.moment == settings.moment => {
+                    planner.counted(frame.light.clone())
+                }
+                _ => planner.buffer::<[f32; 4]>("light", planner.light_values())?,
             };
             let direct = self.direct.as_ref().filter(|_| planner.capacity.has_direct());
             let direct = direct.map(|direct| direct.plan(&planner)).transpose()?;
@@ -353,6 +400,9 @@ impl Lighting {
             let mut passes = method.plan(&planner, &light)?;
             let media = media.iter().map(|(_, dispatch)| dispatch.clone());
             passes.dispatches.splice(0..0, shine.into_iter().chain(media));
+            if let Some(walls) = self.moment_walls.as_ref().filter(|_| settings.moment) {
+                passes.dispatches.extend(walls.plan(&planner, &light)?);
+            }
             passes.dispatches.extend(self.walls.plan(&planner, &light)?);
             if let Some(lamps) = &passes.lamps {
                 // Written here too, so that a lost device is reported.
@@ -361,11 +411,15 @@ impl Lighting {
             if let Some(buffers) = &direct {
                 self.direct_lights.write(&self.shared.queue, buffers);
             }
+            // It is bound to the light of the plan before.
+            let output = before.filter(|frame| frame.light == light);
+            let output = output.and_then(|frame| frame.output.clone());
             Ok(PreparedFrame {
                 settings: settings.clone(),
                 size: grid.size,
                 textures: grid.textures.clone(),
                 shown: None,
+                normals: None,
                 hints: grid.hints,
                 capacity: planner.capacity,
                 memory: planner.memory(),
@@ -377,7 +431,9 @@ impl Lighting {
                 moved: false,
                 fields: None,
                 records_fields: false,
-                output: before.and_then(|frame| frame.output.clone()),
+                sight: None,
+                records_sight: false,
+                output,
             })
         })
     }
@@ -411,8 +467,23 @@ impl Lighting {
             output,
             fields: fields.transpose()?.map(|field| field.passes),
             reproject: reproject.transpose()?,
+            sight: self.plan_sight(frame, input.settings)?,
             memory: planner.memory(),
         })
+    }
+
+    /// Plans the sight of viewers, if there are any and the frame has no room for them.
+    fn plan_sight(&self, frame: &PreparedFrame, settings: &Settings) -> Result<Option<SightPass>> {
+        let holds = frame.sight.as_ref().is_some_and(|sight| sight.holds(&self.sights));
+        let Some(pipelines) = self.sight.as_ref().filter(|_| !self.sights.is_empty() && !holds)
+        else {
+            return Ok(None);
+        };
+        let before = self.frame.as_ref().filter(|before| before.size == frame.size);
+        let before = before.and_then(|before| before.sight.as_ref());
+        let planner = FramePlanner::new(&self.shared, settings, self.options, frame.grid());
+        let plan = || pipelines.plan(&planner, &self.sights, before);
+        with_error_scope(&self.shared.device, plan).map(Some)
     }
 
     fn plan_output(
@@ -468,7 +539,11 @@ impl Lighting {
 
     /// The buffer of a stage's result, row by row. `None` if the frame prepared last does not make it.
     pub fn stage(&self, stage: Stage) -> Option<&Buffer> {
-        let PreparedFrame { passes, fields, records_fields, .. } = self.frame.as_ref()?;
+        let PreparedFrame { passes, fields, records_fields, sight, records_sight, .. } =
+            self.frame.as_ref()?;
+        if stage == Stage::Sight {
+            return sight.as_ref().filter(|_| *records_sight).map(|sight| &sight.visibility);
+        }
         let fields = fields.iter().filter(|_| *records_fields);
         let mut stages = fields.flat_map(|fields| &fields.stages).chain(&passes.stages);
         stages.find(|(name, _)| *name == stage).map(|(_, buffer)| buffer)
@@ -476,15 +551,18 @@ impl Lighting {
 
     /// The inputs of the compose pass; `None` before the first frame.
     pub(crate) fn compose_inputs(&self) -> Option<ComposeInputs<'_>> {
-        let PreparedFrame { size, textures, shown, light, .. } = self.frame.as_ref()?;
+        let PreparedFrame { size, textures, shown, normals, light, settings, .. } =
+            self.frame.as_ref()?;
         let (size, shown, frame) = ((*size).into(), shown.as_ref(), &self.shared.frame);
-        Some(ComposeInputs { size, textures, shown, light, frame })
+        let (moment, normals) = (settings.moment, normals.as_ref());
+        Some(ComposeInputs { size, textures, shown, light, frame, moment, normals })
     }
 
     /// The cost of the frame prepared last; `None` before the first.
     pub fn cost(&self) -> Option<Cost> {
         let frame = self.frame.as_ref()?;
-        Some(Cost::new(frame.dispatches(), frame.memory))
+        let sight = frame.sight.as_ref().map_or(0, |sight| sight.memory);
+        Some(Cost::new(frame.dispatches(), frame.memory + sight))
     }
 
     /// The host's device and queue.

@@ -32,6 +32,9 @@ pub struct Textures {
     /// nothing glows. Here hosts add up their lamps: as a disc of radius R, with `2·radiance/(π·R)` times the
     /// covered fraction of each cell, a lamp blocks nothing. It is not displayed.
     pub glow: Option<TextureView>,
+    /// Red: the layers of each cell, the bits of a byte in a format such as `R8Unorm`. Lamps and suns light only cells
+    /// with which their mask has a layer in common. `None` if all cells are in all layers.
+    pub masks: Option<TextureView>,
 }
 
 impl Textures {
@@ -49,7 +52,8 @@ impl Textures {
         }
         let size = readable("emission", &self.emission)?;
         let glow = self.glow.iter().map(|view| ("glow", view));
-        for (name, view) in named.into_iter().chain(glow) {
+        let masks = self.masks.iter().map(|view| ("masks", view));
+        for (name, view) in named.into_iter().chain(glow).chain(masks) {
             check_size(name, readable(name, view)?, "emission", size)?;
         }
         Ok(size)
@@ -122,8 +126,12 @@ pub struct Upload {
     /// The radiance that the displayed picture shows of each cell itself, if it differs from the emission of
     /// the matter that was lit: solid lamps that are not visible, visible ones that are not solid, glow.
     pub shown: Option<TextureView>,
-    /// Made when something first glows, and when `shown` is first needed.
-    spare: [Option<TextureView>; 2],
+    /// The normals of the cells, if they have some.
+    pub normals: Option<TextureView>,
+    /// Made when something first glows, when `shown` is first needed, and when cells first have normals.
+    spare: [Option<TextureView>; 3],
+    /// Made when cells first have masks.
+    spare_masks: Option<TextureView>,
     /// The cells with their lamps drawn in, and with those that are shown.
     drawn: [Cells; 2],
     /// Texels of the current upload.
@@ -138,9 +146,19 @@ impl Upload {
             tint_opacity: view("tint and opacity"),
             albedo: view("albedo"),
             glow: None,
+            masks: None,
         };
         let drawn = [Cells::new(1, 1)?, Cells::new(1, 1)?];
-        Ok(Self { size, textures, shown: None, spare: [None, None], drawn, texels: Vec::new() })
+        Ok(Self {
+            size,
+            textures,
+            shown: None,
+            normals: None,
+            spare: [None, None, None],
+            spare_masks: None,
+            drawn,
+            texels: Vec::new(),
+        })
     }
 
     /// Uploads cells, with lamps as a method reads them. Allocates nothing the second time.
@@ -151,7 +169,8 @@ impl Upload {
         cells: &Cells,
         method: &MethodSettings,
     ) {
-        let Self { size, textures, spare: [glow, shown], drawn: [drawn, seen], texels, .. } = self;
+        let Self { size, textures, spare, spare_masks, drawn: [drawn, seen], texels, .. } = self;
+        let [glow, shown, normals] = spare;
         let lamps = cells.lamps();
         let lit = if lamps.is_empty() {
             cells
@@ -178,6 +197,12 @@ impl Upload {
             write(&view, &mut values.iter().copied().map(rgb));
             view
         });
+        textures.masks = cells.masks().map(|masks| {
+            let made = || masks_texture(device, (*size).into());
+            let view = spare_masks.get_or_insert_with(made).clone();
+            write_masks(queue, &view, masks);
+            view
+        });
         // Where lamps are solid by the method's rule, they are visible too.
         let by_flag = method.reads_glow() || method.method().lights_lamps();
         let marked = by_flag && lamps.iter().any(|lamp| lamp.solid || lamp.visible);
@@ -188,6 +213,11 @@ impl Upload {
             write(&view, &mut (0..seen.len()).map(|i| rgb(emitted(&seen.matter(i)))));
             view
         });
+        self.normals = cells.normals().map(|values| {
+            let view = made(normals, "normals");
+            write(&view, &mut values.iter().copied().map(rgb));
+            view
+        });
     }
 }
 
@@ -196,14 +226,33 @@ const UPLOADED: TextureUsages = TextureUsages::TEXTURE_BINDING.union(TextureUsag
 
 /// Creates a texture of four floats per cell.
 pub fn texture(device: &Device, label: &str, size: GridSize, usage: TextureUsages) -> TextureView {
-    let GridSize { width, height } = size;
+    texture_of(device, label, size.into(), TextureFormat::Rgba32Float, usage)
+}
+
+/// Creates a texture of a byte per cell, the cell's layers.
+pub fn masks_texture(device: &Device, size: [u32; 2]) -> TextureView {
+    texture_of(device, "layers", size, TextureFormat::R8Unorm, UPLOADED)
+}
+
+/// Writes the layers of all cells.
+pub fn write_masks(queue: &Queue, view: &TextureView, masks: &[u8]) {
+    write_bytes(queue, view.texture(), masks, 1);
+}
+
+fn texture_of(
+    device: &Device,
+    label: &str,
+    [width, height]: [u32; 2],
+    format: TextureFormat,
+    usage: TextureUsages,
+) -> TextureView {
     let texture = device.create_texture(&TextureDescriptor {
         label: Some(label),
         size: Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: TextureDimension::D2,
-        format: TextureFormat::Rgba32Float,
+        format,
         usage,
         view_formats: &[],
     });
@@ -211,6 +260,10 @@ pub fn texture(device: &Device, label: &str, size: GridSize, usage: TextureUsage
 }
 
 fn write(queue: &Queue, texture: &Texture, texels: &[[f32; 4]]) {
+    write_bytes(queue, texture, bytemuck::cast_slice(texels), TEXEL);
+}
+
+fn write_bytes(queue: &Queue, texture: &Texture, bytes: &[u8], texel: u32) {
     let target = TexelCopyTextureInfo {
         texture,
         mip_level: 0,
@@ -219,8 +272,8 @@ fn write(queue: &Queue, texture: &Texture, texels: &[[f32; 4]]) {
     };
     let rows = TexelCopyBufferLayout {
         offset: 0,
-        bytes_per_row: Some(texture.width() * TEXEL),
+        bytes_per_row: Some(texture.width() * texel),
         rows_per_image: None,
     };
-    queue.write_texture(target, bytemuck::cast_slice(texels), rows, texture.size());
+    queue.write_texture(target, bytes, rows, texture.size());
 }

@@ -119,6 +119,11 @@ impl<'a> FramePlanner<'a> {
         self.size.cells()
     }
 
+    /// The number of values of light: one per cell, and two of its first moment if that is found.
+    pub fn light_values(&self) -> u64 {
+        self.cells() * if self.settings.moment { 3 } else { 1 }
+    }
+
     /// The largest size of a buffer, in bytes.
     pub fn max_buffer_bytes(&self) -> u64 {
         let limits = self.device.limits();
@@ -154,6 +159,11 @@ impl<'a> FramePlanner<'a> {
     /// Reads other textures from here on.
     pub fn with_textures(self, textures: &'a Textures) -> Self {
         Self { textures, ..self }
+    }
+
+    /// The layers of all cells.
+    pub fn masks(&self) -> BindingResource<'_> {
+        view(self.textures.masks.as_ref().unwrap_or(&self.shared.all_layers))
     }
 
     /// Has direct light, which methods add to theirs.

@@ -93,11 +93,15 @@ programs! {
     }
     CLASS: "stages/class", ["main"], { matter: Texture, classes: Write, used: Write }
     DIRECT: "stages/direct", ["shine_lamps", "shine_suns"], {
-        lamps: Read, matter: Texture, classes: Read, suns: Read, found: Write,
+        lamps: Read, matter: Texture, classes: Read, suns: Read, found: Write, masks: Texture,
     }
     ADD_DIRECT: "stages/add_direct", ["add", "scatter"], {
         found: Read, albedo: Texture, light: Write,
     }
+    SIGHT: "stages/sight", ["main"], {
+        sights: Read, matter: Texture, classes: Read, visibility: Write,
+    }
+    GRADIENT_MOMENT: "stages/gradient_moment", ["main"], { matter: Texture, light: Write }
     EMPTY_SPACE: "stages/empty_space", ["begin", "double", "finish"], {
         step: Step, source: Read, extinction: Read, before: Read, after: Write,
     }
@@ -120,13 +124,14 @@ programs! {
     }
     TEMPORAL: "stages/temporal", ["spread", "accumulate"], {
         light: Write, traced: Write, history: Write, rejected: Write, columns: Write,
-        any_changed: Read,
+        any_changed: Read, history_x: Write, history_y: Write,
     }
     DENOISE: "stages/denoise", ["begin", "blur", "finish"], {
         step: Step, matter: Texture, near: Read, traced: Read, before: Read, after: Write,
         light: Write,
     }
-    WALLS: "stages/walls", ["show_faces", "find_flags", "blur", "add_coarser", "sink"], {
+    WALLS: "stages/walls",
+    ["show_faces", "find_flags", "blur", "add_coarser", "sink", "turn_faces"], {
         matter: Texture, step: Step, emission: Texture, surface: Write, irradiance: Write,
         sunk_emission: Write, light: Write,
     }
@@ -134,7 +139,7 @@ programs! {
     OUTPUT: "stages/output", ["main"], { light: Read, picture: Output }
     DISPLAY: "stages/display", ["cover", "show"], {
         params: Uniform, light: Read, emission: Texture, matter: Texture, color: Texture,
-        color_emission: Texture, more: Texture, shown: Texture,
+        color_emission: Texture, more: Texture, shown: Texture, normals: Texture,
     }
 
     RAYMARCH: "methods/raymarch/march", ["main", "receive"], {
@@ -172,7 +177,7 @@ programs! {
     }
     POLAR_GATHER: "methods/polar/gather", ["main"], {
         lamps: Read, matter: Texture, classes: Read, distance_field: Read, bounds: Read,
-        curves: Read, corners: Read, used: Read, light: Write,
+        curves: Read, corners: Read, used: Read, light: Write, masks: Texture,
     }
 
     HOLOGRAPHIC_SLABS: "methods/holographic/slabs", ["main"], {

@@ -111,8 +111,12 @@ impl FetchLight {
         if let Some(settings) = lighting.settings() {
             settings.method.draw_lamps(&mut cells);
         }
+        let moment = lighting.settings().is_some_and(|settings| settings.moment);
+        let values = buffer.size() as usize / size_of::<[f32; 4]>();
+        let lit = if moment { values / 3 } else { values };
         let (device, queue) = lighting.device();
-        Ok(Self { numbers: Fetch::new(device, queue, buffer)?, cells: LitCells(cells) })
+        let cells = LitCells { cells, lit };
+        Ok(Self { numbers: Fetch::new(device, queue, buffer)?, cells })
     }
 
     /// Returns the light if it has arrived; `None` while the transfer is in progress. Does not wait.
@@ -123,14 +127,25 @@ impl FetchLight {
 
 /// The cells that were lit.
 #[derive(Debug)]
-struct LitCells(Cells);
+struct LitCells {
+    cells: Cells,
+    /// The number of values of light, without those of its first moment.
+    lit: usize,
+}
 
 impl LitCells {
     fn light(&self, numbers: Vec<[f32; 4]>) -> Result<Light, ReadBackError> {
-        let lit = numbers.len();
-        let rgb = numbers.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-        let other = || ReadBackError::OtherCells { lit, asked: self.0.len() };
-        Light::from_pixels(&self.0, rgb).map_err(|_| other())
+        let other = |_| ReadBackError::OtherCells { lit: self.lit, asked: self.cells.len() };
+        let (light, moment) = numbers.split_at(self.lit.min(numbers.len()));
+        let rgb = |[r, g, b, _]: &[f32; 4]| [*r, *g, *b];
+        let light = Light::from_pixels(&self.cells, light.iter().map(rgb).collect());
+        let light = light.map_err(other)?;
+        if moment.is_empty() {
+            return Ok(light);
+        }
+        let (x, y) = moment.split_at(moment.len() / 2);
+        let moment = x.iter().zip(y).map(|(x, y)| [rgb(x), rgb(y)]).collect();
+        light.with_moment(moment).map_err(other)
     }
 }
 

@@ -54,10 +54,13 @@ const FILES: &[(&str, &str)] = files! {
     "shared/circle"
     "shared/class"
     "shared/class_at"
+    "shared/cone"
     "shared/hit"
     "shared/interval"
     "shared/lamps"
+    "shared/layers"
     "shared/luminance"
+    "shared/moment"
     "shared/noise"
     "shared/normal"
     "shared/packet"
@@ -68,6 +71,7 @@ const FILES: &[(&str, &str)] = files! {
     "shared/sky"
     "shared/solid"
     "shared/surfaces"
+    "shared/towards"
     "shared/transmittance"
     "shared/traverse"
     "shared/uniforms"
@@ -82,12 +86,14 @@ const FILES: &[(&str, &str)] = files! {
     "stages/empty_space"
     "stages/feedback"
     "stages/glow"
+    "stages/gradient_moment"
     "stages/invalidate"
     "stages/jump_flood"
     "stages/medium_grid"
     "stages/output"
     "stages/reproject"
     "stages/seed"
+    "stages/sight"
     "stages/temporal"
     "stages/walls"
 };
@@ -165,6 +171,11 @@ pub fn shaders() -> impl Iterator<Item = (&'static str, String)> {
     paths.into_iter().map(|path| (label(path), text(path)))
 }
 
+/// The constant of shaders/shared/moment.wgsl: true if the first moment of light is found.
+pub fn moment(found: bool) -> (&'static str, f64) {
+    ("MOMENT", f64::from(found))
+}
+
 /// The constants of shaders/shared/luminance.wgsl.
 pub const LUMINANCE: [(&str, f64); 3] = [
     ("LUMINANCE_RED", srgb::LUMINANCE[0] as f64),
@@ -181,6 +192,7 @@ mod tests {
     use crate::methods::holographic::sweep::Sweep;
     use crate::stages::direct::Sun;
     use crate::stages::display::ComposeUniforms;
+    use crate::stages::sight::Sight;
     use crate::uniforms::FrameUniforms;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -285,6 +297,7 @@ mod tests {
             (Sweep::LAYOUT, programs::HOLOGRAPHIC_TRACE.shader),
             (Lamp::LAYOUT, programs::POLAR_GATHER.shader),
             (Sun::LAYOUT, programs::DIRECT.shader),
+            (Sight::LAYOUT, programs::SIGHT.shader),
             (ComposeUniforms::LAYOUT, programs::DISPLAY.shader),
         ] {
             assert_eq!(differences(&layout, shader), [""; 0], "{}", layout.name);

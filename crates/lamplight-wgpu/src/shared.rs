@@ -1,8 +1,13 @@
 //! The host's device, and buffers that are the same for every grid.
 
+use crate::matter::{masks_texture, write_masks};
 use crate::pipeline::STEP_BYTES;
 use crate::uniforms::FrameUniforms;
-use wgpu::{BindingResource, Buffer, BufferBinding, BufferDescriptor, BufferUsages, Device, Queue};
+use lamplight::ALL_LAYERS;
+use wgpu::{
+    BindingResource, Buffer, BufferBinding, BufferDescriptor, BufferUsages, Device, Queue,
+    TextureView,
+};
 
 /// The number of steps that a dispatch can select.
 const STEPS: u32 = 66;
@@ -14,6 +19,8 @@ pub struct Shared {
     pub queue: Queue,
     /// [`FrameUniforms`], written before each frame.
     pub frame: Buffer,
+    /// One texel, for grids whose cells are all in all layers.
+    pub all_layers: TextureView,
     steps: Buffer,
 }
 
@@ -24,10 +31,13 @@ impl Shared {
             bytes[..4].copy_from_slice(&number.to_ne_bytes());
         }
         let frame = [0; size_of::<FrameUniforms>()];
+        let all_layers = masks_texture(device, [1, 1]);
+        write_masks(queue, &all_layers, &[ALL_LAYERS]);
         Self {
             device: device.clone(),
             queue: queue.clone(),
             frame: filled(device, queue, "frame", BufferUsages::UNIFORM, &frame),
+            all_layers,
             steps: filled(device, queue, "steps", BufferUsages::UNIFORM, &steps),
         }
     }

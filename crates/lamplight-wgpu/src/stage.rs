@@ -13,6 +13,9 @@ pub enum Stage {
     Distance,
     /// The squares of empty space of `raymarch` and `cascades`, four bytes per cell, one per quadrant.
     EmptySpace,
+    /// The visibility of each cell from the viewers of [`crate::FrameInput::sights`], one `f32` per cell, 0 to 1; made
+    /// if there are any.
+    Sight,
     /// The light, four `f32` per cell: linear RGB and 1.
     Light,
 }

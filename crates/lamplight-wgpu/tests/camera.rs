@@ -194,7 +194,7 @@ fn the_picture_follows_a_camera_that_moves_by_fractions() {
         let format = TextureFormat::Rgba8Unorm;
         let target = texture(device, pixels, format, TextureUsages::RENDER_ATTACHMENT);
         let params = ComposeParams {
-            display: Display { tonemap: ToneMap::Reinhard, exposure: 0.0 },
+            display: Display { tonemap: ToneMap::Reinhard, ..Display::PLAIN },
             filter: Filter::Linear,
             visible: Some(placed.visible),
             ..ComposeParams::default()

@@ -5,9 +5,11 @@ mod common;
 mod textures;
 
 use common::{cells, device, frame, lighting};
-use lamplight::{Cells, Display, Light, Method, Rgb, Settings, ToneMap};
+use lamplight::{Cells, Display, Light, Method, Relief, Rgb, Settings, ToneMap};
 use lamplight_wgpu::error::{PrepareError, RecordError};
-use lamplight_wgpu::{Color, Compose, ComposeParams, Filter, Lighting, Target, VisibleRect};
+use lamplight_wgpu::{
+    Color, Compose, ComposeParams, Filter, Lighting, Target, VisibleRect, read_back,
+};
 use textures::{fetch, filled, float, texture, view};
 use wgpu::{Device, Queue, TextureFormat, TextureUsages, TextureView};
 
@@ -25,8 +27,11 @@ struct Scene {
 }
 
 fn scene() -> Scene {
+    scene_of(cells(SIZE[0], SIZE[1], 17))
+}
+
+fn scene_of(mut cells: Cells) -> Scene {
     let (device, queue) = device();
-    let mut cells = cells(SIZE[0], SIZE[1], 17);
     let color: Vec<[f32; 4]> = (0..cells.len())
         .map(|i| {
             let share = |period: usize| (i % period) as f32 / period as f32;
@@ -40,9 +45,8 @@ fn scene() -> Scene {
     let color = filled(&device, &queue, SIZE, format, bytemuck::cast_slice(&color));
     let settings = Settings { wall_depth: 3.0, ..Settings::direct(Method::Raymarch) };
     let mut lighting = lighting(&device, &queue);
-    let light = frame(&device, &queue, &mut lighting, &settings, &cells);
-    let rgb = light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-    let light = Light::from_pixels(&cells, rgb).unwrap();
+    frame(&device, &queue, &mut lighting, &settings, &cells);
+    let light = read_back::light(&lighting, &cells).unwrap();
     Scene { device, queue, lighting, cells, light, color }
 }
 
@@ -60,7 +64,7 @@ impl Scene {
     }
 
     fn shown(&self, tonemap: ToneMap, exposure: f32) -> ComposeParams<'_> {
-        let display = Display { tonemap, exposure };
+        let display = Display { tonemap, exposure, ..Display::PLAIN };
         ComposeParams { display, color: Color::Cells(&self.color), ..ComposeParams::default() }
     }
 }
@@ -123,7 +127,9 @@ fn float_targets_receive_linear_light() {
         let bytes = scene.drawn(SIZE, TextureFormat::Rgba16Float, &shown);
         let seen: &[[u16; 4]] = bytemuck::cast_slice(&bytes);
         let gain = shown.display.gain();
-        for (seen, right) in seen.iter().zip(scene.light.radiance(&scene.cells).unwrap()) {
+        for (seen, right) in
+            seen.iter().zip(scene.light.radiance(&scene.cells, &Display::PLAIN).unwrap())
+        {
             let right = right.map(|v| v * gain);
             let right = match tonemap {
                 ToneMap::None => right,
@@ -167,8 +173,7 @@ fn a_hosts_frame_is_lit_emits_and_keeps_its_alpha() {
         color: Color::Target(&own_view),
         emission: Some(&glow_view),
         more: Some(&more_view),
-        ambient,
-        display: Display { tonemap: ToneMap::None, exposure: 1.0 },
+        display: Display { exposure: 1.0, ambient, ..Display::PLAIN },
         ..ComposeParams::default()
     };
     let check = |seen: &[[f32; 4]], lit: bool| {
@@ -195,8 +200,95 @@ fn a_hosts_frame_is_lit_emits_and_keeps_its_alpha() {
         error.unwrap_err().to_string()
     };
     assert!(refused(&ComposeParams { more: Some(&small), ..shown }).contains("more"));
-    let ambient = [0.0, f32::NAN, 0.0];
-    assert!(refused(&ComposeParams { ambient, ..shown }).contains("ambient"));
+    let display = Display { ambient: [0.0, f32::NAN, 0.0], ..Display::PLAIN };
+    assert!(refused(&ComposeParams { display, ..shown }).contains("ambient"));
+}
+
+/// A scene whose cells are tilted, one in ten not.
+fn tilted() -> Scene {
+    let mut cells = cells(SIZE[0], SIZE[1], 17);
+    for (i, normal) in cells.normals_mut().iter_mut().enumerate() {
+        let (turn, tilt) = (0.37 * i as f32, 0.1 * (i % 10) as f32);
+        *normal = [tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos()];
+    }
+    scene_of(cells)
+}
+
+const RELIEF: Relief = Relief { elevation: 0.6, specular: 0.7, roughness: 0.4 };
+
+#[test]
+fn tilted_cells_are_lit_as_on_the_cpu() {
+    let scene = tilted();
+    for specular in [0.0, 0.7] {
+        let relief = Relief { specular, ..RELIEF };
+        let mut shown = scene.shown(ToneMap::Agx, 0.5);
+        shown.display.relief = relief;
+        shown.display.ambient = [0.02, 0.05, 0.1];
+        let right = scene.light.compose(&scene.cells, &shown.display).unwrap().into_raw();
+        let seen = scene.drawn(SIZE, TextureFormat::Rgba8Unorm, &shown);
+        assert_eq!(wrong(&seen, &right), 0, "{specular}");
+        let flat = Light::from_pixels(&scene.cells, scene.light.pixels().to_vec()).unwrap();
+        let flat = flat.compose(&scene.cells, &shown.display).unwrap().into_raw();
+        assert!(wrong(&seen, &flat) > seen.len() / 20, "light without a moment is rejected");
+        let unlit = Display { ambient: [0.0; 3], ..shown.display };
+        let unlit = scene.light.compose(&scene.cells, &unlit).unwrap().into_raw();
+        assert!(wrong(&seen, &unlit) > seen.len() / 20, "light without ambient is rejected");
+    }
+}
+
+#[test]
+fn a_hosts_normals_lie_as_its_colour_does() {
+    let scene = tilted();
+    let Scene { device, queue, .. } = &scene;
+    let format = TextureFormat::Rgba32Float;
+    let picture =
+        |texels: &[[f32; 4]]| filled(device, queue, SIZE, format, bytemuck::cast_slice(texels));
+    let normals = scene.cells.normals().unwrap();
+    let normals: Vec<[f32; 4]> = normals.iter().map(|&[x, y, z]| [x, y, z, 1.0]).collect();
+    let (normals, flat) = (picture(&normals), picture(&vec![[0.0; 4]; scene.cells.len()]));
+    let display = Display { relief: RELIEF, ambient: [0.05, 0.1, 0.15], ..Display::PLAIN };
+    let of_cells = ComposeParams { display, ..scene.shown(ToneMap::None, 0.0) };
+    let right = linear(&scene, &of_cells);
+    let differs = |a: &[[f32; 4]], b: &[[f32; 4]]| {
+        let far = |a: &[f32; 4], b: &[f32; 4]| (0..3).any(|c| (a[c] - b[c]).abs() > 1e-4);
+        a.iter().zip(b).filter(|(a, b)| far(a, b)).count()
+    };
+    for color in [Color::Cells, Color::View, Color::Target].map(|lies| lies(&scene.color)) {
+        let shown = ComposeParams { color, normals: Some(&normals), ..of_cells };
+        assert_eq!(differs(&linear(&scene, &shown), &right), 0, "{color:?}");
+        let shown = ComposeParams { normals: Some(&flat), ..shown };
+        assert!(differs(&linear(&scene, &shown), &right) > 1000, "{color:?}: flat ones pass");
+    }
+    let other = self::scene();
+    let mut compose = Compose::new(&other.device, &other.queue).unwrap();
+    let flat = filled(&other.device, &other.queue, SIZE, format, &vec![0; scene.cells.len() * 16]);
+    let shown = ComposeParams { normals: Some(&flat), ..ComposeParams::default() };
+    let error = compose.prepare(&other.lighting, format, &shown).unwrap_err().to_string();
+    assert!(error.contains("normals") && error.contains("moment"), "{error}");
+}
+
+#[test]
+fn highlights_show_on_a_colour_that_emits() {
+    let scene = tilted();
+    let Scene { device, queue, .. } = &scene;
+    let format = TextureFormat::Rgba32Float;
+    let nothing = filled(device, queue, SIZE, format, &vec![0; scene.cells.len() * 16]);
+    let seen = |specular: f32, emission| {
+        let display = Display { relief: Relief { specular, ..RELIEF }, ..Display::PLAIN };
+        let color = Color::Target(&scene.color);
+        linear(&scene, &ComposeParams { display, color, emission, ..ComposeParams::default() })
+    };
+    let highlights = |emission| {
+        let both = [0.0, RELIEF.specular].map(|specular| seen(specular, emission));
+        let added = both[0].iter().zip(&both[1]).map(|(without, with)| with[1] - without[1]);
+        added.collect::<Vec<f32>>()
+    };
+    let (of_cells, of_color) = (highlights(None), highlights(Some(&nothing)));
+    assert!(of_cells.iter().filter(|added| **added > 0.01).count() > 100, "there are some");
+    for (of_cells, of_color) in of_cells.iter().zip(&of_color) {
+        // The rounding of differences between values of up to ten.
+        assert!((of_cells - of_color).abs() < 1e-5, "{of_cells} {of_color}");
+    }
 }
 
 #[test]
@@ -263,7 +355,7 @@ fn between(radiance: &[Rgb], x: f32, y: f32) -> Rgb {
 #[test]
 fn linear_shows_what_lies_between_cells() {
     let scene = scene();
-    let radiance = scene.light.radiance(&scene.cells).unwrap();
+    let radiance = scene.light.radiance(&scene.cells, &Display::PLAIN).unwrap();
     let filter = Filter::Linear;
     for (corner, extent, size) in [
         ([0.0, 0.0], SIZE.map(|v| v as f32), SIZE),

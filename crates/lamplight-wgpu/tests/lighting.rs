@@ -123,6 +123,7 @@ fn host_textures(device: &Device, queue: &Queue) -> (Textures, Cells) {
         tint_opacity: made(TextureFormat::Rgba8Unorm, bytemuck::cast_slice(&tints)),
         albedo: made(TextureFormat::Rgba8Unorm, bytemuck::cast_slice(&albedo)),
         glow: Some(made(TextureFormat::Rgba16Float, bytemuck::cast_slice(&glow))),
+        masks: None,
     };
     (textures, cells)
 }

@@ -30,7 +30,7 @@ fn a_lost_device_does_nothing_and_returns_errors_when_results_are_read() {
     let usage = TextureUsages::TEXTURE_BINDING;
     let matter = || view(&texture(&device, [50, 30], format, usage));
     let (emission, tint_opacity, albedo) = (matter(), matter(), matter());
-    let textures = Textures { emission, tint_opacity, albedo, glow: None };
+    let textures = Textures { emission, tint_opacity, albedo, glow: None, masks: None };
 
     device.destroy();
     // The size it had, and another; other settings; a device that was lost from the start.

@@ -44,6 +44,7 @@ fn textures_like(view: &TextureView) -> Textures {
         tint_opacity: view.clone(),
         albedo: view.clone(),
         glow: None,
+        masks: None,
     }
 }
 

@@ -5,7 +5,9 @@
 //! as glowing discs, for the methods that read only matter.
 
 use crate::limits;
-use crate::{Error, Lamp, Result, Rgb, Sky, Sun};
+use crate::mask::{self, ALL_LAYERS};
+use crate::relief::UP;
+use crate::{Error, Lamp, Normal, Result, Rgb, Sky, Sun};
 
 /// The contents of one cell.
 ///
@@ -86,6 +88,8 @@ pub struct Cells {
     tint: Vec<Rgb>,
     albedo: Vec<Rgb>,
     color: Option<Vec<Rgb>>,
+    normals: Option<Vec<Normal>>,
+    masks: Option<Vec<u8>>,
     lamps: Vec<Lamp>,
     suns: Vec<Sun>,
     sky: Sky,
@@ -116,6 +120,8 @@ impl Cells {
             tint: vec![[1.0; 3]; n],
             albedo: vec![[0.0; 3]; n],
             color: None,
+            normals: None,
+            masks: None,
             lamps: Vec::new(),
             suns: Vec::new(),
             sky: Sky::BLACK,
@@ -260,6 +266,30 @@ impl Cells {
         self.color.get_or_insert_with(|| vec![[1.0; 3]; n])
     }
 
+    /// The normals of surfaces, unit vectors with x to the right, y down and z towards the viewer; `None` if no surface
+    /// is tilted. The final picture is lit by them ([`Relief`](crate::Relief)); light itself does not know them.
+    pub fn normals(&self) -> Option<&[Normal]> {
+        self.normals.as_deref()
+    }
+
+    /// The normals, mutably. The first call creates them, all towards the viewer.
+    pub fn normals_mut(&mut self) -> &mut [Normal] {
+        let n = self.opacity.len();
+        self.normals.get_or_insert_with(|| vec![UP; n])
+    }
+
+    /// The layers of every cell, a bit each; `None` if all cells are in all layers. Lamps and suns light only the cells
+    /// with which their mask has a layer in common ([`Lamp::mask`]).
+    pub fn masks(&self) -> Option<&[u8]> {
+        self.masks.as_deref()
+    }
+
+    /// The layers of every cell, mutably. The first call creates them, all of all cells.
+    pub fn masks_mut(&mut self) -> &mut [u8] {
+        let n = self.opacity.len();
+        self.masks.get_or_insert_with(|| vec![ALL_LAYERS; n])
+    }
+
     /// The lamps. They become matter by [`Cells::drawn`].
     pub fn lamps(&self) -> &[Lamp] {
         &self.lamps
@@ -285,7 +315,7 @@ impl Cells {
         self.sky
     }
 
-    /// Removes all matter, lamps and colours. The sky and the suns stay.
+    /// Removes all matter, lamps, colours, normals and masks. The sky and the suns stay.
     pub fn clear(&mut self) {
         self.emission.fill(Matter::EMPTY.emission);
         self.glow.clear();
@@ -293,6 +323,8 @@ impl Cells {
         self.tint.fill(Matter::EMPTY.tint);
         self.albedo.fill(Matter::EMPTY.albedo);
         self.color = None;
+        self.normals = None;
+        self.masks = None;
         self.lamps.clear();
     }
 
@@ -351,11 +383,14 @@ impl Cells {
         };
         let colours = || {
             self.check_field("tint", "0 to 1", self.tint.as_flattened(), 3, unit)?;
-            self.check_field("albedo", "0 to 1", self.albedo.as_flattened(), 3, unit)
+            self.check_field("albedo", "0 to 1", self.albedo.as_flattened(), 3, unit)?;
+            let normals = self.normals.as_deref().unwrap_or_default().as_flattened();
+            self.check_field("normal", "-1 to 1", normals, 3, |v| (-1.0..=1.0).contains(&v))
         };
         let (emission, colours) = rayon::join(emission, colours);
         emission?;
         colours?;
+        self.check_masks()?;
         for (i, lamp) in self.lamps.iter().enumerate() {
             lamp.check(&format_args!("lamp[{i}]"))?;
         }
@@ -363,6 +398,18 @@ impl Cells {
             sun.check(&format_args!("sun[{i}]"))?;
         }
         self.sky.check()
+    }
+
+    /// Rejects cells that are in no layer.
+    fn check_masks(&self) -> Result<()> {
+        match self.masks.iter().flatten().position(|&mask| mask == 0) {
+            None => Ok(()),
+            Some(cell) => {
+                let [x, y] = [cell % self.width as usize, cell / self.width as usize];
+                let (x, y, expected) = (x as u32, y as u32, mask::EXPECTED);
+                Err(Error::Cell { x, y, field: "mask", value: 0.0, expected })
+            }
+        }
     }
 
     fn check_field(
@@ -398,6 +445,8 @@ impl Clone for Cells {
             tint: self.tint.clone(),
             albedo: self.albedo.clone(),
             color: self.color.clone(),
+            normals: self.normals.clone(),
+            masks: self.masks.clone(),
             lamps: self.lamps.clone(),
             suns: self.suns.clone(),
             sky: self.sky,
@@ -406,19 +455,34 @@ impl Clone for Cells {
 
     /// Copies into the existing buffers: a solver does this every frame without allocating.
     fn clone_from(&mut self, source: &Self) {
-        let Self { width, height, emission, glow, opacity, tint, albedo, color, lamps, suns, sky } =
-            source;
+        let Self {
+            width,
+            height,
+            emission,
+            glow,
+            opacity,
+            tint,
+            albedo,
+            color,
+            normals,
+            masks,
+            lamps,
+            suns,
+            sky,
+        } = source;
         (self.width, self.height, self.sky) = (*width, *height, *sky);
         rayon::join(
             || {
                 self.emission.clone_from(emission);
                 self.opacity.clone_from(opacity);
                 self.color.clone_from(color);
+                self.normals.clone_from(normals);
             },
             || {
                 self.glow.clone_from(glow);
                 self.tint.clone_from(tint);
                 self.albedo.clone_from(albedo);
+                self.masks.clone_from(masks);
             },
         );
         self.lamps.clone_from(lamps);

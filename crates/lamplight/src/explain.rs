@@ -1,6 +1,6 @@
 //! Errors from messages of serde: they name the key, the value and the correct form.
 
-use crate::Error;
+use crate::{Error, mask};
 
 /// The longest piece of a user's text that a message repeats, in characters.
 const LONGEST: usize = 80;
@@ -88,6 +88,8 @@ fn in_backticks(text: &str) -> impl Iterator<Item = &str> {
 fn plain(expected: &str) -> String {
     let words = match expected {
         "f32" | "f64" => "a number",
+        // The only bytes are masks.
+        "u8" => mask::EXPECTED,
         "u32" | "u64" | "usize" => "a whole number of 0 or more",
         "a boolean" => "true or false",
         "path string" | "a string" => "a text in quotes",

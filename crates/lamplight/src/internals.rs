@@ -36,6 +36,11 @@ pub mod display {
     };
 }
 
+/// The direct light of lamps and suns.
+pub mod direct {
+    pub use crate::stages::direct::clamp;
+}
+
 /// The distance field.
 pub mod distance {
     pub use crate::stages::distance::{MARGIN, distance};
@@ -69,6 +74,11 @@ pub mod holographic {
             Interval, Paper, Piece, Quadrant, cone, paths, rays,
         };
     }
+}
+
+/// The first moment of light by its gradient.
+pub mod gradient_moment {
+    pub use crate::stages::gradient_moment::HALF;
 }
 
 /// The jump flood, and the passes that correct its remaining errors.

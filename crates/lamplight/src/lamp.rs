@@ -2,11 +2,12 @@
 //!
 //! `polar` and `flood` light lamps by rule, with range, falloff and cone. The other methods read matter, into
 //! which lamps are drawn as glowing discs (`lamp_discs.rs`): light falls off as in the plane, without a range.
-//! Matter cannot emit in a cone, so lamps with a cone, and others that ask for it ([`Direct::Exact`]), are lit by
-//! their shadow map instead, as in `polar`, and what they light reflects and scatters as all light does
-//! (`stages/direct.rs`).
+//! Matter cannot emit in a cone, choose whom it lights, or take light away. So lamps with a cone or a mask, those of
+//! negative intensity, and others that ask for it ([`Direct::Exact`]), are lit by their shadow map instead, as in
+//! `polar`, and what they light reflects and scatters as all light does (`stages/direct.rs`).
 
-use crate::{Result, Rgb, check, exact, notation};
+use crate::mask::ALL_LAYERS;
+use crate::{Profile, Result, Rgb, check, exact, mask, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
@@ -75,34 +76,46 @@ pub struct Cone {
     /// 0 is a hard edge, 1 fades from the axis on.
     #[serde(default)]
     pub softness: f32,
+    /// The brightness from edge to edge, in the direction of growing angles, 2 to 16 values of 0 to 1, such as
+    /// `[0.2, 1.0, 0.3, 1.0]`; without it the light is even.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<Profile>,
 }
 
 impl Cone {
     /// The fraction of the lamp's light at an angle (radians): 1 inside, 0 outside, smoothstep over
-    /// the soft edge.
+    /// the soft edge; times its profile.
     pub fn share(&self, angle: f32) -> f32 {
         let inside = -self.outside(angle);
         if inside < 0.0 {
             return 0.0;
         }
+        let profile =
+            self.profile.map_or(1.0, |profile| profile.at(self.beside(angle) / self.angle + 0.5));
         let soft = self.softness * 0.5 * self.angle;
         if inside >= soft {
-            return 1.0;
+            return profile;
         }
         let t = inside / soft;
-        t * t * (3.0 - 2.0 * t)
+        t * t * (3.0 - 2.0 * t) * profile
+    }
+
+    /// The distance of an angle from the axis, radians, −π to π.
+    fn beside(&self, angle: f32) -> f32 {
+        let turned = (angle - self.direction).rem_euclid(TAU);
+        if turned > PI { turned - TAU } else { turned }
     }
 
     /// The distance of an angle from the cone, radians; below 0 inside.
     pub(crate) fn outside(&self, angle: f32) -> f32 {
-        let turned = (angle - self.direction).rem_euclid(TAU);
-        turned.min(TAU - turned) - 0.5 * self.angle
+        self.beside(angle).abs() - 0.5 * self.angle
     }
 
     fn check(&self, key: &dyn Display) -> Result<()> {
         check::direction(format_args!("{key}.direction"), self.direction)?;
         check::number(format_args!("{key}.angle"), self.angle, 1e-3..=check::TURN)?;
-        check::number(format_args!("{key}.softness"), self.softness, 0.0..=1.0)
+        check::number(format_args!("{key}.softness"), self.softness, 0.0..=1.0)?;
+        self.profile.map_or(Ok(()), |profile| profile.check(&format_args!("{key}.profile")))
     }
 }
 
@@ -117,8 +130,9 @@ pub struct Lamp {
     #[serde(default = "default_color", deserialize_with = "notation::color")]
     #[schemars(with = "notation::Color")]
     pub color: Rgb,
-    /// Factor on the colour, 0 to 1e6; 0 is off. `color · intensity` is the radiance of the ideal disc,
-    /// whose radius R gives about `radiance·R/(π·d)` of light at distance d.
+    /// Factor on the colour, −1e6 to 1e6; 0 is off. `color · intensity` is the radiance of the ideal disc,
+    /// whose radius R gives about `radiance·R/(π·d)` of light at distance d. Below 0 the lamp takes light away
+    /// where it would add it, down to black, and is `exact`.
     #[serde(default = "default_intensity")]
     pub intensity: f32,
     /// The range in px, 1 to 100 000, of lamps that are lit by rule: all of them in `polar` and `flood`,
@@ -135,11 +149,16 @@ pub struct Lamp {
     /// it the lamp shines in all directions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cone: Option<Cone>,
-    /// The way in which its direct light is found. Lamps with a cone are always `exact`. `glow` costs nothing;
-    /// `exact` has sharper edges, and costs as much as a lamp of `polar`: time in proportion to the square of
-    /// the range.
+    /// The way in which its direct light is found. Lamps with a cone or a mask, and those that take light away, are
+    /// always `exact`. `glow` costs nothing; `exact` has sharper edges, and costs as much as a lamp of `polar`: time in
+    /// proportion to the square of the range.
     #[serde(default, skip_serializing_if = "is_glow")]
     pub direct: Direct,
+    /// The layers whose cells it lights, a bit each, 1 to 255. By default all; a lamp that lights only some is
+    /// `exact`.
+    #[serde(default = "mask::all_layers", skip_serializing_if = "mask::is_all")]
+    #[schemars(range(min = 1, max = 255))]
+    pub mask: u8,
     /// If true, the lamp is a solid disc, which blocks the light of others. Only for the methods that
     /// draw lamps, and not for lamps that are `exact`.
     #[serde(default, skip_serializing_if = "is_false")]
@@ -184,6 +203,7 @@ impl Default for Lamp {
             falloff: Falloff::Inverse,
             cone: None,
             direct: Direct::Glow,
+            mask: ALL_LAYERS,
             solid: false,
             visible: false,
         }
@@ -195,9 +215,10 @@ impl Lamp {
     pub fn check(&self, key: &dyn Display) -> Result<()> {
         check::point(format_args!("{key}.position"), self.position)?;
         check::radiance(format_args!("{key}.color"), self.color)?;
-        check::number(format_args!("{key}.intensity"), self.intensity, 0.0..=1e6)?;
+        check::number(format_args!("{key}.intensity"), self.intensity, -1e6..=1e6)?;
         check::number(format_args!("{key}.range"), self.range, 1.0..=1e5)?;
         check::number(format_args!("{key}.size"), self.size, 0.05..=512.0)?;
+        mask::check(format_args!("{key}.mask"), self.mask)?;
         self.cone.map_or(Ok(()), |cone| cone.check(&format_args!("{key}.cone")))
     }
 
@@ -208,7 +229,17 @@ impl Lamp {
 
     /// Returns whether the lamp is lit by a shadow map in every method, not drawn.
     pub fn is_exact(&self) -> bool {
-        self.cone.is_some() || self.direct == Direct::Exact
+        self.cone.is_some() || self.direct == Direct::Exact || !self.adds_to_all_layers()
+    }
+
+    /// Returns whether the lamp lights all layers and takes no light away: as glowing matter does.
+    pub fn adds_to_all_layers(&self) -> bool {
+        self.mask == ALL_LAYERS && !self.takes_light()
+    }
+
+    /// Returns whether the lamp takes light away.
+    pub fn takes_light(&self) -> bool {
+        self.intensity < 0.0
     }
 
     /// Returns whether the lamp emits no light.

@@ -65,11 +65,11 @@ impl Cells {
 }
 
 /// Draws lamps as the final picture shows them, and empties their list: the solid ones as they block light,
-/// and the radiance of those that are visible.
+/// and the radiance of those that are visible, if they have any.
 pub fn show_lamps(cells: &mut Cells) {
     cells.draw_each_lamp(
         |_| false,
-        |lamp, cells| match (lamp.solid && !lamp.is_exact(), lamp.visible) {
+        |lamp, cells| match (lamp.solid && !lamp.is_exact(), lamp.visible && !lamp.takes_light()) {
             (true, true) => draw_solid(lamp, lamp.radiance(), cells),
             (true, false) => draw_solid(lamp, [0.0; 3], cells),
             // The picture shows the glow of 1 px.

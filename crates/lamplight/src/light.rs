@@ -1,6 +1,6 @@
 //! The result of a solver: the light at every cell, and queries of it.
 
-use crate::{Cells, Error, Result, Rgb};
+use crate::{Cells, Error, Moment, Result, Rgb};
 
 /// Mean radiance `J = (1/2π) ∫ L dω` at the centre of each cell, linear RGB, in row order.
 ///
@@ -12,6 +12,8 @@ pub struct Light {
     pub(crate) height: u32,
     pub(crate) rgb: Vec<Rgb>,
     pub(crate) solid: Vec<bool>,
+    /// None if it was not asked for.
+    pub(crate) moment: Option<Vec<Moment>>,
 }
 
 impl Light {
@@ -30,7 +32,21 @@ impl Light {
             height: cells.height(),
             rgb,
             solid: (0..cells.len()).map(|i| cells.is_solid(i)).collect(),
+            moment: None,
         })
+    }
+
+    /// Adds the first moment, one value per cell, in row order.
+    ///
+    /// # Errors
+    /// Fails if the number of values is not the number of cells.
+    pub fn with_moment(mut self, moment: Vec<Moment>) -> Result<Self> {
+        if moment.len() != self.rgb.len() {
+            let expected = format!("one value per cell, {} in all", self.rgb.len());
+            return Err(Error::value("moment", format!("{} values", moment.len()), expected));
+        }
+        self.moment = Some(moment);
+        Ok(self)
     }
 
     /// Columns.
@@ -46,6 +62,14 @@ impl Light {
     /// The light of every cell, in row order.
     pub fn pixels(&self) -> &[Rgb] {
         &self.rgb
+    }
+
+    /// The first moment `m = (1/2π) ∫ L ω dω` of every cell, in row order, with ω towards where the light comes from;
+    /// `None` unless the settings ask for it ([`Settings::moment`](crate::Settings::moment)) or the cells have normals.
+    ///
+    /// In a solid cell it has the direction in front of its faces, and fades inwards with the light.
+    pub fn moment(&self) -> Option<&[Moment]> {
+        self.moment.as_deref()
     }
 
     /// Flags of solid cells, in row order.

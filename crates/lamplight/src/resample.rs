@@ -7,6 +7,7 @@
 //! their transmittance over the block: `T = Π Tᵢ^(1/factor)` over its cells, the mean path. Glow, which is
 //! per px, is `factor` times as strong in a cell that many px wide.
 
+use crate::mask::ALL_LAYERS;
 use crate::math::transmittance::extinction;
 use crate::{Cells, Error, Lamp, Light, Matter, Result, Rgb};
 
@@ -42,6 +43,9 @@ pub fn downsample(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
             let block = Block::of(from, factor, [x, y]);
             to.set(x, y, block.matter(factor));
         }
+    }
+    if from.masks().is_some() || to.masks().is_some() {
+        unite_masks(from, factor, size, to.masks_mut());
     }
     if let Some(color) = from.color() {
         shrink(color, from.width(), factor, size, to.color_mut());
@@ -102,6 +106,15 @@ fn shrink(values: &[Rgb], width: u32, factor: u32, [columns, _]: [u32; 2], to: &
                 }
             }
         }
+    }
+}
+
+/// Puts each larger cell into all layers of the cells that become it.
+fn unite_masks(from: &Cells, factor: u32, [columns, _]: [u32; 2], to: &mut [u8]) {
+    for (i, to) in (0..).zip(to) {
+        let block = Block::of(from, factor, [i % columns, i / columns]);
+        *to =
+            from.masks().map_or(ALL_LAYERS, |masks| block.cells().fold(0, |all, i| all | masks[i]));
     }
 }
 

@@ -9,12 +9,13 @@ use crate::methods::flood::FloodSolver;
 use crate::methods::holographic::Holographic;
 use crate::methods::polar::PolarSolver;
 use crate::methods::raymarch::{Input, RaymarchSolver};
-use crate::settings::{self, Hit, Method, MethodSettings, Traversal};
-use crate::stages::direct::DirectLight;
+use crate::settings::{self, Hit, Method, MethodSettings, Traversal, Variant};
+use crate::stages::direct::{self, DirectLight};
 use crate::stages::glow::Glow;
+use crate::stages::gradient_moment::gradient_moment;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
-use crate::{Cells, Light, Result, Settings};
+use crate::{Cells, Lamp, Light, Result, Settings};
 use std::time::Duration;
 
 /// A method with its buffers and its history.
@@ -130,13 +131,16 @@ impl Solver {
         method.suits(cells)?;
         self.cells.clone_from(cells);
         self.settings.method.draw_lamps(&mut self.cells);
+        let with_moment = self.settings.moment || cells.normals().is_some();
+        self.light.moment = with_moment.then(|| self.light.moment.take().unwrap_or_default());
         self.clock.lap("cells");
         self.direct.clear();
         let Self { polar, cells, direct, clock, .. } = self;
-        let lamps = if method.lights_lamps() { &[] } else { cells.lamps() };
+        let exact = |lamp: &&Lamp| method.lights_exactly(lamp);
+        direct.lamps.extend(cells.lamps().iter().filter(exact));
         // `polar` finds the light of suns by itself.
-        if method != Method::Polar && !(lamps.is_empty() && cells.suns().is_empty()) {
-            polar.solve_faces(cells, lamps, &mut direct.light, &mut direct.faces);
+        if method != Method::Polar && !(direct.lamps.is_empty() && cells.suns().is_empty()) {
+            polar.solve_direct(cells, with_moment, direct);
             clock.lap("direct");
         }
         let glows = self.settings.method.reads_glow();
@@ -154,26 +158,40 @@ impl Solver {
             MethodSettings::Flood(settings) => {
                 let Self { flood, cells, light, clock, .. } = self;
                 flood.solve(cells, settings, &mut light.rgb, clock);
+                self.gradient_moment();
             }
             MethodSettings::Cascades(settings) => {
                 let Self { cascades, cells, direct, light, clock, .. } = self;
-                cascades.solve(cells, settings, bounces, direct, &mut light.rgb, clock);
+                cascades.solve(cells, settings, bounces, direct, light, clock);
             }
             MethodSettings::Holographic(settings) => {
                 let Self { holographic, cells, direct, light, clock, .. } = self;
-                holographic.solve(cells, settings, bounces, direct, &mut light.rgb, clock);
+                holographic.solve(cells, settings, bounces, direct, light, clock);
+                if settings.variant == Variant::Paper {
+                    self.gradient_moment();
+                }
             }
         }
 
         if glows {
             self.glow.restore(&mut self.cells);
         }
+        if let Some(moment) = &mut self.light.moment {
+            self.direct.add_moment_to(moment);
+        }
         self.direct.add_to(&mut self.light.rgb);
+        if self.cells.lamps().iter().any(Lamp::takes_light) {
+            direct::clamp(&mut self.light.rgb, self.light.moment.as_deref_mut());
+        }
         self.light.width = self.cells.width();
         self.light.height = self.cells.height();
         self.light.solid.clear();
         self.light.solid.extend(self.cells.opacity().iter().map(|&opacity| opacity >= 1.0));
-        self.walls.sink(&self.cells, self.settings.wall_depth, &mut self.light.rgb);
+        let depth = self.settings.wall_depth;
+        if let Some(moment) = &mut self.light.moment {
+            self.walls.sink_moment(&self.cells, depth, &self.light.rgb, moment);
+        }
+        self.walls.sink(&self.cells, depth, &mut self.light.rgb);
         self.clock.lap("walls");
         self.frame = self.frame.wrapping_add(1);
         Ok(&self.light)
@@ -198,6 +216,9 @@ impl Solver {
             changed,
             frame: self.frame,
         };
+        let Self { light, estimate, .. } = self;
+        estimate.moment =
+            light.moment.is_some().then(|| estimate.moment.take().unwrap_or_default());
         self.raymarch.solve(input, &mut self.estimate, &mut self.clock);
 
         if accumulates {
@@ -211,6 +232,7 @@ impl Solver {
             self.clock.lap("denoise");
         }
         self.light.rgb.clone_from(&self.estimate.light);
+        self.light.moment.clone_from(&self.estimate.moment);
     }
 
     fn polar(&mut self, settings: &settings::Polar) {
@@ -218,7 +240,15 @@ impl Solver {
             self.measure();
         }
         let Self { polar, cells, fields, light, clock, .. } = self;
-        polar.solve(cells, &fields.distance, settings, &mut light.rgb, clock);
+        polar.solve(cells, &fields.distance, settings, light, clock);
+    }
+
+    /// Estimates the first moment for methods that find no light by direction.
+    fn gradient_moment(&mut self) {
+        let Self { cells, light, .. } = self;
+        if let Some(moment) = &mut light.moment {
+            gradient_moment(cells, &light.rgb, moment);
+        }
     }
 
     /// Seed map, jump flood, distance field.

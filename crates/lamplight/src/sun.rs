@@ -1,6 +1,7 @@
 //! Suns: parallel light from beyond the grid.
 
-use crate::{Result, Rgb, check, notation};
+use crate::mask::ALL_LAYERS;
+use crate::{Result, Rgb, check, mask, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::TAU;
@@ -30,6 +31,10 @@ pub struct Sun {
     /// about 1/2π of it, a white wall ½.
     #[serde(default = "default_intensity")]
     pub intensity: f32,
+    /// The layers whose cells it lights, a bit each, 1 to 255. By default all.
+    #[serde(default = "mask::all_layers", skip_serializing_if = "mask::is_all")]
+    #[schemars(range(min = 1, max = 255))]
+    pub mask: u8,
 }
 
 fn default_angle() -> f32 {
@@ -46,7 +51,13 @@ fn default_intensity() -> f32 {
 
 impl Default for Sun {
     fn default() -> Self {
-        Self { direction: TAU / 4.0, angle: 0.02, color: [1.0; 3], intensity: 3.0 }
+        Self {
+            direction: TAU / 4.0,
+            angle: 0.02,
+            color: [1.0; 3],
+            intensity: 3.0,
+            mask: ALL_LAYERS,
+        }
     }
 }
 
@@ -56,7 +67,8 @@ impl Sun {
         check::direction(format_args!("{key}.direction"), self.direction)?;
         check::number(format_args!("{key}.angle"), self.angle, 1e-4..=0.5)?;
         check::radiance(format_args!("{key}.color"), self.color)?;
-        check::number(format_args!("{key}.intensity"), self.intensity, 0.0..=1e6)
+        check::number(format_args!("{key}.intensity"), self.intensity, 0.0..=1e6)?;
+        mask::check(format_args!("{key}.mask"), self.mask)
     }
 
     /// Its radiance.

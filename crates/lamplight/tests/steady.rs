@@ -7,7 +7,7 @@ mod common;
 
 use common::*;
 use lamplight::settings::{BounceMode, Cascades, Flood, Hit, Holographic, Merge, Noise, Temporal};
-use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sky, Solver};
+use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sight, SightSolver, Sky, Solver};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -179,12 +179,33 @@ fn allocations(pool: &ThreadPool, settings: &Settings, fog: bool) -> usize {
     })
 }
 
+/// Allocations in a few fields of visibility after the warm-up.
+fn allocations_of_sight(pool: &ThreadPool) -> usize {
+    let frames: Vec<Cells> = (0..WARM_UP + 4).map(|frame| scene(true, frame)).collect();
+    let viewer = |x: f32| Sight { position: [x, 18.2], range: 40.0, ..Sight::default() };
+    let mut solver = SightSolver::default();
+    pool.install(|| {
+        let mut before = 0;
+        for (frame, cells) in (0..).zip(&frames) {
+            if frame == WARM_UP {
+                before = ALLOCATIONS.load(Ordering::Relaxed);
+            }
+            solver.read(cells).unwrap();
+            let sights = [viewer(20.3), viewer(41.4)];
+            assert!(solver.field(&sights).unwrap().iter().any(|&seen| seen > 0.0));
+            assert!(solver.visibility(&sights[0], [21.0, 18.0]).unwrap() > 0.0);
+        }
+        ALLOCATIONS.load(Ordering::Relaxed) - before
+    })
+}
+
 #[test]
 fn solving_again_does_not_allocate() {
     let pool = pool(2, true);
     for (name, fog, settings) in variants() {
         assert_eq!(allocations(&pool, &settings, fog), 0, "{name}");
     }
+    assert_eq!(allocations_of_sight(&pool), 0, "sight");
     // The counter counts.
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     pool.install(|| std::hint::black_box(vec![1u8; 100]));

@@ -249,7 +249,7 @@ fn costs(method: Method, sizes: &str, scene: &str, machine: &str) -> Result<Stri
 }
 
 fn pictures() -> Result<()> {
-    for name in scenes::NAMES {
+    for name in scenes::NAMES.into_iter().chain([scenes::RELIEF]) {
         println!("render {name}");
         let output = format!("docs/pictures/{name}.png");
         lamplight(&["render", &file(name), "--scale", SCALE, "-o", &output])?;

@@ -22,20 +22,28 @@ pub struct Vertex {
     pub point: [f64; 2],
     /// The normal of a face; none in the open.
     pub normal: Option<[f64; 2]>,
+    /// The layers of what receives: of the cell, or of the solid cell that has the face.
+    pub mask: u8,
 }
 
 impl Vertex {
     /// The centre of a cell.
-    pub fn centre(cell: [i32; 2]) -> Self {
-        Self { cell, point: cell.map(|v| f64::from(v) + 0.5), normal: None }
+    pub fn centre(cell: [i32; 2], mask: u8) -> Self {
+        Self { cell, point: cell.map(|v| f64::from(v) + 0.5), normal: None, mask }
     }
 }
 
-/// Returns the light of one point of each lamp and of each sun, that at `point` (0 to 1) across it: J, or E/2 on a
-/// face.
-pub fn direct(lamps: &[Lamp], suns: &[Sun], grid: &Grid, at: &Vertex, point: f64) -> [f64; 3] {
-    let mut light = [0.0; 3];
-    for sun in suns {
+/// Calls `receive` with the light of one point of each lamp and of each sun, that at `point` (0 to 1) across it: J, or
+/// E/2 on a face; and with the direction towards it.
+pub fn direct(
+    lamps: &[Lamp],
+    suns: &[Sun],
+    grid: &Grid,
+    at: &Vertex,
+    point: f64,
+    mut receive: impl FnMut([f64; 3], [f64; 2]),
+) {
+    for sun in suns.iter().filter(|sun| sun.mask & at.mask != 0) {
         let width = f64::from(sun.angle);
         let (sin, cos) = (f64::from(sun.direction) + (point - 0.5) * width).sin_cos();
         let to = [-cos, -sin];
@@ -46,9 +54,9 @@ pub fn direct(lamps: &[Lamp], suns: &[Sun], grid: &Grid, at: &Vertex, point: f64
         }
         let Some(through) = to_sky(grid, at.cell, at.point, to) else { continue };
         let radiance = sun.radiance();
-        (0..3).for_each(|c| light[c] += weight * through[c] * f64::from(radiance[c]));
+        receive([0, 1, 2].map(|c| weight * through[c] * f64::from(radiance[c])), to);
     }
-    for lamp in lamps {
+    for lamp in lamps.iter().filter(|lamp| lamp.mask & at.mask != 0) {
         let centre = lamp.position.map(f64::from);
         let off = [0, 1].map(|a| at.point[a] - centre[a]);
         let distance = off[0].hypot(off[1]);
@@ -71,13 +79,11 @@ pub fn direct(lamps: &[Lamp], suns: &[Sun], grid: &Grid, at: &Vertex, point: f64
         let around = grid.contains(centre) && !grid.contains(part);
         let behind = around || transmittance(grid, middle, centre, aside).is_none();
         if let (Some(through), false) = (transmittance(grid, at.cell, at.point, to), behind) {
-            for c in 0..3 {
-                let radiance = f64::from(lamp.color[c]) * f64::from(lamp.intensity);
-                light[c] += weight * through[c] * radiance;
-            }
+            let radiance = lamp.color.map(|c| f64::from(c) * f64::from(lamp.intensity));
+            let light = [0, 1, 2].map(|c| weight * through[c] * radiance[c]);
+            receive(light, to.map(|v| v / length));
         }
     }
-    light
 }
 
 /// The transmittance from a point in `cell` along a vector; `None` behind a wall.

@@ -4,7 +4,8 @@ use crate::lamps::{Vertex, direct};
 use crate::random::Random;
 use crate::traverse::{Event, Grid, Stretch, Traversal};
 use lamplight::internals::Walls;
-use lamplight::{Bounces, Cells, Error, Lamp, Light, Result, Rgb, Sky, Sun};
+use lamplight::internals::direct::clamp;
+use lamplight::{ALL_LAYERS, Bounces, Cells, Error, Lamp, Light, Moment, Result, Rgb, Sky, Sun};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -38,6 +39,8 @@ const ACROSS: f64 = 0.618_033_988_749_894_8;
 ///   a random direction. The choice is random, with weights that keep every channel unbiased.
 /// - A path that reaches a wall gains its `L_e` and is reflected at the point it hit,
 ///   cosine-distributed.
+/// - The light of a cell is never below 0, however much lamps of negative intensity take away. On the way a path does not
+///   know the sum of light: where such lamps take more than a surface receives, it reflects less than nothing.
 /// - Two solid cells that touch by a corner are opaque there; past a single solid corner a ray grazes.
 ///
 /// In each of 16 independent batches first directions are evenly spaced from a random start, and the
@@ -59,7 +62,7 @@ pub struct PathTracer {
 /// Light with its standard error.
 #[derive(Clone, Debug)]
 pub struct Estimate {
-    /// The light of every cell.
+    /// The light of every cell, with its first moment.
     pub light: Light,
     /// The standard error of every cell and channel, from 16 independent batches. In solid cells that
     /// of the irradiance of their faces, 0 if no face is exposed.
@@ -81,18 +84,30 @@ impl PathTracer {
         let done = AtomicUsize::new(0);
         let mut rgb = vec![[0.0; 3]; total];
         let mut standard_error = vec![[0.0; 3]; total];
-        rgb.par_chunks_mut(CHUNK).zip(standard_error.par_chunks_mut(CHUNK)).enumerate().for_each(
-            |(chunk, (rgb, error))| {
-                for (k, (rgb, error)) in rgb.iter_mut().zip(error).enumerate() {
+        let mut moment = vec![Moment::default(); total];
+        let chunks = rgb.par_chunks_mut(CHUNK).zip(standard_error.par_chunks_mut(CHUNK));
+        chunks.zip(moment.par_chunks_mut(CHUNK)).enumerate().for_each(
+            |(chunk, ((rgb, error), moment))| {
+                for (k, ((rgb, error), moment)) in rgb.iter_mut().zip(error).zip(moment).enumerate()
+                {
                     let i = chunk * CHUNK + k;
-                    (*rgb, *error) = tracer.cell((i % width) as i32, (i / width) as i32);
+                    let at = [i % width, i / width].map(|v| v as i32);
+                    let [light, x, y] = tracer.receive(at, |[x, y]| [1.0, x, y]);
+                    (*rgb, *error) = light;
+                    if !cells.is_solid(i) {
+                        *moment = [x.0, y.0];
+                    }
                 }
                 let done = done.fetch_add(rgb.len(), Ordering::Relaxed) + rgb.len();
                 progress(done as f32 / total as f32);
             },
         );
-        Walls::default().sink(&cells, self.wall_depth, &mut rgb);
-        let light = Light::from_pixels(&cells, rgb).expect("one value a cell");
+        clamp(&mut rgb, Some(&mut moment));
+        let mut walls = Walls::default();
+        walls.sink_moment(&cells, self.wall_depth, &rgb, &mut moment);
+        walls.sink(&cells, self.wall_depth, &mut rgb);
+        let light = Light::from_pixels(&cells, rgb).and_then(|light| light.with_moment(moment));
+        let light = light.expect("one value a cell");
         Ok(Estimate { light, standard_error })
     }
 
@@ -102,6 +117,15 @@ impl PathTracer {
     /// # Errors
     /// Like [`PathTracer::render`], and if a cell is outside the grid.
     pub fn at(&self, cells: &Cells, at: &[[u32; 2]]) -> Result<Vec<(Rgb, Rgb)>> {
+        self.receive(cells, at, |_| 1.0)
+    }
+
+    fn receive(
+        &self,
+        cells: &Cells,
+        at: &[[u32; 2]],
+        response: impl Fn([f64; 2]) -> f64 + Sync,
+    ) -> Result<Vec<(Rgb, Rgb)>> {
         self.check(cells)?;
         let (width, height) = (cells.width(), cells.height());
         if let Some([x, y]) = at.iter().find(|[x, y]| *x >= width || *y >= height) {
@@ -111,7 +135,30 @@ impl PathTracer {
         let cells = cells.drawn();
         let grid = Grid::new(&cells);
         let tracer = Tracer::new(self, &cells, &grid);
-        Ok(at.par_iter().map(|&[x, y]| tracer.cell(x as i32, y as i32)).collect())
+        let receive = |at: &[u32; 2]| {
+            let [(mut light, error)] = tracer.receive(at.map(|v| v as i32), |way| [response(way)]);
+            clamp(std::slice::from_mut(&mut light), None);
+            (light, error)
+        };
+        Ok(at.par_iter().map(receive).collect())
+    }
+
+    /// Computes what a surface receives in a few cells, `[x, y]`, that is tilted out of the plane: the mean over all
+    /// directions ω of `L·max(0, n·(ω cos ε, sin ε))/sin ε`, for its normal n, with z towards the viewer, and light that
+    /// arrives at an elevation ε above the plane. A surface that is not tilted receives J.
+    ///
+    /// # Errors
+    /// Like [`PathTracer::at`].
+    pub fn tilted(
+        &self,
+        cells: &Cells,
+        at: &[[u32; 2]],
+        normal: [f32; 3],
+        elevation: f32,
+    ) -> Result<Vec<(Rgb, Rgb)>> {
+        let [nx, ny, nz] = normal.map(f64::from);
+        let cotangent = 1.0 / f64::from(elevation).tan();
+        self.receive(cells, at, |[x, y]| (nz + cotangent * (nx * x + ny * y)).max(0.0))
     }
 
     pub(crate) fn check(&self, cells: &Cells) -> Result<()> {
@@ -157,22 +204,32 @@ impl<'c> Tracer<'c> {
         Self { paths: self.paths * self.batches, batches: 1, ..self }
     }
 
-    /// The mean and the standard error of one cell.
-    pub fn cell(&self, x: i32, y: i32) -> (Rgb, Rgb) {
+    /// The mean and the standard error of the light of one cell, of which each of N sums takes a share that depends on
+    /// the direction it arrives from: the `response`.
+    pub fn receive<const N: usize>(
+        &self,
+        [x, y]: [i32; 2],
+        response: impl Fn([f64; 2]) -> [f64; N],
+    ) -> [(Rgb, Rgb); N] {
         let solid = self.grid.is_solid(x, y);
         let faces = if solid { self.exposed(x, y) } else { Vec::new() };
         if solid && faces.is_empty() {
-            return ([0.0; 3], [0.0; 3]);
+            return [([0.0; 3], [0.0; 3]); N];
         }
         let id = u64::from(self.cells.width()) * y as u64 + x as u64;
-        let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
-        let mut first = [0.0; 3];
+        let (mut sum, mut squares) = ([[0.0; 3]; N], [[0.0; 3]; N]);
+        let mut first = [[0.0; 3]; N];
         for batch in 0..self.batches {
             // Keys that no path has, for the random numbers of the batch itself.
             let mut shift = Random::new(self.seed, id, u64::MAX - u64::from(batch));
             let start = shift.unit();
             let shift = SPREAD.map(|_| shift.unit());
-            let mut total = [0.0; 3];
+            let mut total = [[0.0; 3]; N];
+            let mut add = |light: [f64; 3], from: [f64; 2]| {
+                for (total, share) in total.iter_mut().zip(response(from)) {
+                    (0..3).for_each(|c| total[c] += share * light[c]);
+                }
+            };
             for path in 0..self.paths {
                 let key = u64::from(batch) * u64::from(self.paths) + u64::from(path);
                 let mut sampler = Sampler {
@@ -181,7 +238,11 @@ impl<'c> Tracer<'c> {
                     random: Random::new(self.seed, id, key),
                 };
                 let even = (f64::from(path) + start) / f64::from(self.paths);
-                let vertex = if solid { on_face(&faces, even) } else { Vertex::centre([x, y]) };
+                let vertex = if solid {
+                    on_face(&faces, even, self.mask([x, y]))
+                } else {
+                    Vertex::centre([x, y], self.mask([x, y]))
+                };
                 let start = match vertex.normal {
                     Some(normal) => {
                         self.leave_wall(vertex.cell, vertex.point, normal, sampler.direction())
@@ -189,28 +250,32 @@ impl<'c> Tracer<'c> {
                     None => self.leave_centre([x, y], even),
                 };
                 let point = (f64::from(path) * ACROSS + shift[0]).fract();
-                let direct = direct(self.lamps, self.suns, self.grid, &vertex, point);
-                let light = self.radiance(start, &mut sampler);
-                (0..3).for_each(|c| total[c] += light[c] + direct[c]);
+                direct(self.lamps, self.suns, self.grid, &vertex, point, &mut add);
+                let from = start.direction();
+                add(self.radiance(start, &mut sampler), from);
             }
-            let mean = total.map(|v| v / f64::from(self.paths));
+            let mean = total.map(|sum| sum.map(|v| v / f64::from(self.paths)));
             if batch == 0 {
                 first = mean;
             }
-            for c in 0..3 {
-                // Shifted by the first batch, so that equal batches have an error of exactly 0.
-                let d = mean[c] - first[c];
-                sum[c] += d;
-                squares[c] += d * d;
+            for k in 0..N {
+                for c in 0..3 {
+                    // Shifted by the first batch, so that equal batches have an error of exactly 0.
+                    let d = mean[k][c] - first[k][c];
+                    sum[k][c] += d;
+                    squares[k][c] += d * d;
+                }
             }
         }
         let n = f64::from(self.batches);
-        let mean = std::array::from_fn(|c| (first[c] + sum[c] / n) as f32);
-        let error = std::array::from_fn(|c| {
-            let spread = (squares[c] - sum[c] * sum[c] / n).max(0.0);
-            (spread / (n * (n - 1.0)).max(1.0)).sqrt() as f32
-        });
-        (mean, error)
+        std::array::from_fn(|k| {
+            let mean = std::array::from_fn(|c| (first[k][c] + sum[k][c] / n) as f32);
+            let error = std::array::from_fn(|c| {
+                let spread = (squares[k][c] - sum[k][c] * sum[k][c] / n).max(0.0);
+                (spread / (n * (n - 1.0)).max(1.0)).sqrt() as f32
+            });
+            (mean, error)
+        })
     }
 
     /// The faces of a solid cell that touch a cell that is not solid.
@@ -248,13 +313,23 @@ impl<'c> Tracer<'c> {
         Traversal::new(self.grid, cell, point, [nx * cos - ny * sin, ny * cos + nx * sin])
     }
 
+    /// The layers of a cell.
+    fn mask(&self, [x, y]: [i32; 2]) -> u8 {
+        let cell = self.cells.index(x as u32, y as u32);
+        self.cells.masks().map_or(ALL_LAYERS, |masks| masks[cell])
+    }
+
     /// The direct light of a random point of each lamp that is not drawn, and of each sun.
     fn direct(&self, at: &Vertex, random: &mut Random) -> [f64; 3] {
         // No random number is spent where there is none, so that other scenes keep theirs.
         if self.lamps.is_empty() && self.suns.is_empty() {
             [0.0; 3]
         } else {
-            direct(self.lamps, self.suns, self.grid, at, random.unit())
+            let mut light = [0.0; 3];
+            direct(self.lamps, self.suns, self.grid, at, random.unit(), |direct, _| {
+                (0..3).for_each(|c| light[c] += direct[c]);
+            });
+            light
         }
     }
 
@@ -284,7 +359,8 @@ impl<'c> Tracer<'c> {
                     if !russian_roulette(bounces, &mut weight, &mut sampler.random) {
                         return light;
                     }
-                    let vertex = Vertex { cell: outside, point, normal: Some(normal) };
+                    let mask = self.cells.masks().map_or(ALL_LAYERS, |masks| masks[cell]);
+                    let vertex = Vertex { cell: outside, point, normal: Some(normal), mask };
                     let direct = self.direct(&vertex, &mut sampler.random);
                     (0..3).for_each(|c| light[c] += weight[c] * direct[c]);
                     walk = self.leave_wall(outside, point, normal, sampler.direction());
@@ -325,7 +401,7 @@ impl<'c> Tracer<'c> {
                                 return light;
                             }
                             let at = walk.cell_after(&stretch, px);
-                            let vertex = Vertex::centre(at);
+                            let vertex = Vertex::centre(at, self.mask(at));
                             let direct = self.direct(&vertex, &mut sampler.random);
                             (0..3).for_each(|c| light[c] += weight[c] * direct[c]);
                             walk = self.leave_centre(at, sampler.direction());
@@ -379,7 +455,7 @@ impl Face {
 }
 
 /// The point of one of the faces that `along` (0 to 1) picks.
-fn on_face(faces: &[Face], along: f64) -> Vertex {
+fn on_face(faces: &[Face], along: f64, mask: u8) -> Vertex {
     let along = along * faces.len() as f64;
     let face = &faces[(along as usize).min(faces.len() - 1)];
     let normal = face.normal.map(f64::from);
@@ -387,7 +463,7 @@ fn on_face(faces: &[Face], along: f64) -> Vertex {
     let offset = along.fract() - 0.5;
     let point =
         [0, 1].map(|a| centre[a] + 0.5 * normal[a] + offset * f64::from(face.normal[1 - a].abs()));
-    Vertex { cell: face.outside(), point, normal: Some(normal) }
+    Vertex { cell: face.outside(), point, normal: Some(normal), mask }
 }
 
 /// 1 − T over a length, per channel.

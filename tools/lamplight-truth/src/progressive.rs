@@ -3,6 +3,7 @@
 use crate::path_tracer::{BATCHES, PathTracer, Tracer};
 use crate::traverse::Grid;
 use lamplight::internals::Walls;
+use lamplight::internals::direct::clamp;
 use lamplight::{Cells, Light, Result, Rgb};
 use rayon::prelude::*;
 
@@ -44,7 +45,7 @@ impl ProgressiveReference {
         let end = (self.next + count).min(self.sums.len());
         self.sums[self.next..end].par_iter_mut().enumerate().for_each(|(k, sum)| {
             let i = self.next + k;
-            let (light, _) = tracer.cell((i % width) as i32, (i / width) as i32);
+            let [(light, _)] = tracer.receive([i % width, i / width].map(|v| v as i32), |_| [1.0]);
             (0..3).for_each(|c| sum[c] += f64::from(light[c]));
         });
         self.next = end;
@@ -68,6 +69,7 @@ impl ProgressiveReference {
             sum.map(|v| (v / count) as f32)
         };
         let mut rgb: Vec<Rgb> = self.sums.iter().enumerate().map(mean).collect();
+        clamp(&mut rgb, None);
         Walls::default().sink(&self.cells, self.settings.wall_depth, &mut rgb);
         Light::from_pixels(&self.cells, rgb).ok()
     }

@@ -1,7 +1,7 @@
 //! The page in a browser without a window: `cargo xtask test --web`.
 
 use crate::apt;
-use crate::process::{finish, on_path, root, target_folder, tool_command};
+use crate::process::{command, finish, on_path, root, target_folder};
 use crate::web::SERVER;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -23,7 +23,11 @@ pub fn test(page: &Path) -> Result<()> {
     let browser = browser()?;
     library()?;
     // A browser reads WGSL more strictly than naga does.
-    let shaders = tool_command("lamplight-generate").arg("shaders").output()?;
+    // In release: that is what the README's first command has built of it. By the dev profile all of it would be
+    // compiled again, as a package by itself selects other features than the workspace.
+    let shaders = command(root())
+        .args(["run", "--release", "--quiet", "--package", "lamplight-generate", "--", "shaders"])
+        .output()?;
     ensure!(shaders.status.success(), "{}", String::from_utf8_lossy(&shaders.stderr));
     let file = target_folder()?.join("web/shaders.json");
     fs::write(&file, shaders.stdout)?;

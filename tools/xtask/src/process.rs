@@ -24,14 +24,7 @@ pub fn cargo(arguments: &[&str]) -> Result<()> {
 
 /// Runs a program of the workspace, built by the dev profile.
 pub fn tool(package: &str, arguments: &[&str]) -> Result<()> {
-    finish(tool_command(package).args(arguments))
-}
-
-/// A program of the workspace.
-pub fn tool_command(package: &str) -> Command {
-    let mut command = command(root());
-    command.args(["run", "--quiet", "--package", package, "--"]);
-    command
+    finish(command(root()).args(["run", "--quiet", "--package", package, "--"]).args(arguments))
 }
 
 /// Runs a command to its end; an error unless it succeeds.

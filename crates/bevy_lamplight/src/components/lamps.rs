@@ -252,10 +252,12 @@ impl WorldLamp {
                 direction: -direction,
                 angle: angle.clamp(0.001, 2.0 * PI),
                 softness: softness.clamp(0.0, 1.0),
+                profile: None,
             }),
             direct: Direct::Glow,
             solid: self.solid,
             visible: self.visible,
+            ..Lamp::default()
         }
     }
 

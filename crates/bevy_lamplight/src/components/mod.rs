@@ -3,6 +3,7 @@
 mod lamps;
 mod lighting;
 mod matter;
+mod normals;
 mod sun;
 
 pub use lamps::{AmbientLight2d, Falloff2d, PointLight2d, Sky2d, SpotLight2d};
@@ -12,4 +13,5 @@ pub use lighting::{
     Lighting2d,
 };
 pub use matter::{LightOccluder2d, Matter2d, OccluderShape, Unlit2d};
+pub use normals::{NormalMap2d, NormalY, Relief2d};
 pub use sun::SunLight2d;

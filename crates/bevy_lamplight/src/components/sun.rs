@@ -41,6 +41,7 @@ impl SunLight2d {
             angle: self.angle.clamp(1e-4, 0.5),
             color: radiance(self.color, self.intensity),
             intensity: 1.0,
+            ..Sun::default()
         };
         let is_on = sun.color != [0.0; 3] && travels != Vec2::ZERO;
         (is_on && sun.check(&"sun").is_ok()).then_some(sun)

@@ -1,8 +1,10 @@
 //! The material of a quad.
 
-use crate::components::{BRIGHTEST, Matter2d};
+use crate::components::{BRIGHTEST, Matter2d, NormalY};
 use bevy::color::LinearRgba;
 use bytemuck::{Pod, Zeroable};
+use lamplight_wgpu::wgpu::TextureFormat;
+use lamplight_wgpu::wgpu::TextureSampleType::Float;
 
 /// A [`Matter2d`] with every value brought into its range; `Material` of shaders/quads.wgsl.
 #[repr(C)]
@@ -18,8 +20,8 @@ pub struct QuadMaterial {
     pub glow: f32,
     /// Scattering albedo.
     pub albedo: [f32; 3],
-    /// Padding to WGSL's alignment.
-    pub unused: f32,
+    /// The encoding of the normal map, by [`QuadMaterial::normal_encoding`].
+    pub normal_encoding: u32,
 }
 
 impl QuadMaterial {
@@ -34,7 +36,7 @@ impl QuadMaterial {
             tint: rgb(matter.tint, 1.0),
             glow: 1.0,
             albedo: rgb(matter.albedo, 1.0),
-            unused: 0.0,
+            normal_encoding: 0,
         }
     }
 
@@ -48,8 +50,34 @@ impl QuadMaterial {
             // half of its radiance.
             glow: 0.5,
             albedo: [0.0; 3],
-            unused: 0.0,
+            normal_encoding: 0,
         }
+    }
+
+    /// The material of a surface that is drawn for its normals alone.
+    pub fn surface(normal_encoding: u32) -> Self {
+        Self { normal_encoding, ..Self::zeroed() }
+    }
+
+    /// The bits by which shaders/normals.wgsl reads a normal map of a format; `None` if it holds no normals.
+    pub fn normal_encoding(format: TextureFormat, y: NormalY) -> Option<u32> {
+        use TextureFormat::{
+            Bc5RgSnorm, EacRg11Snorm, Rg8Snorm, Rg16Snorm, Rgba8Snorm, Rgba16Snorm,
+        };
+        const Y_DOWN: u32 = 1;
+        const SRGB: u32 = 2;
+        const TWO_CHANNELS: u32 = 4;
+        let is_signed = matches!(
+            format,
+            Rg8Snorm | Rgba8Snorm | Rg16Snorm | Rgba16Snorm | EacRg11Snorm | Bc5RgSnorm
+        );
+        let is_float = matches!(format.sample_type(None, None), Some(Float { .. }));
+        let bit = |is_set, bit| if is_set { bit } else { 0 };
+        (is_float && format.components() >= 2 && !is_signed).then(|| {
+            bit(y == NormalY::Down, Y_DOWN)
+                | bit(format.is_srgb(), SRGB)
+                | bit(format.components() == 2, TWO_CHANNELS)
+        })
     }
 
     /// The opacity and tint of a cell that is `cell` world units wide.

@@ -1,7 +1,7 @@
 //! The scene around a camera: quads of matter, and lamps.
 //!
 //! Sprites, glyphs, slices, tiles, triangles of meshes and occluders all become [`Quad`]s. The render
-//! world draws matter from them ([`crate::render`]), and the CPU answers queries from them
+//! world draws matter and normals from them ([`crate::render`]), and the CPU answers queries from them
 //! ([`crate::query`]), so that both light the same scene.
 
 mod gather;
@@ -14,6 +14,7 @@ mod scene;
 mod source;
 mod sprite_layout;
 mod sprites;
+mod surfaces;
 mod texts;
 mod tiles;
 
@@ -21,4 +22,5 @@ pub use gather::Gather;
 pub use material::QuadMaterial;
 pub use place::{SceneAssets, VisibilityPropagates};
 pub use quad::{Quad, QuadMap, QuadShape};
-pub use scene::ExtractedScene;
+pub use scene::{ExtractedScene, QuadGroup};
+pub use surfaces::GatherSurfaces;

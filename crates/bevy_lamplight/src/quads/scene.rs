@@ -10,7 +10,7 @@ use bevy::math::{Rect, Vec2};
 use lamplight::Sun;
 use std::ops::Range;
 
-/// Everything that takes part in light.
+/// Everything that takes part in light, or the surfaces that are lit.
 #[derive(Debug, Default)]
 pub struct ExtractedScene {
     /// Quads, group after group.
@@ -32,6 +32,8 @@ pub struct QuadGroup {
     pub quads: Range<u32>,
     /// The image that they show.
     pub image: AssetId<Image>,
+    /// The image of their normals, if they have any.
+    pub normals: Option<AssetId<Image>>,
     /// Layers of the entity.
     pub layers: RenderLayers,
     /// True if Bevy draws it on the screen; it does not draw occluders.
@@ -51,6 +53,7 @@ impl QuadGroup {
 /// Properties of a new group.
 pub struct GroupSettings {
     pub image: AssetId<Image>,
+    pub normals: Option<AssetId<Image>>,
     pub layers: RenderLayers,
     pub is_drawn: bool,
     pub z: f32,
@@ -80,12 +83,12 @@ impl ExtractedScene {
     /// Makes a group of all quads from index `first` on. Drops them if they overlap none of the areas
     /// or are not finite.
     pub fn finish_group(&mut self, first: usize, settings: GroupSettings, areas: &[Rect]) {
-        let GroupSettings { image, layers, is_drawn, z } = settings;
+        let GroupSettings { image, normals, layers, is_drawn, z } = settings;
         let quads = &self.quads[first..];
         let corners = quads.iter().flat_map(|quad| quad.world.corners());
         let bounds = corners.fold(Rect::EMPTY, |all, corner| all.union_point(corner));
         let range = first as u32..self.quads.len() as u32;
-        let group = QuadGroup { quads: range, image, layers, is_drawn, z, bounds };
+        let group = QuadGroup { quads: range, image, normals, layers, is_drawn, z, bounds };
         let is_finite = quads.iter().all(Quad::is_finite) && !z.is_nan();
         if !is_finite || quads.is_empty() || !areas.iter().any(|&area| group.touches(area)) {
             self.quads.truncate(first);

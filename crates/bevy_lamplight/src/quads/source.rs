@@ -18,6 +18,8 @@ pub struct QuadWriter<'a> {
     scene: &'a mut ExtractedScene,
     /// Parts of the world that the scene has to cover.
     pub areas: &'a [Rect],
+    /// The image of the entity's normals, if it has any.
+    pub normals: Option<AssetId<Image>>,
     material: u32,
     first: usize,
 }
@@ -26,7 +28,7 @@ impl<'a> QuadWriter<'a> {
     /// A writer of quads that have the material of this index.
     pub fn new(scene: &'a mut ExtractedScene, areas: &'a [Rect], material: u32) -> Self {
         let first = scene.quads.len();
-        Self { scene, areas, material, first }
+        Self { scene, areas, normals: None, material, first }
     }
 
     /// Adds a quad.
@@ -36,7 +38,8 @@ impl<'a> QuadWriter<'a> {
 
     /// Makes a group of the quads added since the last one.
     pub fn finish_group(&mut self, place: &EntityPlaceItem, image: AssetId<Image>, is_drawn: bool) {
-        let settings = GroupSettings { image, layers: place.layers(), is_drawn, z: place.z() };
+        let (normals, layers, z) = (self.normals, place.layers(), place.z());
+        let settings = GroupSettings { image, normals, layers, is_drawn, z };
         self.scene.finish_group(self.first, settings, self.areas);
         self.first = self.scene.quads.len();
     }

@@ -20,11 +20,12 @@ use bevy::render::view::{ExtractedView, Msaa, ViewDepthStencilTexture, ViewTarge
 use lamplight::Display;
 use lamplight_wgpu::wgpu::util::TextureBlitter;
 use lamplight_wgpu::wgpu::{
-    Color as Clear, LoadOp, Operations, RenderPassDepthStencilAttachment, StoreOp,
+    Color as Clear, CommandEncoder, LoadOp, Operations, RenderPass,
+    RenderPassDepthStencilAttachment, StoreOp, TextureView,
 };
 use lamplight_wgpu::{Color, ComposeParams, Filter, Target};
 
-/// Draws emitted light and prepares the composition.
+/// Draws emitted light and normals, and prepares the composition.
 pub fn prepare(
     view: ViewQuery<(Entity, &ExtractedCamera, &ViewTarget, &Msaa)>,
     extracted: Res<ExtractedLighting>,
@@ -41,23 +42,25 @@ pub fn prepare(
     else {
         return;
     };
+    let device = device.wgpu_device();
     if let Some(glow) = &lit.glow {
-        let mut pass = context.command_encoder().begin_render_pass(&RenderPassDescriptor {
-            label: Some("lamplight glow"),
-            color_attachments: &[Some(attachment(glow, LoadOp::Clear(Clear::TRANSPARENT)))],
-            ..RenderPassDescriptor::default()
-        });
-        if let Some(viewport) = &camera.viewport {
-            let [x, y] = viewport.physical_position.to_array().map(|v| v as f32);
-            let [width, height] = viewport.physical_size.to_array().map(|v| v as f32);
-            pass.set_viewport(x, y, width, height, 0.0, 1.0);
-        }
+        let mut pass = screen_pass(context.command_encoder(), camera, "lamplight glow", glow);
         for batches in [&lit.draw.batches, &lit.draw.lamp_batches] {
             lit.quads.draw(&mut pass, &pipelines.glow, batches, &images, QuadTarget::Screen);
         }
     }
+    if let Some(normals) = &lit.normals {
+        let mut pass = screen_pass(context.command_encoder(), camera, "lamplight normals", normals);
+        let batches = &lit.draw.surface_batches;
+        lit.quads.draw_normals(&mut pass, pipelines.normals(device), batches, &images);
+    }
     let params = ComposeParams {
-        display: Display { tonemap: view.tone_map, exposure: view.lighting.exposure },
+        display: Display {
+            tonemap: view.tone_map,
+            exposure: view.lighting.exposure,
+            ambient: view.ambient,
+            relief: view.relief,
+        },
         filter: match view.lighting.filter {
             LightFilter::Linear => Filter::Linear,
             LightFilter::Nearest => Filter::Nearest,
@@ -65,7 +68,7 @@ pub fn prepare(
         color: Color::Target(target.main_texture_view()),
         emission: lit.glow.as_ref(),
         more: None,
-        ambient: view.ambient,
+        normals: lit.normals.as_ref(),
         visible: Some(view.placement.placed.visible),
     };
     let drawn_on = Target {
@@ -73,7 +76,6 @@ pub fn prepare(
         samples: msaa.samples(),
         depth: Some(CORE_2D_DEPTH_FORMAT),
     };
-    let device = device.wgpu_device();
     // A multisampled target preserves the parts of other cameras by itself.
     let has_neighbours = camera.viewport.is_some() && drawn_on.samples == 1;
     lit.neighbours = has_neighbours.then(|| match lit.neighbours.take() {
@@ -84,6 +86,26 @@ pub fn prepare(
         lit_views.log.error(view.camera, error);
         lit_views.views.remove(&entity);
     }
+}
+
+/// Begins a pass on a cleared texture as large as the target, over the camera's part of it.
+fn screen_pass<'e>(
+    encoder: &'e mut CommandEncoder,
+    camera: &ExtractedCamera,
+    label: &str,
+    view: &TextureView,
+) -> RenderPass<'e> {
+    let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(attachment(view, LoadOp::Clear(Clear::TRANSPARENT)))],
+        ..RenderPassDescriptor::default()
+    });
+    if let Some(viewport) = &camera.viewport {
+        let [x, y] = viewport.physical_position.to_array().map(|v| v as f32);
+        let [width, height] = viewport.physical_size.to_array().map(|v| v as f32);
+        pass.set_viewport(x, y, width, height, 0.0, 1.0);
+    }
+    pass
 }
 
 /// Draws the lit picture, and everything unlit over it.

@@ -1,7 +1,7 @@
 //! The draw list of a camera.
 
-use super::extract::LitCameraView;
-use crate::quads::{ExtractedScene, Quad, QuadMap, QuadMaterial, QuadShape};
+use super::extract::{ExtractedLighting, LitCameraView};
+use crate::quads::{ExtractedScene, Quad, QuadGroup, QuadMap, QuadMaterial, QuadShape};
 use bevy::asset::AssetId;
 use bevy::image::Image;
 use bevy::math::Vec2;
@@ -18,6 +18,8 @@ pub struct DrawList {
     pub batches: Vec<QuadBatch>,
     /// The batches of lamps that glow, which block nothing.
     pub lamp_batches: Vec<QuadBatch>,
+    /// The batches of everything drawn, if any of it has normals.
+    pub surface_batches: Vec<QuadBatch>,
     /// True if anything on the screen emits light.
     pub glows: bool,
     /// Lamps that the method evaluates analytically instead of as discs.
@@ -30,6 +32,8 @@ pub struct DrawList {
 #[derive(Debug)]
 pub struct QuadBatch {
     pub image: AssetId<Image>,
+    /// The image of their normals, if they have any.
+    pub normals: Option<AssetId<Image>>,
     pub quads: Range<u32>,
     /// True if Bevy draws them on the screen.
     pub is_drawn: bool,
@@ -38,45 +42,60 @@ pub struct QuadBatch {
 impl DrawList {
     /// Lists everything on the grid of a camera. Spots, and with [`LampModel::Analytic`] all lamps, are
     /// evaluated analytically; other lamps are drawn as discs.
-    pub fn fill(&mut self, view: &LitCameraView, scene: &ExtractedScene, model: LampModel) {
+    pub fn fill(&mut self, view: &LitCameraView, extracted: &ExtractedLighting, model: LampModel) {
+        let ExtractedLighting { scene, surfaces, .. } = extracted;
         self.quads.clear();
-        self.batches.clear();
+        self.materials.clear();
         self.lamp_batches.clear();
         self.lamps.clear();
         self.suns.clear();
-        self.materials.clone_from(&scene.materials);
         self.glows = false;
-        self.add_groups(view, scene);
+        let batches = std::mem::take(&mut self.batches);
+        self.batches = self.add_groups(view, scene, batches);
         self.add_lamps(view, scene, model);
+        self.surface_batches.clear();
+        // Where nothing has normals, flat surfaces change nothing.
+        if surfaces.groups.iter().any(|group| group.normals.is_some() && is_seen(group, view)) {
+            let batches = std::mem::take(&mut self.surface_batches);
+            self.surface_batches = self.add_groups(view, surfaces, batches);
+        }
         let suns = scene.suns.iter().filter(|(_, layers)| layers.intersects(&view.layers));
         self.suns.extend(suns.map(|(sun, _)| *sun));
     }
 
-    /// Lists the quads of matter, with neighbours of one image in one batch.
-    fn add_groups(&mut self, view: &LitCameraView, scene: &ExtractedScene) {
+    /// Lists the quads of a scene, and returns their batches, with neighbours of one image in one. Those given lend their
+    /// allocation.
+    fn add_groups(
+        &mut self,
+        view: &LitCameraView,
+        scene: &ExtractedScene,
+        mut batches: Vec<QuadBatch>,
+    ) -> Vec<QuadBatch> {
+        batches.clear();
         let placement = &view.placement;
-        let area = placement.area();
-        for group in &scene.groups {
-            if !group.layers.intersects(&view.layers) || !group.touches(area) {
-                continue;
-            }
+        let first = self.materials.len() as u32;
+        self.materials.extend_from_slice(&scene.materials);
+        for group in scene.groups.iter().filter(|group| is_seen(group, view)) {
             let quads = scene.quads_of(group);
             let begin = self.quads.len() as u32;
-            let on_grid = |quad: &Quad| Quad { world: placement.on_grid(&quad.world), ..*quad };
+            let on_grid = |quad: &Quad| {
+                let (world, material) = (placement.on_grid(&quad.world), first + quad.material);
+                Quad { world, material, ..*quad }
+            };
             self.quads.extend(quads.iter().map(on_grid));
             self.glows |= group.is_drawn && scene.materials[quads[0].material as usize].glows();
             let end = self.quads.len() as u32;
-            match self.batches.last_mut() {
-                Some(last) if (last.image, last.is_drawn) == (group.image, group.is_drawn) => {
+            let QuadGroup { image, normals, is_drawn, .. } = *group;
+            match batches.last_mut() {
+                Some(last)
+                    if (last.image, last.normals, last.is_drawn) == (image, normals, is_drawn) =>
+                {
                     last.quads.end = end;
                 }
-                _ => self.batches.push(QuadBatch {
-                    image: group.image,
-                    quads: begin..end,
-                    is_drawn: group.is_drawn,
-                }),
+                _ => batches.push(QuadBatch { image, normals, quads: begin..end, is_drawn }),
             }
         }
+        batches
     }
 
     /// Lists lamps: analytic ones as they are, the others as the quads of their discs.
@@ -131,9 +150,17 @@ impl DrawList {
             {
                 last.quads.end += 1;
             }
-            _ => batches.push(QuadBatch { image, quads: begin..begin + 1, is_drawn }),
+            _ => {
+                let quads = begin..begin + 1;
+                batches.push(QuadBatch { image, normals: None, quads, is_drawn });
+            }
         }
     }
+}
+
+/// Returns whether a group may be on the grid of a camera.
+fn is_seen(group: &QuadGroup, view: &LitCameraView) -> bool {
+    group.layers.intersects(&view.layers) && group.touches(view.placement.area())
 }
 
 /// The way in which a method lights lamps without a cone.

@@ -3,13 +3,13 @@
 use crate::components::Lighting2d;
 use crate::lit_camera::LitCamera;
 use crate::placement::{Placement, PlacementError};
-use crate::quads::{ExtractedScene, Gather};
+use crate::quads::{ExtractedScene, Gather, GatherSurfaces};
 use bevy::camera::visibility::RenderLayers;
 use bevy::math::Rect;
 use bevy::prelude::{Entity, Query, ResMut, Resource};
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
-use lamplight::{Sky, ToneMap};
+use lamplight::{Relief, Sky, ToneMap};
 
 /// Everything that a frame is lit from.
 #[derive(Resource, Default)]
@@ -18,6 +18,8 @@ pub struct ExtractedLighting {
     /// Cameras of the main world that cannot be lit, and why.
     pub failed: Vec<(Entity, PlacementError)>,
     pub scene: ExtractedScene,
+    /// The surfaces that cameras with normals see.
+    pub surfaces: ExtractedScene,
     areas: Vec<Rect>,
 }
 
@@ -32,7 +34,10 @@ pub struct LitCameraView {
     pub layers: RenderLayers,
     pub sky: Sky,
     pub ambient: [f32; 3],
+    pub relief: Relief,
     pub tone_map: ToneMap,
+    /// True if anything visible on its layers has a normal map.
+    pub has_normals: bool,
     /// True if the camera has a [`LightTexture2d`](crate::LightTexture2d).
     pub has_light_texture: bool,
 }
@@ -42,8 +47,9 @@ pub fn extract(
     mut extracted: ResMut<ExtractedLighting>,
     cameras: Extract<Query<(Entity, RenderEntity, LitCamera)>>,
     gather: Extract<Gather>,
+    gather_surfaces: Extract<GatherSurfaces>,
 ) {
-    let ExtractedLighting { views, failed, scene, areas } = &mut *extracted;
+    let ExtractedLighting { views, failed, scene, surfaces, areas } = &mut *extracted;
     views.clear();
     failed.clear();
     for (camera, entity, lit) in &cameras {
@@ -63,11 +69,16 @@ pub fn extract(
             layers: lit.layers().clone(),
             sky: lit.sky(),
             ambient: lit.ambient(),
+            relief: lit.relief(),
             tone_map: lit.tone_map(),
+            has_normals: gather_surfaces.has_normals(lit.layers()),
             has_light_texture: lit.has_light_texture,
         });
     }
     areas.clear();
     areas.extend(views.iter().map(|view| view.placement.area()));
     gather.gather(areas, scene);
+    areas.clear();
+    areas.extend(views.iter().filter(|v| v.has_normals).map(|view| view.placement.area()));
+    gather_surfaces.gather(areas, surfaces);
 }

@@ -1,5 +1,6 @@
 //! Lighting before the main pass: matter on each camera's grid, then its light.
 
+use super::draw::DrawList;
 use super::extract::ExtractedLighting;
 use super::image_bindings::ImageBindings;
 use super::lit_view::{CameraTarget, LitView, LitViews};
@@ -105,13 +106,16 @@ pub fn prepare(
             .remove(&view.entity)
             .map_or_else(|| LitView::new(device, queue, &pipelines, view), Ok);
         let prepared = known.and_then(|mut lit| {
-            lit.prepare(device, queue, &pipelines, view, &extracted.scene, target)?;
+            lit.prepare(device, queue, &pipelines, view, &extracted, target)?;
             Ok(lit)
         });
         match prepared {
             Ok(lit) => {
-                for batch in lit.draw.batches.iter().chain(&lit.draw.lamp_batches) {
-                    bindings.bind(device, &pipelines, batch.image, &images);
+                let DrawList { batches, lamp_batches, surface_batches, .. } = &lit.draw;
+                for batch in batches.iter().chain(lamp_batches).chain(surface_batches) {
+                    for image in std::iter::once(batch.image).chain(batch.normals) {
+                        bindings.bind(device, &pipelines, image, &images);
+                    }
                 }
                 if let Some(texture) = &lit.texture {
                     let placement = &view.placement;

@@ -2,11 +2,10 @@
 
 use super::budget::Budget;
 use super::draw::{DrawList, LampModel};
-use super::extract::LitCameraView;
-use super::pipelines::{GLOW, LAMPS, MATTER, Pipelines, SUMS, TargetTransform};
+use super::extract::{ExtractedLighting, LitCameraView};
+use super::pipelines::{GLOW, LAMPS, MATTER, NORMALS, Pipelines, SUMS, TargetTransform};
 use super::quad_buffers::QuadBuffers;
 use crate::components::Lighting2d;
-use crate::quads::ExtractedScene;
 use bevy::log::{error, warn};
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
@@ -68,11 +67,34 @@ pub struct LitView {
     pub grid: MatterTextures,
     /// Emitted light on the screen, if there is any.
     pub glow: Option<TextureView>,
+    /// Normals on the screen, if there are any.
+    pub normals: Option<TextureView>,
     /// Light for passes of the user, if the camera has a `LightTexture2d`.
     pub texture: Option<TextureView>,
     settings: Settings,
-    /// The component and the size of cells that `settings` were resolved for.
-    configured: (Lighting2d, f32),
+    configured: Configuration,
+}
+
+/// The values that a camera's settings of light are resolved from.
+#[derive(PartialEq)]
+struct Configuration {
+    lighting: Lighting2d,
+    /// World units per cell.
+    cell: f32,
+    has_normals: bool,
+}
+
+impl Configuration {
+    fn of(view: &LitCameraView) -> Self {
+        let LitCameraView { lighting, placement, has_normals, .. } = view;
+        Self { lighting: lighting.clone(), cell: placement.cell, has_normals: *has_normals }
+    }
+
+    /// Resolves the settings. Normals need the first moment of light.
+    fn settings(&self) -> Result<Settings, Error> {
+        let settings = self.lighting.settings(self.cell)?;
+        Ok(Settings { moment: settings.moment || self.has_normals, ..settings })
+    }
 }
 
 /// Matter, cell by cell.
@@ -107,7 +129,7 @@ impl MatterTextures {
 
     fn textures(&self) -> Textures {
         let [emission, tint_opacity, albedo] = self.matter.clone();
-        Textures { emission, tint_opacity, albedo, glow: self.lamps.clone() }
+        Textures { emission, tint_opacity, albedo, glow: self.lamps.clone(), masks: None }
     }
 }
 
@@ -118,8 +140,7 @@ impl LitView {
         pipelines: &Pipelines,
         view: &LitCameraView,
     ) -> Result<Self, Error> {
-        let cell = view.placement.cell;
-        let settings = view.lighting.settings(cell)?;
+        let configured = Configuration::of(view);
         Ok(Self {
             lighting: Lighting::new(device, queue, &LightingOptions::default())?,
             budget: Budget::new(device, queue),
@@ -129,9 +150,10 @@ impl LitView {
             quads: QuadBuffers::default(),
             grid: MatterTextures::new(device, pipelines, view.placement.placed.size),
             glow: None,
+            normals: None,
             texture: None,
-            settings,
-            configured: (view.lighting.clone(), cell),
+            settings: configured.settings()?,
+            configured,
         })
     }
 
@@ -142,20 +164,20 @@ impl LitView {
         queue: &Queue,
         pipelines: &Pipelines,
         view: &LitCameraView,
-        scene: &ExtractedScene,
+        extracted: &ExtractedLighting,
         target: CameraTarget,
     ) -> Result<(), Error> {
-        let LitCameraView { placement, lighting, .. } = view;
-        let wanted = (lighting.clone(), placement.cell);
+        let placement = &view.placement;
+        let wanted = Configuration::of(view);
         if wanted != self.configured {
-            self.settings = lighting.settings(placement.cell)?;
+            self.settings = wanted.settings()?;
             self.configured = wanted;
         }
         let placed = &placement.placed;
         if placed.size != self.grid.size {
             self.grid = MatterTextures::new(device, pipelines, placed.size);
         }
-        self.draw.fill(view, scene, LampModel::of(&self.settings));
+        self.draw.fill(view, extracted, LampModel::of(&self.settings));
         if !self.draw.lamp_batches.is_empty() {
             self.grid.add_lamps(device);
         }
@@ -170,20 +192,18 @@ impl LitView {
         };
         let screen = on_screen(&placed.visible, placement.cell, target.viewport);
         self.quads.write(device, queue, pipelines, &self.draw, [grid, screen])?;
-        self.glow = match (self.draw.glows, self.glow.take()) {
-            (false, _) => None,
-            (true, Some(glow)) if size_of_view(&glow) == target.size => Some(glow),
-            (true, _) => {
-                let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
-                Some(texture(device, "lamplight glow", target.size, GLOW, usage))
-            }
+        let on_target = |label, format| {
+            let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+            texture(device, label, target.size, format, usage)
         };
-
-        self.texture = match (view.has_light_texture, self.texture.take()) {
-            (false, _) => None,
-            (true, Some(texture)) if size_of_view(&texture) == placed.size => Some(texture),
-            (true, _) => Some(light_texture(device, placed.size)),
-        };
+        let has_normals = !self.draw.surface_batches.is_empty();
+        keep(&mut self.glow, self.draw.glows, target.size, || on_target("lamplight glow", GLOW));
+        keep(&mut self.normals, has_normals, target.size, || {
+            on_target("lamplight normals", NORMALS)
+        });
+        keep(&mut self.texture, view.has_light_texture, placed.size, || {
+            light_texture(device, placed.size)
+        });
         let textures = self.grid.textures();
         let DrawList { lamps, suns, .. } = &self.draw;
         let lights = Lights { lamps, suns, sky: view.sky };
@@ -218,6 +238,17 @@ fn on_screen(visible: &VisibleRect, cell: f32, viewport: [u32; 2]) -> TargetTran
         cell,
         unused: 0.0,
     }
+}
+
+/// Keeps a texture while it is needed and has its size, and makes it anew otherwise.
+fn keep(
+    own: &mut Option<TextureView>,
+    is_needed: bool,
+    size: [u32; 2],
+    make: impl FnOnce() -> TextureView,
+) {
+    let kept = own.take().filter(|view| size_of_view(view) == size);
+    *own = is_needed.then(|| kept.unwrap_or_else(make));
 }
 
 fn light_texture(device: &Device, size: [u32; 2]) -> TextureView {

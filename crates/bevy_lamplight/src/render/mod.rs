@@ -2,10 +2,10 @@
 //!
 //! | when | what | file |
 //! | --- | --- | --- |
-//! | extraction | lit cameras, and the scene around them | `extract.rs` |
+//! | extraction | lit cameras, the scene around them, surfaces if any has normals | `extract.rs` |
 //! | prepare | each camera's quads, textures and settings | `draw.rs`, `lit_view.rs`, `image_bindings.rs` |
 //! | before the main pass | matter on the grid, then its light | `light.rs`, `quad_buffers.rs`, `budget.rs` |
-//! | after the main pass | the picture × its light, then everything unlit | `compose.rs`, `unlit.rs` |
+//! | after the main pass | glow and normals on the screen, the picture × its light, then everything unlit | `compose.rs`, `unlit.rs` |
 
 mod budget;
 mod compose;

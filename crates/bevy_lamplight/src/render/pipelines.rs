@@ -1,16 +1,19 @@
-//! The render pipelines: matter on the grid, and what glows on the screen.
+//! The render pipelines: matter on the grid, and what glows or has normals on the screen.
 
 use bevy::prelude::Resource;
 use bytemuck::{Pod, Zeroable};
+use lamplight::srgb;
 use lamplight_wgpu::wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindGroupLayoutEntry, BindingResource, BindingType, BlendComponent, BlendFactor,
     BlendOperation, BlendState, BufferBindingType, ColorTargetState, ColorWrites, Device,
-    FragmentState, PipelineLayoutDescriptor, RenderPipeline, RenderPipelineDescriptor, Sampler,
-    SamplerBindingType, ShaderModule, ShaderModuleDescriptor, ShaderSource, ShaderStages,
-    TextureFormat, TextureSampleType, TextureView, TextureViewDimension, VertexState,
+    FragmentState, PipelineCompilationOptions, PipelineLayoutDescriptor, RenderPipeline,
+    RenderPipelineDescriptor, Sampler, SamplerBindingType, ShaderModule, ShaderModuleDescriptor,
+    ShaderSource, ShaderStages, TextureFormat, TextureSampleType, TextureView,
+    TextureViewDimension, VertexState,
 };
 use std::borrow::Cow;
+use std::sync::OnceLock;
 
 /// The map from cells to a render target; `TargetTransform` of shaders/quads.wgsl.
 #[repr(C)]
@@ -40,6 +43,8 @@ pub const MATTER: [TextureFormat; 3] = [TextureFormat::Rgba16Float; 3];
 pub const LAMPS: TextureFormat = TextureFormat::Rgba16Float;
 /// Format of the texture of what glows on the screen.
 pub const GLOW: TextureFormat = TextureFormat::Rgba16Float;
+/// Format of the texture of normals on the screen.
+pub const NORMALS: TextureFormat = TextureFormat::Rgba16Float;
 
 /// Pipelines and bind group layouts, compiled once.
 #[derive(Resource)]
@@ -51,6 +56,15 @@ pub struct Pipelines {
     pub lamps: RenderPipeline,
     pub glow: RenderPipeline,
     pub resolve: RenderPipeline,
+    normals: OnceLock<NormalPipelines>,
+}
+
+/// Pipelines of normals on the screen.
+pub struct NormalPipelines {
+    /// The pipeline of quads with a normal map, which is the third bind group.
+    pub tilted: RenderPipeline,
+    /// The pipeline of quads without one.
+    pub untilted: RenderPipeline,
 }
 
 impl Pipelines {
@@ -90,7 +104,7 @@ impl Pipelines {
         let lamps = [color_target(LAMPS, Some(ADD))];
         let glow = [color_target(GLOW, Some(OVER))];
         let pipeline = |label, layouts: &[&BindGroupLayout], module, entries, targets: &[_]| {
-            pipeline(device, label, layouts, module, entries, targets)
+            pipeline(device, label, layouts, module, entries, &[], targets)
         };
         Self {
             matter: pipeline("lamplight matter", &of_quads, &quads, ["place", "matter"], &sums),
@@ -103,10 +117,38 @@ impl Pipelines {
                 ["cover", "resolve"],
                 &matter,
             ),
+            normals: OnceLock::new(),
             quads_layout,
             image_layout,
             sums_layout,
         }
+    }
+
+    /// The pipelines of normals, compiled when they are first needed.
+    pub fn normals(&self, device: &Device) -> &NormalPipelines {
+        self.normals.get_or_init(|| {
+            let text = concat!(
+                include_str!("../../shaders/quads.wgsl"),
+                include_str!("../../shaders/normals.wgsl")
+            );
+            let module = module(device, "normals", text);
+            let srgb = [
+                ("STRAIGHT", f64::from(srgb::STRAIGHT)),
+                ("SLOPE", f64::from(srgb::SLOPE)),
+                ("OFFSET", f64::from(srgb::OFFSET)),
+                ("GAMMA", f64::from(srgb::GAMMA)),
+            ];
+            let target = [color_target(NORMALS, Some(OVER))];
+            let (quads, image) = (&self.quads_layout, &self.image_layout);
+            let pipeline = |layouts: &[&BindGroupLayout], fragment, constants: &[_]| {
+                let entries = ["place", fragment];
+                pipeline(device, "lamplight normals", layouts, &module, entries, constants, &target)
+            };
+            NormalPipelines {
+                tilted: pipeline(&[quads, image, image], "tilted", &srgb),
+                untilted: pipeline(&[quads, image], "untilted", &[]),
+            }
+        })
     }
 
     /// Binds the sums.
@@ -181,6 +223,7 @@ fn pipeline(
     layouts: &[&BindGroupLayout],
     module: &ShaderModule,
     [vertex, fragment]: [&str; 2],
+    constants: &[(&str, f64)],
     targets: &[Option<ColorTargetState>],
 ) -> RenderPipeline {
     let layouts: Vec<_> = layouts.iter().copied().map(Some).collect();
@@ -204,7 +247,7 @@ fn pipeline(
         fragment: Some(FragmentState {
             module,
             entry_point: Some(fragment),
-            compilation_options: Default::default(),
+            compilation_options: PipelineCompilationOptions { constants, ..Default::default() },
             targets,
         }),
         multiview_mask: None,

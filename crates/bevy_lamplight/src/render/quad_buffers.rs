@@ -2,7 +2,7 @@
 
 use super::draw::{DrawList, QuadBatch};
 use super::image_bindings::ImageBindings;
-use super::pipelines::{Pipelines, TargetTransform, bind};
+use super::pipelines::{NormalPipelines, Pipelines, TargetTransform, bind};
 use lamplight_wgpu::Error;
 use lamplight_wgpu::error::DeviceError;
 use lamplight_wgpu::wgpu::{
@@ -103,6 +103,29 @@ impl QuadBuffers {
         let is_on_grid = matches!(target, QuadTarget::Grid);
         for batch in batches.iter().filter(|batch| batch.is_drawn || is_on_grid) {
             let Some(image) = images.get(batch.image) else { continue };
+            pass.set_bind_group(1, image, &[]);
+            pass.draw(0..6, batch.quads.clone());
+        }
+    }
+
+    /// Draws the normals of batches on the screen. Those whose normal map is not loaded are flat.
+    pub fn draw_normals(
+        &self,
+        pass: &mut RenderPass,
+        pipelines: &NormalPipelines,
+        batches: &[QuadBatch],
+        images: &ImageBindings,
+    ) {
+        let Some(group) = &self.groups[QuadTarget::Screen as usize] else { return };
+        pass.set_bind_group(0, group, &[]);
+        for batch in batches.iter().filter(|batch| batch.is_drawn) {
+            let Some(image) = images.get(batch.image) else { continue };
+            if let Some(normals) = batch.normals.and_then(|normals| images.get(normals)) {
+                pass.set_pipeline(&pipelines.tilted);
+                pass.set_bind_group(2, normals, &[]);
+            } else {
+                pass.set_pipeline(&pipelines.untilted);
+            }
             pass.set_bind_group(1, image, &[]);
             pass.draw(0..6, batch.quads.clone());
         }

@@ -166,13 +166,22 @@ fn half(bytes: [u8; 2]) -> f32 {
 
 /// An image of `texel(x, y)` in sRGB bytes.
 pub fn image(app: &mut App, size: [u32; 2], texel: impl Fn(u32, u32) -> [u8; 4]) -> Handle<Image> {
-    let [width, height] = size;
+    image_of(app, size, TextureFormat::Rgba8UnormSrgb, |x, y| texel(x, y).to_vec())
+}
+
+/// An image of `texel(x, y)`, the bytes of a format.
+pub fn image_of(
+    app: &mut App,
+    [width, height]: [u32; 2],
+    format: TextureFormat,
+    texel: impl Fn(u32, u32) -> Vec<u8>,
+) -> Handle<Image> {
     let data = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let image = Image::new(
         Extent3d { width, height, depth_or_array_layers: 1 },
         TextureDimension::D2,
         data.flat_map(|(x, y)| texel(x, y)).collect(),
-        TextureFormat::Rgba8UnormSrgb,
+        format,
         RenderAssetUsages::default(),
     );
     app.world_mut().resource_mut::<Assets<Image>>().add(image)

@@ -1,6 +1,6 @@
 //! Entities that come and go, and invalid values.
 
-use crate::common::{add_bevy, app, begin, camera, picture, plain, target};
+use crate::common::{add_bevy, app, begin, camera, image, picture, plain, target};
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::renderer::RenderDevice;
@@ -130,6 +130,36 @@ fn gpu_objects_do_not_accumulate_over_300_frames() {
 }
 
 #[test]
+fn normal_maps_cost_nothing_before_they_come_and_after_they_are_gone() {
+    let mut app = app();
+    let target = target(&mut app, SIZE);
+    camera(&mut app, &target, plain());
+    let map = NormalMap2d::new(image(&mut app, [1, 1], |_, _| [188, 188, 255, 255]));
+    let sprite = Sprite::from_color(Color::WHITE, Vec2::splat(6.0));
+    app.world_mut().spawn((sprite.clone(), Matter2d::glow(6.0)));
+    let mapped = app.world_mut().spawn((sprite, Transform::from_xyz(12.0, 0.0, 0.0))).id();
+    begin(&mut app);
+    let steady = |app: &mut App| {
+        (0..20).for_each(|_| app.update());
+        held(app)
+    };
+    let before = steady(&mut app);
+    app.world_mut().entity_mut(mapped).insert(map);
+    let with = steady(&mut app);
+    assert!(with[0] > before[0] && with[2] > before[2], "{before:?}, {with:?}");
+    assert!(with[5] > before[5], "{before:?}, {with:?}");
+    app.world_mut().entity_mut(mapped).despawn();
+    let after = steady(&mut app);
+    println!(
+        "buffers, textures, views, bind groups, pipelines, bytes: {before:?}, {with:?}, {after:?}"
+    );
+    // Pipelines are kept; views and bytes are not.
+    for kind in [2, 5] {
+        assert!(after[kind] <= before[kind], "{before:?}, {after:?}");
+    }
+}
+
+#[test]
 fn nothing_panics_without_a_camera_with_two_plugins_or_with_invalid_values() {
     let mut app = app();
     app.add_plugins(LamplightPlugin);
@@ -166,6 +196,7 @@ fn nothing_panics_without_a_camera_with_two_plugins_or_with_invalid_values() {
     world.spawn((PointLight2d::default(), nowhere));
     world.spawn((SpotLight2d { angle: f32::INFINITY, ..default() }, Transform::default()));
     world.spawn((SpotLight2d::default(), Transform::from_scale(Vec3::ZERO)));
+    world.spawn((NormalMap2d::default(), nowhere));
     let seen = picture(&mut app, &image, 3);
     assert!(seen.texels.iter().all(|t| (t[0] - 0.5).abs() < 1e-3), "everything else is lit");
 

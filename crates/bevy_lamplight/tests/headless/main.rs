@@ -8,6 +8,7 @@ mod examples;
 mod lamps;
 mod lifecycle;
 mod matter;
+mod normals;
 mod parity;
 mod query;
 mod reflect;

@@ -5,6 +5,7 @@ use bevy::reflect::TypeRegistry;
 use bevy::reflect::serde::{ReflectDeserializer, ReflectSerializer};
 use bevy_lamplight::prelude::*;
 use serde::de::DeserializeSeed;
+use std::any::TypeId;
 
 fn registry() -> App {
     let mut app = App::new();
@@ -47,6 +48,9 @@ fn components_round_trip_through_reflection() {
     round_trip(&SunLight2d::default(), &registry);
     round_trip(&AmbientLight2d::default(), &registry);
     round_trip(&Sky2d::default(), &registry);
+    round_trip(&Relief2d { specular: 0.5, ..default() }, &registry);
+    // A handle is not text, but editors show it.
+    assert!(registry.get_type_data::<ReflectComponent>(TypeId::of::<NormalMap2d>()).is_some());
 }
 
 #[test]
@@ -55,4 +59,6 @@ fn missing_keys_have_their_defaults() {
     assert_eq!(lighting, Lighting2d::default().with_quality(LightQuality::Fast));
     let lamp: PointLight2d = serde_json::from_str(r#"{ "range": 5.0 }"#).unwrap();
     assert_eq!(lamp, PointLight2d { range: 5.0, ..default() });
+    let relief: Relief2d = serde_json::from_str(r#"{ "specular": 0.5 }"#).unwrap();
+    assert_eq!(relief, Relief2d { specular: 0.5, ..default() });
 }

@@ -7,7 +7,7 @@ use crate::error::{CliError, Result};
 use crate::gpu::Gpu;
 use crate::job::read_cells;
 use crate::lit::ms;
-use crate::memory;
+use crate::memory::{self, SceneSize};
 use crate::output;
 use crate::progress::Progress;
 use crate::stage::{FrameView, Stage};
@@ -219,7 +219,7 @@ fn grids(args: &BenchArgs) -> Result<(Vec<Cells>, SettingsTable)> {
     if let Some(path) = &args.scene {
         let scene = Scene::load(path)?;
         let settings = settings(args, &scene.settings)?;
-        let needed = |cells| needed(args, &settings, cells);
+        let needed = |size| needed(args, &settings, size);
         let (cells, _) = read_cells(&scene, path, args.machine.quiet, needed)?;
         return Ok((vec![cells], scene.settings));
     }
@@ -232,7 +232,7 @@ fn grids(args: &BenchArgs) -> Result<(Vec<Cells>, SettingsTable)> {
     for &Size(width, height) in sizes {
         let (w, h) = (u64::from(width), u64::from(height));
         Cells::check_size(w, h)?;
-        let needed = needed(args, &settings, w * h);
+        let needed = needed(args, &settings, SceneSize::of_matter(w * h));
         memory::check(needed, format_args!("timing {width}×{height} cells"))?;
         grids.push(bench_scene(width, height)?);
     }
@@ -247,12 +247,12 @@ fn settings(args: &BenchArgs, scene: &SettingsTable) -> Result<Vec<Settings>> {
 }
 
 /// The number of bytes that the hungriest method takes.
-fn needed(args: &BenchArgs, settings: &[Settings], cells: u64) -> u64 {
+fn needed(args: &BenchArgs, settings: &[Settings], size: SceneSize) -> u64 {
     let of_method = |settings: &Settings| {
         let renderer = Renderer::Method(settings.method());
-        memory::estimate(cells, renderer, settings, args.machine.backend)
+        memory::estimate(size, renderer, settings, args.machine.backend)
     };
-    let picture = args.scale.map_or(0, |scale| memory::estimate_picture(cells, scale));
+    let picture = args.scale.map_or(0, |scale| memory::estimate_picture(size.cells, scale));
     settings.iter().map(of_method).max().unwrap_or(0) + picture
 }
 

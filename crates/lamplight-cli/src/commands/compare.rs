@@ -7,7 +7,7 @@ use crate::error::{CliError, Result, warn};
 use crate::gpu::Gpu;
 use crate::job::read_cells;
 use crate::lit::{ms, to_json};
-use crate::memory;
+use crate::memory::{self, SceneSize};
 use crate::output;
 use crate::report::{self, ReferenceStats};
 use crate::solve;
@@ -61,8 +61,8 @@ pub fn run(args: CompareArgs) -> Result {
         let settings = table.resolve()?;
         let display = args.display.resolve(scene.display)?;
         let entries = comparison::entries(methods, &table, args.settings.quality, args.sweep)?;
-        let (cells, outputs) = read_cells(&scene, &args.scene, quiet, |cells| {
-            needed(&args, &entries, &settings, cells)
+        let (cells, outputs) = read_cells(&scene, &args.scene, quiet, |size| {
+            needed(&args, &entries, &settings, size)
         })?;
         if !quiet {
             warn_of_what_is_ignored(&args, methods, &cells, &settings);
@@ -135,16 +135,16 @@ pub fn run(args: CompareArgs) -> Result {
 }
 
 /// The number of bytes that the hungriest entry takes, or the reference.
-fn needed(args: &CompareArgs, entries: &[Entry], settings: &Settings, cells: u64) -> u64 {
+fn needed(args: &CompareArgs, entries: &[Entry], settings: &Settings, size: SceneSize) -> u64 {
     let of_method = |entry: &Entry| {
         let renderer = Renderer::Method(entry.settings.method());
-        memory::estimate(cells, renderer, &entry.settings, args.machine.backend)
+        memory::estimate(size, renderer, &entry.settings, args.machine.backend)
     };
-    let of_reference = memory::estimate(cells, Renderer::Reference, settings, Backend::Cpu);
+    let of_reference = memory::estimate(size, Renderer::Reference, settings, Backend::Cpu);
     let rows = entries.iter().map(Entry::rows).sum();
     entries.iter().map(of_method).fold(of_reference, u64::max)
-        + memory::estimate_rows(cells, rows)
-        + memory::estimate_picture(cells, args.display.scale)
+        + memory::estimate_rows(size.cells, rows)
+        + memory::estimate_picture(size.cells, args.display.scale)
 }
 
 fn warn_of_what_is_ignored(

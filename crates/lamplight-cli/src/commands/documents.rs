@@ -113,6 +113,11 @@ const EXAMPLES: &[(&str, &str, &str)] = &[
         "Write every stage of a frame as a picture.",
     ),
     ("probe", "lamplight probe cave.toml 160,90 --json", "Print the light at a point."),
+    (
+        "sight",
+        "lamplight sight cave.toml --from 160,90 -o seen.png",
+        "Draw what is seen from a point.",
+    ),
     ("bench", "lamplight bench --method holographic --size 512x512", "Time a method."),
     (
         "completions",

@@ -7,6 +7,7 @@ mod info;
 mod new;
 mod probe;
 mod render;
+mod sight;
 mod stages;
 
 use crate::error::Result;
@@ -36,6 +37,7 @@ pub enum Command {
     Compare(compare::CompareArgs),
     Stages(stages::StagesArgs),
     Probe(probe::ProbeArgs),
+    Sight(sight::SightArgs),
     Bench(bench::BenchArgs),
     Info(info::InfoArgs),
     New(new::NewArgs),
@@ -52,6 +54,7 @@ pub fn run(command: Command) -> Result {
         Command::Stages(args) => stages::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Probe(args) => probe::run(args),
+        Command::Sight(args) => sight::run(args),
         Command::Info(args) => info::run(args),
         Command::New(args) => new::run(args),
         Command::Completions(args) => documents::completions(args, Cli::command()),

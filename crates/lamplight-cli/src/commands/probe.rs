@@ -1,6 +1,6 @@
 //! `lamplight probe`: the light at points, as gameplay code asks for it.
 
-use crate::args::{DisplayArgs, LightingArgs};
+use crate::args::{DisplayArgs, LightingArgs, Point};
 use crate::error::{CliError, Result};
 use crate::job::RenderJob;
 use crate::output;
@@ -9,7 +9,6 @@ use lamplight::Cells;
 use lamplight::srgb::luminance;
 use serde_json::json;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// Print the light at points of a scene
 #[derive(clap::Args, Debug)]
@@ -19,7 +18,7 @@ pub struct ProbeArgs {
     /// Points in px from the top left, such as 160,90 or 40.5,30.5; the centre of the first cell is
     /// 0.5,0.5
     #[arg(required = true, value_name = "X,Y")]
-    points: Vec<ProbePoint>,
+    points: Vec<Point>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -27,46 +26,29 @@ pub struct ProbeArgs {
     lighting: LightingArgs,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct ProbePoint([f32; 2]);
-
-impl FromStr for ProbePoint {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let number = |text: &str| text.trim().parse().ok().filter(|v: &f32| v.is_finite());
-        text.split_once(',')
-            .and_then(|(x, y)| Some(Self([number(x)?, number(y)?])))
-            .ok_or("a point is two numbers with a comma between them, such as 160,90")
+/// The cell that a point lies in.
+fn cell_of(Point([x, y]): Point, cells: &Cells) -> Result<usize> {
+    let (w, h) = (cells.width(), cells.height());
+    if (0.0..w as f32).contains(&x) && (0.0..h as f32).contains(&y) {
+        return Ok(cells.index(x as u32, y as u32));
     }
-}
-
-impl ProbePoint {
-    /// The cell that the point lies in.
-    fn cell(self, cells: &Cells) -> Result<usize> {
-        let [x, y] = self.0;
-        let (w, h) = (cells.width(), cells.height());
-        if (0.0..w as f32).contains(&x) && (0.0..h as f32).contains(&y) {
-            return Ok(cells.index(x as u32, y as u32));
-        }
-        Err(CliError::bad_input(format_args!("the point {x},{y} lies outside the {w}×{h} scene"))
-            .hint(format_args!("x runs from 0 to below {w}, y from 0 to below {h}")))
-    }
+    Err(CliError::bad_input(format_args!("the point {x},{y} lies outside the {w}×{h} scene"))
+        .hint(format_args!("x runs from 0 to below {w}, y from 0 to below {h}")))
 }
 
 pub fn run(args: ProbeArgs) -> Result {
     args.lighting.machine.run(|_| {
         let display = DisplayArgs::default();
         let job = RenderJob::resolve(&args.scene, &args.lighting, &display, true)?;
-        let at: Vec<(ProbePoint, usize)> = args
+        let at: Vec<(Point, usize)> = args
             .points
             .iter()
-            .map(|&point| Ok((point, point.cell(&job.cells)?)))
+            .map(|&point| Ok((point, cell_of(point, &job.cells)?)))
             .collect::<Result<_>>()?;
         let lit = job.light()?;
         let answers = at
             .into_iter()
-            .map(|(ProbePoint([x, y]), cell)| (x, y, lit.light.sample([x, y]), lit.light.solid()[cell]));
+            .map(|(Point([x, y]), cell)| (x, y, lit.light.sample([x, y]), lit.light.solid()[cell]));
         if args.json {
             let points: Vec<_> = answers
                 .map(|(x, y, light, solid)| {

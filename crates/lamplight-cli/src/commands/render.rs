@@ -65,7 +65,7 @@ pub fn run(args: RenderArgs) -> Result {
         let (width, height) = (drawn.width(), drawn.height());
         let bytes = match format {
             Format::Png => output::png(&view.picture(stage, args.display.scale)?)?,
-            Format::Exr => output::exr(width, height, &view.floats(stage)?)?,
+            Format::Exr => output::exr(width, height, &view.layers(stage)?)?,
         };
         job.outputs.write(&output, &bytes)?;
 

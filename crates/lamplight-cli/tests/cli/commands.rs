@@ -55,6 +55,39 @@ fn probe_agrees_with_the_picture_for_every_method() {
 }
 
 #[test]
+fn sight_draws_what_viewers_see() {
+    let sandbox = Sandbox::small();
+    let said = sandbox.run("sight small.toml --from 4.5,10.5 -o seen.png --threads 1").done();
+    assert!(
+        said.starts_with("wrote seen.png: what one viewer sees of 32×20 cells, found in "),
+        "{said}"
+    );
+    let grey = |file: &str, x: u32, y: u32| sandbox.picture(file).get_pixel(x, y).0[0];
+    // In the open, on the wall, behind it, and through the glass.
+    assert_eq!([grey("seen.png", 10, 3), grey("seen.png", 14, 10)], [255; 2]);
+    assert_eq!([grey("seen.png", 20, 10), grey("seen.png", 15, 10)], [0; 2]);
+    let both = "--from 4.5,10.5 --from=-3,30 --from 29.5,10.5 --scale 2 -o both.png -q";
+    assert_eq!(sandbox.run(&format!("sight small.toml {both}")).done(), "");
+    assert_eq!(sandbox.picture("both.png").dimensions(), (64, 40));
+    assert_eq!([grey("both.png", 20, 6), grey("both.png", 58, 20)], [255; 2]);
+    assert!((1..255).contains(&grey("both.png", 40, 20)), "through glass");
+    let away = "--from 4.5,10.5 --direction=-180 --angle 90 -o away.exr -q";
+    sandbox.run(&format!("sight small.toml {away}")).done();
+    let exr = image::load_from_memory(&sandbox.read("away.exr")).unwrap().to_rgb32f();
+    assert_eq!([exr.get_pixel(1, 10).0, exr.get_pixel(10, 10).0], [[1.0; 3], [0.0; 3]]);
+    for (flags, says) in [
+        ("--from 4,4 -o seen.jpg", "must end in .png"),
+        ("--from 4 -o x.png", "two numbers with a comma"),
+        ("--from 4,4 --range 0 -o x.png", "`sight[0].range` is 0, but must be"),
+        ("--from 4,4 --angle 20 -o x.png", "--direction"),
+        ("--from 4,4 --backend gpu -o x.png", "on the CPU only"),
+        ("--from 4,4 --scale 2 -o x.exr", "--scale is for pictures"),
+    ] {
+        sandbox.run(&format!("sight small.toml {flags}")).failed(2, &[says]);
+    }
+}
+
+#[test]
 fn stages_writes_every_picture_and_a_sheet() {
     let sandbox = Sandbox::small();
     let said = sandbox.run("stages small.toml -o a/b --scale 2").done();
@@ -262,7 +295,7 @@ fn completions_manual_pages_and_schema_are_printed() {
 #[test]
 fn help_is_folded_to_the_width_of_the_terminal() {
     let sandbox = Sandbox::new();
-    for command in ["", "render", "compare", "stages", "probe", "new", "man"] {
+    for command in ["", "render", "compare", "stages", "probe", "sight", "new", "man"] {
         for columns in [40, 72] {
             let arguments: Vec<_> =
                 [command, "--help"].into_iter().filter(|s| !s.is_empty()).collect();
@@ -298,6 +331,7 @@ fn help_and_version_go_to_stdout() {
         "compare",
         "stages",
         "probe",
+        "sight",
         "bench",
         "info",
         "new",

@@ -46,7 +46,12 @@ fn write_scene(sandbox: &Sandbox) {
 fn no_limit_ends_in_an_abort() {
     let sandbox = Sandbox::new();
     write_scene(&sandbox);
-    for flags in ["--method holographic --bounces 1", "--method polar", "--method cascades"] {
+    for flags in [
+        "--method holographic --bounces 1",
+        "--method holographic --bounces 1 --set moment=true",
+        "--method polar",
+        "--method cascades",
+    ] {
         let codes = (120..1000).step_by(80).map(|megabytes| {
             let arguments = format!("render s.toml -q --backend cpu --threads 2 {flags} -o o.exr");
             let run = limited(&sandbox, megabytes * 1024, &arguments);
@@ -76,6 +81,7 @@ fn the_estimate_leaves_room_for_what_fits() {
         "--method cascades --quality high",
         "--method raymarch --set raymarch.rays=2 --bounces 1 --set denoise.passes=2 --frames 2",
         "--method raymarch --set raymarch.rays=2 --set raymarch.hit=distance",
+        "--method raymarch --set raymarch.rays=2 --set denoise.passes=2 --set moment=true",
         "--method polar",
         "--method flood --set flood.rounds=1",
         "--method reference --samples 1",

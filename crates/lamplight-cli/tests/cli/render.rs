@@ -1,7 +1,7 @@
 //! `lamplight render`: its files and its output.
 
 use super::sandbox::Sandbox;
-use lamplight::{Scene, Solver};
+use lamplight::{Scene, Settings, Solver};
 use serde_json::Value;
 
 #[test]
@@ -77,6 +77,30 @@ fn exr_of_light_is_the_light_of_the_library() {
     let bits = |v: &f32| v.to_bits();
     let (found, expected) = (file.iter().map(bits), light.pixels().as_flattened().iter().map(bits));
     assert!(found.eq(expected));
+}
+
+/// The channels beside those of the light are its first moment.
+#[test]
+fn exr_of_light_holds_the_first_moment_if_it_was_found() {
+    use exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
+    let sandbox = Sandbox::small();
+    sandbox.run("render small.toml --stage light -o l.exr --set moment=true --threads 1 -q").done();
+    let scene = Scene::load(sandbox.path("small.toml")).unwrap();
+    let settings = scene.resolve_settings().unwrap();
+    let mut solver = Solver::new(Settings { moment: true, ..settings }).unwrap();
+    let light = solver.solve(&scene.cells().unwrap()).unwrap();
+    let file = read_first_flat_layer_from_file(sandbox.path("l.exr")).unwrap();
+    let channels = file.layer_data.channel_data.list;
+    let moment = light.moment().unwrap();
+    for (axis, name) in ["moment.x", "moment.y"].into_iter().enumerate() {
+        for (c, suffix) in ["R", "G", "B"].into_iter().enumerate() {
+            let name = format!("{name}.{suffix}");
+            let channel = channels.iter().find(|channel| channel.name.to_string() == name);
+            let FlatSamples::F32(found) = &channel.expect(&name).sample_data else { panic!() };
+            assert!(found.iter().eq(moment.iter().map(|moment| &moment[axis][c])), "{name}");
+        }
+    }
+    assert_eq!(channels.len(), 9);
 }
 
 #[test]

@@ -1,13 +1,14 @@
 // The lamps of a frame, as src/lamps.rs writes them.
 
 #import shared/angle
+#import shared/cone
 
 struct Lamp {
     position: vec2f,
     // Length of its rays within the grid, px.
     reach: f32,
     range: f32,
-    // Colour times intensity.
+    // Colour times intensity; below 0 the lamp takes light away.
     strength: vec3f,
     size: f32,
     falloff: u32,
@@ -15,22 +16,30 @@ struct Lamp {
     first: u32,
     count: u32,
     per_radian: f32,
-    // Direction of the cone, half its angle (negative without a cone), and the soft part of that half.
+    // As shared/cone.wgsl reads it.
     cone: vec3f,
     // Radius of the lamp in rays × px, 0 for hard edges.
     spread: f32,
+    // The layers that it lights, a bit each.
+    mask: u32,
+    // Its place in the list.
+    number: u32,
+    // Values of the cone's brightness from edge to edge, and their number; none if it is even.
+    profile_count: u32,
+    profile: array<vec4f, 4>,
 }
 
 struct Lamps {
     count: u32,
     // Rays of all lamps, each lamp padded to whole workgroups.
     rays: u32,
+    // True if other direct light is added to that of these lamps.
+    more_follows: u32,
     list: array<Lamp>,
 }
 
 @group(0) @binding(1) var<storage, read> lamps: Lamps;
 
-const TURN: f32 = 6.2831855;
 const LINEAR: u32 = 0u;
 const SMOOTH: u32 = 1u;
 
@@ -105,26 +114,27 @@ fn falloff(lamp: Lamp, distance: f32) -> f32 {
 
 // The fraction of a lamp's light that leaves along ray `i` of `n`.
 fn in_cone(lamp: Lamp, i: u32, n: u32) -> f32 {
-    return cone_share(lamp, TURN * (f32(i) / f32(n)));
+    return lamp_share(lamp, TURN * (f32(i) / f32(n)));
 }
 
-// The fraction of a lamp's light that leaves at an angle from −π to 2π: smoothstep over the soft edge.
-fn cone_share(lamp: Lamp, at: f32) -> f32 {
-    if lamp.cone.y < 0.0 {
-        return 1.0;
+fn profile_value(lamp: Lamp, i: u32) -> f32 {
+    // Read from the list: an index into a copy would keep all of it in registers.
+    return lamps.list[lamp.number].profile[i / 4u][i % 4u];
+}
+
+// The brightness of a cone at an angle from its axis.
+fn profile_at(lamp: Lamp, beside: f32) -> f32 {
+    let place = clamp(0.5 * beside / lamp.cone.y + 0.5, 0.0, 1.0) * f32(lamp.profile_count - 1u);
+    let first = min(u32(place), lamp.profile_count - 2u);
+    let low = profile_value(lamp, first);
+    return low + (profile_value(lamp, first + 1u) - low) * (place - f32(first));
+}
+
+// The fraction of a lamp's light that leaves at an angle from −π to 2π.
+fn lamp_share(lamp: Lamp, at: f32) -> f32 {
+    let share = cone_share(lamp.cone, at);
+    if share == 0.0 || lamp.profile_count == 0u {
+        return share;
     }
-    var rotated = at - lamp.cone.x;
-    // The direction is at most a little over one turn to either side.
-    rotated += select(0.0, TURN, rotated < 0.0);
-    rotated += select(0.0, TURN, rotated < 0.0);
-    rotated -= select(0.0, TURN, rotated >= TURN);
-    let within = lamp.cone.y - min(rotated, TURN - rotated);
-    if within < 0.0 {
-        return 0.0;
-    }
-    if within >= lamp.cone.z {
-        return 1.0;
-    }
-    let t = within / lamp.cone.z;
-    return t * t * (3.0 - 2.0 * t);
+    return share * profile_at(lamp, beside_axis(lamp.cone, at));
 }

@@ -2,6 +2,7 @@
 // noise (Schied et al. 2017). The library's `denoise.rs` derives it.
 
 #import shared/luminance
+#import shared/moment
 #import shared/uniforms
 
 override MAX_SKIP: u32;
@@ -24,7 +25,7 @@ const MIN_POSITIVE: f32 = 1.17549435e-38;
 @group(0) @binding(2) var matter: texture_2d<f32>;
 @group(0) @binding(3) var<storage, read> near: array<u32>;
 @group(0) @binding(4) var<storage, read> traced: array<vec2f>;
-// Light and the variance of its luminance.
+// Light and the variance of its luminance; then the first moment, if it is found.
 @group(0) @binding(5) var<storage, read> before: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> after: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
@@ -104,6 +105,12 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     after[i] = vec4f(light[i].rgb, sum / weight);
+    if MOMENT {
+        let x = moment_index(0u, i);
+        let y = moment_index(1u, i);
+        after[x] = light[x];
+        after[y] = light[y];
+    }
 }
 
 @compute @workgroup_size(8, 8)
@@ -116,11 +123,17 @@ fn blur(@builtin(global_invocation_id) id: vec3u) {
     let here = before[i];
     if !open(at) {
         after[i] = here;
+        if MOMENT {
+            after[moment_index(0u, i)] = before[moment_index(0u, i)];
+            after[moment_index(1u, i)] = before[moment_index(1u, i)];
+        }
         return;
     }
     let spread = 1i << (step - 1u);
     let range = DEVIATIONS * sqrt(here.w) + MIN_POSITIVE;
     var sum = vec4f(0.0);
+    var moment_x = vec4f(0.0);
+    var moment_y = vec4f(0.0);
     var weight = 0.0;
     for (var y = -2; y <= 2; y++) {
         for (var x = -2; x <= 2; x++) {
@@ -135,9 +148,17 @@ fn blur(@builtin(global_invocation_id) id: vec3u) {
             let w = kernel * exp(-difference);
             sum += vec4f(w, w, w, w * w) * there;
             weight += w;
+            if MOMENT {
+                moment_x += w * before[moment_index(0u, index(vec2u(other)))];
+                moment_y += w * before[moment_index(1u, index(vec2u(other)))];
+            }
         }
     }
     after[i] = sum / vec4f(weight, weight, weight, weight * weight);
+    if MOMENT {
+        after[moment_index(0u, i)] = moment_x / weight;
+        after[moment_index(1u, i)] = moment_y / weight;
+    }
 }
 
 @compute @workgroup_size(8, 8)
@@ -147,4 +168,8 @@ fn finish(@builtin(global_invocation_id) id: vec3u) {
     }
     let i = index(id.xy);
     light[i] = vec4f(before[i].rgb, 1.0);
+    if MOMENT {
+        light[moment_index(0u, i)] = before[moment_index(0u, i)];
+        light[moment_index(1u, i)] = before[moment_index(1u, i)];
+    }
 }

@@ -1,14 +1,18 @@
 // The direct light of lamps with exact light, and of suns (`stages/direct.rs` of the library): J of open cells, and
-// E/2 of the faces of solid ones, four values per cell; of an open cell the first. In `w` 1 where there is such a
-// face or cell.
+// E/2 of the faces of solid ones, four values per cell. In `w` 1 where there is such a face or cell. Of an open cell
+// the first value is its light, and the next two its first moment.
 
 #import methods/polar/penumbra
 #import shared/angle
 #import shared/class
 #import shared/class_at
+#import shared/cone
 #import shared/lamps
+#import shared/layers
+#import shared/moment
 #import shared/normal
 #import shared/reaching
+#import shared/towards
 #import shared/uniforms
 
 struct Sun {
@@ -18,6 +22,8 @@ struct Sun {
     slope: f32,
     width: f32,
     radiance: vec3f,
+    // The layers that it lights, a bit each.
+    mask: u32,
 }
 
 struct Suns {
@@ -27,18 +33,15 @@ struct Suns {
 
 @group(0) @binding(4) var<storage, read> suns: Suns;
 @group(0) @binding(5) var<storage, read_write> found: array<vec4f>;
+@group(0) @binding(6) var masks: texture_2d<f32>;
 
 const PI: f32 = 3.1415927;
-// The smallest part of a lamp, −1 to 1, that may stand for the whole.
-const SMALLEST_PART: f32 = 1e-3;
 // Points across a lamp at which cosines are taken.
 const POINTS: u32 = 16u;
 // Points along a face, and their number where a lamp is near, where the edge of its cone may cross the face.
 const ALONG_FACE: u32 = 3u;
 const ALONG_NEAR_FACE: u32 = 12u;
 const NEAR: f32 = 16.0;
-// Distance of these points from the wall, px: in the open for rounding's sake.
-const OUTSIDE_OF_WALL: f32 = 1e-3;
 
 // A place that receives light: an open cell, or a face of a solid one.
 struct Place {
@@ -47,6 +50,8 @@ struct Place {
     is_face: bool,
     // Of a face; otherwise 0.
     normal: vec2f,
+    // The layers of its cell.
+    layers: u32,
 }
 
 // The place of a thread: cells, and in z the face. An open cell is in the place of the first.
@@ -55,10 +60,11 @@ fn place(id: vec3u) -> Place {
     let is_face = class_at(cell) == SOLID;
     let slot = 4u * index(id.xy) + id.z;
     let out = normal(id.z);
+    let layers = layers_of(id.xy);
     if is_face {
-        return Place(open(cell + out), slot, true, vec2f(out));
+        return Place(open(cell + out), slot, true, vec2f(out), layers);
     }
-    return Place(open(cell) && id.z == 0u, slot, false, vec2f(0.0));
+    return Place(open(cell) && id.z == 0u, slot, false, vec2f(0.0), layers);
 }
 
 // A point along a face, off its cell's centre: number `i` of `count`.
@@ -67,48 +73,8 @@ fn on_face(normal: vec2f, i: u32, count: u32) -> vec2f {
     return (0.5 + OUTSIDE_OF_WALL) * normal + along * normal.yx;
 }
 
-// The direction from the centre of a lamp to its rim, forwards or backwards across the line of sight.
-fn to_rim(across: vec2f, sign: f32) -> Direction {
-    let way = sign * across;
-    return direction(abs(way), select(vec2f(1.0), vec2f(-1.0), way < vec2f(0.0)));
-}
-
-// Hides the parts of a lamp that its centre does not see: they lie behind a wall. Of a lamp that reaches over the
-// border of the grid the part inside stands for the whole, unless it has none, at a corner.
-fn hide_within_walls(lamp: Lamp, across: vec2f) {
-    let to_borders = min(lamp.position, vec2f(frame.size) - lamp.position);
-    var inside = vec2f(1.0);
-    if min(to_borders.x, to_borders.y) >= 0.0 {
-        let back = span(lamp.position, to_rim(across, -1.0)).y;
-        inside = min(vec2f(back, span(lamp.position, to_rim(across, 1.0)).y) / lamp.size, vec2f(1.0));
-    }
-    if inside.x + inside.y <= SMALLEST_PART {
-        inside = vec2f(1.0);
-    }
-    beyond_grid = 1.0 - 0.5 * (inside.x + inside.y);
-    for (var side = 0u; side < 2u; side++) {
-        let sign = select(1.0, -1.0, side == 0u);
-        let seen = traverse(lamp.position, to_rim(across, sign), lamp.size, false, false).length;
-        let end = min(seen / lamp.size, inside[side]);
-        if end < 1.0 {
-            hide(vec2f(min(sign * end, sign), max(sign * end, sign)));
-        }
-    }
-}
-
-fn fan_of(lamp: Lamp, off: vec2f) -> Fan {
-    let distance = length(off);
-    return Fan(lamp.position + off, -off / distance, distance, lamp.size / distance, distance);
-}
-
-// Hides what a pixel at `off` from a lamp does not see of it.
-fn hide_from(lamp: Lamp, off: vec2f) {
-    hide_nothing();
-    if any(off != vec2f(0.0)) {
-        let fan = fan_of(lamp, off);
-        hide_within_walls(lamp, -fan.ahead.yx * vec2f(-1.0, 1.0));
-        hide_behind_walls(fan);
-    }
+fn disc_of(lamp: Lamp) -> LampDisc {
+    return LampDisc(lamp.position, lamp.size);
 }
 
 // The mean of cosθ over the points of a lamp that are seen.
@@ -127,6 +93,14 @@ fn mean_cosine(lamp: Lamp, off: vec2f, normal: vec2f) -> f32 {
     return sum / (f32(POINTS) * (1.0 - beyond_grid));
 }
 
+// The first moment of the light found so far at an open cell.
+var<private> moment: array<vec3f, 2>;
+
+fn add_to_moment(light: vec3f, direction: vec2f) {
+    moment[0] += light * direction.x;
+    moment[1] += light * direction.y;
+}
+
 // The light of a lamp at a place whose cell is at `off`.
 fn light_of(lamp: Lamp, off: vec2f, place: Place) -> vec3f {
     let is_near = length(off) < NEAR;
@@ -138,10 +112,10 @@ fn light_of(lamp: Lamp, off: vec2f, place: Place) -> vec3f {
         if place.is_face {
             at += on_face(place.normal, i, points);
         }
-        let falls = cone_share(lamp, angle(at)) * falloff(lamp, length(at));
+        let falls = lamp_share(lamp, angle(at)) * falloff(lamp, length(at));
         // Behind the face no part of the lamp is seen.
         if falls > 0.0 && (!place.is_face || dot(place.normal, at) < lamp.size) {
-            hide_from(lamp, at);
+            hide_from(disc_of(lamp), at);
             through_medium = through_medium || meets_media;
             if place.is_face {
                 arrives += falls * PI * mean_cosine(lamp, at, place.normal);
@@ -150,10 +124,17 @@ fn light_of(lamp: Lamp, off: vec2f, place: Place) -> vec3f {
             }
         }
     }
-    let light = lamp.strength * arrives / f32(points);
+    var light = lamp.strength * arrives / f32(points);
     let before = off + place.normal;
+    var direction = vec2f(0.0);
+    if MOMENT && arrives > 0.0 && !place.is_face && any(off != vec2f(0.0)) {
+        direction = towards(off, lamp.size, seen_middle());
+    }
     if arrives > 0.0 && through_medium && any(before != vec2f(0.0)) {
-        return light * through_media(fan_of(lamp, before));
+        light *= through_media(fan_of(disc_of(lamp), before));
+    }
+    if MOMENT {
+        add_to_moment(light, direction);
     }
     return light;
 }
@@ -173,14 +154,22 @@ fn shine_lamps(
             while left != 0u {
                 let lamp = lamps.list[first + 32u * word + firstTrailingBit(left)];
                 left &= left - 1u;
-                if place.exists {
+                if place.exists && (lamp.mask & place.layers) != 0u {
                     sum += light_of(lamp, vec2f(id.xy) + 0.5 - lamp.position, place);
                 }
             }
         }
     }
-    if !outside(id.xy) {
+    if outside(id.xy) {
+        return;
+    }
+    if !MOMENT || place.is_face {
         found[place.slot] = vec4f(sum, f32(place.exists));
+    } else if id.z == 0u {
+        found[place.slot] = vec4f(sum, f32(place.exists));
+        found[place.slot + 1u] = vec4f(moment[0], 0.0);
+        found[place.slot + 2u] = vec4f(moment[1], 0.0);
+        found[place.slot + 3u] = vec4f(0.0);
     }
 }
 
@@ -218,9 +207,27 @@ fn light_of_sun(sun: Sun, at: vec2f, place: Place) -> vec3f {
     if arrives <= 0.0 {
         return vec3f(0.0);
     }
-    let light = sun.radiance * arrives * select(1.0 / TURN, 0.5, place.is_face);
+    var direction = vec2f(0.0);
+    if MOMENT && !place.is_face {
+        // ∫cosφ dφ and ∫sinφ dφ over what is seen.
+        let half = 0.5 * sun.width;
+        var along = 2.0 * sin(half);
+        var beside = 0.0;
+        for (var k = 0u; k < part_count; k++) {
+            let low = normalize(vec2f(1.0, parts[k].x * sun.slope));
+            let high = normalize(vec2f(1.0, parts[k].y * sun.slope));
+            along -= high.y - low.y;
+            beside -= low.x - high.x;
+        }
+        let ahead = clamp(vec2f(along, beside) / arrives, vec2f(-1.0), vec2f(1.0));
+        direction = ahead.x * -sun.travels + ahead.y * vec2f(-sun.travels.y, sun.travels.x);
+    }
+    var light = sun.radiance * arrives * select(1.0 / TURN, 0.5, place.is_face);
     if meets_media {
-        return light * through_media(fan);
+        light *= through_media(fan);
+    }
+    if MOMENT {
+        add_to_moment(light, direction);
     }
     return light;
 }
@@ -234,6 +241,9 @@ fn shine_suns(@builtin(global_invocation_id) id: vec3u) {
     let points = select(1u, ALONG_FACE, place.is_face);
     var sum = vec3f(0.0);
     for (var i = 0u; i < points * suns.count; i++) {
+        if (suns.list[i / points].mask & place.layers) == 0u {
+            continue;
+        }
         var at = vec2f(id.xy) + 0.5;
         if place.is_face {
             at += on_face(place.normal, i % points, points);
@@ -241,4 +251,8 @@ fn shine_suns(@builtin(global_invocation_id) id: vec3u) {
         sum += light_of_sun(suns.list[i / points], at, place);
     }
     found[place.slot] += vec4f(sum / f32(points), 0.0);
+    if MOMENT && !place.is_face {
+        found[place.slot + 1u] += vec4f(moment[0], 0.0);
+        found[place.slot + 2u] += vec4f(moment[1], 0.0);
+    }
 }

@@ -1,6 +1,7 @@
 // The displayed picture: colour × light, plus emission, exposed, tone mapped, and encoded unless the target
 // encodes. The formulas are those of `display.rs` of the library.
 
+#import shared/luminance
 #import shared/uniforms
 
 const NEAREST: u32 = 0u;
@@ -9,6 +10,11 @@ const WHITE: u32 = 0u;
 const OF_CELLS: u32 = 1u;
 const OVER_VIEW: u32 = 2u;
 const UNDER_TARGET: u32 = 3u;
+
+// What normals belong to.
+const NO_NORMALS: u32 = 0u;
+const NORMALS_OF_CELLS: u32 = 1u;
+const NORMALS_OF_COLOR: u32 = 2u;
 
 const REINHARD: u32 = 1u;
 const ACES: u32 = 2u;
@@ -30,7 +36,7 @@ struct ComposeUniforms {
     more_light: u32,
     luma: vec3f,
     brightest: f32,
-    // Light that arrives everywhere.
+    // Light that arrives everywhere, whatever the normal.
     ambient: vec3f,
     keep_alpha: u32,
     // a, b, c, d of x(ax + b) / (x(cx + d) + e).
@@ -47,6 +53,9 @@ struct ComposeUniforms {
     look: vec3f,
     // True if the emission that is seen is not that of the matter.
     has_shown: u32,
+    // Sine and cosine of the elevation of light, strength and exponent of highlights.
+    relief: vec4f,
+    normals: u32,
 }
 
 // True if the shader encodes, because the target does not.
@@ -64,6 +73,7 @@ override GAMMA: f32;
 @group(0) @binding(6) var color_emission: texture_2d<f32>;
 @group(0) @binding(7) var more: texture_2d<f32>;
 @group(0) @binding(8) var shown: texture_2d<f32>;
+@group(0) @binding(9) var normals: texture_2d<f32>;
 
 struct Seen {
     @builtin(position) position: vec4f,
@@ -83,23 +93,60 @@ fn under_target(seen: Seen, picture: texture_2d<f32>) -> vec4f {
     return textureLoad(picture, min(vec2u(seen.position.xy), textureDimensions(picture) - 1u), 0);
 }
 
+// The texel of a picture over the viewport, at a pixel.
+fn over_view(seen: Seen, picture: texture_2d<f32>) -> vec4f {
+    let size = textureDimensions(picture);
+    return textureLoad(picture, min(vec2u(seen.across * vec2f(size)), size - 1u), 0);
+}
+
 // The colour at a pixel, unless it is given per cell.
 fn colored(seen: Seen) -> vec4f {
     if params.color_from == UNDER_TARGET {
         return under_target(seen, color);
     }
     if params.color_from == OVER_VIEW {
-        let size = textureDimensions(color);
-        let at = min(vec2u(seen.across * vec2f(size)), size - 1u);
-        return textureLoad(color, at, 0);
+        return over_view(seen, color);
     }
     return vec4f(1.0);
 }
 
-// Light that arrives at a cell, and its emitted radiance.
+// The unit normal of a texel; the viewer's direction where there is none.
+fn normal_of(texel: vec4f) -> vec3f {
+    let length = length(texel.xyz);
+    return select(texel.xyz / length, vec3f(0.0, 0.0, 1.0), length < 1e-3);
+}
+
+// A light and a highlight: of a tilted surface (`relief.rs` of the library).
+struct Shade {
+    received: vec3f,
+    highlight: vec3f,
+}
+
+fn shade(normal: vec3f, arrives: vec3f, moment: array<vec3f, 2>) -> Shade {
+    let sine = params.relief.x;
+    let cosine = params.relief.y;
+    let sides = normal.x * moment[0] + normal.y * moment[1];
+    let received = max(normal.z * arrives + cosine / sine * sides, vec3f(0.0));
+    let way = vec2f(luminance(moment[0]), luminance(moment[1]));
+    let length = length(way);
+    if params.relief.z == 0.0 || length == 0.0 {
+        return Shade(received, vec3f(0.0));
+    }
+    let to_light = vec3f(cosine * way / length, sine);
+    let halfway = normalize(to_light + vec3f(0.0, 0.0, 1.0));
+    let power = params.relief.w;
+    let lobe = pow(clamp(dot(normal, halfway), 0.0, 1.0), power) * max(dot(normal, to_light), 0.0);
+    let gain = params.relief.z * (power + 8.0) / 8.0 * lobe / sine;
+    return Shade(received, gain * sqrt(moment[0] * moment[0] + moment[1] * moment[1]));
+}
+
+// Light that arrives at a cell, its emitted radiance, its highlight, and the first moment of the light if a normal
+// needs it.
 struct Radiance {
     arrives: vec3f,
     emitted: vec3f,
+    highlight: vec3f,
+    moment: array<vec3f, 2>,
 }
 
 // Cells beyond the grid are shown like those at its edge.
@@ -107,7 +154,10 @@ fn radiance(near: vec2i) -> Radiance {
     let at = vec2u(clamp(near, vec2i(0), vec2i(frame.size) - 1));
     let tint_opacity = textureLoad(matter, at, 0);
     let own = textureLoad(emission, at, 0).rgb;
-    var seen = Radiance(light[index(at)].rgb, own);
+    let i = index(at);
+    var seen = Radiance();
+    seen.arrives = light[i].rgb;
+    seen.emitted = own;
     if tint_opacity.a >= 1.0 {
         // The light of solid cells includes their emission.
         seen.arrives = max(seen.arrives - own, vec3f(0.0));
@@ -120,7 +170,18 @@ fn radiance(near: vec2i) -> Radiance {
     if params.more_light != 0u {
         seen.arrives += textureLoad(more, at, 0).rgb;
     }
-    seen.arrives += params.ambient;
+    if params.normals != NO_NORMALS {
+        let cells = frame.size.x * frame.size.y;
+        seen.moment = array(light[cells + i].rgb, light[2u * cells + i].rgb);
+    }
+    if params.normals == NORMALS_OF_CELLS {
+        let shade = shade(normal_of(textureLoad(normals, at, 0)), seen.arrives, seen.moment);
+        seen.arrives = shade.received;
+        seen.highlight = shade.highlight;
+    }
+    if params.normals != NORMALS_OF_COLOR {
+        seen.arrives += params.ambient;
+    }
     if params.color_from == OF_CELLS {
         seen.arrives *= textureLoad(color, at, 0).rgb;
     }
@@ -128,7 +189,12 @@ fn radiance(near: vec2i) -> Radiance {
 }
 
 fn mixed(a: Radiance, b: Radiance, weight: f32) -> Radiance {
-    return Radiance(mix(a.arrives, b.arrives, weight), mix(a.emitted, b.emitted, weight));
+    return Radiance(
+        mix(a.arrives, b.arrives, weight),
+        mix(a.emitted, b.emitted, weight),
+        mix(a.highlight, b.highlight, weight),
+        array(mix(a.moment[0], b.moment[0], weight), mix(a.moment[1], b.moment[1], weight)),
+    );
 }
 
 // Bilinear interpolation between cell centres.
@@ -179,12 +245,25 @@ fn show(seen: Seen) -> @location(0) vec4f {
         cell = between(place);
     }
     let falls_on = colored(seen);
+    if params.normals == NORMALS_OF_COLOR {
+        var texel: vec4f;
+        if params.color_from == UNDER_TARGET {
+            texel = under_target(seen, normals);
+        } else {
+            texel = over_view(seen, normals);
+        }
+        let shade = shade(normal_of(texel), cell.arrives, cell.moment);
+        // Ambient light has no direction: no normal changes it.
+        cell.arrives = shade.received + params.ambient;
+        cell.highlight = shade.highlight;
+    }
     var rgb: vec3f;
     if params.color_emits != 0u {
         rgb = falls_on.rgb * (cell.arrives + under_target(seen, color_emission).rgb);
     } else {
         rgb = falls_on.rgb * cell.arrives + cell.emitted;
     }
+    rgb += cell.highlight;
     rgb = clamp(rgb * params.gain, vec3f(0.0), vec3f(params.brightest));
     if params.tonemap == REINHARD {
         rgb = rgb / (1.0 + rgb);

@@ -1,6 +1,7 @@
 // The mean over frames: `mean += (light − mean) / min(age, HISTORY_LENGTH)`, restarted near cells that see
 // a change.
 
+#import shared/moment
 #import shared/uniforms
 
 override HISTORY_LENGTH: f32;
@@ -25,6 +26,10 @@ override REJECTED_FRAMES: u32;
 // True if a change is seen in a cell's column, within REACH.
 @group(0) @binding(5) var<storage, read_write> columns: array<u32>;
 @group(0) @binding(6) var<storage, read> any_changed: u32;
+
+// The mean of each component of the first moment, if it is found.
+@group(0) @binding(7) var<storage, read_write> history_x: array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> history_y: array<vec4f>;
 
 @compute @workgroup_size(8, 8)
 fn spread(@builtin(global_invocation_id) id: vec3u) {
@@ -76,6 +81,16 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     }
     history[i] = vec4f(mean, age);
     light[i] = vec4f(mean, 1.0);
+    if MOMENT {
+        let x = moment_index(0u, i);
+        let y = moment_index(1u, i);
+        if age > 1.0 {
+            light[x] = history_x[i] + (light[x] - history_x[i]) / age;
+            light[y] = history_y[i] + (light[y] - history_y[i]) / age;
+        }
+        history_x[i] = light[x];
+        history_y[i] = light[y];
+    }
     if TRACED {
         traced[i].x /= age;
     }

@@ -1,6 +1,9 @@
 // The light that solid cells show: it sinks in from their faces, and emission shows on top. The library's
 // `walls.rs` derives it, and its `pyramid.rs` the blurs.
 
+#import shared/luminance
+#import shared/moment
+#import shared/normal
 #import shared/solid
 #import shared/uniforms
 
@@ -17,6 +20,8 @@ override KERNEL_2: f32;
 override ALONG_0: f32;
 override ALONG_1: f32;
 override ALONG_2: f32;
+// 0: light sinks in, with emission on top. 1 and 2: a component of the first moment does, without emission.
+override COMPONENT: u32;
 
 // The flags of a solid cell: its open sides (left, right, upper, lower), that it is solid, that it emits.
 const SIDES: u32 = 15u;
@@ -65,9 +70,14 @@ fn flags_at(at: vec2u) -> u32 {
     return u32(surface[index(at)].w);
 }
 
+// The place of what sinks in, of a cell.
+fn value_index(i: u32) -> u32 {
+    return COMPONENT * frame.size.x * frame.size.y + i;
+}
+
 // The emission of a solid cell with these flags.
 fn emission_of(at: vec2u, flags: u32) -> vec3f {
-    if (flags & EMITS) == 0u {
+    if COMPONENT > 0u || (flags & EMITS) == 0u {
         return vec3f(0.0);
     }
     return textureLoad(emission, at, 0).rgb;
@@ -164,6 +174,30 @@ fn along_surface(at: vec2u, flags: u32) -> vec3f {
     return sum.rgb / sum.w;
 }
 
+// Gives the faces of solid cells the first moment before them, scaled to their own light.
+@compute @workgroup_size(8, 8)
+fn turn_faces(@builtin(global_invocation_id) id: vec3u) {
+    let at = vec2i(id.xy);
+    if outside(id.xy) || !solid(at) {
+        return;
+    }
+    var direction = vec2f(0.0);
+    var count = 0.0;
+    for (var side = 0u; side < 4u; side++) {
+        if open(at + normal(side)) {
+            let before = index(vec2u(at + normal(side)));
+            let x = luminance(light[moment_index(0u, before)].rgb);
+            let y = luminance(light[moment_index(1u, before)].rgb);
+            direction += vec2f(x, y) / max(luminance(light[before].rgb), 1.17549435e-38);
+            count += 1.0;
+        }
+    }
+    let i = index(id.xy);
+    let arrives = light[i].rgb / max(count, 1.0);
+    light[moment_index(0u, i)] = vec4f(arrives * direction.x, 1.0);
+    light[moment_index(1u, i)] = vec4f(arrives * direction.y, 1.0);
+}
+
 @compute @workgroup_size(8, 8)
 fn find_flags(@builtin(global_invocation_id) id: vec3u) {
     if outside(id.xy) {
@@ -176,9 +210,9 @@ fn find_flags(@builtin(global_invocation_id) id: vec3u) {
         flags = SOLID
             | select(0u, 1u, open(at - vec2i(1, 0))) | select(0u, 2u, open(at + vec2i(1, 0)))
             | select(0u, 4u, open(at - vec2i(0, 1))) | select(0u, 8u, open(at + vec2i(0, 1)))
-            | select(0u, EMITS, any(textureLoad(emission, id.xy, 0).rgb != vec3f(0.0)));
+            | select(0u, EMITS, COMPONENT == 0u && any(textureLoad(emission, id.xy, 0).rgb != vec3f(0.0)));
     }
-    surface[i] = vec4f(light[i].rgb, f32(flags));
+    surface[i] = vec4f(light[value_index(i)].rgb, f32(flags));
 }
 
 // The light of solid cells where nothing sinks in.
@@ -190,9 +224,9 @@ fn show_faces(@builtin(global_invocation_id) id: vec3u) {
     }
     let exposed = open(at - vec2i(1, 0)) || open(at + vec2i(1, 0))
         || open(at - vec2i(0, 1)) || open(at + vec2i(0, 1));
-    let i = index(id.xy);
+    let i = value_index(index(id.xy));
     let arrives = select(vec3f(0.0), light[i].rgb, exposed);
-    light[i] = vec4f(arrives + textureLoad(emission, id.xy, 0).rgb, 1.0);
+    light[i] = vec4f(arrives + emission_of(id.xy, EMITS), 1.0);
 }
 
 // Makes a level from the finer one, the first from the cells.
@@ -258,5 +292,5 @@ fn sink(@builtin(global_invocation_id) id: vec3u) {
         arrives = along_surface(id.xy, flags);
         glow = shared_by_faces() * sum.emission.rgb / sum.emission.w;
     }
-    light[i] = vec4f(arrives + max(emission_of(id.xy, flags), glow), 1.0);
+    light[value_index(i)] = vec4f(arrives + max(emission_of(id.xy, flags), glow), 1.0);
 }

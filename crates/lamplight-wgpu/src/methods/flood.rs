@@ -11,6 +11,7 @@ use crate::programs;
 use crate::shared::filled;
 use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
+use crate::stages::gradient_moment::GradientMoment;
 use lamplight::Lamp;
 use lamplight::internals::flood::{STEEPNESS, reach};
 use lamplight::internals::{MAX_OPTICAL_DEPTH, circle};
@@ -26,6 +27,8 @@ pub struct Flood {
     rays: ComputePipelines,
     blur: ComputePipelines,
     directions: Buffer,
+    /// Set if the first moment is found.
+    moment: Option<GradientMoment>,
 }
 
 /// Entries of [`programs::FLOOD_RAYS`].
@@ -38,7 +41,7 @@ const MIX: usize = 1;
 const SHOW: usize = 2;
 
 impl Flood {
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> Self {
+    pub fn new(device: &Device, queue: &Queue, settings: &Settings, moment: bool) -> Self {
         // The shader divides by the number of matter rays, even if none are drawn.
         let counts = [settings.rays, settings.matter_rays.max(1), settings.bounce_rays];
         let directions: Vec<[f32; 4]> = counts
@@ -65,6 +68,7 @@ impl Flood {
             rays: ComputePipelines::new(device, &programs::FLOOD_RAYS, &constants),
             blur: ComputePipelines::new(device, &programs::FLOOD_BLUR, &decay),
             directions: filled(device, queue, "directions", BufferUsages::STORAGE, directions),
+            moment: moment.then(|| GradientMoment::new(device)),
         }
     }
 
@@ -134,6 +138,7 @@ impl Flood {
             dispatches.extend(passes.iter().zip(halves).map(|(&step, half)| blur(MIX, half, step)));
         }
         dispatches.push(blur(SHOW, 0, 0));
+        dispatches.extend(self.moment.iter().map(|moment| moment.plan(planner, light)));
         dispatches.extend(planner.add_direct(light));
         Ok(PassList { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: Some(lamps) })
     }

@@ -36,24 +36,26 @@ impl Method {
     /// # Errors
     /// If the GPU does not have the method.
     pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> lamplight::Result<Self> {
-        let bounces = settings.bounces;
+        let (bounces, moment) = (settings.bounces, settings.moment);
         Ok(match &settings.method {
             MethodSettings::Cascades(settings) => {
-                Self::Cascades(Box::new(Cascades::new(device, queue, settings, bounces)?))
+                Self::Cascades(Box::new(Cascades::new(device, queue, settings, bounces, moment)?))
             }
             MethodSettings::Flood(settings) => {
-                Self::Flood(Box::new(Flood::new(device, queue, settings)))
+                Self::Flood(Box::new(Flood::new(device, queue, settings, moment)))
             }
             MethodSettings::Holographic(settings) => match settings.variant {
-                Variant::Paper => Self::Paper(Box::new(Paper::new(device, bounces))),
+                Variant::Paper => Self::Paper(Box::new(Paper::new(device, bounces, moment))),
                 Variant::Bundles => {
-                    Self::Holographic(Box::new(Holographic::new(device, settings, bounces)))
+                    Self::Holographic(Box::new(Holographic::new(device, settings, bounces, moment)))
                 }
                 other => return Err(unsupported("holographic.variant", other)),
             },
-            MethodSettings::Polar(settings) => Self::Polar(Box::new(Polar::new(device, settings)?)),
+            MethodSettings::Polar(settings) => {
+                Self::Polar(Box::new(Polar::new(device, settings, moment)?))
+            }
             MethodSettings::Raymarch(settings) => {
-                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings, bounces)?))
+                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings, bounces, moment)?))
             }
             other => return Err(unsupported("method", other.method())),
         })
@@ -67,8 +69,15 @@ impl Method {
         list: &mut LampList,
     ) -> lamplight::Result<()> {
         match self {
-            Self::Flood(flood) => list.set(lamps, |lamp| flood.lamp_rays(lamp, size)),
-            Self::Polar(polar) => list.set(lamps, |lamp| Ok(polar.lamp_rays(lamp, size))),
+            Self::Flood(flood) => {
+                let by_rule = |lamp: &&Lamp| !lamplight::Method::Flood.lights_exactly(lamp);
+                list.set(lamps.iter().filter(by_rule), |lamp| flood.lamp_rays(lamp, size))
+            }
+            Self::Polar(polar) => {
+                // Those that take light away take it from all others, however these blend.
+                let some = |take: bool| lamps.iter().filter(move |lamp| lamp.takes_light() == take);
+                list.set(some(false).chain(some(true)), |lamp| Ok(polar.lamp_rays(lamp, size)))
+            }
             Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => {
                 list.clear();
                 Ok(())

@@ -8,10 +8,10 @@ use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, PassList, view, whole};
-use crate::programs;
 use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
 use crate::stages::distance::DistancePipelines;
+use crate::{programs, shaders};
 use lamplight::Lamp;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
 use lamplight::internals::distance::MARGIN;
@@ -39,7 +39,7 @@ pub struct Polar {
 }
 
 impl Polar {
-    pub fn new(device: &Device, settings: &Settings) -> lamplight::Result<Self> {
+    pub fn new(device: &Device, settings: &Settings, moment: bool) -> lamplight::Result<Self> {
         let shadow_filter = match settings.shadow_filter {
             ShadowFilter::Soft => 0.0,
             ShadowFilter::Linear => 1.0,
@@ -70,7 +70,7 @@ impl Polar {
         ];
         let bounds = [("NEAREST", f64::from(NEAREST)), ("CRISP", f64::from(crisp))];
         let bounds = [&bounds[..], &widths].concat();
-        let gather = [("SHADOW_FILTER", shadow_filter), ("BLEND", blend)];
+        let gather = [("SHADOW_FILTER", shadow_filter), ("BLEND", blend), shaders::moment(moment)];
         let gather = [&rays[..], &widths, &gather].concat();
         Ok(Self {
             settings: settings.clone(),
@@ -124,7 +124,8 @@ impl Polar {
         let traced = planner.bind(&self.shadow_map, &traced);
         let bounded = [whole(&lamps), whole(&hits), whole(&bounds)];
         let bounded = planner.bind(&self.shadow_bounds, &bounded);
-        let gathered = [&grid[..], &[whole(&bounds)], &store, &[whole(light)]].concat();
+        let last = [whole(light), planner.masks()];
+        let gathered = [&grid[..], &[whole(&bounds)], &store, &last].concat();
         let gathered = planner.bind(&self.gather, &gathered);
         let tiles = <[u32; 2]>::from(planner.size).map(|side| side.div_ceil(TILE));
         let groups = planner.groups(rays / u64::from(GROUP_RAYS));

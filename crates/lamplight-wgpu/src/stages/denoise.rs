@@ -18,7 +18,7 @@ pub struct Denoise {
 }
 
 impl Denoise {
-    pub fn new(device: &Device, settings: &Raymarch) -> Self {
+    pub fn new(device: &Device, settings: &Raymarch, moment: bool) -> Self {
         let by_distance = settings.hit == Hit::Distance;
         let constants = [
             ("MAX_SKIP", f64::from(LONGEST)),
@@ -29,6 +29,7 @@ impl Denoise {
             ("DEVIATIONS", f64::from(DEVIATIONS * settings.denoise.strength)),
             ("OPACITY", f64::from(OPACITY)),
             ("BY_DISTANCE", f64::from(by_distance)),
+            shaders::moment(moment),
         ];
         let constants = [&constants[..], &shaders::LUMINANCE].concat();
         let pipelines = ComputePipelines::new(device, &programs::DENOISE, &constants);
@@ -44,7 +45,7 @@ impl Denoise {
         traced: &Buffer,
         light: &Buffer,
     ) -> Result<Vec<Dispatch>> {
-        let noisy = planner.pair::<[f32; 4]>("denoise", planner.cells())?;
+        let noisy = planner.pair::<[f32; 4]>("denoise", planner.light_values())?;
         let bind = |to: usize| {
             let resources = [
                 planner.shared.step(),

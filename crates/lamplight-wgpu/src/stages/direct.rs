@@ -1,5 +1,5 @@
-//! The direct light of lamps with exact light ([`lamplight::Lamp::is_exact`]) and of suns, for methods that find all
-//! other light themselves.
+//! The direct light of lamps with exact light ([`Method::lights_exactly`]) and of suns, for methods that find all other
+//! light themselves.
 //!
 //! One dispatch finds what every open cell and every face receives from all lamps, one adds the suns. Methods add it
 //! to what surfaces scatter in each bounce, and to the light at the end. Visibility is exact, without a shadow map:
@@ -12,8 +12,8 @@ use crate::gpu_struct::gpu_struct;
 use crate::lamps::{Capacity, LampList, LampRays};
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
-use crate::programs;
 use crate::stages::class::ClassPipeline;
+use crate::{programs, shaders};
 use lamplight::internals::{MAX_OPTICAL_DEPTH, polar};
 use lamplight::settings::Polar;
 use lamplight::{Lamp, Method};
@@ -33,7 +33,7 @@ gpu_struct! {
         slope: f32,
         width: f32,
         radiance: [f32; 3],
-        padding: f32,
+        mask: u32,
     }
 }
 
@@ -58,7 +58,7 @@ impl DirectLights {
             let (reach, _) = polar::rays(lamp, size, &settings);
             Ok(LampRays { reach, count: 0, soft: 0.0, falloff: Some(lamp.falloff) })
         };
-        let exact = |lamp: &&Lamp| lamp.is_exact() && !method.lights_lamps();
+        let exact = |lamp: &&Lamp| method.lights_exactly(lamp);
         self.lamps.set(lamps.iter().filter(exact), rays)?;
         self.suns.clear();
         self.suns.extend(suns.iter().map(|sun| Sun {
@@ -66,7 +66,7 @@ impl DirectLights {
             slope: (0.5 * sun.angle).tan(),
             width: sun.angle,
             radiance: sun.radiance(),
-            padding: 0.0,
+            mask: sun.mask.into(),
         }));
         Ok(())
     }
@@ -96,18 +96,23 @@ pub struct LightBuffers {
 /// The pipelines.
 #[derive(Debug)]
 pub struct Direct {
+    /// True if the first moment is found too.
+    pub moment: bool,
     class: ClassPipeline,
     shine: ComputePipelines,
     add: ComputePipelines,
 }
 
 impl Direct {
-    pub fn new(device: &Device) -> Self {
-        let constants = [("TRANSLUCENT", 1.0), ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH))];
+    pub fn new(device: &Device, moment: bool) -> Self {
+        let found = shaders::moment(moment);
+        let medium = ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH));
+        let constants = [("TRANSLUCENT", 1.0), medium, found];
         Self {
+            moment,
             class: ClassPipeline::new(device),
             shine: ComputePipelines::new(device, &programs::DIRECT, &constants),
-            add: ComputePipelines::new(device, &programs::ADD_DIRECT, &[]),
+            add: ComputePipelines::new(device, &programs::ADD_DIRECT, &[found]),
         }
     }
 
@@ -131,6 +136,7 @@ impl Direct {
             whole(&class.classes),
             whole(&buffers.suns),
             whole(&found),
+            planner.masks(),
         ];
         let bound = planner.bind(&self.shine, &resources);
         let [columns, rows] = <[u32; 2]>::from(planner.size).map(|side| side.div_ceil(TILE));

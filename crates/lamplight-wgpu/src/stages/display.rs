@@ -9,7 +9,7 @@ use lamplight::internals::display::{
     AGX_STOPS, AGX_VIVID, BRIGHTEST,
 };
 use lamplight::srgb::LUMINANCE;
-use lamplight::{Display, Rgb, ToneMap, srgb};
+use lamplight::{Display, Relief, Rgb, ToneMap, srgb};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, CompareFunction, DepthStencilState, Device,
     FragmentState, MultisampleState, PipelineCompilationOptions, PipelineLayoutDescriptor,
@@ -31,7 +31,7 @@ gpu_struct! {
         pub more_light: u32,
         luma: Rgb,
         brightest: f32,
-        pub ambient: Rgb,
+        ambient: Rgb,
         pub keep_alpha: u32,
         aces: [f32; 4],
         aces_end: f32,
@@ -42,6 +42,10 @@ gpu_struct! {
         contrast: [[f32; 4]; 2],
         look: Rgb,
         pub has_shown: u32,
+        relief: [f32; 4],
+        pub normals: u32,
+        /// Uniforms end at a multiple of 16 bytes.
+        padding: [u32; 3],
     }
 }
 
@@ -57,6 +61,8 @@ impl ComposeUniforms {
             ToneMap::Vivid => (3, LUMINANCE, AGX_VIVID),
             other => return Err(unsupported("tonemap", other)),
         };
+        let Relief { elevation, specular, .. } = display.relief;
+        let exponent = display.relief.exponent();
         let [x6, x5, x4, x3, x2, x1, x0] = AGX_CONTRAST;
         Ok(Self {
             corner: [0.0; 2],
@@ -70,7 +76,7 @@ impl ComposeUniforms {
             more_light: 0,
             luma,
             brightest: BRIGHTEST,
-            ambient: [0.0; 3],
+            ambient: display.ambient,
             keep_alpha: 0,
             aces: [a, b, c, d],
             aces_end: e,
@@ -81,6 +87,9 @@ impl ComposeUniforms {
             contrast: [[x6, x5, x4, x3], [x2, x1, x0, AGX_GAMMA]],
             look,
             has_shown: 0,
+            relief: [elevation.sin(), elevation.cos(), specular, exponent],
+            normals: 0,
+            padding: [0; 3],
         })
     }
 
@@ -158,13 +167,14 @@ impl Shading {
             bind_group_layouts: &[Some(&self.layout)],
             immediate_size: 0,
         });
-        let constants = [
+        let encoding = [
             ("ENCODE", f64::from(encode)),
             ("STRAIGHT", f64::from(srgb::STRAIGHT)),
             ("SLOPE", f64::from(srgb::SLOPE)),
             ("OFFSET", f64::from(srgb::OFFSET)),
             ("GAMMA", f64::from(srgb::GAMMA)),
         ];
+        let constants = [&encoding[..], &shaders::LUMINANCE].concat();
         device.create_render_pipeline(&RenderPipelineDescriptor {
             label,
             layout: Some(&layout),

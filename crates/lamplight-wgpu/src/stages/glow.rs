@@ -31,6 +31,7 @@ impl Glow {
             tint_opacity: made("tint and opacity of media"),
             albedo: made("albedo of media"),
             glow: None,
+            masks: planner.textures.masks.clone(),
         };
         let Textures { emission, tint_opacity, albedo, .. } = planner.textures;
         let read = [emission, tint_opacity, albedo, glow];

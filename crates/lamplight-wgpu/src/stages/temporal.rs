@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
-use crate::programs;
+use crate::{programs, shaders};
 use lamplight::internals::temporal::{FEEDBACK, REACH};
 use lamplight::settings::{Bounces, Hit, Raymarch};
 use wgpu::{Buffer, Device};
@@ -25,7 +25,13 @@ impl Temporal {
 
     /// Compiles the pipelines. With `traced`, the gather leaves variance and changes, and the variance is
     /// updated.
-    pub fn new(device: &Device, settings: &Raymarch, bounces: Bounces, traced: bool) -> Self {
+    pub fn new(
+        device: &Device,
+        settings: &Raymarch,
+        bounces: Bounces,
+        traced: bool,
+        moment: bool,
+    ) -> Self {
         let temporal = &settings.temporal;
         let feedback = settings.feeds_back(bounces);
         let everywhere = settings.hit == Hit::Distance;
@@ -36,6 +42,7 @@ impl Temporal {
             ("EVERYWHERE", f64::from(everywhere)),
             ("REACH", REACH as f64),
             ("REJECTED_FRAMES", if feedback { f64::from(FEEDBACK) } else { 1.0 }),
+            shaders::moment(moment),
         ];
         let pipelines = ComputePipelines::new(device, &programs::TEMPORAL, &constants);
         Self { pipelines, tracks: Self::tracks(settings) }
@@ -61,7 +68,16 @@ impl Temporal {
                 &none
             }
         };
-        let resources = [light, traced, &history, &rejected, &columns, any_changed].map(whole);
+        let moment = |label| {
+            if planner.settings.moment {
+                planner.history::<[f32; 4]>(label, cells)
+            } else {
+                planner.buffer::<[f32; 4]>(label, 1)
+            }
+        };
+        let [x, y] = [moment("history of x")?, moment("history of y")?];
+        let resources =
+            [light, traced, &history, &rejected, &columns, any_changed, &x, &y].map(whole);
         let bound = planner.bind(&self.pipelines, &resources);
         let entries = if self.tracks { 0..2 } else { 1..2 };
         let plan = |entry| planner.over_cells(&self.pipelines, entry, &bound, None);

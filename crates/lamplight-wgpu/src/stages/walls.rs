@@ -1,9 +1,9 @@
 //! The light that solid cells show.
 
 use crate::error::Result;
-use crate::pipeline::{ComputePipelines, Dispatch};
+use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
-use crate::programs;
+use crate::{programs, shaders};
 use lamplight::internals::walls::{ALONG, KERNEL, OCTAVE, SOFTENING, STRAIGHT, octaves};
 use wgpu::{Buffer, Device};
 
@@ -11,8 +11,31 @@ use wgpu::{Buffer, Device};
 #[derive(Debug)]
 pub struct Walls(ComputePipelines);
 
+/// The pipelines for the components of the first moment.
+#[derive(Debug)]
+pub struct MomentWalls([Walls; 2]);
+
+impl MomentWalls {
+    pub fn new(device: &Device) -> Self {
+        Self([1, 2].map(|component| Walls::of(device, component)))
+    }
+
+    /// Plans the first moment of solid cells from that before their faces, and from their light before that has
+    /// sunk in.
+    pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
+        let Self([x, y]) = self;
+        let [first, second] = [x.plan(planner, light)?, y.plan(planner, light)?];
+        Ok([x.turn_faces(planner, light)?].into_iter().chain(first).chain(second).collect())
+    }
+}
+
 impl Walls {
     pub fn new(device: &Device) -> Self {
+        Self::of(device, 0)
+    }
+
+    /// The pipelines for light, or for a component of its first moment.
+    fn of(device: &Device, component: u32) -> Self {
         let constants = [
             ("OCTAVE", f64::from(OCTAVE)),
             ("STRAIGHT", f64::from(STRAIGHT)),
@@ -23,8 +46,34 @@ impl Walls {
             ("ALONG_0", f64::from(ALONG[0])),
             ("ALONG_1", f64::from(ALONG[1])),
             ("ALONG_2", f64::from(ALONG[2])),
+            ("COMPONENT", f64::from(component)),
         ];
+        let constants = [&constants[..], &shaders::LUMINANCE].concat();
         Self(ComputePipelines::new(device, &programs::WALLS, &constants))
+    }
+
+    fn turn_faces(&self, planner: &FramePlanner, light: &Buffer) -> Result<Dispatch> {
+        let unused = planner.buffer::<[f32; 4]>("walls: unused", 1)?;
+        let bound = self.bind(planner, [&unused, &unused, &unused], light);
+        Ok(Dispatch::over(planner.size.into(), &self.0.entries[TURN_FACES], &bound, Some(0)))
+    }
+
+    fn bind(
+        &self,
+        planner: &FramePlanner,
+        [surface, irradiance, emission]: [&Buffer; 3],
+        light: &Buffer,
+    ) -> BoundResources {
+        let resources = [
+            view(&planner.textures.tint_opacity),
+            planner.shared.step(),
+            view(&planner.textures.emission),
+            whole(surface),
+            whole(irradiance),
+            whole(emission),
+            whole(light),
+        ];
+        planner.bind(&self.0, &resources)
     }
 
     /// Plans the light of solid cells from that of their faces.
@@ -39,24 +88,24 @@ impl Walls {
         let surface = planner.buffer::<[f32; 4]>("walls: surface", cells)?;
         let irradiance = planner.buffer::<[f32; 4]>("walls: irradiance", sums)?;
         let emission = planner.buffer::<[f32; 4]>("walls: emission", sums)?;
-        let resources = [
-            view(&planner.textures.tint_opacity),
-            planner.shared.step(),
-            view(&planner.textures.emission),
-            whole(&surface),
-            whole(&irradiance),
-            whole(&emission),
-            whole(light),
-        ];
-        let bound = planner.bind(&self.0, &resources);
+        let bound = self.bind(planner, [&surface, &irradiance, &emission], light);
         let over = |entry: usize, level: u32| {
             Dispatch::over(level_size(level), &self.0.entries[entry], &bound, Some(level))
         };
         if octaves == 0 {
-            return Ok(vec![over(0, 0)]);
+            return Ok(vec![over(SHOW_FACES, 0)]);
         }
-        let blurs = (1..=octaves).map(|level| over(2, level));
-        let sums = (1..octaves).rev().map(|level| over(3, level));
-        Ok([over(1, 0)].into_iter().chain(blurs).chain(sums).chain([over(4, 0)]).collect())
+        let blurs = (1..=octaves).map(|level| over(BLUR, level));
+        let sums = (1..octaves).rev().map(|level| over(ADD_COARSER, level));
+        let (flags, sink) = ([over(FIND_FLAGS, 0)], [over(SINK, 0)]);
+        Ok(flags.into_iter().chain(blurs).chain(sums).chain(sink).collect())
     }
 }
+
+/// Entries of [`programs::WALLS`].
+const SHOW_FACES: usize = 0;
+const FIND_FLAGS: usize = 1;
+const BLUR: usize = 2;
+const ADD_COARSER: usize = 3;
+const SINK: usize = 4;
+const TURN_FACES: usize = 5;

@@ -81,7 +81,7 @@ pub fn recorded(device: &Device, queue: &Queue, lighting: &Lighting) -> Vec<[f32
     read_back(device, queue, lighting.stage(Stage::Light).unwrap()).unwrap()
 }
 
-/// Lights cells, and fetches the light.
+/// Lights cells, and fetches the light without its first moment.
 pub fn frame(
     device: &Device,
     queue: &Queue,
@@ -90,7 +90,9 @@ pub fn frame(
     cells: &Cells,
 ) -> Vec<[f32; 4]> {
     lighting.prepare(&FrameInput::of_cells(settings, cells)).unwrap();
-    recorded(device, queue, lighting)
+    let mut light = recorded(device, queue, lighting);
+    light.truncate(cells.len());
+    light
 }
 
 /// A random number generator with this seed, printed so that a failure can be repeated.

@@ -1,13 +1,13 @@
 //! Lamps with exact direct light, and suns, in every method.
 
 use crate::common::{cells, device, seeded};
-use crate::compare::{Both, SIZES, agree_but_for, differences};
+use crate::compare::{Both, SIZES, agree_but_for, differences, wrong};
 use crate::lamps::lamps;
-use lamplight::settings::{Cascades, Flood, Holographic, MethodSettings, Polar, Raymarch};
-use lamplight::{Bounces, Cells, Direct, Matter, Rgb, Settings, Sun};
+use lamplight::settings::{Blend, Cascades, Flood, Holographic, MethodSettings, Polar, Raymarch};
+use lamplight::{ALL_LAYERS, Bounces, Cells, Cone, Direct, Matter, Profile, Rgb, Settings, Sun};
 use std::f32::consts::TAU;
 
-fn methods() -> [(&'static str, MethodSettings); 7] {
+pub fn methods() -> [(&'static str, MethodSettings); 7] {
     [
         ("raymarch", Raymarch::default().into()),
         ("raymarch, feedback", Raymarch::preset("unity").unwrap().into()),
@@ -27,6 +27,7 @@ fn suns(seed: u64) -> Vec<Sun> {
         angle,
         color: std::array::from_fn(|_| random.f32()),
         intensity: 3.0 * random.f32(),
+        ..Sun::default()
     };
     let mut suns: Vec<_> = [1e-4, 0.02, 0.5].map(sun).into();
     suns[0].direction = 0.0;
@@ -44,7 +45,7 @@ fn lit(width: u32, height: u32, seed: u64) -> Cells {
 }
 
 /// Removes media, through which the CPU looks by other rays. The rims of drawn lamps are such.
-fn without_media(mut cells: Cells) -> Cells {
+pub fn without_media(mut cells: Cells) -> Cells {
     cells.lamps_mut().iter_mut().for_each(|lamp| lamp.direct = Direct::Exact);
     for i in 0..cells.len() {
         if !cells.is_solid(i) {
@@ -121,5 +122,102 @@ fn lights_come_and_go() {
         cells.lamps_mut().truncate(lamps);
         cells.suns_mut().truncate(suns);
         both.agree_but_for(TIES, &gpu, &format!("{lamps} lamps, {suns} suns"), &cells);
+    }
+}
+
+/// Random matter, lit by lamps, of which every third takes light away.
+fn darkened(width: u32, height: u32, seed: u64) -> Cells {
+    let mut cells = without_media(lit(width, height, seed));
+    cells.lamps_mut().iter_mut().step_by(3).for_each(|lamp| lamp.intensity *= -2.0);
+    cells
+}
+
+#[test]
+fn lamps_that_take_light_agree_with_every_method() {
+    let gpu = device();
+    let cells = darkened(61, 43, 230);
+    let blends =
+        [Blend::Max, Blend::Screen].map(|blend| Polar { blend, ..Polar::default() }.into());
+    let blends = blends.into_iter().map(|polar| ("polar, blended", polar));
+    for (name, method) in methods().into_iter().chain(blends) {
+        for bounces in [0, 2].map(Bounces::Count) {
+            let settings = Settings { bounces, ..Settings::direct(method.clone()) };
+            let mut both = Both::new(&gpu, settings);
+            let name = format!("{name}, {bounces:?}");
+            both.agree_but_for(TIES, &gpu, &name, &cells);
+            let mut without_suns = cells.clone();
+            without_suns.suns_mut().clear();
+            both.agree_but_for(TIES, &gpu, &format!("{name}, no suns"), &without_suns);
+            let [seen, _] = both.light(&gpu, &cells);
+            let mut added = cells.clone();
+            added.lamps_mut().iter_mut().for_each(|lamp| lamp.intensity = lamp.intensity.abs());
+            let [added, _] = both.light(&gpu, &added);
+            assert!(wrong(&seen, &added) > seen.len() / 10, "{name}: added light passes");
+        }
+    }
+}
+
+/// Lamps and suns of one layer, of two, and of all, on cells of random layers.
+fn layered(width: u32, height: u32, seed: u64) -> Cells {
+    let mut cells = without_media(lit(width, height, seed));
+    let masks = || [1, 6, ALL_LAYERS, 128].into_iter().cycle();
+    cells.lamps_mut().iter_mut().zip(masks()).for_each(|(lamp, mask)| lamp.mask = mask);
+    cells.suns_mut().iter_mut().zip(masks()).for_each(|(sun, mask)| sun.mask = mask);
+    let mut random = seeded(seed + 4);
+    cells.masks_mut().fill_with(|| random.u8(1..));
+    cells
+}
+
+#[test]
+fn masks_agree_with_every_method() {
+    let gpu = device();
+    let cells = layered(61, 43, 240);
+    for (name, method) in methods() {
+        for bounces in [0, 2].map(Bounces::Count) {
+            let settings = Settings { bounces, ..Settings::direct(method.clone()) };
+            let mut both = Both::new(&gpu, settings);
+            let name = format!("{name}, {bounces:?}");
+            both.agree_but_for(TIES, &gpu, &name, &cells);
+            let [seen, _] = both.light(&gpu, &cells);
+            let mut unmasked = cells.clone();
+            unmasked.masks_mut().fill(ALL_LAYERS);
+            let [unmasked, _] = both.light(&gpu, &unmasked);
+            assert!(
+                wrong(&seen, &unmasked) > seen.len() / 10,
+                "{name}: light of all layers passes"
+            );
+        }
+    }
+}
+
+#[test]
+fn masks_come_and_go() {
+    let gpu = device();
+    let mut both = Both::new(&gpu, Settings::direct(Polar::default()));
+    let masked = layered(41, 1, 250);
+    let mut plain = without_media(lit(41, 1, 250));
+    plain.lamps_mut().clone_from_slice(masked.lamps());
+    for (number, cells) in [&plain, &masked, &plain, &masked].into_iter().enumerate() {
+        both.agree_but_for(TIES, &gpu, &format!("frame {number}"), cells);
+    }
+}
+
+#[test]
+fn profiles_agree_with_every_method() {
+    let gpu = device();
+    let mut cells = without_media(lit(61, 43, 260));
+    let profile = Profile::new(&[0.1, 1.0, 0.0, 0.6, 0.6]).unwrap();
+    for (number, lamp) in (0..).zip(cells.lamps_mut()) {
+        let (direction, softness) = (number as f32 - 2.5, [0.0, 0.4, 1.0][number % 3]);
+        lamp.cone = Some(Cone { direction, angle: 1.5, softness, profile: Some(profile) });
+    }
+    for (name, method) in methods() {
+        let mut both = Both::new(&gpu, Settings::direct(method));
+        both.agree_but_for(TIES, &gpu, name, &cells);
+        let [seen, _] = both.light(&gpu, &cells);
+        let mut even = cells.clone();
+        even.lamps_mut().iter_mut().flat_map(|lamp| &mut lamp.cone).for_each(|c| c.profile = None);
+        let [even, _] = both.light(&gpu, &even);
+        assert!(wrong(&seen, &even) > seen.len() / 10, "{name}: an even cone passes");
     }
 }

@@ -1,7 +1,7 @@
 //! Lamps to light cells with.
 
 use crate::common::seeded;
-use lamplight::{Cone, Direct, Falloff, Lamp};
+use lamplight::{ALL_LAYERS, Cone, Direct, Falloff, Lamp, Profile};
 
 /// Random lamps, in the grid and a little beyond, some with a cone.
 pub fn lamps(width: u32, height: u32, count: u32, seed: u64) -> Vec<Lamp> {
@@ -13,6 +13,10 @@ pub fn lamps(width: u32, height: u32, count: u32, seed: u64) -> Vec<Lamp> {
             direction: 6.0 * random.f32() - 3.0,
             angle: 0.2 + 4.0 * random.f32(),
             softness: [0.0, 0.5, 1.0][random.usize(..3)],
+            profile: [None, Some(2), Some(5), Some(16)][random.usize(..4)].map(|count| {
+                let values: Vec<f32> = (0..count).map(|_| random.f32()).collect();
+                Profile::new(&values).unwrap()
+            }),
         };
         Lamp {
             // Every third in the middle of a cell, every third on a corner: there rays meet ties.
@@ -28,6 +32,7 @@ pub fn lamps(width: u32, height: u32, count: u32, seed: u64) -> Vec<Lamp> {
             falloff: falloffs[random.usize(..3)],
             cone: (random.u32(..3) == 0).then_some(cone),
             direct: Direct::Glow,
+            mask: ALL_LAYERS,
             solid: i % 2 == 1,
             visible: false,
         }

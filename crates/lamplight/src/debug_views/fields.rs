@@ -4,7 +4,7 @@
 
 use crate::grid::empty_space::side;
 use crate::stages::seed::{NONE, unpack};
-use crate::{Cells, Display, ToneMap};
+use crate::{Cells, Display};
 use image::{Rgb as Pixel, RgbImage};
 use std::borrow::Cow;
 
@@ -30,8 +30,7 @@ pub fn opacity(cells: &Cells) -> RgbImage {
 
 /// Albedo, sRGB-encoded.
 pub fn albedo(cells: &Cells) -> RgbImage {
-    let plain = Display { tonemap: ToneMap::None, exposure: 0.0 };
-    plain.picture(cells.width(), cells.height(), cells.albedo())
+    Display::PLAIN.picture(cells.width(), cells.height(), cells.albedo())
 }
 
 /// Tint. Values are not sRGB-encoded, as in the layers of a scene.
@@ -71,6 +70,11 @@ pub fn distance(width: u32, distance: &[f32]) -> RgbImage {
         let mix = |v: u8| if edge { (u16::from(v) + 255).div_ceil(2) as u8 } else { v };
         Pixel(heat(brightness).map(mix))
     })
+}
+
+/// Visibility ([`crate::SightSolver::field`]), `width` columns: white is seen. Values are not sRGB-encoded.
+pub fn visibility(width: u32, visibility: &[f32]) -> RgbImage {
+    pixels(width, rows(width, visibility), |i| Pixel([share(visibility[i]); 3]))
 }
 
 /// Empty-space skips of one quadrant of directions ([`crate::grid::empty_space`]), `width` columns:

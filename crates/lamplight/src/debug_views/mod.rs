@@ -9,7 +9,7 @@
 mod fields;
 
 pub(crate) use fields::empty_space;
-pub use fields::{albedo, distance, emission, emitted, opacity, seeds, tint};
+pub use fields::{albedo, distance, emission, emitted, opacity, seeds, tint, visibility};
 
 use crate::settings::{Hit, MethodSettings, Variant};
 use crate::{Display, Solver};

@@ -16,7 +16,7 @@ use crate::grid::class::CellClass;
 use crate::grid::empty_space::{EmptySpace, quadrant, side};
 use crate::settings;
 use crate::srgb::luminance;
-use crate::{Cells, Rgb};
+use crate::{Cells, Moment, Rgb};
 use rayon::prelude::*;
 
 /// B-spline weights by distance in taps.
@@ -37,6 +37,8 @@ pub struct Denoiser {
     taps: [Tap; TAPS * TAPS],
     noisy: Vec<Noisy>,
     blurred: Vec<Noisy>,
+    moment: Vec<Moment>,
+    blurred_moment: Vec<Moment>,
 }
 
 /// A tap of the kernel.
@@ -65,19 +67,26 @@ impl Denoiser {
         cells: &Cells,
         estimate: &mut Estimate,
     ) {
-        let Estimate { light, variance, .. } = estimate;
+        let Estimate { light, moment, variance, .. } = estimate;
         // Media do not block.
         let class = |i| if cells.is_solid(i) { CellClass::Solid } else { CellClass::Empty };
         let classes = (0..cells.len()).map(class);
         self.empty_space.measure(cells.width(), classes, |_, _| false);
         self.noisy.resize(light.len(), Noisy::default());
         self.blurred.resize(light.len(), Noisy::default());
+        self.moment.clear();
+        self.moment.extend(moment.iter().flatten());
+        self.blurred_moment.clone_from(&self.moment);
         self.spread(cells, 1);
         self.smooth_variance(cells, variance, light);
         for pass in 0..settings.passes {
             self.spread(cells, 1 << pass);
             self.pass(settings, cells);
             std::mem::swap(&mut self.noisy, &mut self.blurred);
+            std::mem::swap(&mut self.moment, &mut self.blurred_moment);
+        }
+        if let Some(moment) = moment {
+            moment.clone_from(&self.moment);
         }
         light.iter_mut().zip(&self.noisy).for_each(|(light, noisy)| *light = noisy.light);
     }
@@ -116,8 +125,9 @@ impl Denoiser {
 
     fn pass(&mut self, settings: &settings::Denoise, cells: &Cells) {
         let mut blurred = std::mem::take(&mut self.blurred);
+        let mut blurred_moment = std::mem::take(&mut self.blurred_moment);
         let visible = self.visibility(cells);
-        blurred.par_iter_mut().enumerate().for_each(|(i, blurred)| {
+        let blur = |i: usize, blurred: &mut Noisy, moment: Option<&mut Moment>| {
             let here = self.noisy[i];
             *blurred = here;
             if self.empty_space.is_solid(i) {
@@ -126,6 +136,7 @@ impl Denoiser {
             let l = luminance(here.light);
             let range = DEVIATIONS * settings.strength * here.variance.sqrt() + f32::MIN_POSITIVE;
             let (mut light, mut variance, mut weight) = ([0.0f32; 3], 0.0f32, 0.0f32);
+            let mut sum = Moment::default();
             visible.taps(i, |j, kernel| {
                 let there = self.noisy[j];
                 let difference = (luminance(there.light) - l).abs() / range
@@ -134,11 +145,26 @@ impl Denoiser {
                 (0..3).for_each(|c| light[c] += w * there.light[c]);
                 variance += w * w * there.variance;
                 weight += w;
+                if let Some(there) = self.moment.get(j) {
+                    sum.as_flattened_mut()
+                        .iter_mut()
+                        .zip(there.as_flattened())
+                        .for_each(|(sum, there)| *sum += w * there);
+                }
             });
+            if let Some(moment) = moment {
+                *moment = sum.map(|part| part.map(|v| v / weight));
+            }
             *blurred =
                 Noisy { light: light.map(|v| v / weight), variance: variance / (weight * weight) };
-        });
-        self.blurred = blurred;
+        };
+        if blurred_moment.is_empty() {
+            blurred.par_iter_mut().enumerate().for_each(|(i, blurred)| blur(i, blurred, None));
+        } else {
+            let both = blurred.par_iter_mut().zip(&mut blurred_moment).enumerate();
+            both.for_each(|(i, (blurred, moment))| blur(i, blurred, Some(moment)));
+        }
+        (self.blurred, self.blurred_moment) = (blurred, blurred_moment);
     }
 
     fn visibility<'a>(&'a self, cells: &Cells) -> Visibility<'a> {

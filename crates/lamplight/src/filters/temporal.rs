@@ -11,7 +11,7 @@
 
 use super::estimate::Estimate;
 use crate::settings;
-use crate::{Cells, Rgb};
+use crate::{Cells, Moment, Rgb};
 
 /// The distance from a cell that sees a change within which history is rejected, px.
 pub const REACH: usize = 8;
@@ -26,6 +26,7 @@ pub struct TemporalMean {
     before: Option<Cells>,
     changed: Vec<bool>,
     mean: Vec<Rgb>,
+    mean_moment: Vec<Moment>,
     age: Vec<u32>,
     /// The number of frames for which history is still rejected.
     rejected: Vec<u8>,
@@ -59,10 +60,12 @@ impl TemporalMean {
         feedback: bool,
         estimate: &mut Estimate,
     ) {
-        let Estimate { light, variance, invalidated } = estimate;
-        if self.age.len() != light.len() {
+        let Estimate { light, moment, variance, invalidated } = estimate;
+        let moments = moment.as_ref().map_or(0, Vec::len);
+        if self.age.len() != light.len() || self.mean_moment.len() != moments {
             self.age.clear();
             self.mean.resize(light.len(), Rgb::default());
+            self.mean_moment.resize(moments, Moment::default());
             self.rejected.clear();
         }
         self.age.resize(light.len(), 0);
@@ -85,6 +88,17 @@ impl TemporalMean {
             (0..3).for_each(|c| mean[c] += (light[c] - mean[c]) * weight);
             *light = *mean;
             variance[i] *= weight;
+        }
+        let moments = moment.iter_mut().flatten().zip(&mut self.mean_moment);
+        for ((moment, mean), age) in moments.zip(&self.age) {
+            if *age == 1 {
+                *mean = *moment;
+            }
+            let weight = 1.0 / *age as f32;
+            for (mean, moment) in mean.iter_mut().zip(&*moment) {
+                (0..3).for_each(|c| mean[c] += (moment[c] - mean[c]) * weight);
+            }
+            *moment = *mean;
         }
     }
 

@@ -3,6 +3,8 @@
 use super::picture::Picture;
 use super::source::Source;
 use crate::check;
+use crate::mask::{self, ALL_LAYERS};
+use crate::relief::{self, UP};
 use crate::{Cells, Error, Result, Rgb};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -42,6 +44,33 @@ pub struct Layers {
     /// Colour of the final picture under the light, sRGB-decoded. Default: the albedo layer, else white.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<PathBuf>,
+    /// Normal map of the final picture: `n·½ + ½` per channel, without sRGB decoding, z towards the viewer. Transparent
+    /// pixels are not tilted. `[display.relief]` has how it is lit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<PathBuf>,
+    /// The direction of green in the normal map: up (OpenGL, most painting programs) or down (DirectX).
+    #[serde(skip_serializing_if = "is_up")]
+    pub normal_y: NormalY,
+    /// The layers of cells that lamps and suns choose between by their mask, a bit each: the grey value, 1 to 255,
+    /// without sRGB decoding. Transparent pixels are in all layers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mask: Option<PathBuf>,
+}
+
+/// The direction that the green channel of a normal map stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum NormalY {
+    /// Up, as in OpenGL, Blender, Godot and Unity.
+    #[default]
+    Up,
+    /// Down, as in DirectX and Unreal.
+    Down,
+}
+
+fn is_up(value: &NormalY) -> bool {
+    *value == NormalY::Up
 }
 
 fn is_one(value: &f32) -> bool {
@@ -59,6 +88,9 @@ impl Default for Layers {
             albedo: None,
             tint: None,
             color: None,
+            normal: None,
+            normal_y: NormalY::Up,
+            mask: None,
         }
     }
 }
@@ -71,8 +103,8 @@ impl Layers {
 
     /// The images, as the scene names them.
     pub(crate) fn images(&self) -> impl Iterator<Item = &PathBuf> {
-        let Self { emission, glow, opacity, albedo, tint, color, .. } = self;
-        [emission, glow, opacity, albedo, tint, color].into_iter().flatten()
+        let Self { emission, glow, opacity, albedo, tint, color, normal, mask, .. } = self;
+        [emission, glow, opacity, albedo, tint, color, normal, mask].into_iter().flatten()
     }
 
     pub(crate) fn check(&self) -> Result<()> {
@@ -119,6 +151,20 @@ impl Layers {
         }
         if let Some(layer) = open("color", &self.color)? {
             layer.paint(cells.color_mut())?;
+        }
+        if let Some(layer) = open("normal", &self.normal)? {
+            let sign = if self.normal_y == NormalY::Up { 1.0 } else { -1.0 };
+            layer.fill("normal", cells.normals_mut(), -1.0..=1.0, |x, y| {
+                let (rgb, alpha) = layer.picture.value(x, y);
+                if alpha == 0.0 {
+                    return UP;
+                }
+                let [x, y, z] = relief::decode(rgb);
+                [x, sign * y, z]
+            })?;
+        }
+        if let Some(layer) = open("mask", &self.mask)? {
+            layer.fill_masks(cells.masks_mut())?;
         }
         Ok(())
     }
@@ -177,6 +223,25 @@ impl Layer {
             let (rgb, alpha) = self.picture.color(x, y);
             rgb.map(|v| v * alpha * scale)
         })
+    }
+
+    /// Sets the mask of every cell; rejects cells in no layer.
+    fn fill_masks(&self, masks: &mut [u8]) -> Result<()> {
+        let mut values = vec![0.0; masks.len()];
+        self.fill("mask", &mut values, 0.0..=1.0, |x, y| {
+            let (rgb, alpha) = self.picture.value(x, y);
+            if alpha == 0.0 { 1.0 } else { grey(rgb) }
+        })?;
+        let [width, _] = self.picture.size();
+        for (i, (mask, value)) in (0..).zip(masks.iter_mut().zip(values)) {
+            *mask = (value * f32::from(ALL_LAYERS)).round() as u8;
+            if *mask == 0 {
+                let (x, y, expected) = (i % width, i / width, mask::EXPECTED);
+                let error = Error::Cell { x, y, field: "mask", value: 0.0, expected };
+                return Err(error.in_file(&self.path).under(&self.key));
+            }
+        }
+        Ok(())
     }
 
     /// Lays the image over the picture under the light.

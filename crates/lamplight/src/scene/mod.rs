@@ -11,7 +11,7 @@ mod shape;
 mod source;
 
 pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
-pub use layers::Layers;
+pub use layers::{Layers, NormalY};
 pub use material::Material;
 pub use shape::{Only, Shape};
 

@@ -6,12 +6,14 @@ use super::picture::Picture;
 use super::shape::Shape;
 use super::source::Source;
 use crate::check::BRIGHT;
+use crate::mask::ALL_LAYERS;
 use crate::{Cells, Error, Matter, Result, Rgb, srgb};
 use image::RgbaImage;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Alpha from which a sprite without antialiasing covers a cell.
+/// Alpha from which a sprite without antialiasing covers a cell, and coverage from which a cell is in the layers of a
+/// shape.
 const HALF: f32 = 0.5;
 
 /// Sprites' images, each read once; emptied when it has grown to a grid's size.
@@ -78,6 +80,7 @@ pub(crate) fn paint(
             return;
         }
         cells.set_matter(i, matter.over(cells.matter(i), share));
+        set_layers(shape, i, share, cells);
         if paints {
             lay(&mut cells.color_mut()[i], color, share * strength);
         }
@@ -146,9 +149,18 @@ fn paint_sprite(
             }
             let texel = Texel { rgb, share, paint, strength };
             cover(&matter, texel, [x as u32, y as u32], cells)?;
+            set_layers(shape, at, share, cells);
         }
     }
     Ok(())
+}
+
+/// Puts a cell, of which a shape covers a share, into the layers of the shape.
+fn set_layers(shape: &Shape, index: usize, share: f32, cells: &mut Cells) {
+    // Cells without masks are in all layers.
+    if share >= HALF && (cells.masks().is_some() || shape.mask != ALL_LAYERS) {
+        cells.masks_mut()[index] = shape.mask;
+    }
 }
 
 impl Shape {

@@ -2,8 +2,9 @@
 
 use super::Material;
 use super::geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
+use crate::mask::ALL_LAYERS;
 use crate::{Cells, Matter, Result, Rgb};
-use crate::{check, notation};
+use crate::{check, mask, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -46,6 +47,9 @@ pub struct Shape {
     /// The colour under the light in the final picture. `None`: the albedo if given, else white (of a
     /// sprite its image), painted on as far as the shape is opaque.
     pub color: Option<Rgb>,
+    /// The layers of the cells that it covers by half or more, a bit each, 1 to 255: lamps and suns whose mask has none
+    /// of them do not light these cells.
+    pub mask: u8,
 }
 
 /// The cells that a shape is drawn on.
@@ -84,6 +88,7 @@ impl Shape {
             albedo: None,
             tint: [1.0; 3],
             color: None,
+            mask: ALL_LAYERS,
         }
     }
 
@@ -181,6 +186,12 @@ impl Shape {
         Self { color: Some(color), ..self }
     }
 
+    /// Sets the layers, a bit each, of which lamps and suns light only those in their mask.
+    #[must_use]
+    pub fn mask(self, mask: u8) -> Self {
+        Self { mask, ..self }
+    }
+
     /// Returns the matter of the shape.
     pub fn matter(&self) -> Matter {
         Matter {
@@ -201,7 +212,8 @@ impl Shape {
         check::number(format_args!("{key}.opacity"), self.opacity, 0.0..=1.0)?;
         check::unit(format_args!("{key}.albedo"), self.albedo.unwrap_or_default())?;
         check::unit(format_args!("{key}.tint"), self.tint)?;
-        check::unit(format_args!("{key}.color"), self.color.unwrap_or_default())
+        check::unit(format_args!("{key}.color"), self.color.unwrap_or_default())?;
+        mask::check(format_args!("{key}.mask"), self.mask)
     }
 }
 
@@ -285,6 +297,11 @@ struct ShapeFile {
     )]
     #[schemars(with = "Option<notation::Color>")]
     color: Option<Rgb>,
+    /// The layers of the cells that it covers by half or more, a bit each, 1 to 255: lamps and suns whose mask
+    /// has none of them do not light these cells. By default all.
+    #[serde(default = "mask::all_layers", skip_serializing_if = "mask::is_all")]
+    #[schemars(range(min = 1, max = 255))]
+    mask: u8,
 }
 
 const GEOMETRIES: [&str; 5] = ["circle", "rect", "polygon", "line", "sprite"];
@@ -341,6 +358,7 @@ impl TryFrom<ShapeFile> for Shape {
             tint: file.tint.unwrap_or(base.tint),
             // The colour of a material follows the albedo: red leaves look red.
             color: file.color.or(base.color.map(|color| file.albedo.unwrap_or(color))),
+            mask: file.mask,
             ..base
         })
     }
@@ -364,6 +382,7 @@ impl From<Shape> for ShapeFile {
             albedo: shape.albedo,
             tint: given(shape.tint, [1.0; 3]),
             color: shape.color,
+            mask: shape.mask,
         };
         match shape.geometry {
             Geometry::Circle(circle) => file.circle = Some(circle),

@@ -23,6 +23,10 @@ pub struct SettingsFile {
     pub wall_depth: f32,
     /// Seed of all random numbers. The same seed gives the same bytes.
     pub seed: u64,
+    /// True if the first moment of light, its mean direction, is found too. A scene with a layer of normals has it found
+    /// in any case. Costs up to a quarter more time.
+    #[serde(skip_serializing_if = "is_false")]
+    pub moment: bool,
     /// Accumulation over frames, after `raymarch`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Temporal")]
@@ -60,6 +64,7 @@ impl Default for SettingsFile {
             bounces: Bounces::default(),
             wall_depth: WALL_DEPTH,
             seed: 0,
+            moment: false,
             temporal: None,
             denoise: None,
             raymarch: None,
@@ -69,4 +74,8 @@ impl Default for SettingsFile {
             holographic: None,
         }
     }
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }

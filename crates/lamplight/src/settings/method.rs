@@ -3,7 +3,7 @@
 use super::preset::no_preset;
 use super::raymarch::Hit;
 use super::{Cascades, Flood, Holographic, Polar, Raymarch};
-use crate::{Cells, Error, Result};
+use crate::{Cells, Error, Lamp, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -58,6 +58,16 @@ impl Method {
     /// methods draw lamps as glowing discs.
     pub fn lights_lamps(self) -> bool {
         matches!(self, Self::Flood | Self::Polar)
+    }
+
+    /// Returns whether the direct light of a lamp is found exactly, beside the light of the method.
+    pub fn lights_exactly(self, lamp: &Lamp) -> bool {
+        match self {
+            Self::Polar => false,
+            // Its rays only brighten, and light flows from layer to layer.
+            Self::Flood => !lamp.adds_to_all_layers(),
+            Self::Raymarch | Self::Cascades | Self::Holographic => lamp.is_exact(),
+        }
     }
 
     /// Returns whether all frames of a static scene are identical: no noise and no history.

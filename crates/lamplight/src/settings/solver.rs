@@ -39,6 +39,9 @@ pub struct Settings {
     pub wall_depth: f32,
     /// Seed of all random numbers. The same seed gives the same bytes.
     pub seed: u64,
+    /// True if the first moment of light is found beside the light itself ([`Light::moment`](crate::Light::moment)), for
+    /// up to a quarter more time. Cells with normals have it found in any case.
+    pub moment: bool,
 }
 
 impl Settings {
@@ -48,7 +51,13 @@ impl Settings {
     /// Returns settings with this method, and the defaults for bounces, wall depth and seed. A
     /// [`Method`] stands for the default settings of that method.
     pub fn new(method: impl Into<MethodSettings>) -> Self {
-        Self { method: method.into(), bounces: Bounces::default(), wall_depth: WALL_DEPTH, seed: 0 }
+        Self {
+            method: method.into(),
+            bounces: Bounces::default(),
+            wall_depth: WALL_DEPTH,
+            seed: 0,
+            moment: false,
+        }
     }
 
     /// Returns settings for direct light alone, as the method finds it: no bounces, walls that are lit on
@@ -138,16 +147,16 @@ impl From<SettingsFile> for Settings {
             Method::Cascades => file.cascades.unwrap_or_default().into(),
             Method::Holographic => file.holographic.unwrap_or_default().into(),
         };
-        let SettingsFile { bounces, wall_depth, seed, .. } = file;
-        Self { method, bounces, wall_depth, seed }
+        let SettingsFile { bounces, wall_depth, seed, moment, .. } = file;
+        Self { method, bounces, wall_depth, seed, moment }
     }
 }
 
 impl From<Settings> for SettingsFile {
     fn from(settings: Settings) -> Self {
         let method = settings.method();
-        let Settings { bounces, wall_depth, seed, .. } = settings;
-        let mut file = Self { method, bounces, wall_depth, seed, ..Self::default() };
+        let Settings { bounces, wall_depth, seed, moment, .. } = settings;
+        let mut file = Self { method, bounces, wall_depth, seed, moment, ..Self::default() };
         match settings.method {
             MethodSettings::Raymarch(raymarch) => {
                 file.temporal = Some(raymarch.temporal.clone());

@@ -118,7 +118,8 @@ impl Surfaces {
     }
 
     /// Turns the irradiance of walls into the radiance that they reflect, and the mean radiance in media
-    /// into the radiance that they scatter, in the order of `walls` and `media`, together with `direct` light.
+    /// into the radiance that they scatter, in the order of `walls` and `media`, together with `direct` light, if
+    /// the sum is above 0.
     /// The irradiance of walls that do not reflect is not read. Returns the largest change relative to the mean.
     pub fn reflect_and_scatter<'a>(
         &mut self,
@@ -142,7 +143,7 @@ impl Surfaces {
             let albedo = cells.albedo()[wall.cell as usize];
             let direct = direct.on_faces(slot);
             for face in (0..4).filter(|&face| wall.exposed[face]) {
-                let arrives = |c: usize| faces[face][c] + direct[face][c];
+                let arrives = |c: usize| (faces[face][c] + direct[face][c]).max(0.0);
                 (0..3).for_each(|c| update(&mut reflected[face][c], albedo[c] * arrives(c)));
             }
         }
@@ -150,7 +151,8 @@ impl Surfaces {
         {
             let albedo = cells.albedo()[i as usize];
             let direct = direct.at(i as usize);
-            (0..3).for_each(|c| update(&mut scattered[c], albedo[c] * (light[c] + direct[c])));
+            let arrives = |c: usize| (light[c] + direct[c]).max(0.0);
+            (0..3).for_each(|c| update(&mut scattered[c], albedo[c] * arrives(c)));
         }
         let mean = (sum / f64::from(count.max(1))) as f32;
         if largest == 0.0 { 0.0 } else { largest / mean }

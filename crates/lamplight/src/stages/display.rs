@@ -1,13 +1,13 @@
 //! From linear light to a picture: exposure, tone map, sRGB.
 //!
 //! The final picture shows, per channel and in linear light,
-//! `color × light + (1 − T)·L_e + j·(1 − T)/σ_t`, with `T = (1 − opacity)·tint` over 1 px: the background
-//! lit by the light, plus the radiance that 1 px of the cell emits. In a solid cell [`Light`] already
-//! includes the emission L_e in addition to the light on the faces, so the picture there is
-//! `color × (light − L_e) + L_e`. Lamps are shown if they are visible, by their radiance. That sum ×
-//! 2^exposure is tone mapped to 0 to 1 and then encoded as sRGB, once.
+//! `color × (light + ambient) + (1 − T)·L_e + j·(1 − T)/σ_t`, with `T = (1 − opacity)·tint` over 1 px: the
+//! background lit by the light and by an even ambient light, plus the radiance that 1 px of the cell emits. In a
+//! solid cell [`Light`] already includes the emission L_e in addition to the light on the faces, so the picture
+//! there is `color × (light − L_e + ambient) + L_e`. Lamps are shown if they are visible, by their radiance. That
+//! sum × 2^exposure is tone mapped to 0 to 1 and then encoded as sRGB, once.
 
-use crate::{Cells, Error, Light, Matter, Result, Rgb, srgb};
+use crate::{Cells, Error, Light, Matter, Relief, Result, Rgb, check, notation, srgb};
 use image::RgbImage;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -138,19 +138,36 @@ pub struct Display {
     pub tonemap: ToneMap,
     /// Exposure in stops, −32 to 32: +1 doubles the light.
     pub exposure: f32,
+    /// Light that every cell of the picture shows in addition, in walls too, linear RGB. It comes from all around, so
+    /// normals do not change it.
+    #[serde(deserialize_with = "notation::color", skip_serializing_if = "is_black")]
+    #[schemars(with = "notation::Color")]
+    pub ambient: Rgb,
+    /// The lighting of cells that have a normal.
+    #[serde(skip_serializing_if = "Relief::is_default")]
+    pub relief: Relief,
+}
+
+fn is_black(rgb: &Rgb) -> bool {
+    *rgb == [0.0; 3]
 }
 
 impl Display {
+    /// Light as it is: no tone map, no exposure.
+    pub const PLAIN: Self =
+        Self { tonemap: ToneMap::None, exposure: 0.0, ambient: [0.0; 3], relief: Relief::DEFAULT };
     /// The largest valid exposure in stops, up or down.
     pub const MAX_EXPOSURE: f32 = 32.0;
 
-    /// Rejects an exposure that is NaN or out of range.
+    /// Rejects values that are NaN or out of range.
     pub fn check(&self) -> Result<()> {
         let range = -Self::MAX_EXPOSURE..=Self::MAX_EXPOSURE;
-        if range.contains(&self.exposure) {
-            return Ok(());
+        if !range.contains(&self.exposure) {
+            let expected = "a number of stops from -32 to 32";
+            return Err(Error::value("exposure", self.exposure, expected));
         }
-        Err(Error::value("exposure", self.exposure, "a number of stops from -32 to 32"))
+        check::radiance("ambient", self.ambient)?;
+        self.relief.check()
     }
 
     /// Returns the factor of the exposure.
@@ -180,7 +197,7 @@ impl Light {
     /// # Errors
     /// Fails if the size of `cells` is not that of the light.
     pub fn compose(&self, cells: &Cells, display: &Display) -> Result<RgbImage> {
-        Ok(display.picture(self.width, self.height, &self.radiance(cells)?))
+        Ok(display.picture(self.width, self.height, &self.radiance(cells, display)?))
     }
 
     /// Returns the light alone as a picture.
@@ -188,11 +205,12 @@ impl Light {
         display.picture(self.width, self.height, &self.rgb)
     }
 
-    /// Returns the radiance that [`Self::compose`] shows, linear, before exposure and tone map, in row order.
+    /// Returns the radiance that [`Self::compose`] shows, linear, before exposure and tone map, in row order. Normals
+    /// count if the light has a first moment.
     ///
     /// # Errors
     /// Fails if the size of `cells` is not that of the light.
-    pub fn radiance(&self, cells: &Cells) -> Result<Vec<Rgb>> {
+    pub fn radiance(&self, cells: &Cells, display: &Display) -> Result<Vec<Rgb>> {
         if (cells.width(), cells.height()) != (self.width, self.height) {
             let size = |w: u32, h: u32| format!("{w}×{h}");
             return Err(Error::value(
@@ -202,17 +220,22 @@ impl Light {
             ));
         }
         let (drawn, shown) = (cells.drawn(), cells.shown());
+        let relief = cells.normals().zip(self.moment.as_deref());
         let seen = |i: usize| -> Rgb {
             let matter = shown.matter(i);
             let color = cells.color().map_or([1.0; 3], |all| all[i]);
             let emitted = emitted(&matter);
-            std::array::from_fn(|c| {
-                let mut light = self.rgb[i][c];
-                if matter.opacity >= 1.0 {
-                    light = (light - drawn.emission()[i][c]).max(0.0);
-                }
-                color[c] * light + emitted[c]
-            })
+            let mut light = self.rgb[i];
+            if matter.opacity >= 1.0 {
+                let own = drawn.emission()[i];
+                (0..3).for_each(|c| light[c] = (light[c] - own[c]).max(0.0));
+            }
+            let mut highlight = [0.0; 3];
+            if let Some((normals, moments)) = relief {
+                (light, highlight) = display.relief.shade(normals[i], light, &moments[i]);
+            }
+            let lit = |c: usize| color[c] * (light[c] + display.ambient[c]);
+            [0, 1, 2].map(|c| lit(c) + highlight[c] + emitted[c])
         };
         Ok((0..cells.len()).into_par_iter().map(seen).collect())
     }
@@ -324,7 +347,7 @@ mod tests {
                 }
             }
         }
-        let white = Display { tonemap: ToneMap::Aces, exposure: 0.0 }.encode([1e30; 3]);
+        let white = Display { tonemap: ToneMap::Aces, ..Display::PLAIN }.encode([1e30; 3]);
         assert_eq!(white, [255; 3]);
     }
 
@@ -340,8 +363,8 @@ mod tests {
 
     #[test]
     fn exposure_is_in_stops() {
-        let one = |exposure| Display { tonemap: ToneMap::None, exposure }.encode([0.1; 3]);
-        let direct = Display { tonemap: ToneMap::None, exposure: 0.0 };
+        let one = |exposure| Display { exposure, ..Display::PLAIN }.encode([0.1; 3]);
+        let direct = Display::PLAIN;
         assert_eq!(one(1.0), direct.encode([0.2; 3]));
         assert_eq!(one(-2.0), direct.encode([0.025; 3]));
         for bad in [f32::NAN, 33.0, -1e9] {
@@ -359,11 +382,33 @@ mod tests {
         cells.color_mut().fill([0.5; 3]);
         // The solid cell's light is its emission plus 0.4 on its faces.
         let light = Light::from_pixels(&cells, vec![[2.4, 1.4, 0.4], [0.4; 3], [0.4; 3]]).unwrap();
-        let seen = light.radiance(&cells).unwrap();
+        let seen = light.radiance(&cells, &Display::PLAIN).unwrap();
         let expected =
             [[2.2, 1.2, 0.2], [0.2 + 0.25 * 2.0, 0.2 + (1.0 - 0.375) * 1.0, 0.2], [0.2; 3]];
         for (seen, expected) in seen.iter().zip(expected) {
             (0..3).for_each(|c| near(seen[c], expected[c], ROUNDING));
+        }
+    }
+
+    #[test]
+    fn ambient_light_is_added_to_light_before_the_colour_and_after_the_normals() {
+        let mut cells = Cells::new(3, 1).unwrap();
+        cells.color_mut().fill([0.5, 1.0, 0.25]);
+        let glow = Matter { emission: [2.0, 1.0, 0.0], opacity: 1.0, ..Matter::EMPTY };
+        cells.set(0, 0, glow);
+        // Tilted away from all light.
+        cells.normals_mut()[2] = [1.0, 0.0, 0.0];
+        let light = Light::from_pixels(&cells, vec![[2.4, 1.4, 0.4], [0.4; 3], [0.4; 3]]).unwrap();
+        let light = light.with_moment(vec![[[-0.4; 3], [0.0; 3]]; 3]).unwrap();
+        let display = Display { ambient: [0.1, 0.2, 0.0], ..Display::PLAIN };
+        let seen = light.radiance(&cells, &display).unwrap();
+        let expected = [[2.25, 1.6, 0.1], [0.25, 0.6, 0.1], [0.05, 0.2, 0.0]];
+        for (seen, expected) in seen.iter().zip(expected) {
+            (0..3).for_each(|c| near(seen[c], expected[c], ROUNDING));
+        }
+        for bad in [[-0.1, 0.0, 0.0], [0.0, f32::NAN, 0.0]] {
+            let error = Display { ambient: bad, ..Display::PLAIN }.check().unwrap_err().to_string();
+            assert!(error.starts_with("`ambient` is ["), "{error}");
         }
     }
 

@@ -22,10 +22,15 @@
 //! of light they are as bright as what lies under them. In cells without a face it starts where they touch cells
 //! that do not emit. A cell that emits by itself shows the brighter of the two.
 //!
+//! The first moment sinks in with the light. On a face it has the direction of that in the open cell before it, and
+//! the light of the face: `m = (E/2)·m_before/J_before`.
+//!
 //! This is presentation, not transport: no ray ever sees it.
 
+use super::faces::NORMALS;
 use super::pyramid::{BlurSum, Pyramid};
-use crate::{Cells, Rgb, Settings};
+use crate::srgb::luminance;
+use crate::{Cells, Moment, Rgb, Settings};
 use rayon::prelude::*;
 
 /// The weight of an octave relative to the one before: 2^(2 − p) for weights r^(−p) in the plane.
@@ -62,6 +67,8 @@ pub struct Walls {
     buried: Vec<Buried>,
     irradiance: Pyramid,
     emission: Pyramid,
+    /// One component of a first moment.
+    component: Vec<Rgb>,
 }
 
 /// A solid cell with an open side.
@@ -86,9 +93,44 @@ impl Walls {
     /// mean light of their faces; the others are overwritten. Light fades inwards over `depth` px, and
     /// emission is added.
     pub fn sink(&mut self, cells: &Cells, depth: f32, light: &mut [Rgb]) {
-        let width = cells.width() as usize;
         self.find_sides(cells);
-        self.sum(cells, depth, light);
+        self.carry_inwards(cells, depth, cells.emission(), light);
+    }
+
+    /// Completes the first moment in solid cells, by `light` before it has sunk in.
+    pub fn sink_moment(&mut self, cells: &Cells, depth: f32, light: &[Rgb], moment: &mut [Moment]) {
+        self.find_sides(cells);
+        let width = cells.width() as usize;
+        for face in &self.faces {
+            let sides = self.sides[face.index];
+            let open = NORMALS.iter().enumerate().filter(|(side, _)| sides >> side & 1 == 1);
+            let (mut direction, mut count) = ([0.0; 2], 0.0);
+            for (_, [dx, dy]) in open {
+                let before = face.index.wrapping_add_signed((dy * width as i32 + dx) as isize);
+                let inverse = 1.0 / luminance(light[before]).max(f32::MIN_POSITIVE);
+                (0..2).for_each(|a| direction[a] += luminance(moment[before][a]) * inverse);
+                count += 1.0;
+            }
+            let arrives = light[face.index];
+            moment[face.index] = direction.map(|way| arrives.map(|v| v * way / count));
+        }
+        let mut component = std::mem::take(&mut self.component);
+        for a in 0..2 {
+            component.clear();
+            component.extend(moment.iter().map(|moment| moment[a]));
+            self.carry_inwards(cells, depth, &[], &mut component);
+            for (moment, component) in moment.iter_mut().zip(&component) {
+                moment[a] = *component;
+            }
+        }
+        self.component = component;
+    }
+
+    /// Spreads the values of faces inwards, and emission, if there is any.
+    fn carry_inwards(&mut self, cells: &Cells, depth: f32, emitted: &[Rgb], light: &mut [Rgb]) {
+        let width = cells.width() as usize;
+        self.sum(cells, depth, emitted, light);
+        let own = |i: usize| emitted.get(i).copied().unwrap_or_default();
         let Self { sides, faces, irradiance, emission, .. } = self;
         let size = [width, cells.height() as usize];
         let surface = Surface { size, sides, shared: depth.min(1.0) };
@@ -97,18 +139,17 @@ impl Walls {
             let glow = emission.row(y).map_or([0.0; 3], |mut row| row.at(x).mean());
             let glow = glow.map(|v| v * surface.shared);
             let arrives = surface.mean(face, light);
-            face.shown = with_emission(arrives, glow, cells.emission()[face.index]);
+            face.shown = with_emission(arrives, glow, own(face.index));
         });
         let fade = DepthFade::over(depth);
         let rows = light.par_chunks_mut(width).zip(sides.par_chunks(width));
-        rows.zip(cells.emission().par_chunks(width)).enumerate().for_each(|(y, row)| {
-            let ((light, sides), own) = row;
+        rows.enumerate().for_each(|(y, (light, sides))| {
             let inside = solid_cells(sides).filter(|(_, sides)| *sides == SOLID);
             let (mut irradiance, mut emission) = (irradiance.row(y), emission.row(y));
             for (x, _) in inside {
                 let arrives = irradiance.as_mut().map_or([0.0; 3], |row| fade.mean(row.at(x)));
                 let glow = emission.as_mut().map_or([0.0; 3], |row| fade.mean(row.at(x)));
-                light[x] = with_emission(arrives, glow, own[x]);
+                light[x] = with_emission(arrives, glow, own(y * width + x));
             }
         });
         for face in &*faces {
@@ -160,7 +201,7 @@ impl Walls {
     }
 
     /// Sums irradiance and emission over the surface.
-    fn sum(&mut self, cells: &Cells, depth: f32, light: &[Rgb]) {
+    fn sum(&mut self, cells: &Cells, depth: f32, emitted: &[Rgb], light: &[Rgb]) {
         let Self { sides, faces, buried, irradiance, emission, .. } = self;
         let size = [cells.width(), cells.height()].map(|n| n as usize);
         let octaves = octaves(depth);
@@ -169,18 +210,19 @@ impl Walls {
         for face in &*faces {
             irradiance.add(face.position, BlurSum::of(length_of(face), light[face.index]));
         }
-        let glowing = || faces.iter().filter(|face| cells.emission()[face.index] != [0.0; 3]);
-        if buried.is_empty() && glowing().next().is_none() {
+        let glowing = || faces.iter().filter(|face| emitted[face.index] != [0.0; 3]);
+        let dark = emitted.is_empty() || (buried.is_empty() && glowing().next().is_none());
+        if dark {
             emission.clear(size, 0);
         } else {
             emission.clear(size, octaves);
             emission.copy_weights(irradiance);
             for face in glowing() {
-                let glow = BlurSum::of(length_of(face), cells.emission()[face.index]);
+                let glow = BlurSum::of(length_of(face), emitted[face.index]);
                 emission.add(face.position, glow.without_weight());
             }
             for cell in buried {
-                let glow = cells.emission()[cell.index];
+                let glow = emitted[cell.index];
                 emission.add(cell.position, BlurSum::of(length(cell.sides), glow));
             }
         }

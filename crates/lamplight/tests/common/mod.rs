@@ -23,6 +23,7 @@ pub const LAMP: Lamp = Lamp {
     falloff: Falloff::Linear,
     cone: None,
     direct: lamplight::Direct::Glow,
+    mask: lamplight::ALL_LAYERS,
     solid: false,
     visible: false,
 };

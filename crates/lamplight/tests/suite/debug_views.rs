@@ -3,10 +3,7 @@
 use crate::common::*;
 use lamplight::image::{Rgb, RgbImage};
 use lamplight::settings::{Hit, Raymarch};
-use lamplight::{Bounces, Cells, Display, Lamp, Matter, Method, Settings, Sky, Solver, ToneMap};
-
-/// Light as it is, cut off at 1.
-const PLAIN: Display = Display { tonemap: ToneMap::None, exposure: 0.0 };
+use lamplight::{Bounces, Cells, Display, Lamp, Matter, Method, Settings, Sky, Solver};
 
 fn solved(cells: &Cells, settings: Settings) -> Solver {
     let mut solver = Solver::new(settings).unwrap();
@@ -52,12 +49,12 @@ fn every_method_has_debug_views_at_every_size() {
             let count = solver.debug_view_count();
             assert!(count > 0 || w < 53 || h == 1, "{method:?} at {w}×{h}");
             for number in 0..count {
-                let inside = solver.debug_view(number, &PLAIN).unwrap();
+                let inside = solver.debug_view(number, &Display::PLAIN).unwrap();
                 let first = inside.picture.get_pixel(0, 0);
                 let flat = inside.picture.pixels().all(|pixel| pixel == first);
                 assert!(!flat || w * h < 1000, "{method:?} {} at {w}×{h}", inside.name);
             }
-            assert!(solver.debug_view(count, &PLAIN).is_none());
+            assert!(solver.debug_view(count, &Display::PLAIN).is_none());
             assert_eq!(solver.light(), &light, "looking changes no light");
         }
     }
@@ -74,7 +71,7 @@ fn empty_space_skips_are_longest_in_the_open() {
     let mut cells = Cells::new(40, 20).unwrap();
     cells.set(10, 10, Matter { opacity: 1.0, ..Matter::default() });
     let mut solver = solved(&cells, by(Method::Raymarch));
-    let picture = solver.debug_view(0, &PLAIN).unwrap().picture;
+    let picture = solver.debug_view(0, &Display::PLAIN).unwrap().picture;
     let sum = |x, y| picture.get_pixel(x, y).0.iter().map(|&v| u32::from(v)).sum::<u32>();
     // To the right and down: 20 px from the corner right of the wall, 9 above and left of it.
     assert!(sum(11, 0) > sum(2, 2), "{} and {}", sum(11, 0), sum(2, 2));
@@ -87,7 +84,7 @@ fn ray_textures_end_at_walls() {
     (0..80).for_each(|y| cells.set(60, y, Matter { opacity: 1.0, ..Matter::default() }));
     let lamp = Lamp { position: [40.0, 40.0], range: 40.0, intensity: 100.0, ..LAMP };
     cells.lamps_mut().push(lamp);
-    let picture = solved(&cells, by(Method::Polar)).debug_view(0, &PLAIN).unwrap().picture;
+    let picture = solved(&cells, by(Method::Polar)).debug_view(0, &Display::PLAIN).unwrap().picture;
     // 20 of 40 px to the wall on the right, none on the left; the last row of a strip stays dark.
     let lit = |column| (0..40).filter(|&y| picture.get_pixel(column, y).0 != [0; 3]).count();
     assert_eq!([lit(0), lit(picture.width() / 2)], [20, 40]);
@@ -100,15 +97,15 @@ fn cascades_under_an_even_sky_see_it_everywhere() {
     let mut cells = Cells::new(64, 48).unwrap();
     cells.set_sky(sky);
     let mut solver = solved(&cells, by(Method::Cascades));
-    let expected = PLAIN.encode([0.5; 3]);
+    let expected = Display::PLAIN.encode([0.5; 3]);
     let differs = |picture: &RgbImage| picture.pixels().filter(|pixel| pixel.0 != expected).count();
     for number in 0..solver.debug_view_count() {
-        let picture = solver.debug_view(number, &PLAIN).unwrap().picture;
+        let picture = solver.debug_view(number, &Display::PLAIN).unwrap().picture;
         assert_eq!(differs(&picture), 0, "cascade {number}");
     }
     cells.set(30, 20, Matter { opacity: 1.0, ..Matter::default() });
     solver.solve(&cells).unwrap();
-    let picture = solver.debug_view(0, &PLAIN).unwrap().picture;
+    let picture = solver.debug_view(0, &Display::PLAIN).unwrap().picture;
     assert!(differs(&picture) > 10, "a wall is seen");
 }
 
@@ -119,12 +116,12 @@ fn intervals_carry_the_light_of_the_wall_they_hit() {
     (0..32).for_each(|y| cells.set(33, y, wall));
     let mut solver = solved(&cells, by(Method::Holographic));
     let first = solver.settings().method.as_holographic().unwrap().gather_level;
-    let picture = solver.debug_view(0, &PLAIN).unwrap().picture;
+    let picture = solver.debug_view(0, &Display::PLAIN).unwrap().picture;
     let (apart, rays) = (1u32 << first, (2u32 << first) + 1);
     // The straight ray of the plane in front of the wall, and of the one behind it.
     let straight = |plane: u32| picture.get_pixel((plane - 1) * (rays + 1) + rays / 2, 16).0;
     let before = 32 / apart;
     assert_eq!(straight(before)[0], 255, "{:?}", straight(before));
-    let clear = PLAIN.encode([0.01, 0.02, 0.06]);
+    let clear = Display::PLAIN.encode([0.01, 0.02, 0.06]);
     assert_eq!(straight(before + 2), clear);
 }

@@ -252,7 +252,7 @@ fn a_bounce_takes_the_colour_of_the_wall_and_the_energy_of_the_ray() {
     let cells = grid(64, 33, |x, _| if x == 40 { red } else { Matter::EMPTY });
     let source = Lamp {
         range: 100.0,
-        cone: Some(Cone { direction: 0.0, angle: 0.01, softness: 0.0 }),
+        cone: Some(Cone { direction: 0.0, angle: 0.01, softness: 0.0, profile: None }),
         ..lamp(10.5, 16.5)
     };
     let cells = with_lamp(cells, source);

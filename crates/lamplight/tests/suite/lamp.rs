@@ -1,7 +1,7 @@
 //! A lamp keeps its light wherever between the cells it stands, whether it glows or is solid.
 
 use crate::common::LAMP;
-use lamplight::{Cells, Cone, Lamp, Scene};
+use lamplight::{Cells, Cone, Lamp, Profile, Scene};
 use std::f64::consts::PI;
 
 /// The specified tolerance of solid lamps over all positions, and relative to the ideal disc.
@@ -169,14 +169,19 @@ fn a_lamp_that_is_off_draws_nothing() {
 fn invalid_lamps_are_rejected_by_key() {
     let good = Lamp { position: [1.0, 1.0], ..LAMP };
     let cone = |direction, angle, softness| Lamp {
-        cone: Some(Cone { direction, angle, softness }),
+        cone: Some(Cone { direction, angle, softness, profile: None }),
         ..good
     };
     let bad = [
         (Lamp { position: [f32::NAN, 1.0], ..good }, "`lamp[0].position` is [NaN, 1]"),
         (Lamp { color: [-1.0, 0.0, 0.0], ..good }, "`lamp[0].color` is [-1, 0, 0]"),
         (Lamp { intensity: f32::INFINITY, ..good }, "`lamp[0].intensity` is inf"),
+        (
+            Lamp { intensity: -2e6, ..good },
+            "`lamp[0].intensity` is -2000000, but must be a number from -1000000 to 1000000",
+        ),
         (Lamp { range: 0.0, ..good }, "`lamp[0].range` is 0"),
+        (Lamp { mask: 0, ..good }, "`lamp[0].mask` is 0, but must be a whole number from 1 to 255"),
         (Lamp { size: 0.0, ..good }, "`lamp[0].size` is 0, but must be a number from 0.05 to 512"),
         (Lamp { size: 513.0, ..good }, "`lamp[0].size` is 513"),
         (cone(90.0, 1.0, 0.0), "`lamp[0].cone.direction` is 90, but must be a number from -6.2832"),
@@ -198,7 +203,7 @@ fn invalid_lamps_are_rejected_by_key() {
 
 #[test]
 fn a_cone_fades_from_its_soft_edge_outwards() {
-    let cone = Cone { direction: 0.5, angle: 1.2, softness: 0.5 };
+    let cone = Cone { direction: 0.5, angle: 1.2, softness: 0.5, profile: None };
     for turn in [-2.0, -1.0, 0.0, 1.0, 2.0] {
         for side in [-1.0, 1.0] {
             let share = |off: f32| cone.share(0.5 + side * off + turn * std::f32::consts::TAU);
@@ -210,8 +215,38 @@ fn a_cone_fades_from_its_soft_edge_outwards() {
     }
     let hard = Cone { softness: 0.0, ..cone };
     assert_eq!((hard.share(1.09), hard.share(1.11)), (1.0, 0.0));
-    let all = Cone { direction: 3.0, angle: std::f32::consts::TAU, softness: 0.0 };
+    let all = Cone { direction: 3.0, angle: std::f32::consts::TAU, softness: 0.0, profile: None };
     assert!((0..100).all(|i| all.share(i as f32 * 0.1) == 1.0));
+}
+
+#[test]
+fn a_profile_is_read_from_edge_to_edge() {
+    let profile = Some(Profile::new(&[0.2, 1.0, 0.0, 0.6]).unwrap());
+    let cone = Cone { direction: -3.0, angle: 1.2, softness: 0.0, profile };
+    for (off, value) in [
+        (-0.599, 0.2),
+        (-0.4, 0.6),
+        (-0.2, 1.0),
+        (0.0, 0.5),
+        (0.2, 0.0),
+        (0.5, 0.45),
+        (0.599, 0.6),
+        (0.61, 0.0),
+        (-0.61, 0.0),
+    ] {
+        for turn in [-1.0, 0.0, 1.0] {
+            let share = cone.share(-3.0 + off + turn * std::f32::consts::TAU);
+            assert!((share - value).abs() < 5e-3, "{off}: {share}, not {value}");
+        }
+    }
+    // Half way over a soft edge, half of it.
+    let soft = Cone { softness: 0.5, ..cone };
+    assert!((soft.share(-3.0 - 0.45) - 0.5 * cone.share(-3.0 - 0.45)).abs() < 1e-4);
+    let around = Cone { angle: std::f32::consts::TAU, ..cone };
+    assert!((around.share(0.1) - 0.593).abs() < 1e-2);
+    for bad in [&[1.0][..], &[1.0; 17], &[0.5, 1.5], &[0.5, f32::NAN]] {
+        assert!(Profile::new(bad).is_err(), "{bad:?}");
+    }
 }
 
 #[test]
@@ -220,7 +255,10 @@ fn scene_files_have_cones_and_lamps_with_one_are_not_drawn() {
                 cone = { direction = 1.57, angle = 0.8, softness = 0.25 }\n";
     let scene = Scene::from_toml(text).unwrap();
     let lamp = scene.lamps[0];
-    assert_eq!(lamp.cone, Some(Cone { direction: 1.57, angle: 0.8, softness: 0.25 }));
+    assert_eq!(
+        lamp.cone,
+        Some(Cone { direction: 1.57, angle: 0.8, softness: 0.25, profile: None })
+    );
     assert_eq!(Scene::from_toml(&scene.to_toml().unwrap()).unwrap(), scene);
     assert_eq!(Scene::from_json(&scene.to_json().unwrap()).unwrap(), scene);
     let round = Scene::new(32, 32).lamp(Lamp { cone: None, ..lamp });
@@ -236,6 +274,22 @@ fn scene_files_have_cones_and_lamps_with_one_are_not_drawn() {
         ("{ angle = 0.8 }", "`lamp[0].cone.direction` is missing"),
         ("{ direction = 0.0, angle = 9.0 }", "`lamp[0].cone.angle` is 9, but must be"),
         ("{ direction = 0.0, angle = 1.0, soft = 1.0 }", "`lamp[0].cone.soft` is not a known key"),
+        (
+            "{ direction = 0.0, angle = 1.0, profile = [1.0] }",
+            "`lamp[0].cone.profile` is a list of 1, but must be a list of 2 to 16 numbers",
+        ),
+        (
+            "{ direction = 0.0, angle = 1.0, profile = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0] }",
+            "`lamp[0].cone.profile` is a list of 18, but must be a list of 2 to 16 numbers",
+        ),
+        (
+            "{ direction = 0.0, angle = 1.0, profile = [0.5, 1.5] }",
+            "`lamp[0].cone.profile[1]` is 1.5, but must be a number from 0 to 1",
+        ),
+        (
+            "{ direction = 0.0, angle = 1.0, profile = 1.0 }",
+            "`lamp[0].cone.profile` is 1.0, but must be a list of 2 to 16 numbers",
+        ),
     ] {
         let text = format!("size = [8, 8]\n[[lamp]]\nposition = [4.0, 4.0]\ncone = {cone}\n");
         let error = Scene::from_toml(&text).unwrap_err().to_string();

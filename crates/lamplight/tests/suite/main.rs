@@ -22,6 +22,7 @@ mod scene_file;
 mod scene_fuzz;
 mod scene_images;
 mod settings;
+mod sight;
 mod temporal;
 mod tightness;
 mod walls;

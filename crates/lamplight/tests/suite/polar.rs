@@ -372,7 +372,7 @@ fn light_fades_into_walls_as_with_other_methods() {
 
 #[test]
 fn cones_light_their_part_of_the_circle() {
-    let cone = Cone { direction: FRAC_PI_2, angle: 1.0, softness: 0.0 };
+    let cone = Cone { direction: FRAC_PI_2, angle: 1.0, softness: 0.0, profile: None };
     let bare = lamp(32.5, 32.5, 40.0);
     let open = || Cells::new(65, 65).unwrap();
     let whole = solve(&polar(|_| ()), &with_lamp(open(), bare));
@@ -406,7 +406,7 @@ fn cones_light_their_part_of_the_circle() {
         }
     }
     // A cone all round is none.
-    let round = Cone { direction: -3.0, angle: TAU, softness: 0.0 };
+    let round = Cone { direction: -3.0, angle: TAU, softness: 0.0, profile: None };
     let light = solve(&polar(|_| ()), &with_lamp(open(), Lamp { cone: Some(round), ..bare }));
     assert_eq!(bits(&light), bits(&whole));
 }

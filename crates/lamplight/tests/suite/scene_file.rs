@@ -1,10 +1,10 @@
 //! Scene files: what is read, what is written, and what each mistake is answered with.
 
 use lamplight::Gradient;
-use lamplight::scene::{Layers, Material};
+use lamplight::scene::{Layers, Material, NormalY};
 use lamplight::{
-    Bounces, Cone, Direct, Display, Falloff, Lamp, Matter, Method, Scene, Settings, SettingsTable,
-    Shape, Sky, Sun, ToneMap,
+    Bounces, Cone, Direct, Display, Falloff, Lamp, Matter, Method, Profile, Relief, Scene,
+    Settings, SettingsTable, Shape, Sky, Sun, ToneMap,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -34,7 +34,8 @@ fn whole() -> Scene {
                 .opacity(0.5)
                 .albedo([0.8, 0.7, 0.6])
                 .tint([1.0, 0.5, 0.25])
-                .color([0.1, 0.2, 0.3]),
+                .color([0.1, 0.2, 0.3])
+                .mask(3),
         )
         .shape(Shape::rect([1.0, 2.0], [3.0, 4.0]))
         .shape(Shape::polygon([[1.0, 2.0], [3.0, 4.0], [5.0, 0.5]]))
@@ -47,8 +48,14 @@ fn whole() -> Scene {
             range: 64.0,
             size: 1.5,
             falloff: Falloff::Smooth,
-            cone: Some(Cone { direction: 1.5, angle: 0.75, softness: 0.25 }),
+            cone: Some(Cone {
+                direction: 1.5,
+                angle: 0.75,
+                softness: 0.25,
+                profile: Some(Profile::new(&[0.25, 1.0, 0.5]).unwrap()),
+            }),
             direct: Direct::Exact,
+            mask: 5,
             solid: true,
             visible: true,
         })
@@ -57,6 +64,7 @@ fn whole() -> Scene {
             angle: 0.03,
             color: [1.0, 0.9, 0.8],
             intensity: 2.0,
+            mask: 6,
         });
     scene.layers = Layers {
         emission: Some("emission.png".into()),
@@ -67,12 +75,20 @@ fn whole() -> Scene {
         albedo: Some("albedo.png".into()),
         tint: Some("tint.png".into()),
         color: Some("background.exr".into()),
+        normal: Some("normal.png".into()),
+        normal_y: NormalY::Down,
+        mask: Some("layers.png".into()),
     };
     scene.settings.set("method", "raymarch");
     scene.settings.set("bounces", "converged");
     scene.settings.set("raymarch.preset", "unity");
     scene.settings.set("raymarch.rays", 64);
-    scene.display = Display { tonemap: ToneMap::Agx, exposure: -1.5 };
+    scene.display = Display {
+        tonemap: ToneMap::Agx,
+        exposure: -1.5,
+        ambient: [0.1, 0.2, 0.3],
+        relief: Relief { elevation: 0.5, specular: 0.25, roughness: 0.75 },
+    };
     scene
 }
 
@@ -259,7 +275,7 @@ const TOML_MISTAKES: &[Mistake] = &[
     (
         "size = [4, 4]\n[layers]\nemision = \"a.png\"",
         "line 3: `layers.emision` is not a known key; did you mean `emission`? (known here: \
-         emission, emission_scale, glow, glow_scale, opacity, albedo, tint, color)",
+         emission, emission_scale, glow, glow_scale, opacity, albedo, tint, color, normal, normal_y, mask)",
     ),
     (
         "size = [4, 4]\n[layers]\nemission = 3",
@@ -378,6 +394,22 @@ const TOML_MISTAKES: &[Mistake] = &[
         "line 4: `lamp[0].size` is 0, but must be a number from 0.05 to 512",
     ),
     (
+        "size = [4, 4]\n[[lamp]]\nposition = [1, 1]\nmask = 256",
+        "line 4: `lamp[0].mask` is 256, but must be a whole number from 1 to 255",
+    ),
+    (
+        "size = [4, 4]\n[[lamp]]\nposition = [1, 1]\nmask = 0",
+        "line 4: `lamp[0].mask` is 0, but must be a whole number from 1 to 255",
+    ),
+    (
+        "size = [4, 4]\n[[sun]]\ndirection = 1\nmask = -1",
+        "line 4: `sun[0].mask` is -1, but must be a whole number from 1 to 255",
+    ),
+    (
+        "size = [4, 4]\n[[shape]]\ncircle = { center = [1, 2], radius = 1 }\nmask = 0",
+        "line 4: `shape[0].mask` is 0, but must be a whole number from 1 to 255",
+    ),
+    (
         "size = [4, 4]\n[[lamp]]\nposition = [1, 1]\nfalloff = \"cubic\"",
         "line 4: `lamp[0].falloff` is \"cubic\", but must be one of linear, smooth, inverse",
     ),
@@ -404,6 +436,10 @@ const TOML_MISTAKES: &[Mistake] = &[
     (
         "size = [4, 4]\n[display]\nexposure = 99",
         "line 3: `display.exposure` is 99, but must be a number of stops from -32 to 32",
+    ),
+    (
+        "size = [4, 4]\n[display]\nambient = [0, -0.1, 0]",
+        "line 3: `display.ambient` is [0, -0.1, 0], but must be three numbers from 0 to 1e12",
     ),
 ];
 

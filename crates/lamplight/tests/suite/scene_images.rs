@@ -100,6 +100,36 @@ fn grey_and_16_bit_images_are_read_to_their_full_depth() {
 }
 
 #[test]
+fn masks_are_bits_of_grey_and_shapes_replace_those_that_they_cover() {
+    let bench = Bench::new();
+    let image =
+        |values: [[u8; 2]; 4]| image::ImageBuffer::from_fn(4, 1, |x, _| LumaA(values[x as usize]));
+    bench.image("m.png", image([[1, 255], [6, 255], [255, 255], [2, 0]]));
+    let layers = "size = [4, 1]\nlayers = { mask = \"m.png\" }";
+    assert_eq!(bench.cells(layers).unwrap().masks().unwrap(), [1, 6, 255, 255]);
+    // The first covers 60 % of a cell, and the next 40 % of another; the last is in all layers.
+    let shapes = "\n[[shape]]\nrect = { min = [0, 0], max = [0.6, 1] }\nmask = 4\nantialias = true\n\
+                  [[shape]]\nrect = { min = [1, 0], max = [1.4, 1] }\nmask = 4\nantialias = true\n\
+                  [[shape]]\nrect = { min = [3, 0], max = [4, 1] }\nmask = 8\nopacity = 0\n";
+    let shapes = |more: &str| bench.cells(&format!("{layers}{shapes}{more}"));
+    assert_eq!(shapes("").unwrap().masks().unwrap(), [4, 6, 255, 8]);
+    let over = "[[shape]]\nrect = { min = [0, 0], max = [4, 1] }\nopacity = 0.5\n";
+    assert_eq!(shapes(over).unwrap().masks().unwrap(), [255; 4]);
+    let plain = format!("size = [4, 1]\n{over}");
+    assert!(bench.cells(&plain).unwrap().masks().is_none());
+    let sprite = format!("{plain}sprite = {{ image = \"m.png\", center = [2, 0.5] }}\nmask = 16\n");
+    let sprite = sprite.replace("rect = { min = [0, 0], max = [4, 1] }\n", "");
+    assert_eq!(bench.cells(&sprite).unwrap().masks().unwrap(), [16, 16, 16, 255]);
+
+    bench.image("m.png", image([[1, 255], [0, 255], [255, 255], [2, 255]]));
+    assert_eq!(
+        bench.cells(layers).unwrap_err(),
+        "scene.toml: line 2: `layers.mask`: m.png: cell (1, 0): mask is 0, but must be a whole number \
+         from 1 to 255"
+    );
+}
+
+#[test]
 fn exr_is_linear_as_it_is() {
     let bench = Bench::new();
     bench.image("e.exr", Rgb32FImage::from_fn(2, 1, |x, _| Rgb([0.25, 40.0, x as f32])));

@@ -10,7 +10,7 @@ pub const fn hex(code: u32) -> Color {
     [r, g, b]
 }
 
-/// The matter that a brush leaves in a cell; all colours are sRGB except `tint`.
+/// The matter that a brush leaves in a cell; all colours are sRGB except `tint` and `normal`.
 #[derive(Clone, Copy)]
 pub struct Paint {
     pub color: Color,
@@ -18,12 +18,21 @@ pub struct Paint {
     pub emission: Color,
     pub opacity: u8,
     pub tint: Color,
+    /// As in a normal map: 128 is 0, green is up.
+    pub normal: Color,
 }
 
 impl Paint {
     /// Empty space in front of a backdrop.
     pub const fn open(backdrop: Color) -> Self {
-        Self { color: backdrop, albedo: [0; 3], emission: [0; 3], opacity: 0, tint: [255; 3] }
+        Self {
+            color: backdrop,
+            albedo: [0; 3],
+            emission: [0; 3],
+            opacity: 0,
+            tint: [255; 3],
+            normal: [128, 128, 255],
+        }
     }
 
     /// A wall.
@@ -196,6 +205,7 @@ impl Canvas {
             Layer::Albedo => rgb(|p| p.albedo),
             Layer::Emission => rgb(|p| p.emission),
             Layer::Tint => rgb(|p| p.tint),
+            Layer::Normal => rgb(|p| p.normal),
             Layer::Opacity => {
                 DynamicImage::ImageLuma8(GrayImage::from_fn(w, h, |x, y| Luma([at(x, y).opacity])))
             }
@@ -211,6 +221,7 @@ pub enum Layer {
     Emission,
     Opacity,
     Tint,
+    Normal,
 }
 
 impl Layer {
@@ -221,6 +232,7 @@ impl Layer {
             Self::Emission => "emission",
             Self::Opacity => "opacity",
             Self::Tint => "tint",
+            Self::Normal => "normal",
         }
     }
 }

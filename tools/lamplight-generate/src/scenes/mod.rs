@@ -2,6 +2,7 @@
 
 mod canvas;
 mod cave;
+mod cellar;
 mod dungeon;
 mod fog;
 mod grove;
@@ -27,6 +28,9 @@ pub const NAMES: [&str; 9] = [
     "odd",
 ];
 
+/// The scene of normal maps.
+pub const RELIEF: &str = "cellar";
+
 /// The scene of the methods that light lamps by rule. It stands apart: its lamps have the intensities and the falloff
 /// of those methods' looks.
 pub const BY_RULE: &str = "theatre";
@@ -41,6 +45,7 @@ pub fn run(mode: Mode) -> Result<()> {
     }
     for art in [
         cave::draw(),
+        cellar::draw(),
         dungeon,
         fog::draw(),
         grove,
@@ -76,10 +81,10 @@ mod tests {
             .collect();
         found.sort();
         let mut names = NAMES.to_vec();
-        names.push(BY_RULE);
+        names.extend([BY_RULE, RELIEF]);
         names.sort();
         assert_eq!(found, names);
-        for name in NAMES {
+        for name in NAMES.into_iter().chain([RELIEF]) {
             let scene = Scene::load(root().join(format!("scenes/{name}.toml"))).unwrap();
             let cells = scene.cells().unwrap();
             assert_eq!(scene.warnings(&cells), Vec::<String>::new(), "{name}");

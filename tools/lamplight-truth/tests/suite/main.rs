@@ -9,6 +9,7 @@ mod holographic;
 mod holographic_gold;
 mod invariants;
 mod lamps;
+mod moments;
 mod progressive;
 mod raymarch;
 mod spots;

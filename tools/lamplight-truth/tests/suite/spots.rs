@@ -4,7 +4,7 @@ use crate::common::{WALL, grid, inside, seeded, tracer};
 use fastrand::Rng;
 use lamplight::settings::{Holographic, MethodSettings, Raymarch};
 use lamplight::{Bounces, Cells, Cone, Direct, Lamp, Light, Matter, Method};
-use lamplight::{Rgb, Settings, Solver};
+use lamplight::{Profile, Rgb, Settings, Solver, Sun};
 use lamplight_truth::{Estimate, Measures};
 use std::f32::consts::TAU;
 
@@ -59,7 +59,7 @@ fn room(random: &mut Rng) -> Cells {
         if !(-4..=4).all(|dy| (-4..=4).all(|dx| is_free(dx, dy))) {
             continue;
         }
-        let cone = Cone { direction: random.f32() * TAU, angle: 0.9, softness: 0.3 };
+        let cone = Cone { direction: random.f32() * TAU, angle: 0.9, softness: 0.3, profile: None };
         let color = [random.f32() + 0.5, random.f32() + 0.5, random.f32() + 0.5];
         let lamp = Lamp { position, color, cone: Some(cone), ..Lamp::default() };
         cells.lamps_mut().push(lamp);
@@ -83,19 +83,27 @@ const BOUNCED: [f64; 4] = [0.02, 0.06, 0.02, 0.03];
 
 /// Compares direct light and that of two bounces with the path tracer, by each method.
 pub fn assert_right(cells: &Cells, case: &str) {
-    for (bounces, samples, bounds) in [(0, 2048, [DIRECT; 4]), (2, 4096, BOUNCED)] {
-        let tracer = tracer(samples, Bounces::Count(bounces));
-        let truth = tracer.render(cells, &|_| ()).unwrap();
-        for ((name, method), bound) in methods().into_iter().zip(bounds) {
-            let light = solve(&method, cells, bounces);
-            let found = error(light.pixels(), &truth, light.solid());
-            println!("{case}, {bounces} bounces, {name}: {:.2} %", 100.0 * found);
-            assert!(found < bound, "{case}, {name}, {bounces} bounces: {found}");
-            let darker = |rgb: &Rgb| rgb.map(|v| (1.0 - 1.5 * bound as f32) * v);
-            let darker: Vec<Rgb> = light.pixels().iter().map(darker).collect();
-            let off = error(&darker, &truth, light.solid());
-            assert!(off > bound, "{case}, {name} passes with less light");
-        }
+    assert_direct(cells, case);
+    assert_near(cells, case, 2, 4096, BOUNCED);
+}
+
+/// Compares direct light with the path tracer, by each method.
+pub fn assert_direct(cells: &Cells, case: &str) {
+    assert_near(cells, case, 0, 2048, [DIRECT; 4]);
+}
+
+fn assert_near(cells: &Cells, case: &str, bounces: u32, samples: u32, bounds: [f64; 4]) {
+    let tracer = tracer(samples, Bounces::Count(bounces));
+    let truth = tracer.render(cells, &|_| ()).unwrap();
+    for ((name, method), bound) in methods().into_iter().zip(bounds) {
+        let light = solve(&method, cells, bounces);
+        let found = error(light.pixels(), &truth, light.solid());
+        println!("{case}, {bounces} bounces, {name}: {:.2} %", 100.0 * found);
+        assert!(found < bound, "{case}, {name}, {bounces} bounces: {found}");
+        let darker = |rgb: &Rgb| rgb.map(|v| (1.0 - 1.5 * bound as f32) * v);
+        let darker: Vec<Rgb> = light.pixels().iter().map(darker).collect();
+        let off = error(&darker, &truth, light.solid());
+        assert!(off > bound, "{case}, {name} passes with less light");
     }
 }
 
@@ -108,12 +116,60 @@ fn spots_light_rooms_as_the_path_tracer_does() {
     }
 }
 
+#[test]
+fn profiles_shape_beams_as_in_the_path_tracer() {
+    let mut cells = room(&mut seeded(4));
+    let profile = Some(Profile::new(&[0.2, 1.0, 0.3, 1.0, 0.0, 0.6]).unwrap());
+    cells.lamps_mut().iter_mut().flat_map(|lamp| &mut lamp.cone).for_each(|cone| {
+        (cone.angle, cone.profile) = (1.8, profile);
+    });
+    assert_right(&cells, "profiles");
+}
+
+#[test]
+fn lamps_light_their_layers_as_in_the_path_tracer() {
+    let random = &mut seeded(3);
+    let mut cells = room(random);
+    cells.lamps_mut()[0].mask = 1;
+    cells.lamps_mut()[1].mask = 2;
+    cells.lamps_mut()[1].cone = None;
+    cells.suns_mut().push(Sun { mask: 4, intensity: 8.0, ..Sun::default() });
+    // Vertical stripes of 9 px: those of a single layer, and those of two.
+    for i in 0..cells.len() {
+        let stripe = i % SIZE[0] as usize / 9;
+        cells.masks_mut()[i] = [1, 7, 2, 6, 3, 4][stripe % 6];
+    }
+    assert_right(&cells, "layers");
+}
+
+#[test]
+fn lamps_take_light_as_in_the_path_tracer() {
+    let random = &mut seeded(2);
+    let mut cells = room(random);
+    // Within the beam of each, half of its light is taken again. Where one takes more than all lamps give, as direct
+    // light, it is black.
+    let lamps = cells.lamps().to_vec();
+    cells.lamps_mut().extend(lamps.iter().map(|lamp| {
+        let cone = lamp.cone.map(|cone| Cone { angle: 0.4, ..cone });
+        Lamp { cone, intensity: -0.5 * lamp.intensity, ..*lamp }
+    }));
+    assert_right(&cells, "half of each beam");
+    cells.lamps_mut().truncate(2);
+    // Exact as well: the error of a drawn lamp is not that of the light that is taken.
+    (cells.lamps_mut()[0].cone, cells.lamps_mut()[0].direct) = (None, Direct::Exact);
+    cells.lamps_mut()[1].intensity = -8.0;
+    assert_direct(&cells, "a beam of darkness");
+    let light = solve(&Method::Holographic.into(), &cells, 0);
+    let black = (0..cells.len()).filter(|&i| light.pixels()[i] == [0.0; 3] && !cells.is_solid(i));
+    assert!(black.count() > 50);
+}
+
 /// Light at 40 px behind a spot, as a fraction of that in front.
 const BEHIND: f32 = 0.01;
 
 #[test]
 fn a_spot_is_dark_behind() {
-    let cone = Cone { direction: 0.4, angle: 0.8, softness: 0.5 };
+    let cone = Cone { direction: 0.4, angle: 0.8, softness: 0.5, profile: None };
     for direct in [Direct::Glow, Direct::Exact] {
         let lamp = Lamp { position: [60.2, 59.6], cone: Some(cone), direct, ..Lamp::default() };
         let mut cells = grid(120, 120, |_, _| Matter::EMPTY);

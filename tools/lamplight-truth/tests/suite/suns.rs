@@ -37,7 +37,7 @@ fn suns_light_rooms_as_the_path_tracer_does() {
         let mut cells = furnished(random, |[x, y]| x < 4 || y + 4 >= SIZE[1]);
         let direction = PI * (0.3 + 0.4 * random.f32());
         let color: Rgb = [1.0, 0.9, 0.7];
-        cells.suns_mut().push(Sun { direction, angle, color, intensity: 5.0 });
+        cells.suns_mut().push(Sun { direction, angle, color, intensity: 5.0, ..Sun::default() });
         assert_right(&cells, &format!("{angle} rad"));
     }
 }

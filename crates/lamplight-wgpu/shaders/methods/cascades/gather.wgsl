@@ -17,14 +17,14 @@ override BEFORE: f32;
 // `½∫cosθ dθ` over each cone of the nearest cascade, θ from the normal of each face.
 @group(0) @binding(11) var<storage, read> cosines: array<vec4f>;
 
-fn over_circle(at: vec2u) -> vec3f {
+fn over_circle(at: vec2u) -> Seen {
     let centre = vec2f(at) + 0.5;
     let around = around(centre);
-    var sum = vec3f(0.0);
+    var sum = Seen();
     for (var ray = 0u; ray < layer.cones; ray++) {
-        sum += see(centre, around, ray, vec2f(0.0));
+        add(&sum, 1.0 / f32(layer.rays), see(centre, around, ray, vec2f(0.0)));
     }
-    return sum / f32(layer.rays);
+    return sum;
 }
 
 // The irradiance `E/2 = ½∫L cosθ dθ` at the centre of a face.
@@ -36,7 +36,7 @@ fn over_face(at: vec2u, face: u32) -> vec3f {
     for (var ray = 0u; ray < layer.cones; ray++) {
         let weight = cosines[layer.cone + ray][face];
         if weight > 0.0 {
-            sum += weight * see(before, around, ray, normal);
+            sum += weight * see(before, around, ray, normal).light;
         }
     }
     return sum;
@@ -69,7 +69,7 @@ fn reflect_face(slot: u32, albedo: vec3f, at: vec2u, face: u32) {
 }
 
 fn scatter(slot: u32, albedo: vec3f, at: vec2u) {
-    put(slot, albedo * over_circle(at), VOLUME);
+    put(slot, albedo * over_circle(at).light, VOLUME);
 }
 
 @compute @workgroup_size(8, 8)
@@ -79,7 +79,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     if class_of(source[index(id.xy)]) == SOLID {
         put(index(id.xy), over_faces(id.xy), 1.0);
-    } else {
-        put(index(id.xy), over_circle(id.xy), 1.0);
+        return;
+    }
+    let seen = over_circle(id.xy);
+    put(index(id.xy), seen.light, 1.0);
+    if MOMENT {
+        put(moment_index(0u, index(id.xy)), seen.moment_x, 1.0);
+        put(moment_index(1u, index(id.xy)), seen.moment_y, 1.0);
     }
 }

@@ -14,10 +14,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     let at = position(vec2f(id.xy), layer.count, layer.spacing);
     let around = around(at);
-    var sum = vec3f(0.0);
+    var sum = Seen();
     for (var branch = 0u; branch < BRANCHES; branch++) {
-        sum += see(at, around, BRANCHES * id.z + branch, vec2f(0.0));
+        add(&sum, 1.0 / f32(BRANCHES), see(at, around, BRANCHES * id.z + branch, vec2f(0.0)));
     }
     let probe = (id.z * layer.count.y + id.y) * layer.count.x + id.x;
-    near[probe] = vec4f(sum / f32(BRANCHES), 0.0);
+    near[values() * probe] = vec4f(sum.light, 0.0);
+    if MOMENT {
+        near[values() * probe + 1u] = vec4f(sum.moment_x, 0.0);
+        near[values() * probe + 2u] = vec4f(sum.moment_y, 0.0);
+    }
 }

@@ -2,6 +2,7 @@
 // the next cascade have gathered, `L = r + T·L_next`.
 
 #import methods/cascades/interval
+#import shared/moment
 #import shared/sky
 #import shared/uniforms
 
@@ -39,6 +40,49 @@ struct Layer {
 @group(0) @binding(2) var<storage, read> far: array<vec4f>;
 @group(0) @binding(8) var<uniform> layer: Layer;
 
+// Radiance, and its first moment, if it is found.
+struct Seen {
+    light: vec3f,
+    moment_x: vec3f,
+    moment_y: vec3f,
+}
+
+// The number of values that are stored per probe and cone.
+fn values() -> u32 {
+    return select(1u, 3u, MOMENT);
+}
+
+// The light of an interval, and what arrives from behind it.
+fn behind(near: Interval, direction: vec2f, far: Seen) -> Seen {
+    var seen = Seen();
+    seen.light = near.light + near.transmittance * far.light;
+    if MOMENT {
+        seen.moment_x = near.light * direction.x + near.transmittance * far.moment_x;
+        seen.moment_y = near.light * direction.y + near.transmittance * far.moment_y;
+    }
+    return seen;
+}
+
+// Adds a multiple.
+fn add(sum: ptr<function, Seen>, weight: f32, seen: Seen) {
+    (*sum).light += weight * seen.light;
+    if MOMENT {
+        (*sum).moment_x += weight * seen.moment_x;
+        (*sum).moment_y += weight * seen.moment_y;
+    }
+}
+
+// What a probe of the next cascade has gathered.
+fn gathered(at: u32) -> Seen {
+    var seen = Seen();
+    seen.light = far[values() * at].rgb;
+    if MOMENT {
+        seen.moment_x = far[values() * at + 1u].rgb;
+        seen.moment_y = far[values() * at + 2u].rgb;
+    }
+    return seen;
+}
+
 // The position of a probe. The lattice of probes is centred on the grid.
 fn position(probe: vec2f, count: vec2u, spacing: f32) -> vec2f {
     return (probe - 0.5 * vec2f(count - 1u)) * spacing + 0.5 * vec2f(frame.size);
@@ -67,12 +111,13 @@ fn around(at: vec2f) -> Around {
 
 // Radiance that arrives at a point by ray `ray` of the layer. `normal` is that of the face if the point lies
 // on one, else 0: with the bilinear fix, rays that would run into the face itself are left out.
-fn see(at: vec2f, around: Around, ray: u32, normal: vec2f) -> vec3f {
+fn see(at: vec2f, around: Around, ray: u32, normal: vec2f) -> Seen {
     let path = paths[layer.path + ray];
     let start = at + path.start;
     if layer.far_spacing == 0.0 {
         let near = trace(start, path.direction, path.length);
-        return near.light + near.transmittance * sky(path.sine);
+        let sky = sky(path.sine);
+        return behind(near, path.direction, Seen(sky, sky * path.direction.x, sky * path.direction.y));
     }
     let probes = layer.far_count.x * layer.far_count.y;
     let first = ray * probes + around.first;
@@ -83,12 +128,12 @@ fn see(at: vec2f, around: Around, ray: u32, normal: vec2f) -> vec3f {
     }
     let clear = is_clear(start, reach);
     let traced = BILINEAR_FIX && !clear;
-    var seen = vec3f(0.0);
+    var seen = Seen();
     var weights = 0.0;
     for (var corner = 0u; corner < 4u; corner++) {
         let offset = vec2u(corner & 1u, corner >> 1u);
         var weight = around.weight[corner];
-        var light = far[first + offset.y * layer.far_count.x + offset.x].rgb;
+        var light = gathered(first + offset.y * layer.far_count.x + offset.x);
         if traced {
             let probe = around.before + vec2f(offset);
             let shift = position(probe, layer.far_count, layer.far_spacing) - at;
@@ -97,19 +142,19 @@ fn see(at: vec2f, around: Around, ray: u32, normal: vec2f) -> vec3f {
                 continue;
             }
             let length = max(sqrt(dot(step, step)), 1e-30);
-            let near = trace(start, step / length, length);
-            light = near.light + near.transmittance * light;
+            let direction = step / length;
+            light = behind(trace(start, direction, length), direction, light);
         }
         weights += weight;
-        seen += weight * light;
+        add(&seen, weight, light);
     }
     if traced && on_face {
         // At least one of the four probes lies in the direction of the ray, so the weights are not all 0.
-        return seen / weights;
+        return Seen(seen.light / weights, seen.moment_x / weights, seen.moment_y / weights);
     }
     if !BILINEAR_FIX && !clear {
         let near = trace(start, path.direction, path.length);
-        return near.light + near.transmittance * seen;
+        return behind(near, path.direction, seen);
     }
     return seen;
 }

@@ -41,7 +41,8 @@ fn scattered_by(at: vec2u, face: u32, own_albedo: vec3f, gathered: vec3f) -> vec
     if arrayLength(&direct) == 1u {
         return own_albedo * gathered;
     }
-    return own_albedo * (gathered + direct[4u * index(at) + face].rgb);
+    // Lamps take no more light than there is.
+    return own_albedo * max(gathered + direct[4u * index(at) + face].rgb, vec3f(0.0));
 }
 
 @compute @workgroup_size(8, 8)

@@ -6,6 +6,7 @@
 // step that begins k px beside the cell in front blocks the fraction `clamp(s − k, 0, 1)`.
 
 #import methods/holographic/footprint
+#import shared/moment
 
 // Added to the sum of the weights at a ray's end, so that opaque cells let no light through, instead of 0 / 0.
 override WEIGHT_EPSILON: f32;
@@ -124,6 +125,13 @@ fn receive(pixel: Pixel, slabs: i32, rows: i32, face: u32, light: vec3f) {
     }
 }
 
+// Adds to a component of a pixel's first moment; the first quadrant overwrites it.
+fn add_moment(component: u32, i: u32, integral: vec3f) {
+    let at = moment_index(component, i);
+    let before = select(light[at].rgb, vec3f(0.0), sweep.first_quadrant == 1u);
+    light[at] = vec4f(before + integral * (1.0 / TAU), 1.0);
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let slab = sweep.first + group.y;
@@ -140,6 +148,10 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     if is_solid(lane, 0, 0) {
         if !FACES && sweep.first_quadrant == 1u {
             light[i] = vec4f(0.0, 0.0, 0.0, 1.0);
+            if MOMENT {
+                light[moment_index(0u, i)] = vec4f(0.0);
+                light[moment_index(1u, i)] = vec4f(0.0);
+            }
         }
         return;
     }
@@ -156,6 +168,9 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let size = 4u + 4u * (sweep.rays + 1u) + 2u * (ahead + 1u);
     let view = footprints[sweep.footprints + ahead - sweep.gather_length];
     var sum = vec3f(0.0);
+    // ∫ L ω dω along the axis, and across it.
+    var moment_along = vec3f(0.0);
+    var moment_across = vec3f(0.0);
     var on_front = vec3f(0.0);
     var on_high = vec3f(0.0);
     var on_low = vec3f(0.0);
@@ -172,6 +187,10 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         // The outermost cones have no light.
         let found = through(pixel, cone + 1u, at, empty);
         sum += found;
+        if MOMENT {
+            moment_along += bitcast<f32>(footprints[at + 1u]) * found;
+            moment_across += bitcast<f32>(footprints[at + 2u]) * found;
+        }
         if FACES {
             let angle = bitcast<f32>(footprints[at]);
             let along = bitcast<f32>(footprints[at + 1u]);
@@ -190,6 +209,12 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     if !FACES {
         let before = select(light[i].rgb, vec3f(0.0), sweep.first_quadrant == 1u);
         light[i] = vec4f(before + sum * (1.0 / TAU), 1.0);
+        if MOMENT {
+            // Ahead is the other way where light comes from lower slabs; rows are the same.
+            let along = select(1.0, -1.0, sweep.reversed == 1u) * moment_along;
+            add_moment(0u, i, select(moment_across, along, sweep.axis == 0u));
+            add_moment(1u, i, select(along, moment_across, sweep.axis == 0u));
+        }
         return;
     }
     // Faces are left, right, top, bottom; each looks towards the light.

@@ -3,8 +3,11 @@
 #import methods/polar/lookup
 #import shared/class
 #import shared/class_at
+#import shared/layers
+#import shared/moment
 #import shared/normal
 #import shared/reaching
+#import shared/towards
 #import shared/uniforms
 
 override BLEND: u32;
@@ -13,9 +16,11 @@ const MAX: u32 = 1u;
 const PI: f32 = 3.1415927;
 
 @group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
+@group(0) @binding(10) var masks: texture_2d<f32>;
 
 fn blend(sum: vec3f, more: vec3f) -> vec3f {
-    if BLEND == ADD {
+    // What takes light away takes it from the sum, whatever that is made of.
+    if BLEND == ADD || any(more < vec3f(0.0)) {
         return sum + more;
     }
     if BLEND == MAX {
@@ -23,6 +28,27 @@ fn blend(sum: vec3f, more: vec3f) -> vec3f {
     }
     let capped = min(more, vec3f(1.0));
     return sum + capped - sum * capped;
+}
+
+// The first moment of the light so far.
+var<private> moment: array<vec3f, 2>;
+
+// Blends the moment of light that is added to a sum, by the shares of both in the light that stays.
+fn blend_moment(sum: vec3f, more: vec3f, direction: vec2f) {
+    var kept = vec3f(1.0);
+    var taken = more;
+    if any(more < vec3f(0.0)) {
+        kept = vec3f(1.0);
+    } else if BLEND == MAX {
+        let wins = more > sum;
+        kept = select(vec3f(1.0), vec3f(0.0), wins);
+        taken = select(vec3f(0.0), more, wins);
+    } else if BLEND != ADD {
+        taken = min(more, vec3f(1.0));
+        kept = 1.0 - taken;
+    }
+    moment[0] = kept * moment[0] + taken * direction.x;
+    moment[1] = kept * moment[1] + taken * direction.y;
 }
 
 // The light of a lamp at a cell: of an open cell at its centre; of a solid one (with `faces`) the mean
@@ -62,6 +88,7 @@ fn main(
         faces = exposed_faces(cell);
     }
     let lit = open(cell) || faces != 0u;
+    let layers = layers_of(id.xy);
     var sum = vec3f(0.0);
     for (var first = 0u; first < lamps.count; first += 256u) {
         find_reaching(first, tile.xy, lane);
@@ -71,13 +98,31 @@ fn main(
                 let lamp = lamps.list[first + 32u * word + firstTrailingBit(left)];
                 left &= left - 1u;
                 let off = vec2f(id.xy) + 0.5 - lamp.position;
-                if lit {
-                    sum = blend(sum, light_of(lamp, off, faces));
+                if lit && (lamp.mask & layers) != 0u {
+                    let more = light_of(lamp, off, faces);
+                    // Nothing would still raise a sum that is below 0 to the maximum of both.
+                    if all(more == vec3f(0.0)) {
+                        continue;
+                    }
+                    if MOMENT && faces == 0u {
+                        blend_moment(sum, more, towards(off, lamp.size, seen_place));
+                    }
+                    sum = blend(sum, more);
                 }
             }
         }
     }
     if !outside(id.xy) {
-        light[index(id.xy)] = vec4f(sum, 1.0);
+        let i = index(id.xy);
+        if lamps.more_follows == 0u {
+            // Lamps take no more light than there is.
+            sum = max(sum, vec3f(0.0));
+            moment = limited(moment, sum);
+        }
+        light[i] = vec4f(sum, 1.0);
+        if MOMENT {
+            light[moment_index(0u, i)] = vec4f(moment[0], 1.0);
+            light[moment_index(1u, i)] = vec4f(moment[1], 1.0);
+        }
     }
 }

@@ -19,12 +19,16 @@ override WIDEST: f32;
 
 const JOINED: u32 = 256u;
 
+// The mean place across the lamp of what was seen of it last.
+var<private> seen_place: f32;
+
 // The fraction of a lamp's light that arrives at a place `off` from it.
 fn arriving(lamp: Lamp, off: vec2f, distance: f32) -> vec3f {
     var at = angle(off) * lamp.per_radian;
     at += select(0.0, f32(lamp.count), at < 0.0);
     let bound = bounds[lamp.first + wrapped(lamp, u32(at + 0.5))];
     var fraction = 1.0;
+    seen_place = 0.0;
     if distance >= bitcast<f32>(bound.x) {
         if distance >= bitcast<f32>(bound.y) {
             return vec3f(0.0);
@@ -71,6 +75,7 @@ fn visible_fraction(lamp: Lamp, off: vec2f, at: f32) -> f32 {
     let shadowed = bitcast<f32>(bound.z) > inverse;
     let window = bound.w & (JOINED - 1u);
     var seen = 0.0;
+    var places = 0.0;
     for (var side = 0u; side < 2u; side++) {
         let forward = side == 0u;
         // The part β of the lamp up to which visibility is settled.
@@ -88,7 +93,9 @@ fn visible_fraction(lamp: Lamp, off: vec2f, at: f32) -> f32 {
             let blocks = above > 0.0 && !last_gap;
             if last_gap || (blocks && !(wall && select(joined, before_joined, forward))) {
                 let to = select((middle - 0.5) / width, 1.0, last_gap);
-                seen += gap(lamp, off, done, to, shadowed, forward);
+                let width = gap(lamp, off, done, to, shadowed, forward);
+                seen += width;
+                places += select(-0.5, 0.5, forward) * width * (2.0 * done + width);
             }
             if blocks {
                 done = max(done, (middle + 0.5) / width);
@@ -105,6 +112,7 @@ fn visible_fraction(lamp: Lamp, off: vec2f, at: f32) -> f32 {
             }
         }
     }
+    seen_place = select(0.0, places / seen, seen > 0.0);
     return 0.5 * seen;
 }
 

@@ -11,8 +11,12 @@
 const TOUCHING: f32 = 1e-4;
 // Distance ahead of the pixel from which on cells are in its way, px.
 const AHEAD: f32 = 1e-6;
+// The smallest part of a lamp, −1 to 1, that may stand for the whole.
+const SMALLEST_PART: f32 = 1e-3;
 // The place of corners beside and behind the pixel: far outside of the light.
 const BESIDE: f32 = 1e6;
+// Distance of a point on a face from its wall, px: in the open for rounding's sake.
+const OUTSIDE_OF_WALL: f32 = 1e-3;
 // Most gaps between walls that are told apart.
 const GAPS: u32 = 16u;
 // Fewest and most points across the light to which rays are cast through media, one per px, and their number in
@@ -41,17 +45,26 @@ struct Fan {
     until: f32,
 }
 
+// A lamp, or the eye of a viewer, as pixels see it.
+struct LampDisc {
+    center: vec2f,
+    radius: f32,
+}
+
 // The hidden parts of the light in hand.
 var<private> parts: array<vec2f, GAPS>;
 var<private> part_count: u32;
 // The fraction of the light beyond the grid, which is hidden too.
 var<private> beyond_grid: f32;
+// The middle of the part within the grid, which stands for the whole.
+var<private> inside_middle: f32;
 // True if there are media in the blocks of its fan.
 var<private> meets_media: bool;
 
 fn hide_nothing() {
     part_count = 0u;
     beyond_grid = 0.0;
+    inside_middle = 0.0;
     meets_media = false;
 }
 
@@ -98,6 +111,18 @@ fn seen() -> f32 {
         hidden += parts[k].y - parts[k].x;
     }
     return max(1.0 - 0.5 * hidden, 0.0) / (1.0 - beyond_grid);
+}
+
+// The mean place across the light of what is seen of it, −1 to 1.
+fn seen_middle() -> f32 {
+    var moment = 0.0;
+    var hidden = 0.0;
+    for (var k = 0u; k < part_count; k++) {
+        moment += 0.25 * (parts[k].y * parts[k].y - parts[k].x * parts[k].x);
+        hidden += parts[k].y - parts[k].x;
+    }
+    let left = 1.0 - 0.5 * hidden;
+    return select(0.0, clamp(-moment / left - inside_middle, -1.0, 1.0), left > 0.0);
 }
 
 // One of `count` points across a light.
@@ -199,6 +224,52 @@ fn hide_behind_walls(fan: Fan) {
         if all_is_hidden() {
             return;
         }
+    }
+}
+
+// The direction from the centre of a lamp to its rim, forwards or backwards across the line of sight.
+fn to_rim(across: vec2f, sign: f32) -> Direction {
+    let way = sign * across;
+    return direction(abs(way), select(vec2f(1.0), vec2f(-1.0), way < vec2f(0.0)));
+}
+
+// Hides the parts of a lamp that its centre does not see: they lie behind a wall. Of a lamp that reaches over the
+// border of the grid the part inside stands for the whole, unless it has none, at a corner.
+fn hide_within_walls(lamp: LampDisc, across: vec2f) {
+    let to_borders = min(lamp.center, vec2f(frame.size) - lamp.center);
+    var inside = vec2f(1.0);
+    if min(to_borders.x, to_borders.y) >= 0.0 {
+        let back = span(lamp.center, to_rim(across, -1.0)).y;
+        inside = min(vec2f(back, span(lamp.center, to_rim(across, 1.0)).y) / lamp.radius, vec2f(1.0));
+    }
+    if inside.x + inside.y <= SMALLEST_PART {
+        inside = vec2f(1.0);
+    }
+    beyond_grid = 1.0 - 0.5 * (inside.x + inside.y);
+    inside_middle = 0.5 * (inside.y - inside.x);
+    for (var side = 0u; side < 2u; side++) {
+        let sign = select(1.0, -1.0, side == 0u);
+        let seen = traverse(lamp.center, to_rim(across, sign), lamp.radius, false, false).length;
+        let end = min(seen / lamp.radius, inside[side]);
+        if end < 1.0 {
+            hide(vec2f(min(sign * end, sign), max(sign * end, sign)));
+        }
+    }
+}
+
+// The rays to a lamp from a pixel at `off`.
+fn fan_of(lamp: LampDisc, off: vec2f) -> Fan {
+    let distance = length(off);
+    return Fan(lamp.center + off, -off / distance, distance, lamp.radius / distance, distance);
+}
+
+// Hides what a pixel at `off` from a lamp does not see of it.
+fn hide_from(lamp: LampDisc, off: vec2f) {
+    hide_nothing();
+    if any(off != vec2f(0.0)) {
+        let fan = fan_of(lamp, off);
+        hide_within_walls(lamp, -fan.ahead.yx * vec2f(-1.0, 1.0));
+        hide_behind_walls(fan);
     }
 }
 

@@ -11,6 +11,9 @@ override VARIES: bool = false;
 struct Sum {
     light: vec3f,
     invalidated: f32,
+    // Σ L ω.
+    moment_x: vec3f,
+    moment_y: vec3f,
     // Luminance of even rays minus that of odd ones, over the current sector.
     alternating: f32,
     // Sum of the squares of `alternating` over the sectors before.
@@ -23,6 +26,8 @@ struct Mean {
     // Variance of the luminance's noise: Σ (A − B)² / rays² over sectors, A and B the sums over every
     // other ray.
     variance: f32,
+    moment_x: vec3f,
+    moment_y: vec3f,
 }
 
 // Adds a ray; rays come in order. `seen.w` is 1 if it met a change.
@@ -41,5 +46,5 @@ fn add(sum: ptr<function, Sum>, ray: u32, seen: vec4f) {
 fn mean(sum: Sum) -> Mean {
     let rays = f32(frame.rays);
     let variance = (sum.squares + sum.alternating * sum.alternating) / (rays * rays);
-    return Mean(sum.light / rays, sum.invalidated, variance);
+    return Mean(sum.light / rays, sum.invalidated, variance, sum.moment_x / rays, sum.moment_y / rays);
 }

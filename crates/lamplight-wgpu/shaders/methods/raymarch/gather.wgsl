@@ -4,6 +4,7 @@
 
 #import methods/raymarch/accumulate
 #import shared/class
+#import shared/moment
 #import shared/noise
 #import shared/normal
 #import shared/receive
@@ -41,7 +42,12 @@ fn over_circle(at: vec2u) -> Mean {
     for (var ray = 0u; ray < frame.rays; ray++) {
         let d = directions[ray];
         let direction = vec2f(rotation.y * d.x - rotation.x * d.y, rotation.x * d.x + rotation.y * d.y);
-        add(&sum, ray, march(vec2f(at) + 0.5, vec2f(at), direction, false));
+        let seen = march(vec2f(at) + 0.5, vec2f(at), direction, false);
+        add(&sum, ray, seen);
+        if MOMENT {
+            sum.moment_x += direction.x * seen.rgb;
+            sum.moment_y += direction.y * seen.rgb;
+        }
     }
     return mean(sum);
 }
@@ -108,6 +114,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         seen = over_circle(id.xy);
     }
     light[i] = vec4f(seen.light, 1.0);
+    if MOMENT {
+        light[moment_index(0u, i)] = vec4f(seen.moment_x, 1.0);
+        light[moment_index(1u, i)] = vec4f(seen.moment_y, 1.0);
+    }
     if TRACED {
         traced[i] = vec2f(seen.variance, seen.invalidated);
     }

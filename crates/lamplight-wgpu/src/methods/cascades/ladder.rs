@@ -68,6 +68,8 @@ pub struct Ladder {
     cones: u32,
     /// Fraction of its length by which each interval extends into the next.
     overlap: f32,
+    /// Values per mean: of the light, and of the components of its first moment if that is found.
+    values: u64,
 }
 
 impl Ladder {
@@ -82,7 +84,8 @@ impl Ladder {
         let layers = u64::from(limits.max_compute_workgroups_per_dimension);
         let bytes = MAX_BYTES.min(limits.max_storage_buffer_binding_size);
         let rays = all[0].rays;
-        let mut ladder = Self { cascades: all, cones: rays, overlap: settings.overlap };
+        let values = if planner.settings.moment { 3 } else { 1 };
+        let mut ladder = Self { cascades: all, cones: rays, overlap: settings.overlap, values };
         while ladder.cones > 1 && (ladder.layers_of_groups() > layers || ladder.bytes() > bytes) {
             ladder.cones /= 2;
         }
@@ -111,10 +114,10 @@ impl Ladder {
         self.means() * size_of::<[f32; 4]>() as u64
     }
 
-    /// The largest number of means that a cascade keeps.
+    /// The largest number of values that a cascade keeps.
     pub fn means(&self) -> u64 {
         let means = |further: usize| {
-            self.cones_before(further) * self.cascades[further].lattice.len() as u64
+            self.cones_before(further) * self.cascades[further].lattice.len() as u64 * self.values
         };
         (1..self.cascades.len()).map(means).max().unwrap_or(1)
     }

@@ -11,7 +11,6 @@ pub mod ladder;
 use crate::error::{Result, unsupported};
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch, WORKGROUP};
 use crate::planner::{FramePlanner, PassList, view, whole};
-use crate::programs;
 use crate::shared::filled;
 use crate::stage::Stage;
 use crate::stages::compare::Compare;
@@ -19,6 +18,7 @@ use crate::stages::convergence::Convergence;
 use crate::stages::empty_space::EmptySpace;
 use crate::stages::medium_grid::{MediumGrid, MediumGridPipelines};
 use crate::stages::packet::PACKET;
+use crate::{programs, shaders};
 use ladder::Ladder;
 use lamplight::internals::cascades::{BEFORE, cosine};
 use lamplight::settings::{Bounces, Cascades as Settings, Merge};
@@ -30,11 +30,20 @@ pub struct Cascades {
     settings: Settings,
     medium_grid: MediumGridPipelines,
     empty_space: EmptySpace,
-    merge: ComputePipelines,
-    gather: ComputePipelines,
+    /// For scattered radiance, and for light.
+    passes: Passes,
+    /// For light, if its first moment is found.
+    moment: Option<Passes>,
     cosines: Buffer,
     /// Set if light bounces until it has converged.
     convergence: Option<(Convergence, Compare)>,
+}
+
+/// The pipelines of a gather.
+#[derive(Debug)]
+struct Passes {
+    merge: ComputePipelines,
+    gather: ComputePipelines,
 }
 
 /// The buffers of a plan.
@@ -70,6 +79,7 @@ impl Cascades {
         queue: &Queue,
         settings: &Settings,
         bounces: Bounces,
+        moment: bool,
     ) -> lamplight::Result<Self> {
         let fix = match settings.merge {
             Merge::Plain => 0.0,
@@ -78,6 +88,14 @@ impl Cascades {
         };
         let merge = [PACKET, &[("ENDS", 1.0), ("BILINEAR_FIX", fix)]].concat();
         let gather = [&merge[..], &[("BEFORE", BEFORE.into())]].concat();
+        let passes = |moment: bool| {
+            let [merge, gather] = [&merge, &gather]
+                .map(|constants| [constants, &[shaders::moment(moment)][..]].concat());
+            Passes {
+                merge: ComputePipelines::new(device, &programs::CASCADES_MERGE, &merge),
+                gather: ComputePipelines::new(device, &programs::CASCADES_GATHER, &gather),
+            }
+        };
         let rays = settings.nearest_rays();
         let cosines = |cone| [0, 1, 2, 3].map(|face| cosine(face, cone, rays));
         let cosines: Vec<[f32; 4]> = (0..rays).map(cosines).collect();
@@ -88,8 +106,8 @@ impl Cascades {
             // As in `raymarch`, squares are not found again in each of many recorded bounces.
             medium_grid: MediumGridPipelines::new(device, converges),
             empty_space: EmptySpace::new(device),
-            merge: ComputePipelines::new(device, &programs::CASCADES_MERGE, &merge),
-            gather: ComputePipelines::new(device, &programs::CASCADES_GATHER, &gather),
+            passes: passes(false),
+            moment: moment.then(|| passes(true)),
             cosines: filled(device, queue, "cosines", BufferUsages::STORAGE, cosines),
             convergence: converges.then(|| (Convergence::new(device), Compare::new(device))),
         })
@@ -142,24 +160,26 @@ impl Cascades {
 
     /// Plans a gather over all cones of the nearest cascade, batch by batch.
     fn gather(&self, plan: &Plan, target: GatherTarget) -> Vec<Dispatch> {
+        let with_moment = self.moment.as_ref().filter(|_| target.entry == LIGHT);
+        let Passes { merge: merges, gather: gathers } = with_moment.unwrap_or(&self.passes);
         let merge = [0, 1].map(|half: usize| {
             let [far, near] = [&plan.halves[1 - half], &plan.halves[half]];
-            plan.bind(&self.merge, GatherTarget { to: near, ..target }, far, &[])
+            plan.bind(merges, GatherTarget { to: near, ..target }, far, &[])
         });
         let more = [view(&plan.planner.textures.albedo), whole(&self.cosines)];
-        let gather = plan.bind(&self.gather, target, &plan.halves[1], &more);
+        let gather = plan.bind(gathers, target, &plan.halves[1], &more);
         let mut dispatches = Vec::new();
         for batch in 0..plan.ladder.batches() {
             for further in (1..plan.ladder.cascades.len()).rev() {
                 let [columns, rows] = plan.ladder.cascades[further].lattice.count;
                 let cones = plan.ladder.cones_before(further) as u32;
                 let groups = [columns.div_ceil(WORKGROUP), rows.div_ceil(WORKGROUP), cones];
-                let (pipeline, bound) = (&self.merge.entries[0], &merge[further % 2]);
+                let (pipeline, bound) = (&merges.entries[0], &merge[further % 2]);
                 let layer = plan.ladder.layer(batch, further);
                 dispatches.push(Dispatch::new(pipeline, bound, Some(layer), groups));
             }
             let nearest = Some(plan.ladder.layer(batch, 0));
-            dispatches.push(plan.planner.over_cells(&self.gather, target.entry, &gather, nearest));
+            dispatches.push(plan.planner.over_cells(gathers, target.entry, &gather, nearest));
         }
         dispatches
     }

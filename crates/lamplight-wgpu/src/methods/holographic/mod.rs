@@ -15,9 +15,9 @@ mod work;
 use crate::error::Result;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, PassList, view, whole};
-use crate::programs;
 use crate::stage::Stage;
 use crate::stages::convergence::Convergence;
+use crate::{programs, shaders};
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
 use lamplight::internals::holographic::lattice::{BENT, GatherGeometry};
@@ -150,12 +150,13 @@ struct Bindings {
 }
 
 impl Holographic {
-    pub fn new(device: &Device, settings: &Settings, bounces: Bounces) -> Self {
+    pub fn new(device: &Device, settings: &Settings, bounces: Bounces, moment: bool) -> Self {
         let gather = |faces: bool| {
             let own = [
                 ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
                 ("FACES", f64::from(faces)),
+                shaders::moment(moment && !faces),
             ];
             let constants = [CELLS, MARCH, &own].concat();
             ComputePipelines::new(device, &programs::HOLOGRAPHIC_GATHER, &constants)

@@ -48,6 +48,7 @@ impl Gather {
         settings: &Raymarch,
         tracks: bool,
         varies: bool,
+        moment: bool,
     ) -> lamplight::Result<Self> {
         let storage = |label, bytes| filled(device, queue, label, BufferUsages::STORAGE, bytes);
         let stops = [("STOPS", f64::from(tracks || settings.attenuation))];
@@ -60,6 +61,7 @@ impl Gather {
             ("TRACKS", f64::from(tracks)),
             ("VARIES", f64::from(varies)),
             ("TRACED", f64::from(tracks || varies)),
+            shaders::moment(moment),
         ];
         let constants = [GATHER, &march, &shaders::LUMINANCE, &needed].concat();
         let directions: Vec<[f32; 2]> = directions(settings).collect();

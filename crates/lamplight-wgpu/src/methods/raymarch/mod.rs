@@ -44,6 +44,7 @@ impl Raymarch {
         queue: &Queue,
         settings: &Settings,
         bounces: Bounces,
+        moment: bool,
     ) -> lamplight::Result<Self> {
         let accumulates = settings.temporal.history_length > 1;
         let (tracks, varies) = (Temporal::tracks(settings), settings.denoise.passes > 0);
@@ -58,11 +59,11 @@ impl Raymarch {
         Ok(Self {
             medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
             skipping,
-            gather: Gather::new(device, queue, settings, tracks, varies)?,
+            gather: Gather::new(device, queue, settings, tracks, varies, moment)?,
             bounce,
             invalidate: rejects.then(|| Invalidate::new(device)),
-            temporal: accumulates.then(|| Temporal::new(device, settings, bounces, traced)),
-            denoise: varies.then(|| Denoise::new(device, settings)),
+            temporal: accumulates.then(|| Temporal::new(device, settings, bounces, traced, moment)),
+            denoise: varies.then(|| Denoise::new(device, settings, moment)),
             traced,
         })
     }

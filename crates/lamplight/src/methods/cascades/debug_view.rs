@@ -1,6 +1,7 @@
 //! Debug views: the light that the probes of one cascade gather, before the next nearer one reads it.
 
 use super::ladder::BRANCHES;
+use super::merge::LIGHT;
 use super::{Cascade, Cascades};
 use crate::{Cells, Display, Rgb, settings};
 use image::RgbImage;
@@ -39,7 +40,7 @@ impl Cascades {
                 }
             }
         };
-        self.each_cone(cells, settings, |_, _, _| (), filled);
+        self.each_cone::<LIGHT>(cells, settings, |_, _, _| (), filled);
         display.picture(width as u32, (light.len() / width) as u32, &light)
     }
 }

@@ -1,12 +1,12 @@
 //! The gather of the nearest cascade: at the centres of cells and on the faces of walls.
 
 use super::ladder::cosine;
-use super::merge::{ProbeTracer, ReceiverPoints};
+use super::merge::{LIGHT, ProbeTracer, ReceiverPoints, WITH_MOMENT};
 use crate::grid::packet::LANES;
 use crate::simd::dispatch;
 use crate::stages::bounce::Surfaces;
 use crate::stages::faces::{Faces, NORMALS};
-use crate::{Cells, Rgb};
+use crate::{Cells, Light, Moment, Rgb, moment};
 use fearless_simd::{Level, f32x16, prelude::*};
 use rayon::prelude::*;
 
@@ -14,18 +14,19 @@ use rayon::prelude::*;
 pub const BEFORE: f32 = 1.0 / 64.0;
 
 /// Adds the light that arrives at every open cell in one cone of the nearest cascade to the mean over
-/// the circle.
+/// the circle, and to its first moment if it is asked for.
 pub fn add_to_cells(
     level: Level,
     tracer: &ProbeTracer,
     cells: &Cells,
     cone: u32,
-    light: &mut [Rgb],
+    light: &mut Light,
 ) {
     let w = cells.width() as usize;
     let (ray, weight) = ([tracer.ray(cone)], 1.0 / tracer.cascade.rays as f32);
     let in_row = tracer.farther.is_some_and(|farther| farther.cascade.lattice.spacing == 2.0);
-    light.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+    let rows = light.rgb.par_chunks_mut(w).zip(moment::chunks(light.moment.as_deref_mut(), w));
+    rows.enumerate().for_each(|(y, (row, mut moments))| {
         for (packet, row) in row.chunks_mut(LANES).enumerate() {
             let x = packet * LANES;
             if (0..row.len()).all(|l| cells.is_solid(y * w + x + l)) {
@@ -35,7 +36,14 @@ pub fn add_to_cells(
                 let at = |l: usize| (x + l) as f32 + 0.5;
                 let at = [f32x16::from_fn(simd, at), f32x16::splat(simd, y as f32 + 0.5)];
                 let points = ReceiverPoints { at, in_row, normal: None };
-                add(tracer.radiance(simd, points, &ray), weight, row);
+                match &mut moments {
+                    None => add(tracer.radiance::<_, LIGHT>(simd, points, &ray), weight, row),
+                    Some(moments) => {
+                        let found = tracer.radiance::<_, WITH_MOMENT>(simd, points, &ray);
+                        add([found[0], found[1], found[2]], weight, row);
+                        add_moments(found, weight, &mut moments[x..][..row.len()]);
+                    }
+                }
             });
         }
     });
@@ -59,7 +67,7 @@ pub fn add_to_selected(
                 f32x16::from_fn(simd, |l| (cell(l) / cells.width()) as f32 + 0.5),
             ];
             let points = ReceiverPoints { at, in_row: false, normal: None };
-            add(tracer.radiance(simd, points, &ray), weight, light);
+            add(tracer.radiance::<_, LIGHT>(simd, points, &ray), weight, light);
         });
     });
 }
@@ -70,6 +78,16 @@ fn add<S: Simd>(radiance: [f32x16<S>; 3], weight: f32, light: &mut [Rgb]) {
     let radiance = [radiance[0].to_array(), radiance[1].to_array(), radiance[2].to_array()];
     for (l, light) in light.iter_mut().enumerate() {
         (0..3).for_each(|c| light[c] += radiance[c][l]);
+    }
+}
+
+#[inline(always)]
+fn add_moments<S: Simd>(found: [f32x16<S>; WITH_MOMENT], weight: f32, moments: &mut [Moment]) {
+    for (value, found) in found.into_iter().skip(LIGHT).enumerate() {
+        let found = (found * weight).to_array();
+        for (moment, found) in moments.iter_mut().zip(found) {
+            moment[value / LIGHT][value % LIGHT] += found;
+        }
     }
 }
 
@@ -121,7 +139,7 @@ impl FaceGather {
                     ];
                     let normal = Some(NORMALS[face].map(|n| n as f32));
                     let points = ReceiverPoints { at, in_row: false, normal };
-                    add(tracer.radiance(simd, points, &ray), weight, light);
+                    add(tracer.radiance::<_, LIGHT>(simd, points, &ray), weight, light);
                 });
             });
         }

@@ -8,6 +8,11 @@ use crate::grid::packet::LANES;
 use crate::settings::Merge;
 use fearless_simd::{f32x16, prelude::*};
 
+/// Values of light per probe or point: red, green, blue.
+pub const LIGHT: usize = 3;
+/// Values of light with its first moment: then those of its x component and of its y component.
+pub const WITH_MOMENT: usize = 9;
+
 /// Values after the last probe of a [`FartherCascade`]: packets are read whole.
 pub const PADDING: usize = 2 * LANES;
 
@@ -16,11 +21,13 @@ pub const PADDING: usize = 2 * LANES;
 pub struct FartherCascade<'a> {
     /// The cascade that gathered the light.
     pub cascade: &'a Cascade,
-    /// Cone by cone of the nearer cascade, channel by channel, the mean over the cone at all its
-    /// probes; then [`PADDING`].
+    /// Cone by cone of the nearer cascade, value by value ([`LIGHT`] or [`WITH_MOMENT`]), the mean over the
+    /// cone at all its probes; then [`PADDING`].
     pub light: &'a [f32],
     /// Index of the first of these cones.
     pub first: u32,
+    /// Values per probe.
+    pub values: usize,
 }
 
 /// Sixteen points at which light is gathered.
@@ -76,17 +83,18 @@ impl ProbeTracer<'_> {
             Merge::Plain => reach,
             Merge::BilinearFix => reach + beyond.cascade.lattice.spacing,
         };
-        let plane = (number - beyond.first) as usize * 3 * beyond.cascade.lattice.len();
+        let plane = (number - beyond.first) as usize * beyond.values * beyond.cascade.lattice.len();
         ProbeRay { segment, reach, plane, sky: Rgb::default() }
     }
 
-    /// Returns the radiance that arrives at sixteen points, the mean over `rays`.
-    pub fn radiance<S: Simd>(
+    /// Returns the radiance that arrives at sixteen points, the mean over `rays`, in as many values as the farther
+    /// cascade has.
+    pub fn radiance<S: Simd, const N: usize>(
         &self,
         simd: S,
         points: ReceiverPoints<S>,
         rays: &[ProbeRay],
-    ) -> [f32x16<S>; 3] {
+    ) -> [f32x16<S>; N] {
         // Not inlined, so that it is compiled once per vector unit, not once per caller.
         simd.vectorize(
             #[inline(always)]
@@ -95,13 +103,13 @@ impl ProbeTracer<'_> {
     }
 
     #[inline(always)]
-    fn mean_over<S: Simd>(
+    fn mean_over<S: Simd, const N: usize>(
         &self,
         simd: S,
         points: ReceiverPoints<S>,
         rays: &[ProbeRay],
-    ) -> [f32x16<S>; 3] {
-        let mut sum = [f32x16::splat(simd, 0.0); 3];
+    ) -> [f32x16<S>; N] {
+        let mut sum = [f32x16::splat(simd, 0.0); N];
         // Closures are not always compiled for the vector unit: none here and below.
         #[expect(clippy::manual_map, reason = "a closure is slower")]
         let corners = match self.farther {
@@ -114,45 +122,57 @@ impl ProbeTracer<'_> {
             match &corners {
                 None => {
                     let near = self.interval(simd, start, ray);
-                    for c in 0..3 {
-                        sum[c] += near.light[c] + near.transmittance[c] * ray.sky[c];
+                    for v in 0..N {
+                        let arriving =
+                            near.light[v % 3] + near.transmittance[v % 3] * ray.sky[v % 3];
+                        sum[v] += match v / 3 {
+                            0 => arriving,
+                            axis => arriving * ray.segment.direction[axis - 1],
+                        };
                     }
                 }
                 Some(corners) => {
-                    let merged = self.merged(simd, points, start, ray, corners);
-                    for c in 0..3 {
-                        sum[c] += merged[c];
+                    let merged: [_; N] = self.merged(simd, points, start, ray, corners);
+                    for v in 0..N {
+                        sum[v] += merged[v];
                     }
                 }
             }
         }
         let weight = 1.0 / rays.len() as f32;
-        [sum[0] * weight, sum[1] * weight, sum[2] * weight]
+        for v in 0..N {
+            sum[v] *= weight;
+        }
+        sum
     }
 
     /// Returns the radiance along one ray of sixteen points, with the light of the next cascade.
     #[inline(always)]
-    fn merged<S: Simd>(
+    fn merged<S: Simd, const N: usize>(
         &self,
         simd: S,
         points: ReceiverPoints<S>,
         start: [f32x16<S>; 2],
         ray: &ProbeRay,
         corners: &ProbeCorners<S>,
-    ) -> [f32x16<S>; 3] {
-        let mut sum = [f32x16::splat(simd, 0.0); 3];
+    ) -> [f32x16<S>; N] {
+        let mut sum = [f32x16::splat(simd, 0.0); N];
         let empty = self.scene.is_empty_around(start, ray.reach);
         if empty || self.merge == Merge::Plain {
             for corner in 0..4 {
-                let light = corners.light(simd, ray.plane, corner);
-                for c in 0..3 {
-                    sum[c] += corners.weight[corner] * light[c];
+                let light = corners.light::<N>(simd, ray.plane, corner);
+                for v in 0..N {
+                    sum[v] += corners.weight[corner] * light[v];
                 }
             }
             if !empty {
                 let near = self.interval(simd, start, ray);
-                for c in 0..3 {
-                    sum[c] = near.light[c] + near.transmittance[c] * sum[c];
+                for v in 0..N {
+                    let light = match v / 3 {
+                        0 => near.light[v],
+                        axis => near.light[v % 3] * ray.segment.direction[axis - 1],
+                    };
+                    sum[v] = light + near.transmittance[v % 3] * sum[v];
                 }
             }
             return sum;
@@ -170,17 +190,22 @@ impl ProbeTracer<'_> {
                 weight = in_front.select(weight, f32x16::splat(simd, 0.0));
             }
             whole += weight;
-            let near = self.scene.trace(simd, start, [step[0] / length, step[1] / length], length);
-            let light = corners.light(simd, ray.plane, corner);
-            for c in 0..3 {
-                let arriving = near.light[c] + near.transmittance[c] * light[c];
-                sum[c] += weight * arriving;
+            let direction = [step[0] / length, step[1] / length];
+            let near = self.scene.trace(simd, start, direction, length);
+            let light = corners.light::<N>(simd, ray.plane, corner);
+            for v in 0..N {
+                let near_light = match v / 3 {
+                    0 => near.light[v],
+                    axis => near.light[v % 3] * direction[axis - 1],
+                };
+                let arriving = near_light + near.transmittance[v % 3] * light[v];
+                sum[v] += weight * arriving;
             }
         }
         if points.normal.is_some() {
             // Some of the four probes lie in the direction of the ray or beside it.
-            for c in 0..3 {
-                sum[c] /= whole;
+            for v in 0..N {
+                sum[v] /= whole;
             }
         }
         sum
@@ -249,13 +274,13 @@ impl<'a, S: Simd> ProbeCorners<'a, S> {
 
     /// Returns the light that a corner has gathered.
     #[inline(always)]
-    fn light(&self, simd: S, plane: usize, corner: usize) -> [f32x16<S>; 3] {
+    fn light<const N: usize>(&self, simd: S, plane: usize, corner: usize) -> [f32x16<S>; N] {
         let lattice = &self.farther.cascade.lattice;
         let step = (corner & 1) + (corner >> 1) * lattice.count[0] as usize;
-        let mut light = [f32x16::splat(simd, 0.0); 3];
-        for c in 0..3 {
-            let light_of = &self.farther.light[plane + c * lattice.len() + step..];
-            light[c] = match &self.first {
+        let mut light = [f32x16::splat(simd, 0.0); N];
+        for (v, light) in light.iter_mut().enumerate() {
+            let light_of = &self.farther.light[plane + v * lattice.len() + step..];
+            *light = match &self.first {
                 FirstProbe::Row { even, odd } => {
                     let even = f32x16::from_slice(simd, &light_of[*even..][..LANES]);
                     let odd = f32x16::from_slice(simd, &light_of[*odd..][..LANES]);

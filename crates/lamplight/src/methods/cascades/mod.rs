@@ -30,13 +30,13 @@ use crate::settings::{self, Bounces};
 use crate::simd::dispatch;
 use crate::stages::bounce::{Surfaces, mean_over_faces, solve_bounces};
 use crate::stages::direct::DirectLight;
-use crate::{Cells, Rgb};
+use crate::{Cells, Light, Moment, Rgb};
 use fearless_simd::{Level, f32x16, prelude::*};
 pub use gather::BEFORE;
 use gather::FaceGather;
 use interval::{EmptyRadius, TracedScene};
 pub use ladder::{BRANCHES, Cascade, cascades, cosine, mean_sine};
-use merge::{FartherCascade, PADDING, ProbeRay, ProbeTracer, ReceiverPoints};
+use merge::{FartherCascade, LIGHT, PADDING, ProbeRay, ProbeTracer, ReceiverPoints, WITH_MOMENT};
 use rayon::prelude::*;
 
 /// Probes that one thread solves at a time.
@@ -89,7 +89,7 @@ impl Cascades {
         settings: &settings::Cascades,
         bounces: Bounces,
         direct: &DirectLight,
-        light: &mut Vec<Rgb>,
+        light: &mut Light,
         clock: &mut Clock,
     ) {
         self.grid.read(cells, Reading::default());
@@ -128,20 +128,29 @@ impl Cascades {
             let selected = &tracer.scene.surfaces.media;
             gather::add_to_selected(level, tracer, cells, selected, cone, &mut media);
         };
-        self.each_cone(cells, settings, gather, |_, _, _| ());
+        self.each_cone::<LIGHT>(cells, settings, gather, |_, _, _| ());
         self.media = media;
     }
 
     /// Gathers the light of every cell.
-    fn gather_cells(&mut self, cells: &Cells, settings: &settings::Cascades, light: &mut Vec<Rgb>) {
-        light.clear();
-        light.resize(cells.len(), Rgb::default());
+    fn gather_cells(&mut self, cells: &Cells, settings: &settings::Cascades, light: &mut Light) {
+        light.rgb.clear();
+        light.rgb.resize(cells.len(), Rgb::default());
+        let with_moment = light.moment.is_some();
+        if let Some(moment) = &mut light.moment {
+            moment.clear();
+            moment.resize(cells.len(), Moment::default());
+        }
         let gather = |level, tracer: &ProbeTracer, cone| {
             gather::add_to_cells(level, tracer, cells, cone, light);
         };
-        self.each_cone(cells, settings, gather, |_, _, _| ());
+        if with_moment {
+            self.each_cone::<WITH_MOMENT>(cells, settings, gather, |_, _, _| ());
+        } else {
+            self.each_cone::<LIGHT>(cells, settings, gather, |_, _, _| ());
+        }
         for i in (0..cells.len()).filter(|&i| cells.is_solid(i)) {
-            light[i] = self.surfaces.slot(i).map_or(Rgb::default(), |slot| {
+            light.rgb[i] = self.surfaces.slot(i).map_or(Rgb::default(), |slot| {
                 mean_over_faces(&self.surfaces.walls[slot], &self.faces.walls[slot])
             });
         }
@@ -149,8 +158,8 @@ impl Cascades {
 
     /// Solves all cones of the nearest cascade, one after the other, for the faces of walls and for the
     /// receivers of `gather`. `filled` is called with each farther cascade, the index of its first cone
-    /// and its light.
-    fn each_cone(
+    /// and its light, N values per probe.
+    fn each_cone<const N: usize>(
         &mut self,
         cells: &Cells,
         settings: &settings::Cascades,
@@ -168,15 +177,15 @@ impl Cascades {
                 // The cones of the next nearer cascade that lie in this cone.
                 cones /= BRANCHES;
                 let first = cone * cones;
-                let tracer = tracer(scene, settings, cascade, beyond, far);
-                let values = 3 * cones as usize * cascade.lattice.len();
+                let tracer = tracer::<N>(scene, settings, cascade, beyond, far);
+                let values = N * cones as usize * cascade.lattice.len();
                 near.resize(values + PADDING, 0.0);
-                fill(*level, &tracer, first, &mut near[..values]);
+                fill::<N>(*level, &tracer, first, &mut near[..values]);
                 filled(cascade, first, &near[..values]);
                 std::mem::swap(near, far);
                 beyond = Some((cascade, first));
             }
-            let tracer = tracer(scene, settings, nearest, beyond, far);
+            let tracer = tracer::<N>(scene, settings, nearest, beyond, far);
             gather(*level, &tracer, cone);
             faces.add(*level, &tracer, cells, cone);
         }
@@ -184,41 +193,65 @@ impl Cascades {
     }
 }
 
-fn tracer<'a>(
+fn tracer<'a, const N: usize>(
     scene: TracedScene<'a>,
     settings: &settings::Cascades,
     cascade: &'a Cascade,
     beyond: Option<(&'a Cascade, u32)>,
     light: &'a [f32],
 ) -> ProbeTracer<'a> {
-    let farther = beyond.map(|(cascade, first)| FartherCascade { cascade, light, first });
+    let farther =
+        beyond.map(|(cascade, first)| FartherCascade { cascade, light, first, values: N });
     let settings::Cascades { merge, overlap, .. } = *settings;
     ProbeTracer { scene, merge, overlap, cascade, farther }
 }
 
 /// Fills the light of a cascade, cone by cone from `first` on.
-fn fill(level: Level, tracer: &ProbeTracer, first: u32, light: &mut [f32]) {
+fn fill<const N: usize>(level: Level, tracer: &ProbeTracer, first: u32, light: &mut [f32]) {
     let lattice = &tracer.cascade.lattice;
-    light.par_chunks_mut(3 * lattice.len()).enumerate().for_each(|(cone, planes)| {
+    let cones = light.par_chunks_mut(N * lattice.len()).enumerate();
+    cones.for_each(|(cone, planes)| {
         let rays = tracer.rays(first + cone as u32);
-        let (red, rest) = planes.split_at_mut(lattice.len());
-        let (green, blue) = rest.split_at_mut(lattice.len());
         let columns = lattice.count[0] as usize;
         // Packets of wide rows stay within a row, so that the light of the next cascade is contiguous;
         // those of narrow rows would be half empty.
         let in_row = columns >= WIDE && tracer.farther.is_some();
         let block = if in_row { columns } else { BLOCK };
-        red.par_chunks_mut(block)
-            .zip(green.par_chunks_mut(block))
-            .zip(blue.par_chunks_mut(block))
-            .enumerate()
-            .for_each(|(i, ((red, green), blue))| {
-                let probes = ProbeRange { first: i * block, in_row };
-                dispatch!(level, simd => {
-                    fill_block(simd, tracer, probes, &rays, [red, green, blue]);
-                });
-            });
+        let mut planes = planes.chunks_mut(lattice.len());
+        let planes: [&mut [f32]; N] = std::array::from_fn(|_| planes.next().unwrap_or_default());
+        fill_blocks(level, tracer, ProbeRange { first: 0, in_row }, &rays, block, planes);
     });
+}
+
+/// Fills probes in parallel, `block` at a time.
+fn fill_blocks<const N: usize>(
+    level: Level,
+    tracer: &ProbeTracer,
+    probes: ProbeRange,
+    rays: &[ProbeRay],
+    block: usize,
+    light: [&mut [f32]; N],
+) {
+    let blocks = light[0].len().div_ceil(block);
+    if blocks <= 1 {
+        dispatch!(level, simd => fill_block(simd, tracer, probes, rays, light));
+        return;
+    }
+    let middle = blocks / 2 * block;
+    let mut after: [&mut [f32]; N] = std::array::from_fn(|_| <&mut [f32]>::default());
+    let mut rest = after.iter_mut();
+    let before = light.map(|plane| {
+        let (before, behind) = plane.split_at_mut(middle);
+        if let Some(rest) = rest.next() {
+            *rest = behind;
+        }
+        before
+    });
+    let next = ProbeRange { first: probes.first + middle, ..probes };
+    rayon::join(
+        || fill_blocks(level, tracer, probes, rays, block, before),
+        || fill_blocks(level, tracer, next, rays, block, after),
+    );
 }
 
 /// Consecutive probes.
@@ -229,12 +262,12 @@ struct ProbeRange {
 }
 
 #[inline(always)]
-fn fill_block<S: Simd>(
+fn fill_block<S: Simd, const N: usize>(
     simd: S,
     tracer: &ProbeTracer,
     probes: ProbeRange,
     rays: &[ProbeRay],
-    light: [&mut [f32]; 3],
+    light: [&mut [f32]; N],
 ) {
     let lattice = &tracer.cascade.lattice;
     let columns = lattice.count[0] as usize;
@@ -253,10 +286,10 @@ fn fill_block<S: Simd>(
         };
         let at = [lattice.position(0, column), lattice.position(1, row)];
         let points = ReceiverPoints { at, in_row: probes.in_row, normal: None };
-        let radiance = tracer.radiance(simd, points, rays);
+        let found: [f32x16<S>; N] = tracer.radiance(simd, points, rays);
         let end = count.min(packet + LANES);
-        for c in 0..3 {
-            light[c][packet..end].copy_from_slice(&radiance[c].to_array()[..end - packet]);
+        for v in 0..N {
+            light[v][packet..end].copy_from_slice(&found[v].to_array()[..end - packet]);
         }
     }
 }
@@ -273,12 +306,12 @@ mod tests {
         for merge in [Merge::Plain, Merge::BilinearFix] {
             let settings = settings::Cascades { merge, ..settings::Cascades::default() };
             agree(0.0, |level| {
-                let mut light = Vec::new();
+                let mut light = Light::default();
                 let (bounces, direct) = (Bounces::Count(1), DirectLight::default());
                 let mut clock = Clock::default();
                 Cascades::on(level)
                     .solve(&cells, &settings, bounces, &direct, &mut light, &mut clock);
-                light
+                light.rgb
             });
         }
     }

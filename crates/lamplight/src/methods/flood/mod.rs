@@ -28,7 +28,7 @@ use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::math::circle;
 use crate::math::transmittance::{attenuation, transmittance};
-use crate::settings::{Fade, Flood, Sweeps};
+use crate::settings::{Fade, Flood, Method, Sweeps};
 use crate::stages::faces::NORMALS;
 use crate::{Cells, Lamp, Rgb};
 use blur::{Energy, Links};
@@ -171,7 +171,8 @@ impl FloodSolver {
     }
 
     fn cast_lamps(&mut self, cells: &Cells, settings: &Flood) {
-        for lamp in cells.lamps().iter().filter(|lamp| !lamp.is_off()) {
+        let by_rule = |lamp: &&Lamp| !lamp.is_off() && !Method::Flood.lights_exactly(lamp);
+        for lamp in cells.lamps().iter().filter(by_rule) {
             let fading = Fading::of(lamp, settings.fade, self.diameter());
             let color = lamp.color.map(|c| c * lamp.intensity);
             let spacing = match settings.fade {

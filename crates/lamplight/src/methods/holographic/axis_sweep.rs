@@ -25,10 +25,23 @@ pub struct AxisSweep {
     final_gather: FinalGather,
     /// ∫ L dω over both quadrants, by channel, slab by slab.
     light: [Vec<f32>; 3],
+    /// ∫ L ω dω likewise, along the axis and across it; empty if it was not asked for.
+    moment: [[Vec<f32>; 3]; 2],
     /// From one slab to the next in `light`.
     stride: usize,
     /// ∫ L cosθ dω on faces by normal, for each open cell in front of one.
     faces: Vec<[Rgb; 4]>,
+}
+
+/// The results of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// The light of the open cells whose light surfaces need.
+    Surfaces,
+    /// That of all open cells.
+    Light,
+    /// Their first moment, too.
+    Moment,
 }
 
 /// The input of a sweep.
@@ -38,8 +51,7 @@ pub struct SweepInput<'a> {
     /// Surfaces that reflect or scatter; none for direct light.
     pub surfaces: Option<&'a Surfaces>,
     pub receivers: &'a Receivers,
-    /// True if all open cells are lit, false if only those whose light surfaces need.
-    pub all: bool,
+    pub wanted: Wanted,
     pub settings: &'a settings::Holographic,
 }
 
@@ -53,6 +65,7 @@ impl AxisSweep {
             merged: MergedLight::default(),
             final_gather: FinalGather::default(),
             light: Default::default(),
+            moment: Default::default(),
             stride: 0,
             faces: Vec::new(),
         }
@@ -71,6 +84,10 @@ impl AxisSweep {
         self.stride = rows.next_multiple_of(TILE) + LANES;
         for light in &mut self.light {
             light.resize(depth * self.stride, 0.0);
+        }
+        let with_moment = input.wanted == Wanted::Moment;
+        for moment in self.moment.as_flattened_mut() {
+            moment.resize(if with_moment { depth * self.stride } else { 0 }, 0.0);
         }
         self.faces.clear();
         self.faces.resize(input.receivers.face_cells(), [[0.0; 3]; 4]);
@@ -119,7 +136,8 @@ impl AxisSweep {
         for row in (0..self.slabs.rows).step_by(TILE) {
             for slab in slabs.clone() {
                 let bits = input.receivers.bits(self.axis, self.slabs.column(slab), row / TILE);
-                let lit = if input.all { bits.open } else { bits.surfaces };
+                let all = input.wanted != Wanted::Surfaces;
+                let lit = if all { bits.open } else { bits.surfaces };
                 if lit != 0 {
                     let pixels = GatherTile { slab, row, plane, lit, faces: bits.faces };
                     self.gather_tile::<S, K>(simd, input, pixels);
@@ -138,16 +156,21 @@ impl AxisSweep {
     ) {
         let GatherTile { slab, row, faces, .. } = pixels;
         let (slabs, reversed) = (&self.slabs, self.slabs.reversed);
-        let light = self.final_gather.light::<S, K>(simd, slabs, &self.merged, pixels);
+        let mut moment = [[[f32x16::splat(simd, 0.0); VECTORS]; 3]; 2];
+        let with_moment = input.wanted == Wanted::Moment;
+        let moments = with_moment.then_some(&mut moment);
+        let light = self.final_gather.light::<S, K>(simd, slabs, &self.merged, pixels, moments);
+        let place = slabs.column(slab) * self.stride + row;
         for (c, sum) in self.light.iter_mut().enumerate() {
-            let to = &mut sum[slabs.column(slab) * self.stride + row..][..TILE];
-            for v in 0..VECTORS {
-                let to = &mut to[v * LANES..][..LANES];
-                let mut light = light[c][v];
-                if reversed {
-                    light += f32x16::from_slice(simd, to);
+            store(simd, light[c], 1.0, reversed, &mut sum[place..][..TILE]);
+        }
+        if with_moment {
+            // Ahead is the other way in the opposite quadrant; rows are the same.
+            let ahead = if reversed { -1.0 } else { 1.0 };
+            for ((sums, moment), sign) in self.moment.iter_mut().zip(&moment).zip([ahead, 1.0]) {
+                for (sum, moment) in sums.iter_mut().zip(moment) {
+                    store(simd, *moment, sign, reversed, &mut sum[place..][..TILE]);
                 }
-                light.store_slice(to);
             }
         }
         let width = input.cells.width() as usize;
@@ -175,6 +198,13 @@ impl AxisSweep {
         &self.light[channel][slab * self.stride..][..self.stride]
     }
 
+    /// Returns ∫ L ω dω of a channel at the rows of a slab, along an axis of the grid: 0 for x, 1 for y.
+    #[inline(always)]
+    pub fn moment_slab(&self, axis: usize, channel: usize, slab: usize) -> &[f32] {
+        let across = axis != self.axis as usize;
+        &self.moment[usize::from(across)][channel][slab * self.stride..][..self.stride]
+    }
+
     /// Returns ∫ L dω at a cell.
     #[inline(always)]
     pub fn light(&self, x: usize, y: usize) -> Rgb {
@@ -188,6 +218,18 @@ impl AxisSweep {
     /// Returns ∫ L cosθ dω on a face, by the slot of the cell in front and the index of its normal.
     pub fn face(&self, slot: usize, normal: usize) -> Rgb {
         self.faces[slot][normal]
+    }
+}
+
+/// Stores the values of a tile times a sign, or adds them to those that are there.
+#[inline(always)]
+fn store<S: Simd>(simd: S, values: [f32x16<S>; VECTORS], sign: f32, add: bool, to: &mut [f32]) {
+    for (value, to) in values.into_iter().zip(to.chunks_exact_mut(LANES)) {
+        let mut value = value * sign;
+        if add {
+            value += f32x16::from_slice(simd, to);
+        }
+        value.store_slice(to);
     }
 }
 

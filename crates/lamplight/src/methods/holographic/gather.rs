@@ -59,6 +59,9 @@ pub struct GatherCone {
     pub angle: f32,
     /// Cosines between its middle and the axis, and the direction of higher rows.
     pub cosines: [f32; 2],
+    /// Their differences from those of the next cone, or from 0 after the last: light through all cones up to
+    /// each, times these, adds up to the first moment.
+    turns: [f32; 2],
     /// The ends of its rays: first that along the middle, then those that replace it where something
     /// emits light.
     ends: Vec<RayEnd>,
@@ -99,13 +102,17 @@ impl GatherTable {
             weights: ray.weights(),
             cell: bundles.index(end_offset(ray)),
         };
-        let cone = |cone: &ConeRays| GatherCone {
-            number: cone.number,
-            angle: cone.angle,
-            cosines: cone.cosines,
-            ends: cone.rays.iter().map(end).collect(),
+        let cone = |(i, cone): (usize, &ConeRays)| {
+            let next = cones.get(i + 1).map_or([0.0; 2], |next| next.cosines);
+            GatherCone {
+                number: cone.number,
+                angle: cone.angle,
+                cosines: cone.cosines,
+                turns: [0, 1].map(|a| cone.cosines[a] - next[a]),
+                ends: cone.rays.iter().map(end).collect(),
+            }
         };
-        Self { cones: cones.iter().map(cone).collect(), bundles }
+        Self { cones: cones.iter().enumerate().map(cone).collect(), bundles }
     }
 }
 
@@ -152,7 +159,7 @@ impl FinalGather {
         }
     }
 
-    /// Returns ∫ L dω of 64 pixels over the quadrant.
+    /// Returns ∫ L dω of 64 pixels over the quadrant. Adds ∫ L ω dω to `moment`, along the axis and across it.
     #[inline(always)]
     pub fn light<S: Simd, const K: usize>(
         &mut self,
@@ -160,6 +167,7 @@ impl FinalGather {
         slabs: &Slabs,
         plane_light: &MergedLight,
         pixels: GatherTile,
+        mut moment: Option<&mut [TileLight<S>; 2]>,
     ) -> TileLight<S> {
         let GatherTile { slab, row, plane, lit, faces } = pixels;
         let mut sum = [[f32x16::splat(simd, 0.0); VECTORS]; 3];
@@ -225,6 +233,15 @@ impl FinalGather {
             for v in (0..VECTORS).filter(|v| any_in_vector(faces, v * LANES)) {
                 for c in 0..3 {
                     sum[c][v].store_slice(&mut sums[c][v * LANES..][..LANES]);
+                }
+            }
+            if let Some(moment) = &mut moment {
+                for (moment, turn) in moment.iter_mut().zip(cone.turns) {
+                    for c in 0..3 {
+                        for v in 0..VECTORS {
+                            moment[c][v] = sum[c][v].mul_add(turn, moment[c][v]);
+                        }
+                    }
                 }
             }
         }

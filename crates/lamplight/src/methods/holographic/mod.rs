@@ -53,8 +53,8 @@ use crate::settings::{self, Bounces, Variant};
 use crate::stages::bounce::{Surfaces, Wall, mean_over_faces, solve_bounces};
 use crate::stages::direct::DirectLight;
 use crate::stages::faces::Faces;
-use crate::{Cells, Rgb};
-use axis_sweep::{AxisSweep, SweepInput};
+use crate::{Cells, Light, Moment, Rgb};
+use axis_sweep::{AxisSweep, SweepInput, Wanted};
 use faces::{Receivers, cell_in_front};
 use fearless_simd::Level;
 use published::Published;
@@ -102,11 +102,11 @@ impl Holographic {
         settings: &settings::Holographic,
         bounces: Bounces,
         direct: &DirectLight,
-        light: &mut Vec<Rgb>,
+        light: &mut Light,
         clock: &mut Clock,
     ) {
         if settings.variant == Variant::Paper {
-            self.published.solve(cells, bounces, direct, light);
+            self.published.solve(cells, bounces, direct, &mut light.rgb);
             clock.lap("holographic");
             return;
         }
@@ -117,32 +117,32 @@ impl Holographic {
         let mut reflected = false;
         if bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters() {
             solve_bounces(bounces, || {
-                self.sweep(cells, settings, reflected, false);
+                self.sweep(cells, settings, reflected, Wanted::Surfaces);
                 reflected = true;
                 self.bounce(cells, direct)
             });
             clock.lap("bounce");
         }
-        self.sweep(cells, settings, reflected, true);
+        let wanted = if light.moment.is_some() { Wanted::Moment } else { Wanted::Light };
+        self.sweep(cells, settings, reflected, wanted);
         clock.lap("holographic");
         self.write(cells, light);
         clock.lap("gather");
     }
 
-    /// Finds the light of all four quadrants. `reflected`: with the radiance that surfaces reflect;
-    /// `all`: in all open cells, not only those whose light surfaces need.
+    /// Finds the light of all four quadrants. `reflected`: with the radiance that surfaces reflect.
     fn sweep(
         &mut self,
         cells: &Cells,
         settings: &settings::Holographic,
         reflected: bool,
-        all: bool,
+        wanted: Wanted,
     ) {
         let input = SweepInput {
             cells,
             surfaces: reflected.then_some(&self.surfaces),
             receivers: &self.receivers,
-            all,
+            wanted,
             settings,
         };
         let [x, y] = &mut self.sweeps;
@@ -168,39 +168,25 @@ impl Holographic {
         })
     }
 
-    /// Writes the light of all cells: mean radiance in open ones, in walls the mean over their faces.
-    fn write(&self, cells: &Cells, light: &mut Vec<Rgb>) {
+    /// Writes the light of all cells: mean radiance in open ones, in walls the mean over their faces; and the first
+    /// moment in open ones.
+    fn write(&self, cells: &Cells, light: &mut Light) {
         let w = cells.width() as usize;
-        light.resize(cells.len(), [0.0; 3]);
-        // Block by block: one sweep holds columns and the other rows.
-        light.par_chunks_mut(BLOCK * w).enumerate().for_each(|(block, light)| {
-            let top = block * BLOCK;
-            let [columns, rows] = &self.sweeps;
-            for from in (0..w).step_by(BLOCK) {
-                let size = BLOCK.min(w - from);
-                let mut transposed = [[[0.0; 3]; BLOCK]; BLOCK];
-                for c in 0..3 {
-                    for x in 0..size {
-                        let column = &columns.slab(c, from + x)[top..][..BLOCK];
-                        for (row, sum) in transposed.iter_mut().zip(column) {
-                            row[x][c] = *sum;
-                        }
-                    }
-                }
-                for (row, light) in light.chunks_exact_mut(w).enumerate() {
-                    let sums = [0, 1, 2].map(|c| &rows.slab(c, top + row)[from..][..size]);
-                    let light = &mut light[from..][..size];
-                    for (x, (light, column)) in light.iter_mut().zip(transposed[row]).enumerate() {
-                        for c in 0..3 {
-                            light[c] = (column[c] + sums[c][x]) * (1.0 / TAU);
-                        }
-                    }
-                }
+        let [columns, rows] = &self.sweeps;
+        light.rgb.resize(cells.len(), [0.0; 3]);
+        let sums: Slabwise = [&|c, x| columns.slab(c, x), &|c, y| rows.slab(c, y)];
+        write_mean(w, sums, &mut light.rgb, |light, mean| *light = mean);
+        if let Some(moment) = &mut light.moment {
+            moment.resize(cells.len(), Moment::default());
+            for a in 0..2 {
+                let sums: Slabwise =
+                    [&|c, x| columns.moment_slab(a, c, x), &|c, y| rows.moment_slab(a, c, y)];
+                write_mean(w, sums, moment, |moment, mean| moment[a] = mean);
             }
-        });
+        }
         for wall in &self.surfaces.walls {
             let cell = wall.cell as usize;
-            light[cell] = mean_over_faces(wall, &self.irradiance(cell, wall.exposed, w));
+            light.rgb[cell] = mean_over_faces(wall, &self.irradiance(cell, wall.exposed, w));
         }
     }
 
@@ -224,6 +210,42 @@ impl Holographic {
     }
 }
 
+/// Integrals that are stored by columns and by rows: by channel, and the number of the column or row.
+type Slabwise<'s, 'a> = [&'s (dyn Fn(usize, usize) -> &'a [f32] + Sync); 2];
+
+/// Writes the mean over the circle of integrals.
+fn write_mean<'a, T: Send>(
+    width: usize,
+    [columns, rows]: Slabwise<'_, 'a>,
+    to: &mut [T],
+    write: impl Fn(&mut T, Rgb) + Sync,
+) {
+    // Block by block: one sweep holds columns and the other rows.
+    to.par_chunks_mut(BLOCK * width).enumerate().for_each(|(block, to)| {
+        let top = block * BLOCK;
+        for from in (0..width).step_by(BLOCK) {
+            let size = BLOCK.min(width - from);
+            let mut transposed = [[[0.0; 3]; BLOCK]; BLOCK];
+            for c in 0..3 {
+                for x in 0..size {
+                    let column = &columns(c, from + x)[top..][..BLOCK];
+                    for (row, sum) in transposed.iter_mut().zip(column) {
+                        row[x][c] = *sum;
+                    }
+                }
+            }
+            for (row, to) in to.chunks_exact_mut(width).enumerate() {
+                let sums = [0, 1, 2].map(|c| &rows(c, top + row)[from..][..size]);
+                let to = &mut to[from..][..size];
+                for (x, (to, column)) in to.iter_mut().zip(transposed[row]).enumerate() {
+                    let mean = |c: usize| (column[c] + sums[c][x]) * (1.0 / TAU);
+                    write(to, [mean(0), mean(1), mean(2)]);
+                }
+            }
+        }
+    });
+}
+
 /// Side of the blocks in which light is written, px: a few cache lines.
 const BLOCK: usize = 16;
 
@@ -241,12 +263,12 @@ mod tests {
         for preset in ["default", "fast", "quality"] {
             let settings = settings::Holographic::preset(preset).unwrap();
             agree(ROUNDING, |level| {
-                let mut light = Vec::new();
+                let mut light = Light::default();
                 let (bounces, direct) = (Bounces::Count(1), DirectLight::default());
                 let mut clock = Clock::default();
                 Holographic::on(level)
                     .solve(&cells, &settings, bounces, &direct, &mut light, &mut clock);
-                light
+                light.rgb
             });
         }
     }

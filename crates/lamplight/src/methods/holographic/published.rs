@@ -52,7 +52,7 @@ impl Published {
                 if cells.is_solid(i) || scatters {
                     let (before, direct) = (lit.emission()[i], direct.at(i));
                     for c in 0..3 {
-                        matter.emission[c] += matter.albedo[c] * (light[c] + direct[c]);
+                        matter.emission[c] += matter.albedo[c] * (light[c] + direct[c]).max(0.0);
                         largest = largest.max((matter.emission[c] - before[c]).abs());
                         sum += matter.emission[c];
                     }

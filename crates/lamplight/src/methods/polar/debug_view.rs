@@ -1,7 +1,7 @@
 //! Debug views: the shadow map of each lamp, its light unrolled round it.
 
 use super::PolarSolver;
-use crate::{Display, Rgb, ToneMap};
+use crate::{Display, Rgb};
 use image::RgbImage;
 
 /// Columns: angles from 0 (to the right), clockwise in the picture.
@@ -30,7 +30,6 @@ impl PolarSolver {
                 }
             }
         }
-        let plain = Display { tonemap: ToneMap::None, exposure: 0.0 };
-        plain.picture(ANGLES as u32, (light.len() / ANGLES) as u32, &light)
+        Display::PLAIN.picture(ANGLES as u32, (light.len() / ANGLES) as u32, &light)
     }
 }

@@ -7,11 +7,12 @@ use super::angle::atan2;
 use super::shadow_map::{ShadowMap, ShadowScene};
 use super::sun_map::SunMap;
 use crate::grid::cast::LANES;
+use crate::mask::ALL_LAYERS;
 use crate::settings::{Blend, Polar, ShadowFilter};
 use crate::simd::dispatch;
 use crate::stages::bounce::{Surfaces, Wall, mean_over_faces};
 use crate::stages::faces::{Faces, NORMALS};
-use crate::{Cells, Falloff, Lamp, Rgb};
+use crate::{Cells, Falloff, Lamp, Moment, Rgb, moment};
 use fearless_simd::{Level, f32x16, i32x16, prelude::*};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
@@ -27,6 +28,8 @@ pub struct LightPlanes {
     width: usize,
     stride: usize,
     planes: [Vec<f32>; 3],
+    /// First moments, in rows as long; empty if they were not asked for.
+    moments: Vec<Moment>,
     /// 1 in open cells, 0 in solid ones and in the padding.
     open: Vec<f32>,
     /// Solid cells with a face in the open.
@@ -37,6 +40,7 @@ pub struct LightPlanes {
 struct Band<'a> {
     rows: Range<usize>,
     planes: [&'a mut [f32]; 3],
+    moments: Option<&'a mut [Moment]>,
     open: &'a [f32],
     walls: &'a [Wall],
     scene: ShadowScene<'a>,
@@ -45,8 +49,8 @@ struct Band<'a> {
 }
 
 impl LightPlanes {
-    /// Sets all light to 0, for these cells.
-    pub fn clear(&mut self, cells: &Cells) {
+    /// Sets all light to 0, for these cells, and all first moments if they are asked for.
+    pub fn clear(&mut self, cells: &Cells, with_moments: bool) {
         self.width = cells.width() as usize;
         self.stride = self.width.next_multiple_of(LANES);
         let n = self.stride * cells.height() as usize;
@@ -54,6 +58,8 @@ impl LightPlanes {
             plane.clear();
             plane.resize(n, 0.0);
         }
+        self.moments.clear();
+        self.moments.resize(if with_moments { n } else { 0 }, Moment::default());
         self.open.resize(n, 0.0);
         let w = self.width;
         self.open.par_chunks_mut(self.stride).enumerate().for_each(|(y, row)| {
@@ -81,13 +87,14 @@ impl LightPlanes {
             .zip(green.par_chunks_mut(BAND * stride))
             .zip(blue.par_chunks_mut(BAND * stride))
             .zip(self.open.par_chunks(BAND * stride))
+            .zip(moment::chunks(optional(&mut self.moments), BAND * stride))
             .enumerate();
-        bands.for_each(|(band, (((red, green), blue), open))| {
+        bands.for_each(|(band, ((((red, green), blue), open), moments))| {
             let rows = band * BAND..band * BAND + open.len() / stride;
             let wall = |y: usize| walls.partition_point(|wall| (wall.cell as usize) < y * width);
             let walls = &walls[wall(rows.start)..wall(rows.end)];
-            let mut band =
-                Band { rows, planes: [red, green, blue], open, walls, width, stride, scene };
+            let planes = [red, green, blue];
+            let mut band = Band { rows, planes, moments, open, walls, width, stride, scene };
             for shadow_map in shadow_maps {
                 dispatch!(level, simd => band.add(simd, shadow_map, settings));
                 // Exact light on walls is found by face.
@@ -110,7 +117,8 @@ impl LightPlanes {
         faces.par_iter_mut().zip(walls).for_each(|(faces, wall)| {
             let cell = wall.cell as usize;
             let center = [cell % self.width, cell / self.width].map(|v| v as f32 + 0.5);
-            for shadow_map in shadow_maps {
+            let lights = |map: &&ShadowMap| scene.lights(map.lamp.mask, cell);
+            for shadow_map in shadow_maps.iter().filter(lights) {
                 let Some(off) = shadow_map.reaches(center) else { continue };
                 for (face, sum) in faces.iter_mut().enumerate().filter(|(f, _)| wall.exposed[*f]) {
                     let arrives = on_face(shadow_map, scene, off, face, settings.shadow_filter);
@@ -132,14 +140,21 @@ impl LightPlanes {
         let [red, green, blue] = &mut self.planes;
         let rows = red.par_chunks_mut(stride).zip(green.par_chunks_mut(stride));
         let rows = rows.zip(blue.par_chunks_mut(stride)).zip(self.open.par_chunks(stride));
-        rows.enumerate().for_each(|(y, (((red, green), blue), open))| {
-            for x in (0..width).filter(|&x| open[x] > 0.0) {
-                let light = sun_map.at(scene, [x as f32 + 0.5, y as f32 + 0.5]);
+        let rows = rows.zip(moment::chunks(optional(&mut self.moments), stride));
+        rows.enumerate().for_each(|(y, ((((red, green), blue), open), mut moments))| {
+            let lights = |x: usize| open[x] > 0.0 && scene.lights(sun_map.mask(), y * width + x);
+            for x in (0..width).filter(|&x| lights(x)) {
+                let (light, direction) = sun_map.at(scene, [x as f32 + 0.5, y as f32 + 0.5]);
                 (red[x], green[x], blue[x]) =
                     (red[x] + light[0], green[x] + light[1], blue[x] + light[2]);
+                if let Some(moments) = &mut moments {
+                    moment::add(&mut moments[x], &moment::from_direction(light, direction));
+                }
             }
         });
-        faces.par_iter_mut().zip(&self.surfaces.walls).for_each(|(faces, wall)| {
+        let walls = faces.par_iter_mut().zip(&self.surfaces.walls);
+        let lit = walls.filter(|(_, wall)| scene.lights(sun_map.mask(), wall.cell as usize));
+        lit.for_each(|(faces, wall)| {
             let cell = wall.cell as usize;
             let center = [cell % width, cell / width].map(|v| v as f32 + 0.5);
             for (face, sum) in faces.iter_mut().enumerate().filter(|(f, _)| wall.exposed[*f]) {
@@ -158,6 +173,13 @@ impl LightPlanes {
             let mean = mean_over_faces(wall, faces);
             (0..3).for_each(|c| self.planes[c][y * self.stride + x] += mean[c]);
         }
+    }
+
+    /// Writes the first moments in row order.
+    pub fn write_moments(&self, moments: &mut Vec<Moment>) {
+        moments.clear();
+        let rows = self.moments.chunks(self.stride).map(|row| &row[..self.width]);
+        rows.for_each(|row| moments.extend_from_slice(row));
     }
 
     /// Writes the light in row order.
@@ -181,6 +203,8 @@ impl Band<'_> {
         let reach = shadow_map.reach;
         let rows = self.rows.clone();
         let lane = f32x16::from_fn(simd, |l| l as f32);
+        let mask = shadow_map.lamp.mask;
+        let is_masked = mask != ALL_LAYERS && self.scene.masks.is_some();
         // A px more on all sides: rounding must not cut the rim.
         let from = (y - reach - 1.5).max(rows.start as f32) as usize;
         let to = ((y + reach + 1.5).max(0.0) as usize).min(rows.end);
@@ -191,7 +215,12 @@ impl Band<'_> {
             let last = ((x + half).max(0.0) as usize).min(self.width);
             for chunk in (first..last).step_by(LANES) {
                 let place = (row - rows.start) * self.stride + chunk;
-                let open = f32x16::from_slice(simd, &self.open[place..place + LANES]);
+                let mut open = f32x16::from_slice(simd, &self.open[place..place + LANES]);
+                if is_masked {
+                    let first = row * self.width + chunk;
+                    let lights = |l: usize| f32::from(u8::from(self.scene.lights(mask, first + l)));
+                    open *= f32x16::from_fn(simd, lights);
+                }
                 if open.simd_gt(0.0).to_bitmask() != 0 {
                     let dx = lane + (chunk as f32 + 0.5 - x);
                     let off = [dx, f32x16::splat(simd, dy)];
@@ -231,6 +260,7 @@ impl Band<'_> {
         }
         let [lit, dark] = bounds.map(|b| f32x16::load_array(simd, b));
         let (lit, dark) = (distance.simd_lt(lit), distance.simd_ge(dark));
+        let mut middles = [0.0; LANES];
         let mut partly = (weight.simd_gt(0.0) & !lit & !dark).to_bitmask();
         weight = (!lit & dark).select(open * 0.0, weight);
         if partly != 0 {
@@ -238,7 +268,9 @@ impl Band<'_> {
             while partly != 0 {
                 let l = partly.trailing_zeros() as usize;
                 partly &= partly - 1;
-                weights[l] *= shadow_map.partly_seen(self.scene, [dx[l], dy[l]], at[l]);
+                let seen = shadow_map.partly_seen(self.scene, [dx[l], dy[l]], at[l]);
+                weights[l] *= seen.fraction;
+                middles[l] = seen.middle;
             }
             weight = f32x16::load_array(simd, weights);
         }
@@ -256,11 +288,32 @@ impl Band<'_> {
             }
             through = lanes.map(|v| f32x16::load_array(simd, v));
         }
+        let color = shadow_map.lamp.radiance();
+        let blend = blend_of(&shadow_map.lamp, settings);
+        if let Some(moments) = &mut self.moments {
+            for l in (0..LANES).filter(|l| left >> l & 1 == 1) {
+                let direction = shadow_map.direction([dx[l], dy[l]], middles[l]);
+                let moment = &mut moments[place + l];
+                for c in 0..3 {
+                    let (old, new) = (self.planes[c][place + l], through[c][l] * color[c]);
+                    // The shares of the light before and of the lamp in the light that stays.
+                    let [kept, taken] = match blend {
+                        Blend::Add => [1.0, new],
+                        Blend::Max if new > old => [0.0, new],
+                        Blend::Max => [1.0, 0.0],
+                        Blend::Screen => [1.0 - new.min(1.0), new.min(1.0)],
+                    };
+                    for (part, way) in moment.iter_mut().zip(direction) {
+                        part[c] = kept * part[c] + taken * way;
+                    }
+                }
+            }
+        }
         for c in 0..3 {
             let plane = &mut self.planes[c][place..place + LANES];
             let old = f32x16::from_slice(simd, plane);
-            let new = through[c] * (shadow_map.lamp.color[c] * shadow_map.lamp.intensity);
-            let sum = match settings.blend {
+            let new = through[c] * color[c];
+            let sum = match blend {
                 Blend::Add => old + new,
                 Blend::Max => old.max(new),
                 Blend::Screen => {
@@ -280,6 +333,9 @@ impl Band<'_> {
         };
         for wall in &self.walls[row(y - reach - 1.0)..row(y + reach + 1.0)] {
             let cell = wall.cell as usize;
+            if !self.scene.lights(shadow_map.lamp.mask, cell) {
+                continue;
+            }
             let (column, row) = (cell % self.width, cell / self.width);
             let center = [column as f32 + 0.5, row as f32 + 0.5];
             let Some(off) = shadow_map.reaches(center) else { continue };
@@ -287,7 +343,7 @@ impl Band<'_> {
             let place = (row - self.rows.start) * self.stride + column;
             for c in 0..3 {
                 let value = &mut self.planes[c][place];
-                *value = match settings.blend {
+                *value = match blend_of(&shadow_map.lamp, settings) {
                     Blend::Add => *value + new[c],
                     Blend::Max => value.max(new[c]),
                     Blend::Screen => *value + new[c].min(1.0) * (1.0 - *value),
@@ -338,6 +394,17 @@ fn on_face(
         shadow_map.transmittance(scene, before, at, shadow_filter)
     };
     std::array::from_fn(|c| weight * through[c] * lamp.intensity * lamp.color[c])
+}
+
+/// Returns the way in which the light of a lamp combines with that of those before.
+fn blend_of(lamp: &Lamp, settings: &Polar) -> Blend {
+    // Light is taken from the sum, whatever the sum is made of.
+    if lamp.takes_light() { Blend::Add } else { settings.blend }
+}
+
+/// None for no moments.
+fn optional(moments: &mut [Moment]) -> Option<&mut [Moment]> {
+    (!moments.is_empty()).then_some(moments)
 }
 
 /// [`Falloff::at`] for sixteen distances.

@@ -19,9 +19,9 @@ mod angle;
 mod debug_view;
 mod gather;
 mod lit_ranges;
-mod penumbra;
+pub mod penumbra;
 mod sampling;
-mod shadow_map;
+pub mod shadow_map;
 mod sun_map;
 mod transmittance_curve;
 
@@ -31,8 +31,9 @@ pub use transmittance_curve::{APART, FINEST};
 use crate::clock::Clock;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::settings::Polar;
+use crate::stages::direct::DirectLight;
 use crate::stages::faces::Faces;
-use crate::{Cells, Lamp, Rgb};
+use crate::{Cells, Lamp, Light};
 use fearless_simd::Level;
 use gather::LightPlanes;
 use penumbra::SolidBits;
@@ -54,9 +55,25 @@ pub struct PolarSolver {
     sun_map: SunMap,
     /// The light of suns on faces, in the method itself.
     faces: Vec<Faces>,
+    /// The lamps in their order, in the method itself.
+    lamps: Vec<Lamp>,
     /// The number of lamps in the last group of the last frame.
     last: usize,
     planes: LightPlanes,
+}
+
+/// The lamps and cells of a frame, and what to find of their light.
+#[derive(Clone, Copy)]
+struct LampInput<'a> {
+    cells: &'a Cells,
+    lamps: &'a [Lamp],
+    /// The distance field; empty unless `traversal = "distance"`.
+    distance: &'a [f32],
+    settings: &'a Polar,
+    /// True for exact penumbrae, and for light on faces.
+    exact: bool,
+    /// True if the first moment is found too.
+    moment: bool,
 }
 
 impl Default for PolarSolver {
@@ -75,6 +92,7 @@ impl PolarSolver {
             shadow_maps: Vec::new(),
             sun_map: SunMap::default(),
             faces: Vec::new(),
+            lamps: Vec::new(),
             last: 0,
             planes: LightPlanes::default(),
         }
@@ -87,43 +105,42 @@ impl PolarSolver {
         cells: &Cells,
         distance: &[f32],
         settings: &Polar,
-        light: &mut Vec<Rgb>,
+        light: &mut Light,
         clock: &mut Clock,
     ) {
-        let mut faces = std::mem::take(&mut self.faces);
-        self.add(cells, cells.lamps(), distance, settings, false, &mut faces, clock);
-        self.faces = faces;
-        self.planes.write(light);
+        let (mut faces, mut lamps) =
+            (std::mem::take(&mut self.faces), std::mem::take(&mut self.lamps));
+        lamps.clear();
+        lamps.extend_from_slice(cells.lamps());
+        // Those that take light away take it from all others, however these blend.
+        lamps.sort_by_key(Lamp::takes_light);
+        let moment = light.moment.is_some();
+        let input = LampInput { cells, lamps: &lamps, distance, settings, exact: false, moment };
+        self.add(input, &mut faces, clock);
+        (self.faces, self.lamps) = (faces, lamps);
+        self.planes.write(&mut light.rgb);
+        if let Some(moment) = &mut light.moment {
+            self.planes.write_moments(moment);
+        }
         clock.lap("polar");
     }
 
-    /// Lights the cells by some lamps and by their suns with exact penumbrae, and each face of their walls: irradiance
-    /// ÷ 2, in the order of [`Surfaces::walls`](crate::stages::bounce::Surfaces::walls).
-    pub fn solve_faces(
-        &mut self,
-        cells: &Cells,
-        lamps: &[Lamp],
-        light: &mut Vec<Rgb>,
-        faces: &mut Vec<Faces>,
-    ) {
-        self.add(cells, lamps, &[], &Polar::default(), true, faces, &mut Clock::default());
+    /// Finds the direct light of the lamps of `direct` and of the suns with exact penumbrae, on cells and on faces, and
+    /// its first moment if it is asked for.
+    pub fn solve_direct(&mut self, cells: &Cells, moment: bool, direct: &mut DirectLight) {
+        let settings = &Polar::default();
+        let DirectLight { lamps, light, moment: moments, faces } = direct;
+        let input = LampInput { cells, lamps, distance: &[], settings, exact: true, moment };
+        self.add(input, faces, &mut Clock::default());
         self.planes.write(light);
+        self.planes.write_moments(moments);
     }
 
     /// Adds lamps and the suns of the cells. Only suns light `faces`, and lamps if they are `exact`.
-    #[expect(clippy::too_many_arguments, reason = "the two ways to solve differ in these")]
-    fn add(
-        &mut self,
-        cells: &Cells,
-        lamps: &[Lamp],
-        distance: &[f32],
-        settings: &Polar,
-        exact: bool,
-        faces: &mut Vec<Faces>,
-        clock: &mut Clock,
-    ) {
+    fn add(&mut self, input: LampInput, faces: &mut Vec<Faces>, clock: &mut Clock) {
+        let LampInput { cells, lamps, distance, settings, exact, moment } = input;
         self.grid.read(cells, Reading { translucent: settings.translucent, ..Reading::default() });
-        self.planes.clear(cells);
+        self.planes.clear(cells, moment);
         faces.clear();
         if exact || !cells.suns().is_empty() {
             self.solid.read(&self.grid);
@@ -132,7 +149,8 @@ impl PolarSolver {
         clock.lap("ground");
         self.last = 0;
         let (level, grid, solid) = (self.level, &self.grid, &self.solid);
-        let scene = ShadowScene { grid, solid: exact.then_some(solid) };
+        let masks = cells.masks();
+        let scene = ShadowScene { grid, solid: exact.then_some(solid), masks };
         let mut lamps = lamps;
         while !lamps.is_empty() {
             let bytes = |lamp| ShadowMap::most_bytes(lamp, grid, settings);
@@ -158,7 +176,7 @@ impl PolarSolver {
             clock.lap("polar");
             lamps = rest;
         }
-        let scene = ShadowScene { grid, solid: Some(solid) };
+        let scene = ShadowScene { solid: Some(solid), ..scene };
         for sun in cells.suns() {
             self.sun_map.trace(sun, scene);
             self.planes.shine(scene, &self.sun_map, faces);
@@ -177,9 +195,9 @@ mod tests {
     fn every_vector_unit_gives_the_same_bytes() {
         let (cells, settings) = (cells(), Polar::default());
         agree(0.0, |level| {
-            let mut light = Vec::new();
+            let mut light = Light::default();
             PolarSolver::on(level).solve(&cells, &[], &settings, &mut light, &mut Clock::default());
-            light
+            light.rgb
         });
     }
 }

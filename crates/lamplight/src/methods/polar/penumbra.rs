@@ -106,6 +106,8 @@ pub struct Hidden {
     count: usize,
     /// The fraction of the light beyond the grid, which is hidden too.
     outside: f32,
+    /// The middle of the part within the grid, which stands for the whole.
+    middle: f32,
 }
 
 impl Hidden {
@@ -147,11 +149,24 @@ impl Hidden {
         self.count == 1 && self.parts[0] == [-1.0, 1.0]
     }
 
-    /// The fraction that is seen, of the part within the grid.
-    fn rest(&self) -> f32 {
+    /// Returns the part that is seen, as a fraction of what lies within the grid.
+    fn rest(&self) -> SeenPart {
         let hidden: f32 = self.parts().iter().map(|[a, b]| b - a).sum();
-        (1.0 - 0.5 * hidden).max(0.0) / (1.0 - self.outside)
+        let seen = (1.0 - 0.5 * hidden).max(0.0);
+        // The middle of all is 0, so what is hidden and what is seen are in balance.
+        let moment: f32 = self.parts().iter().map(|[a, b]| 0.25 * (b * b - a * a)).sum();
+        let middle = if seen > 0.0 { -moment / seen - self.middle } else { 0.0 };
+        let middle = middle.clamp(-1.0, 1.0);
+        SeenPart { fraction: seen / (1.0 - self.outside), middle }
     }
+}
+
+/// The part of a light that a pixel sees.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SeenPart {
+    pub fraction: f32,
+    /// The mean place of the part across the light, −1 to 1.
+    pub middle: f32,
 }
 
 /// The rays from a pixel to all points of a light.
@@ -197,8 +212,8 @@ impl LampDisc {
     }
 }
 
-/// Returns the visible fraction of a lamp for a pixel at `off` from it, in an open cell.
-pub fn visible(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> f32 {
+/// Returns the part of a lamp that a pixel sees at `off` from it, in an open cell.
+pub fn visible(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> SeenPart {
     hidden(solid, grid, lamp, off).rest()
 }
 
@@ -269,6 +284,7 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
             let at = if counts { seen.min(inside) } else { seen };
             if counts {
                 hidden.outside += 0.5 * (1.0 - inside);
+                hidden.middle += 0.5 * sign * inside;
             }
             if at < 1.0 {
                 hidden.add((sign * at).min(sign), (sign * at).max(sign));
@@ -407,12 +423,26 @@ fn through_media_to(grid: &MediumGrid, fan: &Fan, at: f32) -> Option<Rgb> {
     let part = at * slope;
     let way = [ahead[0] + part * ahead[1], ahead[1] - part * ahead[0]];
     let length = way[0].hypot(way[1]);
+    let (hit, through) = along_ray(grid, pixel, way.map(|v| v / length), distance * length);
+    (hit == RayHit::NONE).then_some(through)
+}
+
+/// Returns the transmittance of media from the middle of a lamp up to the wall before a pixel that sees the lamp only
+/// past that wall.
+pub fn through_media_to_wall(grid: &MediumGrid, fan: &Fan) -> Rgb {
+    let Fan { pixel, ahead, distance, .. } = *fan;
+    let center = [0, 1].map(|a| pixel[a] + distance * ahead[a]);
+    along_ray(grid, center, ahead.map(|v| -v), distance).1
+}
+
+/// Returns the end of a ray, and the transmittance of media up to it.
+fn along_ray(grid: &MediumGrid, from: [f32; 2], way: [f32; 2], reach: f32) -> (RayHit, Rgb) {
     let mut depth = [0.0; 3];
-    let hit = grid.cast(pixel, way.map(|v| v / length), distance * length, false, |step, cell| {
+    let hit = grid.cast(from, way, reach, false, |step, cell| {
         if grid.classes[cell] == CellClass::Medium {
             let px = step.span[1] - step.span[0];
             (0..3).for_each(|c| depth[c] += grid.extinction[cell][c] * px);
         }
     });
-    (hit == RayHit::NONE).then(|| depth.map(transmittance))
+    (hit, depth.map(transmittance))
 }

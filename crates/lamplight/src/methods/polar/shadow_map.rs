@@ -12,7 +12,9 @@
 //! penumbrae by all solid cells instead (`penumbra.rs`).
 
 use super::lit_ranges::{LitRanges, beside};
-use super::penumbra::{EVEN, LampDisc, SolidBits, differ, mean_cosine, through_media, visible};
+use super::penumbra::{
+    EVEN, LampDisc, SeenPart, SolidBits, differ, mean_cosine, through_media, visible,
+};
 use super::sampling::{clear_px, sample};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::{LANES, RayHit};
@@ -85,6 +87,16 @@ pub struct ShadowScene<'a> {
     pub grid: &'a MediumGrid,
     /// The solid cells, for penumbrae that are exact.
     pub solid: Option<&'a SolidBits>,
+    /// The layers of every cell; `None` if all are in all.
+    pub masks: Option<&'a [u8]>,
+}
+
+impl ShadowScene<'_> {
+    /// Returns whether light of this mask lights a cell.
+    #[inline(always)]
+    pub fn lights(&self, mask: u8, cell: usize) -> bool {
+        self.masks.is_none_or(|masks| masks.get(cell).is_none_or(|own| own & mask != 0))
+    }
 }
 
 /// Returns the length of a lamp's rays in a grid of columns and rows, px, and their number.
@@ -124,7 +136,7 @@ impl ShadowMap {
         distance: &[f32],
         settings: &Polar,
     ) {
-        let ShadowScene { grid, solid } = scene;
+        let ShadowScene { grid, solid, .. } = scene;
         self.exact = solid.is_some();
         self.lamp = Lamp { falloff: settings.falloff.unwrap_or(lamp.falloff), ..*lamp };
         (self.reach, self.count) = rays(lamp, grid.size.map(|side| side as u32), settings);
@@ -140,14 +152,13 @@ impl ShadowMap {
             self.cone.extend((0..count + 2).map(|ray| cone.share(angle(ray % count))));
         }
         let (cone, exact) = (&self.cone, self.exact);
-        let outside = |ray: usize| cone.get(ray) == Some(&0.0);
         // Exact penumbrae are also thrown by walls and media beside the cone, but only by those near the lamp.
-        let dark = |ray: usize| outside(ray) && !exact;
+        let dark = |ray: usize| cone.get(ray) == Some(&0.0) && !exact;
         let length = |ray: usize| match lamp.cone {
-            Some(cone) if outside(ray) && !grid.has_media() => {
-                let beside = cone.outside(angle(ray)).min(FRAC_PI_2);
-                (lamp.size / beside.sin() + 1.0).min(reach)
-            }
+            Some(cone) if !grid.has_media() => match cone.outside(angle(ray)) {
+                ..=0.0 => reach,
+                beside => (lamp.size / beside.min(FRAC_PI_2).sin() + 1.0).min(reach),
+            },
             _ => reach,
         };
         self.together.resize(count, None);
@@ -243,7 +254,7 @@ impl ShadowMap {
         } else if distance >= dark {
             0.0
         } else {
-            self.partly_seen(scene, off, at)
+            self.partly_seen(scene, off, at).fraction
         }
     }
 
@@ -296,8 +307,8 @@ impl ShadowMap {
     }
 
     /// Like [`Self::seen`], for a pixel between the bounds of its ray.
-    pub fn partly_seen(&self, scene: ShadowScene, off: [f32; 2], at: f32) -> f32 {
-        let ShadowScene { grid, solid } = scene;
+    pub fn partly_seen(&self, scene: ShadowScene, off: [f32; 2], at: f32) -> SeenPart {
+        let ShadowScene { grid, solid, .. } = scene;
         if let Some(solid) = solid {
             return visible(solid, grid, self.disc(at), off);
         }
@@ -307,8 +318,9 @@ impl ShadowMap {
         let inverse = 1.0 / off[0].hypot(off[1]);
         let beside_ray = nearest as f32 - at;
         let shadowed = self.inverse[own] > inverse;
-        let mut seen = 0.0;
+        let (mut seen, mut places) = (0.0, 0.0);
         for forward in [true, false] {
+            let side = if forward { 0.5 } else { -0.5 };
             let mut gap = |from: f32, to: f32| {
                 let width = to.min(1.0) - from;
                 // A pixel in the shadow of the lamp's center may still see part of the disc past the
@@ -317,6 +329,7 @@ impl ShadowMap {
                     && (!shadowed || self.arrives(grid, off, from + 0.5 * width, forward))
                 {
                     seen += width;
+                    places += side * width * (2.0 * from + width);
                 }
             };
             // β up to which the fraction is known.
@@ -343,7 +356,8 @@ impl ShadowMap {
             }
             gap(done, 1.0);
         }
-        0.5 * seen
+        let middle = if seen > 0.0 { places / seen } else { 0.0 };
+        SeenPart { fraction: 0.5 * seen, middle }
     }
 
     /// Returns whether no wall stands between a pixel's side and the part β of the lamp, or between
@@ -359,6 +373,22 @@ impl ShadowMap {
         let from = std::array::from_fn(|a| center[a] + off[a] + 0.5 * aside[a]);
         let round = grid.contains(center) && !grid.contains(part);
         !round && grid.sees(from, part) && grid.sees(center, part)
+    }
+
+    /// Returns the mean direction from a pixel at `off` towards a part of the lamp, by the middle of that part; shorter
+    /// than 1, as directions to a disc differ.
+    pub fn direction(&self, off: [f32; 2], middle: f32) -> [f32; 2] {
+        let distance = off[0].hypot(off[1]);
+        if distance == 0.0 {
+            return [0.0; 2];
+        }
+        // Over the disc: ⟨cos φ⟩ = ⟨1/√(1 + β²k²)⟩ = asinh(k)/k, β even from −1 to 1.
+        let k = self.lamp.size / distance;
+        let mean_cosine = if k < SMALL { 1.0 - k * k / 6.0 } else { k.asinh() / k };
+        let part = middle * k;
+        let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
+        let length = way[0].hypot(way[1]);
+        way.map(|v| v / length * mean_cosine)
     }
 
     /// Returns the transmittance of media up to a pixel at `off` from the lamp, `at` its angle in rays.
@@ -438,7 +468,8 @@ impl ShadowMap {
         at: f32x16<S>,
         shadow_filter: ShadowFilter,
     ) -> f32x16<S> {
-        let (Some(cone), true) = (self.lamp.cone, self.exact) else {
+        let even = self.lamp.cone.filter(|cone| cone.profile.is_none());
+        let (Some(cone), true) = (even, self.exact) else {
             return f32x16::from_fn(simd, |l| self.in_cone(at[l], shadow_filter));
         };
         let half = 0.5 * cone.angle;

@@ -95,6 +95,11 @@ impl SunMap {
         self.ranges.find(grid, hits, shades, shades);
     }
 
+    /// The layers that it lights.
+    pub fn mask(&self) -> u8 {
+        self.sun.mask
+    }
+
     /// Returns the place of a point: its ray, and its distance along it.
     fn place(&self, [x, y]: [f32; 2]) -> (f32, f32) {
         let across = x * self.across[0] + y * self.across[1];
@@ -126,20 +131,32 @@ impl SunMap {
         if hidden.parts().is_empty() { SeenOfSun::All } else { SeenOfSun::Part(hidden) }
     }
 
-    /// Returns the mean radiance that an open cell receives.
-    pub fn at(&self, scene: ShadowScene, pixel: [f32; 2]) -> Rgb {
+    /// Returns the mean radiance that an open cell receives, and the mean direction that it comes from.
+    pub fn at(&self, scene: ShadowScene, pixel: [f32; 2]) -> (Rgb, [f32; 2]) {
         let place = self.place(pixel);
         let angle = |at: f32| (at * self.slope).atan();
         let seen = self.seen(scene, pixel, place);
-        let width = match &seen {
-            SeenOfSun::Nothing => return [0.0; 3],
-            SeenOfSun::All => self.sun.angle,
+        let half = 0.5 * self.sun.angle;
+        // ∫dφ, ∫cosφ dφ and ∫sinφ dφ over what is seen.
+        let mut seen_angle = [2.0 * half, 2.0 * half.sin(), 0.0];
+        match &seen {
+            SeenOfSun::Nothing => return ([0.0; 3], [0.0; 2]),
+            SeenOfSun::All => {}
             SeenOfSun::Part(hidden) => {
-                let hides = |&[from, to]: &[f32; 2]| angle(to) - angle(from);
-                self.sun.angle - hidden.parts().iter().map(hides).sum::<f32>()
+                for part in hidden.parts() {
+                    let [from, to] = part.map(angle);
+                    seen_angle[0] -= to - from;
+                    seen_angle[1] -= to.sin() - from.sin();
+                    seen_angle[2] -= from.cos() - to.cos();
+                }
             }
-        };
-        self.light(scene, pixel, place, &seen, 0.5 * FRAC_1_PI * width)
+        }
+        let [width, along, beside] = seen_angle;
+        let light = self.light(scene, pixel, place, &seen, 0.5 * FRAC_1_PI * width);
+        let inverse = 1.0 / width.max(f32::MIN_POSITIVE);
+        let [ahead, aside] = [along, beside].map(|v| (v * inverse).clamp(-1.0, 1.0));
+        let [x, y] = self.travels.map(|v| -v);
+        (light, [ahead * x + aside * y, ahead * y - aside * x])
     }
 
     /// Returns the irradiance ÷ 2 of a face, by its middle.

@@ -1,15 +1,16 @@
 //! Means over rays: the mean radiance at a cell's center, and the irradiance of the faces of a wall.
 
 use super::march::{RayScene, Seen};
-use crate::Rgb;
 use crate::grid::packet::{LANES, Lanes};
 use crate::grid::traverse::Ray;
 use crate::math::noise;
+use crate::moment;
 use crate::settings::{Raymarch, Spacing};
 use crate::simd::dispatch;
 use crate::srgb::luminance;
 use crate::stages::bounce::Wall;
 use crate::stages::faces::{Faces, NORMALS};
+use crate::{Moment, Rgb};
 use fearless_simd::{Level, f32x16, prelude::*};
 use std::f32::consts::TAU;
 
@@ -63,6 +64,8 @@ pub struct Gather<'a> {
     pub directions: &'a Directions,
     pub frame: u32,
     pub seed: u64,
+    /// True if the first moment of the light is found too.
+    pub moment: bool,
     pub level: Level,
 }
 
@@ -108,6 +111,12 @@ impl Gather<'_> {
             let seen = self.scene.march(simd, Ray { from, cell, direction }, false);
             for (sum, seen) in sums.iter_mut().zip(&seen) {
                 sum.add(ray as u32, seen);
+            }
+            if self.moment {
+                for (l, (sum, seen)) in sums.iter_mut().zip(&seen).enumerate() {
+                    let way = direction.map(|part| part[l]);
+                    moment::add(&mut sum.moment, &moment::from_direction(seen.light, way));
+                }
             }
         }
         sums.map(|sum| sum.mean(settings.rays))
@@ -163,6 +172,8 @@ impl Gather<'_> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mean {
     pub light: Rgb,
+    /// Its first moment; 0 on faces, and if it was not asked for.
+    pub moment: Moment,
     /// Variance of the luminance's noise: `Σ (A − B)² / rays²` over sectors of [`SECTOR`] rays, with
     /// A and B the sums over every other ray. Over the whole circle at once, two lights would cancel
     /// wherever an even ray meets one and an odd ray the other.
@@ -175,6 +186,7 @@ pub struct Mean {
 #[derive(Clone, Copy, Default)]
 struct Sum {
     light: Rgb,
+    moment: Moment,
     /// Luminance of even rays minus that of odd ones, over the current sector.
     alternating: f32,
     /// Sum of its squares over the sectors before.
@@ -200,6 +212,7 @@ impl Sum {
         let weight = 1.0 / rays as f32;
         Mean {
             light: self.light.map(|v| v * weight),
+            moment: self.moment.map(|part| part.map(|v| v * weight)),
             variance: (self.squares + self.alternating * self.alternating) * weight * weight,
             changed: self.changed,
         }

@@ -18,7 +18,6 @@
 mod gather;
 mod march;
 
-use crate::Cells;
 use crate::clock::Clock;
 use crate::filters::estimate::Estimate;
 use crate::grid::class::CellClass;
@@ -28,6 +27,7 @@ use crate::settings::{BounceMode, Bounces, Hit, Raymarch};
 use crate::stages::bounce::{Surfaces, mean_over_faces, solve_bounces};
 use crate::stages::direct::DirectLight;
 use crate::stages::faces::Faces;
+use crate::{Cells, moment};
 use fearless_simd::Level;
 use gather::{Directions, Gather, Mean};
 pub use gather::{GOLDEN_RATIO, SECTOR, directions, stride};
@@ -206,19 +206,23 @@ impl RaymarchSolver {
 
     /// Gathers the light of every cell.
     fn gather(&self, input: Input, estimate: &mut Estimate) {
-        let gather = self.gatherer(input);
+        let gather = Gather { moment: estimate.moment.is_some(), ..self.gatherer(input) };
         let w = input.cells.width() as usize;
         estimate.resize(input.cells.len());
-        let Estimate { light, variance, invalidated } = estimate;
+        let Estimate { light, moment, variance, invalidated } = estimate;
         let rows = light
             .par_chunks_mut(w)
             .zip(invalidated.par_chunks_mut(w))
             .zip(variance.par_chunks_mut(w))
+            .zip(moment::chunks(moment.as_deref_mut(), w))
             .enumerate();
-        rows.for_each(|(y, ((light, invalidated), variance))| {
+        rows.for_each(|(y, (((light, invalidated), variance), mut moment))| {
             let mut put = |i: u32, mean: Mean| {
                 let x = i as usize - y * w;
                 (light[x], invalidated[x], variance[x]) = (mean.light, mean.changed, mean.variance);
+                if let Some(moment) = &mut moment {
+                    moment[x] = mean.moment;
+                }
             };
             let (mut open, mut count) = ([0; LANES], 0);
             for i in (y * w) as u32..((y + 1) * w) as u32 {
@@ -246,7 +250,7 @@ impl RaymarchSolver {
         let wall = &self.surfaces.walls[slot];
         let (faces, changed) = gather.faces(wall);
         let changed = changed.contains(&true);
-        Mean { light: mean_over_faces(wall, &faces), changed, variance: 0.0 }
+        Mean { light: mean_over_faces(wall, &faces), changed, ..Mean::default() }
     }
 
     fn gatherer<'a>(&'a self, input: Input<'a>) -> Gather<'a> {
@@ -262,6 +266,7 @@ impl RaymarchSolver {
             directions: &self.directions,
             frame: input.frame,
             seed: input.seed,
+            moment: false,
             level: self.level,
         }
     }

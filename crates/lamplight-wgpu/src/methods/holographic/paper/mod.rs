@@ -17,6 +17,7 @@ use crate::planner::{FramePlanner, PassList, view, whole};
 use crate::programs;
 use crate::stage::Stage;
 use crate::stages::convergence::Convergence;
+use crate::stages::gradient_moment::GradientMoment;
 use crate::traffic::Traffic;
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
@@ -37,6 +38,8 @@ pub struct Paper {
     /// Without tint, and with tint.
     levels: [LevelPipelines; 2],
     gather: ComputePipelines,
+    /// Set if the first moment is found.
+    moment: Option<GradientMoment>,
     /// Set if light bounces until it has converged, with the pipeline that scatters light then.
     convergence: Option<(Convergence, ComputePipelines)>,
 }
@@ -172,13 +175,14 @@ struct PaperBuffers<'a> {
 }
 
 impl Paper {
-    pub fn new(device: &Device, bounces: Bounces) -> Self {
+    pub fn new(device: &Device, bounces: Bounces, moment: bool) -> Self {
         let new = |program| ComputePipelines::new(device, program, &[]);
         let converged = || (Convergence::new(device), new(&programs::PAPER_SOURCE_COMPARED));
         Self {
             source: new(&programs::PAPER_SOURCE),
             levels: [LevelPipelines::new(device, 4), LevelPipelines::new(device, 6)],
             gather: new(&programs::PAPER_GATHER),
+            moment: moment.then(|| GradientMoment::new(device)),
             convergence: (bounces == Bounces::Converged).then(converged),
         }
     }
@@ -201,7 +205,8 @@ impl Paper {
         let solve = |source: Dispatch| -> Vec<_> {
             let gather = planner.over_cells(&self.gather, 0, &gather, None);
             let gathered = [source].into_iter().chain(quadrants.iter().cloned()).chain([gather]);
-            gathered.chain(planner.add_direct(light)).collect()
+            let moment = self.moment.iter().map(|moment| moment.plan(planner, light));
+            gathered.chain(moment).chain(planner.add_direct(light)).collect()
         };
         // Direct light, then the light that it makes cells scatter, once per bounce.
         let mut dispatches = solve(planner.over_cells(&self.source, 0, &sources, None));

@@ -1,0 +1,112 @@
+//! `lamplight sight`: what viewers see of a scene, as a picture.
+
+use crate::args::{Backend, DisplayArgs, MachineArgs, Point, Renderer};
+use crate::device_info::DeviceInfo;
+use crate::error::{CliError, Result};
+use crate::job::read_cells;
+use crate::lit::ms;
+use crate::memory;
+use crate::output::{self, Format};
+use crate::stage::{check_scale, enlarge};
+use lamplight::{Cone, Method, Scene, Settings, Sight, SightSolver, debug_views};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Write a picture of what viewers see of a scene: white is seen
+#[derive(clap::Args, Debug)]
+pub struct SightArgs {
+    /// The scene file (TOML or JSON)
+    scene: PathBuf,
+    /// The eye of a viewer in px from the top left, such as 160,90. Repeat it for more viewers, of whom the
+    /// picture shows what any sees
+    #[arg(long, value_name = "X,Y", required = true, allow_hyphen_values = true)]
+    from: Vec<Point>,
+    /// The file to write: .png (plain values, white is 1) or .exr (floats)
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    /// The radius of each eye in px: larger is softer
+    #[arg(long, value_name = "PX", default_value_t = Sight::default().size)]
+    size: f32,
+    /// The distance in px from which on nothing is seen
+    #[arg(long, value_name = "PX", default_value_t = Sight::default().range)]
+    range: f32,
+    /// The fraction of the range, from its end inwards, over which sight fades
+    #[arg(long, value_name = "FRACTION", default_value_t = Sight::default().fade)]
+    fade: f32,
+    /// The direction in which viewers look, in degrees from the right downwards [default: all round]
+    #[arg(long, value_name = "DEGREES", requires = "angle", allow_negative_numbers = true)]
+    direction: Option<f32>,
+    /// The angle of their field of view, in degrees
+    #[arg(long, value_name = "DEGREES", requires = "direction")]
+    angle: Option<f32>,
+    /// Show each cell as K×K pixels
+    #[arg(long, value_name = "K", default_value_t = DisplayArgs::default().scale,
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    scale: u32,
+    #[command(flatten)]
+    machine: MachineArgs,
+}
+
+impl SightArgs {
+    fn sights(&self) -> Vec<Sight> {
+        let cone = self.direction.zip(self.angle).map(|(direction, angle)| Cone {
+            direction: direction.to_radians(),
+            angle: angle.to_radians(),
+            softness: 0.0,
+            profile: None,
+        });
+        let Self { size, range, fade, .. } = *self;
+        let sight = |&Point(position): &Point| Sight { position, size, range, fade, cone };
+        self.from.iter().map(sight).collect()
+    }
+}
+
+pub fn run(args: SightArgs) -> Result {
+    let format = Format::of(&args.output)?;
+    if format == Format::Exr && args.scale != 1 {
+        return Err(CliError::bad_input("--scale is for pictures (.png), not for .exr"));
+    }
+    let MachineArgs { backend, quiet, .. } = args.machine;
+    if backend == Backend::Gpu {
+        return Err(CliError::bad_input("this command finds sight on the CPU only")
+            .hint("leave --backend out, or say --backend cpu"));
+    }
+    args.machine.run(|_| {
+        let scene = Scene::load(&args.scene)?;
+        check_scale(scene.size, args.scale)?;
+        let (cells, outputs) = read_cells(&scene, &args.scene, quiet, |size| {
+            // Sight takes no more than the light of `polar`.
+            let settings = Settings::direct(Method::Polar);
+            memory::estimate(size, Renderer::Method(Method::Polar), &settings, Backend::Cpu)
+                + memory::estimate_picture(size.cells, args.scale)
+        })?;
+        outputs.check(&args.output)?;
+        let start = Instant::now();
+        let mut solver = SightSolver::default();
+        solver.read(&cells.drawn())?;
+        let seen = solver.field(&args.sights())?;
+        let took = ms(start.elapsed()).round();
+        let (width, height) = (cells.width(), cells.height());
+        let bytes = match format {
+            Format::Png => {
+                output::png(&enlarge(&debug_views::visibility(width, seen), args.scale)?)?
+            }
+            Format::Exr => {
+                let grey = seen.iter().map(|&v| [v; 3]).collect();
+                output::exr(width, height, &[("", grey)])?
+            }
+        };
+        outputs.write(&args.output, &bytes)?;
+        if quiet {
+            return Ok(());
+        }
+        let viewers = match args.from.len() {
+            1 => "one viewer sees".to_owned(),
+            count => format!("{count} viewers see"),
+        };
+        let (shown, device) = (args.output.display(), DeviceInfo::cpu());
+        output::print(format_args!(
+            "wrote {shown}: what {viewers} of {width}×{height} cells, found in {took} ms {device}"
+        ))
+    })
+}
