@@ -139,9 +139,14 @@ fn normal_maps_cost_nothing_before_they_come_and_after_they_are_gone() {
     app.world_mut().spawn((sprite.clone(), Matter2d::glow(6.0)));
     let mapped = app.world_mut().spawn((sprite, Transform::from_xyz(12.0, 0.0, 0.0))).id();
     begin(&mut app);
+    // The minimum over several frames, because copies to the GPU are held while it is busy.
     let steady = |app: &mut App| {
         (0..20).for_each(|_| app.update());
-        held(app)
+        (0..20).fold([isize::MAX; 6], |least, _| {
+            app.update();
+            let held = held(app);
+            std::array::from_fn(|kind| held[kind].min(least[kind]))
+        })
     };
     let before = steady(&mut app);
     app.world_mut().entity_mut(mapped).insert(map);
