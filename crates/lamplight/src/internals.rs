@@ -58,7 +58,9 @@ pub mod flood {
 
 /// Holographic radiance cascades.
 pub mod holographic {
-    pub use crate::methods::holographic::{EMISSIVE, MATTER, MEDIUM, REACH, WEIGHT_EPSILON};
+    pub use crate::methods::holographic::{
+        EMISSIVE, EXCHANGED, MATTER, MEDIUM, REACH, SMALL, WEIGHT_EPSILON,
+    };
 
     /// Directions, levels, and the positions of planes.
     pub mod lattice {

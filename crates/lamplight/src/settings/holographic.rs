@@ -36,7 +36,7 @@ settings! {
         gather_length: u32 = 2, in 1..=15;
         /// Rays per cone of the final gather if something in it glows; other cones take one. Higher:
         /// smoother light right beside small lights, for time where there are some.
-        gather_rays: u32 = 2, in 1..=16;
+        gather_rays: u32 = 3, in 1..=16;
         /// Parallel rays of a bundle; a traced ray of the lattice is their mean. Higher: fewer
         /// stripes far from small lights, for a little time where there is matter.
         bundle_rays: u32 = 8, in 1..=16;

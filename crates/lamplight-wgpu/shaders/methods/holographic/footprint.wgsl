@@ -11,6 +11,7 @@
 override OCCUPIED: u32;
 override MEDIUM: u32;
 override EMITTING: u32;
+override SMALL: u32;
 
 const TILE: u32 = 64u;
 // Slabs that a tile reads: one behind, its own, and those ahead.
@@ -26,21 +27,32 @@ const ASIDE: i32 = 32;
 @group(0) @binding(6) var<storage, read> scattered: array<vec2u>;
 
 // By bit, slab and word.
-var<workgroup> near: array<u32, 3u * SLABS * ACROSS>;
+var<workgroup> near: array<u32, 4u * SLABS * ACROSS>;
 var<workgroup> any_near: atomic<u32>;
 
-// Fetches the bits around 64 rows, from the slab behind `slab` to the one `ahead` of it.
-fn fetch(local: u32, lanes: u32, slab: u32, row: u32, ahead: u32) {
+// The bits of 32 rows of a slab from a multiple of 32 on.
+fn word_of(bit: u32, slab: u32, word: u32) -> u32 {
     let words = (sweep.rows + 31u) / 32u;
-    for (var i = local; i < 3u * (ahead + 2u) * ACROSS; i += lanes) {
+    if slab >= sweep.depth || word >= words {
+        return 0u;
+    }
+    let place = select(slab, sweep.depth - 1u - slab, sweep.reversed == 1u);
+    return cell_bits[sweep.cell_bits + (bit * sweep.depth + place) * words + word];
+}
+
+// Fetches the bits around 64 rows, from the slab behind `slab` to the one `ahead` of it.
+fn fetch(local: u32, lanes: u32, slab: u32, row: i32, ahead: u32) {
+    for (var i = local; i < 4u * (ahead + 2u) * ACROSS; i += lanes) {
         let bit = i / ((ahead + 2u) * ACROSS);
         let away = i / ACROSS % (ahead + 2u);
-        let word = row / 32u + i % ACROSS - 1u;
+        let first = row + 32 * (i32(i % ACROSS) - 1);
         let at = slab + away - 1u;
-        var found = 0u;
-        if at < sweep.depth && word < words {
-            let place = select(at, sweep.depth - 1u - at, sweep.reversed == 1u);
-            found = cell_bits[sweep.cell_bits + (bit * sweep.depth + place) * words + word];
+        // Rounded down, below 0 too.
+        let word = u32(first >> 5u);
+        let shift = u32(first) & 31u;
+        var found = word_of(bit, at, word) >> shift;
+        if shift != 0u {
+            found |= word_of(bit, at, word + 1u) << (32u - shift);
         }
         near[(bit * SLABS + away) * ACROSS + i % ACROSS] = found;
         if found != 0u {

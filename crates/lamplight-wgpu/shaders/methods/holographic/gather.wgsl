@@ -138,7 +138,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let plane = (slab + sweep.gather_length + (1u << sweep.level) - 1u) >> sweep.level;
     let ahead = (plane << sweep.level) - slab;
     let pixel = Pixel(slab, TILE * group.x + lane, lane, ahead, plane);
-    fetch(lane, TILE, slab, TILE * group.x, max(ahead, REACH));
+    fetch(lane, TILE, slab, i32(TILE * group.x), max(ahead, REACH));
     workgroupBarrier();
     let empty = atomicLoad(&any_near) == 0u;
     if pixel.row >= sweep.rows || (FACES && empty) {

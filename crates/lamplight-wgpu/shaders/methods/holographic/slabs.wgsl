@@ -1,14 +1,15 @@
-// The cells as quadrants read them: three bits per cell, slab by slab along both axes, 32 rows per word. The
+// The cells as quadrants read them: four bits per cell, slab by slab along both axes, 32 rows per word. The
 // irradiance of the gather before is cleared.
 
 #import methods/holographic/packed_rgb
 #import methods/holographic/sweep
 #import shared/uniforms
 
-// The bits: anything but empty space; a medium; emission, or scattered radiance.
+// The bits: anything but empty space; a medium; emission, or scattered radiance; a source as small as a cell.
 override OCCUPIED: u32;
 override MEDIUM: u32;
 override EMITTING: u32;
+override SMALL: u32;
 
 @group(0) @binding(2) var emission: texture_2d<f32>;
 @group(0) @binding(3) var matter: texture_2d<f32>;
@@ -27,6 +28,18 @@ fn emits(at: vec2u) -> bool {
     return emits;
 }
 
+fn is_solid(at: vec2i) -> bool {
+    let inside = all(at >= vec2i(0)) && !outside(vec2u(at));
+    return inside && textureLoad(matter, at, 0).a >= 1.0;
+}
+
+// Returns whether no cell beside this one is solid.
+fn is_alone(at: vec2u) -> bool {
+    let cell = vec2i(at);
+    return !is_solid(cell - vec2i(1, 0)) && !is_solid(cell + vec2i(1, 0))
+        && !is_solid(cell - vec2i(0, 1)) && !is_solid(cell + vec2i(0, 1));
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let slab = id.x;
@@ -34,12 +47,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if slab >= sweep.depth || id.y >= words {
         return;
     }
-    var bits = vec3u(0u);
+    var bits = vec4u(0u);
     for (var bit = 0u; bit < 32u && 32u * id.y + bit < sweep.rows; bit++) {
         let at = cell_of(slab, 32u * id.y + bit);
         let tint_opacity = textureLoad(matter, at, 0);
         if any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)) {
-            bits |= vec3u(1u, u32(tint_opacity.a < 1.0), u32(emits(at))) << vec3u(bit);
+            let medium = tint_opacity.a < 1.0;
+            let emitting = emits(at);
+            let small = emitting && (medium || is_alone(at));
+            bits |= vec4u(1u, u32(medium), u32(emitting), u32(small)) << vec4u(bit);
         }
         if sweep.axis == 0u {
             for (var face = 0u; face < 4u; face++) {
@@ -51,4 +67,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     cell_bits[place + OCCUPIED * sweep.depth * words] = bits.x;
     cell_bits[place + MEDIUM * sweep.depth * words] = bits.y;
     cell_bits[place + EMITTING * sweep.depth * words] = bits.z;
+    cell_bits[place + SMALL * sweep.depth * words] = bits.w;
 }

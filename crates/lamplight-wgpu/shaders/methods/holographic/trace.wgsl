@@ -1,10 +1,57 @@
 // Traces the first level of intervals: bundles, each the mean of parallel rays, from every row of the planes
-// that lie 2^level slabs apart.
+// that lie 2^level slabs apart. Neighbouring rows exchange some of the light of small sources, for the reason in
+// crates/lamplight/src/methods/holographic/prefilter.rs.
 
 #import methods/holographic/footprint
 #import methods/holographic/interval
 
+// Fraction of the difference between two rows that they exchange.
+override EXCHANGED: f32;
+// Rows that a workgroup stores. It traces one more to each side.
+const STORED: u32 = TILE - 2u;
+
 @group(0) @binding(7) var<storage, read_write> intervals: array<u32>;
+
+struct Traced {
+    // The words of an interval that hold its radiance.
+    words: vec2u,
+    // Whether the row is open at the plane, and whether its bundle may meet a small source.
+    open: bool,
+    small: bool,
+}
+
+// By lane.
+var<workgroup> traced: array<Traced, 4u * TILE>;
+
+// The interval of a bundle from a lane's row.
+fn bundle_of(bundle: u32, slab: u32, row: u32, lane: u32, length: u32) -> Interval {
+    // The footprint of a bundle: a mask of two words per slab, then the first crossing of each ray and the
+    // number of its crossings.
+    let masks = 2u * (length + 1u);
+    if !any_of(OCCUPIED, lane, bundle, length + 1u) {
+        return nothing();
+    }
+    var sum = Interval(vec3f(0.0), vec3f(0.0));
+    for (var i = 0u; i < sweep.rays; i++) {
+        let footprint = bundle + masks + 2u * i;
+        let one = march(slab, row, lane, footprints[footprint], footprints[footprint + 1u]);
+        sum.light += one.light;
+        sum.transmittance += one.transmittance;
+    }
+    return Interval(sum.light / f32(sweep.rays), sum.transmittance / f32(sweep.rays));
+}
+
+// The light that one lane gains from another.
+fn gained(own: Traced, other: Traced) -> vec3f {
+    if !own.open || !other.open || !(own.small || other.small) {
+        return vec3f(0.0);
+    }
+    return EXCHANGED * (light_of(other.words) - light_of(own.words));
+}
+
+fn light_of(words: vec2u) -> vec3f {
+    return unpack(vec3u(words, 0u)).light;
+}
 
 @compute @workgroup_size(64, 4)
 fn main(
@@ -15,42 +62,45 @@ fn main(
     let plane = sweep.first + group.y;
     let length = 1u << sweep.level;
     let slab = plane << sweep.level;
-    fetch(index, 4u * TILE, slab, TILE * group.x, length);
+    let first_row = i32(STORED * group.x) - 1;
+    fetch(index, 4u * TILE, slab, first_row, length);
     workgroupBarrier();
     let empty = atomicLoad(&any_near) == 0u;
-    let row = TILE * group.x + local.x;
-    if row >= sweep.rows {
-        return;
-    }
+    let row = first_row + i32(local.x);
+    let inside = row >= 0 && row < i32(sweep.rows);
+    let stores = inside && local.x > 0u && local.x <= STORED;
+    let is_open = inside && !is_solid(local.x, 0, 0);
     let rays = 2u * length + 1u;
     let odd = (plane & 1u) == 1u;
     let place = select(plane / 2u - sweep.even_first, plane / 2u - sweep.odd_first.x, odd);
     let base = select(sweep.even, sweep.odd.x, odd);
-    // The footprint of a bundle: a mask of two words per slab, then the first crossing of each ray and the
-    // number of its crossings.
-    let masks = 2u * (length + 1u);
-    let size = masks + 2u * sweep.rays;
-    for (var ray = local.y; ray < rays; ray += 4u) {
+    let size = 2u * (length + 1u) + 2u * sweep.rays;
+    for (var first = 0u; first < rays; first += 4u) {
+        let ray = first + local.y;
         let bundle = sweep.footprints + ray * size;
-        var sum = nothing();
-        if !empty && any_of(OCCUPIED, local.x, bundle, length + 1u) {
-            sum = Interval(vec3f(0.0), vec3f(0.0));
-            for (var i = 0u; i < sweep.rays; i++) {
-                let footprint = bundle + masks + 2u * i;
-                let first = footprints[footprint];
-                let one = march(slab, row, local.x, first, footprints[footprint + 1u]);
-                sum.light += one.light;
-                sum.transmittance += one.transmittance;
+        var words = pack(nothing());
+        var small = false;
+        if inside && ray < rays && !empty {
+            words = pack(bundle_of(bundle, slab, u32(row), local.x, length));
+            small = any_of(SMALL, local.x, bundle, length + 1u);
+        }
+        let own = Traced(words.xy, is_open, small);
+        traced[index] = own;
+        workgroupBarrier();
+        if stores && ray < rays {
+            let light = gained(own, traced[index - 1u]) + gained(own, traced[index + 1u]);
+            if any(light != vec3f(0.0)) {
+                var interval = unpack(words);
+                interval.light += light;
+                words = pack(interval);
             }
-            sum.light /= f32(sweep.rays);
-            sum.transmittance /= f32(sweep.rays);
+            let at = base + (place * rays + ray) * WORDS * sweep.rows + u32(row);
+            intervals[at] = words.x;
+            intervals[at + sweep.rows] = words.y;
+            if WORDS == 3u {
+                intervals[at + 2u * sweep.rows] = words.z;
+            }
         }
-        let words = pack(sum);
-        let at = base + (place * rays + ray) * WORDS * sweep.rows + row;
-        intervals[at] = words.x;
-        intervals[at + sweep.rows] = words.y;
-        if WORDS == 3u {
-            intervals[at + 2u * sweep.rows] = words.z;
-        }
+        workgroupBarrier();
     }
 }

@@ -7,8 +7,10 @@
 
 use lamplight::internals::holographic::lattice::{BEYOND, cones, levels, planes, rays};
 
-/// Rows of a workgroup that traces or gathers.
+/// Rows of a workgroup that gathers.
 pub const TILE: u32 = 64;
+/// Rows that a workgroup traces and stores; it traces one more to each side.
+pub const TRACED: u32 = TILE - 2;
 /// The packed radiance of a cone or a face.
 pub type Packed = [u32; 2];
 

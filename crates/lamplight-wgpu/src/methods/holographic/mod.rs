@@ -21,7 +21,9 @@ use crate::{programs, shaders};
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
 use lamplight::internals::holographic::lattice::{BENT, GatherGeometry};
-use lamplight::internals::holographic::{EMISSIVE, MATTER, MEDIUM, REACH, WEIGHT_EPSILON};
+use lamplight::internals::holographic::{
+    EMISSIVE, EXCHANGED, MATTER, MEDIUM, REACH, SMALL, WEIGHT_EPSILON,
+};
 use lamplight::settings::Holographic as Settings;
 use lattice::{Lattice, Packed};
 use quadrant::{Axis, PlannedWork, Quadrant, RUN};
@@ -69,7 +71,8 @@ impl IntervalPipelines {
         let stored = ("WORDS", f64::from(words));
         let tile = tiles::tile(device.limits().max_compute_workgroup_storage_size, words);
         let held = tiles::intervals(tile) * words;
-        let trace = [CELLS, MARCH, &[stored]].concat();
+        let exchanged = ("EXCHANGED", EXCHANGED.into());
+        let trace = [CELLS, MARCH, &[stored, exchanged]].concat();
         let extend = [
             stored,
             ("BENT", BENT.into()),
@@ -191,7 +194,7 @@ impl Holographic {
             cones.extend(table);
             let words = lattice.depth * lattice.rows.div_ceil(32);
             axes.push(Axis { axis, lattice, cones: begins, cell_bits });
-            cell_bits += 3 * words as u32;
+            cell_bits += 4 * words as u32;
         }
         let storage = BufferUsages::STORAGE;
         let faces = FACES * planner.cells();
@@ -340,6 +343,7 @@ const CELLS: &[(&str, f64)] = &[
     ("OCCUPIED", MATTER.trailing_zeros() as f64),
     ("MEDIUM", MEDIUM.trailing_zeros() as f64),
     ("EMITTING", EMISSIVE.trailing_zeros() as f64),
+    ("SMALL", SMALL.trailing_zeros() as f64),
 ];
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.
 const MARCH: &[(&str, f64)] = &[("MAX_OPTICAL_DEPTH", MAX_OPTICAL_DEPTH as f64)];

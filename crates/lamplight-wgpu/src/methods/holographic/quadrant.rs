@@ -1,6 +1,6 @@
 //! The dispatches of a gather over all quadrants, in order.
 
-use super::lattice::{Lattice, TILE};
+use super::lattice::{Lattice, TILE, TRACED};
 use super::sweep::Sweep;
 use super::tables::Footprints;
 use super::traffic::traffic;
@@ -138,7 +138,7 @@ impl Quadrant {
             rays: self.width,
             ..sweep
         };
-        self.push(Work::Trace, sweep, [lattice.rows.div_ceil(TILE as usize), planes.len(), 1]);
+        self.push(Work::Trace, sweep, [lattice.rows.div_ceil(TRACED as usize), planes.len(), 1]);
     }
 
     /// Plans the levels above: those within the chunk, and those that its near end completes.

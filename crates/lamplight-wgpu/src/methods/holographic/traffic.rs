@@ -17,8 +17,8 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     let [rows, level_size] = [u64::from(sweep.rows), 1 << level];
     let [_, across, deep] = groups.map(u64::from);
     let interval = words * WORD;
-    // Bits of the cells near a row: 128 rows for a tile of 64, three bits each, in `slabs` slabs.
-    let bits = |slabs: u64| 3 * slabs * rows * 2 / 8;
+    // Bits of the cells near a row: 128 rows for a tile of 64, four bits each, in `slabs` slabs.
+    let bits = |slabs: u64| 4 * slabs * rows * 2 / 8;
     match work {
         Work::Slabs => Traffic { read: 2 * VEC4 * rows, written: bits(1) / 2 },
         Work::Trace => Traffic {

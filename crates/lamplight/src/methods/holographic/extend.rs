@@ -20,8 +20,9 @@
 
 use super::interval::{LANES, PAD, RowIntervals, empty, words};
 use super::lattice::{BENT, bundle, levels, planes, rays};
+use super::prefilter::Prefilter;
 use super::slabs::Slabs;
-use super::trace::{BundleRays, BundleSet, CellBits, TILE, bit, mask, trace_tile};
+use super::trace::{BundleRays, BundleSet, CellBits, TILE, TracedPlane, bit, mask, trace_tile};
 use crate::simd::dispatch_wide;
 use fearless_simd::{Level, prelude::*};
 
@@ -48,6 +49,7 @@ pub struct IntervalLevels {
     bundles_for: (u32, u32, isize),
     /// The cells that the bundles of a tile cross.
     cells: Vec<CellBits>,
+    prefilter: Prefilter,
     /// By level, the plane of odd index made last, and that of even index.
     odd: Vec<Vec<u32>>,
     even: Vec<Vec<u32>>,
@@ -134,9 +136,15 @@ impl IntervalLevels {
         let set = &self.bundles[slabs.reversed as usize];
         let ray_size = words(K) * self.stride;
         let slab = plane << self.first;
+        let prefilter = &mut self.prefilter;
+        prefilter.begin(slabs, slab, rays(self.first));
         for row in (0..slabs.rows).step_by(TILE) {
-            let cells = &mut self.cells;
-            trace_tile::<S, K>(simd, slabs, [slab, row], set, cells, made, self.stride);
+            let small = prefilter.small_sources(row / TILE);
+            let to = TracedPlane { intervals: &mut *made, stride: self.stride, small };
+            trace_tile::<S, K>(simd, slabs, [slab, row], set, &mut self.cells, to);
+        }
+        for (ray, intervals) in made.chunks_exact_mut(ray_size).enumerate() {
+            prefilter.spread::<S, K>(simd, ray, intervals, self.stride);
         }
         for to in made.chunks_exact_mut(ray_size) {
             empty_tail::<K>(to, self.stride, slabs.rows);
@@ -242,6 +250,7 @@ fn empty_tail<const K: usize>(to: &mut [u32], stride: usize, rows: usize) {
 #[cfg(test)]
 mod tests {
     use super::super::lattice::BUNDLE_WIDTH;
+    use super::super::prefilter::EXCHANGED;
     use super::super::slabs::Axis;
     use super::*;
     use crate::simd::dispatch;
@@ -311,6 +320,52 @@ mod tests {
         passed
     }
 
+    fn cell(cells: &Cells, [x, y]: [i64; 2]) -> Option<Matter> {
+        if x < 0 || y < 0 { None } else { cells.get(x as u32, y as u32) }
+    }
+
+    /// Whether a bundle of level 1 may meet a small source.
+    fn meets_small_source(cells: &Cells, [x, y]: [i64; 2], ray: i64) -> bool {
+        let small = |at: [i64; 2]| {
+            let Some(matter) = cell(cells, at) else { return false };
+            let solid = |by: [i64; 2]| {
+                cell(cells, [at[0] + by[0], at[1] + by[1]]).is_some_and(|m| m.opacity >= 1.0)
+            };
+            let alone = ![[-1, 0], [1, 0], [0, -1], [0, 1]].into_iter().any(solid);
+            matter.emission != [0.0; 3] && (matter.opacity < 1.0 || alone)
+        };
+        bundle(1, ray as usize, WIDTH)
+            .iter()
+            .flatten()
+            .any(|crossing| small([x + crossing.slab as i64, y + crossing.row as i64]))
+    }
+
+    /// A traced bundle, with the light that it exchanges with its neighbours.
+    fn filtered(cells: &Cells, channel: usize, at: [i64; 2], ray: i64) -> Pair {
+        let inside = |y: i64| (0..i64::from(cells.height())).contains(&y);
+        let open = |y: i64| cell(cells, [at[0], y]).is_some_and(|matter| matter.opacity < 1.0);
+        let (own, small) =
+            (traced(cells, channel, at, ray), |y| meets_small_source(cells, [at[0], y], ray));
+        let mut light = own.0;
+        for y in [at[1] - 1, at[1] + 1].into_iter().filter(|&y| inside(y)) {
+            if open(at[1]) && open(y) && (small(at[1]) || small(y)) {
+                let other = traced(cells, channel, [at[0], y], ray);
+                light += f64::from(EXCHANGED) * (other.0 - own.0);
+            }
+        }
+        (light, own.1)
+    }
+
+    /// A bundle of level 1.
+    fn traced(cells: &Cells, channel: usize, [x, y]: [i64; 2], ray: i64) -> Pair {
+        let rays: Vec<Pair> = (0..WIDTH)
+            .map(|i| BUNDLE_WIDTH * ((f64::from(i) + 0.5) / f64::from(WIDTH) - 0.5))
+            .map(|across| [x as f64 + 0.5, y as f64 + 0.5 + across])
+            .map(|from| line(cells, channel, from, 2.0, ray as f64 / 2.0 - 1.0))
+            .collect();
+        mean(&rays)
+    }
+
     /// `T_level(p, ray)` by the mean over all bent paths that it stands for.
     fn brute(cells: &Cells, channel: usize, level: u32, [x, y]: [i64; 2], ray: i64) -> Pair {
         let outside = x >= i64::from(cells.width()) || !(0..i64::from(cells.height())).contains(&y);
@@ -319,19 +374,7 @@ mod tests {
         }
         let length = 1i64 << level;
         if level == 1 {
-            let slope = ray as f64 / length as f64 - 1.0;
-            let rays: Vec<Pair> = (0..WIDTH)
-                .map(|i| BUNDLE_WIDTH * ((f64::from(i) + 0.5) / f64::from(WIDTH) - 0.5))
-                .map(|across| [x as f64 + 0.5, y as f64 + 0.5 + across])
-                .map(|from| {
-                    if outside {
-                        (0.0, 1.0)
-                    } else {
-                        line(cells, channel, from, length as f64, slope)
-                    }
-                })
-                .collect();
-            return mean(&rays);
+            return if outside { (0.0, 1.0) } else { filtered(cells, channel, [x, y], ray) };
         }
         let half = length / 2;
         let path = |first: i64, second: i64| {

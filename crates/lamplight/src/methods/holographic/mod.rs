@@ -40,13 +40,15 @@ mod interval;
 pub mod lattice;
 mod merge;
 pub mod paper;
+mod prefilter;
 mod published;
 mod slabs;
 mod trace;
 
 pub use faces::REACH;
 pub use merge::WEIGHT_EPSILON;
-pub use slabs::{EMISSIVE, MATTER, MEDIUM};
+pub use prefilter::EXCHANGED;
+pub use slabs::{EMISSIVE, MATTER, MEDIUM, SMALL};
 
 use crate::clock::Clock;
 use crate::settings::{self, Bounces, Variant};

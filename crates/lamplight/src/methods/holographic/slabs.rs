@@ -25,6 +25,10 @@ pub const MEDIUM: u8 = 2;
 /// Bit of `Slabs::classes`: the cell emits, reflects or scatters light.
 pub const EMISSIVE: u8 = 4;
 
+/// Bit of `Slabs::classes`: light may come from a source as small as a cell. The cell is [`EMISSIVE`], and it
+/// is a medium, or a solid cell with none beside it.
+pub const SMALL: u8 = 8;
+
 /// Stands for the infinite extinction of a solid, 1/px.
 pub const SOLID_EXTINCTION: f32 = 1e30;
 
@@ -64,7 +68,7 @@ pub struct Slabs {
     source: [Vec<f32>; 3],
     /// Radiance that solids reflect, by face (front of this direction, of the other, low, high).
     reflected: [[Vec<f32>; 3]; 4],
-    /// [`MATTER`], [`MEDIUM`] and [`EMISSIVE`].
+    /// [`MATTER`], [`MEDIUM`], [`EMISSIVE`] and [`SMALL`].
     pub classes: Vec<u8>,
     /// The cells that hold matter, and their places here.
     matter: Vec<u32>,
@@ -125,6 +129,9 @@ impl Slabs {
                 && self.add_surface(surfaces, slot, at, solid, axis)
             {
                 self.classes[at] |= EMISSIVE;
+            }
+            if self.classes[at] & EMISSIVE != 0 && (!solid || is_alone(cells, i)) {
+                self.classes[at] |= SMALL;
             }
         }
         self.matter = matter;
@@ -238,4 +245,15 @@ impl Slabs {
         };
         source + f32x16::from_slice(simd, &self.reflected[side][channel][at..at + LANES])
     }
+}
+
+/// Returns whether no cell beside this one is solid.
+fn is_alone(cells: &Cells, cell: usize) -> bool {
+    let (w, h) = (cells.width() as usize, cells.height() as usize);
+    let (x, y) = (cell % w, cell / w);
+    let solid = |inside: bool, beside: usize| inside && cells.is_solid(beside);
+    !solid(x > 0, cell.wrapping_sub(1))
+        && !solid(x + 1 < w, cell + 1)
+        && !solid(y > 0, cell.wrapping_sub(w))
+        && !solid(y + 1 < h, cell + w)
 }

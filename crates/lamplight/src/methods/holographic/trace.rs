@@ -5,7 +5,7 @@
 
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::{Crossing, Face};
-use super::slabs::{EMISSIVE, MEDIUM, SOLID_EXTINCTION, Slabs};
+use super::slabs::{EMISSIVE, MEDIUM, SMALL, SOLID_EXTINCTION, Slabs};
 use crate::math::transmittance::attenuation_lanes;
 use fearless_simd::{f32x16, mask32x16, prelude::*, u8x64};
 
@@ -130,8 +130,18 @@ struct StoredRay<'a> {
     stride: usize,
 }
 
-/// Traces the bundles of a level from 64 rows of a slab into the intervals of a plane, `stride` from
-/// one word to the next. `cells` is scratch space for one entry per cell of the bundles.
+/// What tracing a tile writes.
+pub struct TracedPlane<'a> {
+    /// The intervals of a plane, bundle by bundle.
+    pub intervals: &'a mut [u32],
+    /// From one word of an interval to the next.
+    pub stride: usize,
+    /// A bit mask per bundle: the rows of the tile from which it may meet a small source.
+    pub small: &'a mut [u64],
+}
+
+/// Traces the bundles of a level from 64 rows of a slab. `cells` is scratch space for one entry per cell of the
+/// bundles.
 #[inline(always)]
 pub fn trace_tile<S: Simd, const K: usize>(
     simd: S,
@@ -139,21 +149,25 @@ pub fn trace_tile<S: Simd, const K: usize>(
     [slab, row]: [usize; 2],
     set: &BundleSet,
     cells: &mut [CellBits],
-    plane: &mut [u32],
-    stride: usize,
+    to: TracedPlane,
 ) {
+    let TracedPlane { intervals, stride, small } = to;
     let start = slabs.start(slab) + row;
     let near = classes_at(simd, &slabs.classes, start, set.cells.iter().copied());
     if near.matter != 0 {
         read_cells(simd, &slabs.classes, start, &set.cells, cells);
     }
     let tile = Tile { row, start, cells };
-    for (i, words) in plane.chunks_exact_mut(words(K) * stride).enumerate() {
+    for (i, words) in intervals.chunks_exact_mut(words(K) * stride).enumerate() {
         let bundle = &set.bundles[i];
         let crossed = match (near.matter, near.medium) {
             (0, _) => TileClasses::EMPTY,
             (_, 0) => classes_of(tile.cells, &bundle.cells),
             _ => classes_at(simd, &slabs.classes, start, set.offsets(i)),
+        };
+        small[i] = match near.small {
+            0 => 0,
+            _ => classes_at(simd, &slabs.classes, start, set.offsets(i)).small,
         };
         let to = StoredRay { words, stride };
         trace_bundle::<S, K>(simd, slabs, tile, bundle, crossed, to);
@@ -347,11 +361,12 @@ pub struct TileClasses {
     pub matter: u64,
     pub medium: u64,
     pub emissive: u64,
+    pub small: u64,
 }
 
 impl TileClasses {
     /// No matter.
-    pub const EMPTY: Self = Self { matter: 0, medium: 0, emissive: 0 };
+    pub const EMPTY: Self = Self { matter: 0, medium: 0, emissive: 0, small: 0 };
 
     /// Returns the classes that sixteen rays cross, counted from ray `first`; none if they cross no
     /// matter.
@@ -373,8 +388,9 @@ impl TileClasses {
         if matter == 0 {
             return Self::EMPTY;
         }
-        let medium = (bits & MEDIUM).simd_gt(0).to_bitmask();
-        Self { matter, medium, emissive: (bits & EMISSIVE).simd_gt(0).to_bitmask() }
+        let [medium, emissive, small] =
+            [MEDIUM, EMISSIVE, SMALL].map(|class| (bits & class).simd_gt(0).to_bitmask());
+        Self { matter, medium, emissive, small }
     }
 }
 
@@ -394,7 +410,8 @@ pub fn classes_at<S: Simd>(
     TileClasses::from_bits(bits)
 }
 
-/// Returns the classes that 64 rays cross in some of the cells, if all matter is solid.
+/// Returns the classes that 64 rays cross in some of the cells, if all matter is solid; not whether a source
+/// is small.
 #[inline(always)]
 pub fn classes_of(cells: &[CellBits], crossed: &[usize]) -> TileClasses {
     let [mut matter, mut emissive] = [0; 2];
@@ -402,7 +419,7 @@ pub fn classes_of(cells: &[CellBits], crossed: &[usize]) -> TileClasses {
         matter |= cells[cell].solid;
         emissive |= cells[cell].emissive;
     }
-    TileClasses { matter, medium: 0, emissive }
+    TileClasses { matter, medium: 0, emissive, small: 0 }
 }
 
 /// Returns the mask with all bits set in each vector that has any.
