@@ -4,11 +4,10 @@
 
 use crate::frontier::{self, Scene};
 use crate::generated::{self, Mode, root};
-use crate::scenes;
+use crate::{lone_lamps, scenes, tradeoff};
 use anyhow::{Context, Result, ensure};
-use lamplight::settings::MethodSettings;
-use lamplight::{Cells, Lamp, Method, Settings, Solver, ToneMap};
-use lamplight_truth::grain::{FAR, ripple};
+use clap::ValueEnum;
+use lamplight::{Method, ToneMap};
 use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
@@ -36,31 +35,71 @@ const FLOOD_SIZES: &str = "64x64,128x128,320x180";
 const CASCADES_SIZES: &str = "128x128,256x256,320x180,512x512";
 const HOLOGRAPHIC_SIZES: &str = "128x128,256x256,320x180,512x512,1024x1024,2048x2048";
 
-pub fn run() -> Result<()> {
-    fs::create_dir_all(root().join("docs/pictures"))?;
-    pictures()?;
+/// A part of the documents: all pictures, or the figures of a page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Part {
+    Pictures,
+    Readme,
+    Holographic,
+    Cascades,
+    Polar,
+    Flood,
+    Methods,
+    Raymarch,
+    Gpu,
+}
+
+/// Makes a part.
+pub fn run(part: Part) -> Result<()> {
     let machine = machine()?;
-    insert("docs/README.md", "times", &times(&machine)?)?;
-    let lights = "walls and 36 glowing discs";
-    let holographic = costs(Method::Holographic, HOLOGRAPHIC_SIZES, lights, &machine)?;
-    insert("docs/holographic.md", "costs", &holographic)?;
-    let cascades = costs(Method::Cascades, CASCADES_SIZES, lights, &machine)?;
-    insert("docs/cascades.md", "costs", &cascades)?;
-    let lamps = "one of range 64 to 922 cells: 1000 at 1280×720";
-    insert("docs/polar.md", "costs", &costs(Method::Polar, POLAR_SIZES, lamps, &machine)?)?;
-    insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, lights, &machine)?)?;
-    methods(&machine)?;
-    insert("docs/methods.md", "ripples", &ripples()?)?;
-    insert("docs/holographic.md", "errors", &errors(&["holographic"], &machine)?)?;
-    insert("docs/cascades.md", "errors", &errors(&["cascades"], &machine)?)?;
-    insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)
+    let discs = "walls and 36 glowing discs";
+    match part {
+        Part::Pictures => {
+            fs::create_dir_all(root().join("docs/pictures"))?;
+            pictures()
+        }
+        Part::Readme => insert("docs/README.md", "times", &times(&machine)?),
+        Part::Holographic => {
+            let page = "docs/holographic.md";
+            let costs = costs(Method::Holographic, HOLOGRAPHIC_SIZES, discs, &machine)?;
+            insert(page, "costs", &costs)?;
+            insert(page, "errors", &errors(&["holographic"], &machine)?)?;
+            let yardstick = |set: &str| {
+                let bench = ["bench", "--method", "holographic", "--json", "--yardstick"];
+                let case = ["--size", tradeoff::SIZE, "--set", set];
+                let said = lamplight(&[&bench[..], &case].concat())?;
+                number(&serde_json::from_str(&said)?, "yardstick_ratio")
+            };
+            insert(page, "tradeoff", &tradeoff::table(yardstick)?)
+        }
+        Part::Cascades => {
+            let page = "docs/cascades.md";
+            insert(page, "costs", &costs(Method::Cascades, CASCADES_SIZES, discs, &machine)?)?;
+            insert(page, "errors", &errors(&["cascades"], &machine)?)
+        }
+        Part::Polar => {
+            let lamps = "one of range 64 to 922 cells: 1000 at 1280×720";
+            insert("docs/polar.md", "costs", &costs(Method::Polar, POLAR_SIZES, lamps, &machine)?)
+        }
+        Part::Flood => {
+            insert("docs/flood.md", "costs", &costs(Method::Flood, FLOOD_SIZES, discs, &machine)?)
+        }
+        Part::Methods => {
+            methods(&machine)?;
+            insert("docs/methods.md", "ripples", &lone_lamps::table()?)
+        }
+        Part::Raymarch => {
+            insert("docs/raymarch.md", "errors", &errors(&["raymarch", "--sweep"], &machine)?)
+        }
+        Part::Gpu => gpu(),
+    }
 }
 
 /// Sizes at which frames on the GPU are accounted for, and timed where there is a hardware one.
 const GPU_SIZES: &str = "512x512,1024x1024,1920x1080";
 
 /// The page on the GPU: what frames move and hold, and what they take on a hardware one.
-pub fn gpu() -> Result<()> {
+fn gpu() -> Result<()> {
     insert("docs/performance.md", "costs", &gpu_table(true)?)?;
     let info: Value = serde_json::from_str(&lamplight(&["info", "--json"])?)?;
     let adapters = info["adapters"].as_array().context("`info --json` lists adapters")?;
@@ -170,42 +209,6 @@ fn methods(machine: &str) -> Result<()> {
         frontier::SAMPLES,
     );
     insert("docs/methods.md", "methods", &table)
-}
-
-/// Positions and radii of lone lamps in a room of [`ROOM`] cells.
-const LONE: [([f32; 2], f32); 4] =
-    [([60.5, 90.5], 2.0), ([100.3, 60.8], 1.5), ([160.0, 40.0], 2.5), ([33.7, 141.2], 3.0)];
-const ROOM: [u32; 2] = [320, 180];
-
-/// The ripple of lone lamps by methods without noise, by preset; the worst of several lamps.
-fn ripples() -> Result<String> {
-    let mut table =
-        String::from("| method | preset | ripple | worst place |\n| --- | --- | --- | --- |\n");
-    for method in [Method::Cascades, Method::Holographic] {
-        for &preset in method.presets() {
-            println!("ripple {} {preset}", method.name());
-            let settings = MethodSettings::preset(method, preset).context("a preset")?;
-            let mut solver = Solver::new(Settings::new(settings))?;
-            let (mut rms, mut worst) = (0.0f64, 0.0f64);
-            for (position, size) in LONE {
-                let mut cells = Cells::new(ROOM[0], ROOM[1])?;
-                cells.lamps_mut().push(Lamp { position, size, ..Lamp::default() });
-                let found = ripple(solver.solve(&cells)?, position, size.into());
-                (rms, worst) = (rms.max(found.rms), worst.max(found.worst));
-            }
-            let [rms, worst] = [rms, worst].map(|part| 100.0 * part);
-            let method = method.name();
-            writeln!(table, "| {method} | {preset} | {rms:.2} % | {worst:.1} % |")?;
-        }
-    }
-    let sizes = LONE.map(|(_, size)| size.to_string()).join(", ");
-    writeln!(
-        table,
-        "\nRoot mean square, and the worst place, over {}×{} cells farther than {FAR} px from the lamp; the worst \
-         of four lamps of radius {sizes} px at different places.",
-        ROOM[0], ROOM[1]
-    )?;
-    Ok(table)
 }
 
 /// Time per frame of a method in the built-in scene, by preset and size.

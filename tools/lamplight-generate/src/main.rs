@@ -3,13 +3,15 @@
 mod docs;
 mod frontier;
 mod generated;
+mod lone_lamps;
 mod noise;
 mod random;
 mod scenes;
 mod schema;
+mod tradeoff;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{Parser, Subcommand, ValueEnum};
 use generated::Mode;
 use std::process::ExitCode;
 
@@ -31,9 +33,9 @@ enum Chore {
     /// Make the pictures and measure the figures in the documents; needs the command line, built with
     /// `--release`.
     Docs {
-        /// Only the page on the GPU.
+        /// Only this part.
         #[arg(long)]
-        gpu: bool,
+        only: Option<docs::Part>,
     },
     /// Print every shader as JSON, by its name.
     Shaders,
@@ -67,10 +69,9 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Scenes(args) => scenes::run(args.mode()),
         Chore::Noise(args) => noise::run(args.mode()),
         Chore::Schema(args) => schema::run(args.mode()),
-        Chore::Docs { gpu: true } => docs::gpu(),
-        Chore::Docs { gpu: false } => {
-            docs::run()?;
-            docs::gpu()
+        Chore::Docs { only: Some(part) } => docs::run(part),
+        Chore::Docs { only: None } => {
+            docs::Part::value_variants().iter().copied().try_for_each(docs::run)
         }
         Chore::Shaders => {
             let shaders = lamplight_wgpu::shaders().map(|(name, text)| (name, text.into()));

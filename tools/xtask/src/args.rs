@@ -19,7 +19,8 @@ The project's chores: cargo xtask CHORE
     --bevy         an example for Bevy instead
     --serve[=PORT] serve it to this machine, at port 8080 or another
   docs             The documents' pictures and figures
-    --gpu          only the page on the GPU
+    --only PART    only pictures, or the figures of one page: readme, holographic, cascades, polar, flood,
+                   methods, raymarch, gpu
     --sandbox      only pictures of the sandbox
     --bevy         only pictures of the examples for Bevy
   scenes           The example scenes
@@ -75,7 +76,9 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Chore> {
             }
             // `--serve PORT`.
             (Chore::Web { serve: Some(port), .. }, Value(text)) => *port = text.parse()?,
-            (Chore::Docs(part @ Part::All), Long("gpu")) => *part = Part::Gpu,
+            (Chore::Docs(part @ Part::All), Long("only")) => {
+                *part = Part::Generated(parser.value()?.string()?);
+            }
             (Chore::Docs(part @ Part::All), Long("sandbox")) => *part = Part::Sandbox,
             (Chore::Docs(part @ Part::All), Long("bevy")) => *part = Part::Bevy,
             (Chore::Generate { check, .. }, Long("check")) => *check = true,
@@ -107,7 +110,7 @@ mod tests {
             ("web --serve 80 --bevy", Chore::Web { bevy: true, serve: Some(80) }),
             ("web --serve --bevy", Chore::Web { bevy: true, serve: Some(PORT) }),
             ("web --serve=80", Chore::Web { bevy: false, serve: Some(80) }),
-            ("docs --gpu", Chore::Docs(Part::Gpu)),
+            ("docs --only gpu", Chore::Docs(Part::Generated("gpu".to_owned()))),
             ("noise --check", Chore::Generate { what: "noise", check: true }),
         ] {
             assert_eq!(read(line).unwrap(), chore, "{line}");
@@ -116,9 +119,14 @@ mod tests {
 
     #[test]
     fn what_is_no_chore_or_flag_is_refused() {
-        for line in
-            ["paint", "--all", "test --check", "docs --gpu --bevy", "web --serve no", "scenes x"]
-        {
+        for line in [
+            "paint",
+            "--all",
+            "test --check",
+            "docs --only gpu --bevy",
+            "web --serve no",
+            "scenes x",
+        ] {
             assert!(read(line).is_err(), "{line}");
         }
     }

@@ -9,10 +9,11 @@ use anyhow::{Result, ensure};
 use std::fs;
 
 /// A part of the documents.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Part {
     All,
-    Gpu,
+    /// A part that `lamplight-generate` knows by this name.
+    Generated(String),
     Sandbox,
     Bevy,
 }
@@ -25,7 +26,7 @@ pub fn run(part: Part) -> Result<()> {
             bevy()?;
             sandbox()
         }
-        Part::Gpu => generate(&["docs", "--gpu"]),
+        Part::Generated(name) => generate(&["docs", "--only", &name]),
         Part::Sandbox => sandbox(),
         Part::Bevy => bevy(),
     }

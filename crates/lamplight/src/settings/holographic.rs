@@ -59,9 +59,13 @@ impl Holographic {
                 bundle_rays: 4,
                 ..default
             },
-            "high" | "quality" => {
-                Self { gather_level: 4, gather_length: 6, bundle_rays: 12, ..default }
-            }
+            "high" | "quality" => Self {
+                gather_level: 4,
+                gather_length: 6,
+                gather_rays: 2,
+                bundle_rays: 12,
+                ..default
+            },
             "paper" => Self { variant: Variant::Paper, ..default },
             _ => return None,
         })

@@ -33,11 +33,13 @@ fn is_solid(at: vec2i) -> bool {
     return inside && textureLoad(matter, at, 0).a >= 1.0;
 }
 
-// Returns whether no cell beside this one is solid.
+// Returns whether none of the eight cells around this one is solid.
 fn is_alone(at: vec2u) -> bool {
-    let cell = vec2i(at);
-    return !is_solid(cell - vec2i(1, 0)) && !is_solid(cell + vec2i(1, 0))
-        && !is_solid(cell - vec2i(0, 1)) && !is_solid(cell + vec2i(0, 1));
+    var alone = true;
+    for (var i = 0; i < 9; i++) {
+        alone = alone && (i == 4 || !is_solid(vec2i(at) + vec2i(i % 3, i / 3) - 1));
+    }
+    return alone;
 }
 
 @compute @workgroup_size(64)
@@ -52,10 +54,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let at = cell_of(slab, 32u * id.y + bit);
         let tint_opacity = textureLoad(matter, at, 0);
         if any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)) {
-            let medium = tint_opacity.a < 1.0;
             let emitting = emits(at);
-            let small = emitting && (medium || is_alone(at));
-            bits |= vec4u(1u, u32(medium), u32(emitting), u32(small)) << vec4u(bit);
+            let small = emitting && is_alone(at);
+            bits |= vec4u(1u, u32(tint_opacity.a < 1.0), u32(emitting), u32(small)) << vec4u(bit);
         }
         if sweep.axis == 0u {
             for (var face = 0u; face < 4u; face++) {

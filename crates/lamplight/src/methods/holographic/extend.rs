@@ -331,8 +331,9 @@ mod tests {
             let solid = |by: [i64; 2]| {
                 cell(cells, [at[0] + by[0], at[1] + by[1]]).is_some_and(|m| m.opacity >= 1.0)
             };
-            let alone = ![[-1, 0], [1, 0], [0, -1], [0, 1]].into_iter().any(solid);
-            matter.emission != [0.0; 3] && (matter.opacity < 1.0 || alone)
+            let mut around = (0..9).filter(|&i| i != 4).map(|i| [i % 3 - 1, i / 3 - 1]);
+            let alone = !around.any(solid);
+            matter.emission != [0.0; 3] && alone
         };
         bundle(1, ray as usize, WIDTH)
             .iter()

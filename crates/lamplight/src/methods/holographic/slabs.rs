@@ -25,8 +25,8 @@ pub const MEDIUM: u8 = 2;
 /// Bit of `Slabs::classes`: the cell emits, reflects or scatters light.
 pub const EMISSIVE: u8 = 4;
 
-/// Bit of `Slabs::classes`: light may come from a source as small as a cell. The cell is [`EMISSIVE`], and it
-/// is a medium, or a solid cell with none beside it.
+/// Bit of `Slabs::classes`: light may come from a source as small as a cell. The cell is [`EMISSIVE`], and none
+/// of the eight cells around it is solid.
 pub const SMALL: u8 = 8;
 
 /// Stands for the infinite extinction of a solid, 1/px.
@@ -130,7 +130,7 @@ impl Slabs {
             {
                 self.classes[at] |= EMISSIVE;
             }
-            if self.classes[at] & EMISSIVE != 0 && (!solid || is_alone(cells, i)) {
+            if self.classes[at] & EMISSIVE != 0 && is_alone(cells, i) {
                 self.classes[at] |= SMALL;
             }
         }
@@ -247,13 +247,11 @@ impl Slabs {
     }
 }
 
-/// Returns whether no cell beside this one is solid.
+/// Returns whether none of the eight cells around this one is solid.
 fn is_alone(cells: &Cells, cell: usize) -> bool {
     let (w, h) = (cells.width() as usize, cells.height() as usize);
     let (x, y) = (cell % w, cell / w);
-    let solid = |inside: bool, beside: usize| inside && cells.is_solid(beside);
-    !solid(x > 0, cell.wrapping_sub(1))
-        && !solid(x + 1 < w, cell + 1)
-        && !solid(y > 0, cell.wrapping_sub(w))
-        && !solid(y + 1 < h, cell + w)
+    let rows = y.saturating_sub(1)..h.min(y + 2);
+    let around = rows.flat_map(|y| (x.saturating_sub(1)..w.min(x + 2)).map(move |x| y * w + x));
+    around.filter(|&at| at != cell).all(|at| !cells.is_solid(at))
 }
