@@ -137,15 +137,13 @@ impl IntervalLevels {
         let ray_size = words(K) * self.stride;
         let slab = plane << self.first;
         let prefilter = &mut self.prefilter;
-        prefilter.begin(slabs, slab, rays(self.first));
+        prefilter.begin(slabs.rows, rays(self.first));
         for row in (0..slabs.rows).step_by(TILE) {
             let small = prefilter.small_sources(row / TILE);
             let to = TracedPlane { intervals: &mut *made, stride: self.stride, small };
             trace_tile::<S, K>(simd, slabs, [slab, row], set, &mut self.cells, to);
         }
-        for (ray, intervals) in made.chunks_exact_mut(ray_size).enumerate() {
-            prefilter.spread::<S, K>(simd, ray, intervals, self.stride);
-        }
+        prefilter.filter::<S, K>(simd, slabs, slab, made, self.stride);
         for to in made.chunks_exact_mut(ray_size) {
             empty_tail::<K>(to, self.stride, slabs.rows);
         }

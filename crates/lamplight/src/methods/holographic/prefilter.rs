@@ -10,7 +10,7 @@
 //! Light is exchanged only between two rows that are both open at the plane. These are side by side in one
 //! room, so nothing leaks. Larger solid sources are resolved without the filter, which would blur their edges.
 
-use super::interval::{LANES, PAD, RowIntervals};
+use super::interval::{LANES, PAD, RowIntervals, words};
 use super::slabs::{MATTER, MEDIUM, Slabs};
 use super::trace::{TILE, mask};
 use fearless_simd::{f32x16, prelude::*};
@@ -34,25 +34,11 @@ pub struct Prefilter {
 }
 
 impl Prefilter {
-    /// Starts at the plane that lies in a slab.
-    pub fn begin(&mut self, slabs: &Slabs, slab: usize, rays: usize) {
-        let tiles = slabs.rows.div_ceil(TILE);
+    /// Starts with a plane.
+    pub fn begin(&mut self, rows: usize, rays: usize) {
         self.rays = rays;
         self.small.clear();
-        self.small.resize(tiles * rays, 0);
-        let cells = &slabs.classes[slabs.start(slab)..][..slabs.rows];
-        let is_open = |class: &u8| class & (MATTER | MEDIUM) != MATTER;
-        let open = |cells: &[u8]| {
-            cells
-                .iter()
-                .enumerate()
-                .fold(0, |bits, (i, class)| bits | u64::from(is_open(class)) << i)
-        };
-        self.open_pairs.clear();
-        self.open_pairs.extend(cells.chunks(TILE).map(open));
-        for tile in 0..tiles {
-            self.open_pairs[tile] &= from_next(&self.open_pairs, tile);
-        }
+        self.small.resize(rows.div_ceil(TILE) * rays, 0);
     }
 
     /// Returns the bit masks of a tile, by ray.
@@ -60,9 +46,42 @@ impl Prefilter {
         &mut self.small[tile * self.rays..][..self.rays]
     }
 
+    /// Filters the intervals of the plane that lies in a slab, of which one word follows another at `stride`.
+    #[inline(always)]
+    pub fn filter<S: Simd, const K: usize>(
+        &mut self,
+        simd: S,
+        slabs: &Slabs,
+        slab: usize,
+        plane: &mut [u32],
+        stride: usize,
+    ) {
+        if self.small.iter().all(|&small| small == 0) {
+            return;
+        }
+        self.find_open_pairs(&slabs.classes[slabs.start(slab)..][..slabs.rows]);
+        for (ray, intervals) in plane.chunks_exact_mut(words(K) * stride).enumerate() {
+            self.spread::<S, K>(simd, ray, intervals, stride);
+        }
+    }
+
+    /// Finds the pairs of rows that are both open, from the classes of their cells.
+    fn find_open_pairs(&mut self, cells: &[u8]) {
+        let is_open = |class: &u8| class & (MATTER | MEDIUM) != MATTER;
+        let bits = |cells: &[u8]| {
+            let each = cells.iter().enumerate();
+            each.fold(0, |bits, (row, class)| bits | u64::from(is_open(class)) << row)
+        };
+        self.open_pairs.clear();
+        self.open_pairs.extend(cells.chunks(TILE).map(bits));
+        for tile in 0..self.open_pairs.len() {
+            self.open_pairs[tile] &= from_next(&self.open_pairs, tile);
+        }
+    }
+
     /// Exchanges light between the rows of a ray.
     #[inline(always)]
-    pub fn spread<S: Simd, const K: usize>(
+    fn spread<S: Simd, const K: usize>(
         &mut self,
         simd: S,
         ray: usize,
