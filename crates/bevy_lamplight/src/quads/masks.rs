@@ -16,7 +16,7 @@ use lamplight::ALL_LAYERS;
 
 /// A light mask, if the entity has one.
 type Mask = Option<&'static LightMask2d>;
-/// What hides the layers of things below it.
+/// A filter for all that hides the layers of things below it.
 type HasLayers = Or<(With<LightMask2d>, With<Matter2d>)>;
 
 /// All entities with light layers.
@@ -71,5 +71,48 @@ impl GatherMasks<'_, '_> {
             let mut writer = QuadWriter::new(scene, areas, material);
             source.push_quads(&place, &self.assets, &mut writer);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::components::{PointLight2d, SunLight2d};
+    use crate::quads::Gather;
+    use bevy::ecs::system::RunSystemOnce;
+    use bevy::math::Vec2;
+    use bevy::prelude::{Visibility, World};
+
+    /// The number of groups that are drawn for their layers.
+    fn drawn(spawn: impl FnOnce(&mut World)) -> usize {
+        let mut world = World::new();
+        world.spawn(LightOccluder2d::default());
+        spawn(&mut world);
+        let count = |gather: Gather, masks: GatherMasks| {
+            let areas = [Rect::from_center_half_size(Vec2::ZERO, Vec2::splat(100.0))];
+            let [mut scene, mut layers] = [(); 2].map(|()| ExtractedScene::default());
+            gather.gather(&areas, &mut scene);
+            masks.gather(&areas, &scene, &mut layers);
+            layers.groups.len()
+        };
+        world.run_system_once(count).expect("the system needs nothing")
+    }
+
+    #[test]
+    fn layers_are_drawn_only_where_lights_choose_among_them() {
+        let masked = || (LightOccluder2d::default(), LightMask2d(2));
+        let lamp = |mask| PointLight2d { mask, ..PointLight2d::default() };
+        let sun = |mask| SunLight2d { mask, ..SunLight2d::default() };
+        assert_eq!(drawn(|world| drop(world.spawn_batch([(masked(), lamp(ALL_LAYERS))]))), 0);
+        assert_eq!(drawn(|world| drop(world.spawn(lamp(2)))), 0);
+        assert_eq!(drawn(|world| drop(world.spawn_batch([(masked(), lamp(0))]))), 0);
+        let hidden = |world: &mut World| {
+            world.spawn((masked(), Visibility::Hidden));
+            world.spawn(lamp(2));
+        };
+        assert_eq!(drawn(hidden), 0);
+        // The other occluder hides the layers of what lies below it.
+        assert_eq!(drawn(|world| drop(world.spawn_batch([(masked(), lamp(2))]))), 2);
+        assert_eq!(drawn(|world| drop(world.spawn_batch([(masked(), sun(4))]))), 2);
     }
 }

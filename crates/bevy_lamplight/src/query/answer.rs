@@ -250,7 +250,7 @@ fn solve(
     }
 }
 
-/// What was queried.
+/// The answers that were asked for.
 struct Wanted {
     light: bool,
     sight: bool,

@@ -20,7 +20,7 @@ pub struct ExtractedLighting {
     pub scene: ExtractedScene,
     /// The surfaces that cameras with normals see.
     pub surfaces: ExtractedScene,
-    /// What has light layers, if any lamp chooses among them.
+    /// Everything with light layers, if any lamp chooses among them.
     pub masks: ExtractedScene,
     areas: Vec<Rect>,
 }

@@ -7,7 +7,7 @@ use bevy_lamplight::prelude::*;
 #[derive(Resource)]
 struct Places(Vec<Vec2>);
 
-/// What each viewer sees of each place.
+/// The visibility of each place to each viewer.
 #[derive(Resource, Default)]
 struct Answers(Vec<Option<f32>>);
 
