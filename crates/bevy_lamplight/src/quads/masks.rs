@@ -103,16 +103,24 @@ mod tests {
         let masked = || (LightOccluder2d::default(), LightMask2d(2));
         let lamp = |mask| PointLight2d { mask, ..PointLight2d::default() };
         let sun = |mask| SunLight2d { mask, ..SunLight2d::default() };
-        assert_eq!(drawn(|world| drop(world.spawn_batch([(masked(), lamp(ALL_LAYERS))]))), 0);
-        assert_eq!(drawn(|world| drop(world.spawn(lamp(2)))), 0);
-        assert_eq!(drawn(|world| drop(world.spawn_batch([(masked(), lamp(0))]))), 0);
+        let both = |mask| {
+            drawn(|world| {
+                world.spawn((masked(), lamp(mask)));
+            })
+        };
+        let unmasked = |world: &mut World| {
+            world.spawn(lamp(2));
+        };
+        assert_eq!([both(ALL_LAYERS), both(0), drawn(unmasked)], [0; 3]);
         let hidden = |world: &mut World| {
             world.spawn((masked(), Visibility::Hidden));
             world.spawn(lamp(2));
         };
         assert_eq!(drawn(hidden), 0);
+        let lit_by_the_sun = |world: &mut World| {
+            world.spawn((masked(), sun(4)));
+        };
         // The other occluder hides the layers of what lies below it.
-        assert_eq!(drawn(|world| drop(world.spawn_batch([(masked(), lamp(2))]))), 2);
-        assert_eq!(drawn(|world| drop(world.spawn_batch([(masked(), sun(4))]))), 2);
+        assert_eq!([both(2), drawn(lit_by_the_sun)], [2; 2]);
     }
 }

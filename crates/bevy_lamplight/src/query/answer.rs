@@ -184,18 +184,25 @@ struct QueryState {
     logged: String,
 }
 
+/// The parts of the world that answers depend on.
+#[derive(SystemParam)]
+struct QueriedWorld<'w, 's> {
+    cameras: Query<'w, 's, LitCamera>,
+    viewers: Query<'w, 's, (&'static Viewer2d, &'static GlobalTransform)>,
+    gather: Gather<'w, 's>,
+    gather_masks: GatherMasks<'w, 's>,
+    assets: SceneAssets<'w, 's>,
+}
+
 /// Computes the light and reads the walls, as far as they were queried since the last time.
 fn solve(
     settings: Res<LightQuerySettings>,
     mut known: ResMut<QueriedLight>,
     mut seen: ResMut<QueriedSight>,
     mut state: Local<QueryState>,
-    cameras: Query<LitCamera>,
-    viewers: Query<(&Viewer2d, &GlobalTransform)>,
-    gather: Gather,
-    gather_masks: GatherMasks,
-    assets: SceneAssets,
+    world: QueriedWorld,
 ) {
+    let QueriedWorld { cameras, viewers, gather, gather_masks, assets } = world;
     let wanted = Wanted { light: known.take_request(), sight: seen.take_request() };
     if !wanted.light && !wanted.sight {
         return;
