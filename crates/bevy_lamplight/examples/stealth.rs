@@ -64,7 +64,7 @@ fn setup(mut commands: Commands) {
     {
         let guard = Sprite::from_color(Color::srgb(0.9, 0.3, 0.25), Vec2::splat(10.0));
         let place = Transform::from_xyz(x, y, 2.0).with_rotation(Quat::from_rotation_z(towards));
-        commands.spawn((guard, lamp, Guard { towards, speed }, place));
+        commands.spawn((guard, lamp.clone(), Guard { towards, speed }, place));
     }
     let thief = Sprite::from_color(Color::srgb(0.35, 0.85, 1.0), Vec2::splat(12.0));
     commands.spawn((thief, Thief, Transform::from_xyz(-60.0, 0.0, 2.0)));

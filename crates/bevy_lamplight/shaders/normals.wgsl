@@ -1,6 +1,6 @@
 // Normals of everything that is drawn on the screen. Follows quads.wgsl in the same module.
 
-// The bits of `Material::normal_encoding`.
+// The bits of `Material::bits` of surfaces.
 const Y_DOWN: u32 = 1u;
 const SRGB: u32 = 2u;
 const TWO_CHANNELS: u32 = 4u;
@@ -55,7 +55,7 @@ fn tilted(in: VertexOut) -> @location(0) vec4f {
     let quad = quads[in.index];
     let at = quad.texels_origin + in.unit.x * quad.texels_x + in.unit.y * quad.texels_y;
     let texel = textureSampleLevel(normal_map, normal_sampler, at, quad.layer, 0.0).rgb;
-    let normal = on_grid(quad, decoded(texel, materials[quad.material].normal_encoding));
+    let normal = on_grid(quad, decoded(texel, materials[quad.material].bits));
     return vec4f(normal * coverage, coverage);
 }
 

@@ -38,7 +38,8 @@ struct Material {
     tint: vec3f,
     glow: f32,
     albedo: vec3f,
-    normal_encoding: u32,
+    // The encoding of a normal map, or light layers.
+    bits: u32,
 }
 
 @group(0) @binding(0) var<uniform> target_transform: TargetTransform;
@@ -186,4 +187,13 @@ fn glow(in: VertexOut) -> @location(0) vec4f {
     let coverage = color_at(in).a;
     let material = materials[quads[in.index].material];
     return vec4f(material.emission * (material.glow * coverage), coverage);
+}
+
+// The light layers of a quad, in the cells of which it covers half or more.
+@fragment
+fn layers(in: VertexOut) -> @location(0) f32 {
+    if color_at(in).a < 0.5 {
+        discard;
+    }
+    return f32(materials[quads[in.index].material].bits) / 255.0;
 }

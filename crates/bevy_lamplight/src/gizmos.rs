@@ -1,6 +1,6 @@
-//! Gizmos: outlines of lamps and their ranges, of occluders, and of each camera's lit grid.
+//! Gizmos: outlines of lamps and their ranges, of what viewers may see, of occluders, and of each camera's lit grid.
 
-use crate::components::{LightOccluder2d, OccluderShape, PointLight2d, SpotLight2d};
+use crate::components::{LightOccluder2d, OccluderShape, PointLight2d, SpotLight2d, Viewer2d};
 use crate::lit_camera::LitCamera;
 use bevy::app::{App, Plugin, PostUpdate};
 use bevy::color::{Alpha, Color};
@@ -10,8 +10,9 @@ use bevy::gizmos::gizmos::Gizmos;
 use bevy::math::{Isometry2d, Vec2, Vec3};
 use bevy::prelude::{GlobalTransform, IntoScheduleConfigs, Query, Reflect};
 use bevy::transform::TransformSystems;
+use std::f32::consts::TAU;
 
-/// Draws outlines of lamps, spots, occluders and the lit grids of cameras, unlit and above the picture.
+/// Draws outlines of lamps, spots, viewers, occluders and the lit grids of cameras, unlit and above the picture.
 /// The configuration of [`LightGizmos`] enables them and sets their line width.
 pub struct LamplightGizmosPlugin;
 
@@ -31,6 +32,7 @@ impl Plugin for LamplightGizmosPlugin {
 pub struct LightGizmos;
 
 const OCCLUDER: Color = Color::linear_rgb(1.0, 0.25, 0.1);
+const VIEWER: Color = Color::linear_rgb(0.2, 1.0, 0.2);
 const BORDER: Color = Color::linear_rgb(0.1, 0.8, 1.0);
 /// Alpha of ranges, which cover much of the screen.
 const FAINT: f32 = 0.35;
@@ -39,6 +41,7 @@ fn draw(
     mut gizmos: Gizmos<LightGizmos>,
     points: Query<(&PointLight2d, &GlobalTransform)>,
     spots: Query<(&SpotLight2d, &GlobalTransform)>,
+    viewers: Query<(&Viewer2d, &GlobalTransform)>,
     occluders: Query<(&LightOccluder2d, &GlobalTransform)>,
     cameras: Query<LitCamera>,
 ) {
@@ -50,15 +53,17 @@ fn draw(
         }
     }
     for (lamp, transform) in &spots {
-        let middle = transform.translation().truncate();
-        let ahead = transform.affine().transform_vector3(Vec3::X).truncate().to_angle();
-        if middle.is_finite() && ahead.is_finite() && lamp.angle.is_finite() {
-            gizmos.circle_2d(middle, lamp.radius, lamp.color);
-            let edge =
-                |side: f32| middle + lamp.range * Vec2::from_angle(ahead + side * 0.5 * lamp.angle);
-            let steps = (-8..=8).map(|i| edge(i as f32 / 8.0));
-            let outline = std::iter::once(middle).chain(steps).chain([middle]);
+        if let Some(outline) = sector(transform, lamp.range, lamp.angle) {
+            gizmos.circle_2d(transform.translation().truncate(), lamp.radius, lamp.color);
             gizmos.linestrip_2d(outline, lamp.color.with_alpha(FAINT));
+        }
+    }
+    for (viewer, transform) in &viewers {
+        let middle = transform.translation().truncate();
+        if viewer.angle >= TAU && middle.is_finite() {
+            gizmos.circle_2d(middle, viewer.range, VIEWER.with_alpha(FAINT));
+        } else if let Some(outline) = sector(transform, viewer.range, viewer.angle) {
+            gizmos.linestrip_2d(outline, VIEWER.with_alpha(FAINT));
         }
     }
     for (occluder, transform) in &occluders {
@@ -74,13 +79,28 @@ fn draw(
     }
 }
 
+/// The outline of the sector of a circle around an entity's own x axis; `None` if the numbers make no sense.
+fn sector(transform: &GlobalTransform, radius: f32, angle: f32) -> Option<Vec<Vec2>> {
+    /// Segments of either half of the arc.
+    const HALF: i32 = 8;
+    let middle = transform.translation().truncate();
+    let ahead = transform.affine().transform_vector3(Vec3::X).truncate().to_angle();
+    let edge = |i: i32| {
+        let side = i as f32 / HALF as f32;
+        middle + radius * Vec2::from_angle(ahead + side * 0.5 * angle)
+    };
+    let is_sector = middle.is_finite() && ahead.is_finite() && angle.is_finite();
+    is_sector
+        .then(|| [middle].into_iter().chain((-HALF..=HALF).map(edge)).chain([middle]).collect())
+}
+
 /// The outline of a shape, in the entity's own units.
 fn outline(shape: &OccluderShape) -> Vec<Vec2> {
     /// Segments of a circle.
     const AROUND: usize = 32;
     let arc = |middle: Vec2, radius: f32, from: usize, to: usize| {
         (from..=to).map(move |i| {
-            let angle = i as f32 / AROUND as f32 * std::f32::consts::TAU;
+            let angle = i as f32 / AROUND as f32 * TAU;
             middle + radius * Vec2::from_angle(angle)
         })
     };

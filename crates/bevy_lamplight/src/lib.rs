@@ -22,9 +22,9 @@
 //!
 //! [`Lighting2d`] lights a camera. [`Matter2d`] makes anything that is drawn emit, block, filter or
 //! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, [`SunLight2d`] is a sun, and [`LightOccluder2d`] is an invisible
-//! shape that blocks light. Entities with [`Unlit2d`] are drawn unlit, over the lit picture. [`NormalMap2d`] lights flat
+//! shape that blocks light. [`LightMask2d`] chooses which lamps light an entity. Entities with [`Unlit2d`] are drawn unlit, over the lit picture. [`NormalMap2d`] lights flat
 //! pictures as if their surface were tilted.
-//! [`LightQuery`] returns the light at a place, for game rules.
+//! [`LightQuery`] returns the light at a place, for game rules, and [`SightQuery`] whether a [`Viewer2d`] sees it.
 //!
 //! `docs/light.md` of the project defines light. Where it measures in cells, this crate measures in
 //! world units: opacity and tint are per world unit.
@@ -41,7 +41,7 @@ pub mod render;
 pub use components::*;
 #[cfg(feature = "gizmos")]
 pub use gizmos::{LamplightGizmosPlugin, LightGizmos};
-pub use query::{LightQuery, LightQueryPlugin, LightQuerySettings};
+pub use query::{LightQuery, LightQueryPlugin, LightQuerySettings, SightQuery};
 
 use bevy::app::{App, Plugin};
 
@@ -51,7 +51,7 @@ pub mod prelude {
     pub use crate::LamplightGizmosPlugin;
     pub use crate::LamplightPlugin;
     pub use crate::components::*;
-    pub use crate::query::{LightQuery, LightQueryPlugin, LightQuerySettings};
+    pub use crate::query::{LightQuery, LightQueryPlugin, LightQuerySettings, SightQuery};
 }
 
 /// Lights cameras that have a [`Lighting2d`].
@@ -71,6 +71,8 @@ impl Plugin for LamplightPlugin {
             .register_type::<SunLight2d>()
             .register_type::<AmbientLight2d>()
             .register_type::<Sky2d>()
+            .register_type::<LightMask2d>()
+            .register_type::<Viewer2d>()
             .register_type::<LightQuerySettings>();
         if !app.is_plugin_added::<LightQueryPlugin>() {
             app.add_plugins(LightQueryPlugin);

@@ -1,7 +1,8 @@
 //! Lamps, ambient light and the sky.
 
+use bevy::log::warn_once;
 use bevy::prelude::*;
-use lamplight::{Cone, Direct, Falloff, Gradient, Lamp, Sky};
+use lamplight::{ALL_LAYERS, Cone, Direct, Falloff, Gradient, Lamp, Profile, Sky};
 use std::f32::consts::{FRAC_PI_3, PI};
 
 /// A lamp at an entity's position.
@@ -16,6 +17,10 @@ use std::f32::consts::{FRAC_PI_3, PI};
 /// This is `intensity` at a quarter of the range and a quarter of it at the range. `polar` and `flood`
 /// evaluate lamps analytically: `intensity` at the lamp, nothing beyond the range. Matter around the
 /// lamp blocks its light, and a lamp inside a wall gives none. The lamp itself blocks nothing.
+///
+/// A lamp of negative intensity takes light away where it would add it, down to black. Such lamps, and those with a
+/// [`mask`](Self::mask), are as bright as others and end at their range. They cost as much time as a spot, and cannot
+/// be `solid` or `visible`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
@@ -25,7 +30,7 @@ use std::f32::consts::{FRAC_PI_3, PI};
 pub struct PointLight2d {
     /// Colour of the light.
     pub color: Color,
-    /// Brightness; 0 is off.
+    /// Brightness; 0 is off. Below 0 the lamp takes light away.
     pub intensity: f32,
     /// Range, world units.
     pub range: f32,
@@ -38,6 +43,9 @@ pub struct PointLight2d {
     pub solid: bool,
     /// If true, the lamp itself is drawn, as a glowing disc.
     pub visible: bool,
+    /// The light layers that it lights, a bit each: what has one of them in its [`LightMask2d`](crate::LightMask2d).
+    /// 0 is off.
+    pub mask: u8,
 }
 
 impl Default for PointLight2d {
@@ -50,6 +58,7 @@ impl Default for PointLight2d {
             falloff: Falloff2d::default(),
             solid: false,
             visible: false,
+            mask: ALL_LAYERS,
         }
     }
 }
@@ -59,7 +68,7 @@ impl Default for PointLight2d {
 ///
 /// Every method lights it as `polar` does: `intensity` at the lamp, fading to nothing at the range, with
 /// shadows, glass and fog as for any light. In methods with bounces walls and fog send its light on.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
@@ -68,7 +77,7 @@ impl Default for PointLight2d {
 pub struct SpotLight2d {
     /// Colour of the light.
     pub color: Color,
-    /// Brightness; 0 is off.
+    /// Brightness; 0 is off. Below 0 the lamp takes light away, down to black.
     pub intensity: f32,
     /// Range, world units.
     pub range: f32,
@@ -80,13 +89,19 @@ pub struct SpotLight2d {
     pub softness: f32,
     /// Falloff with distance.
     pub falloff: Falloff2d,
+    /// The brightness across the cone, as of a shade with holes: 2 to 16 values of 0 to 1 from edge to edge,
+    /// counterclockwise, such as `vec![0.2, 1.0, 0.3, 1.0]`. Empty: even light.
+    pub profile: Vec<f32>,
+    /// The light layers that it lights, as in [`PointLight2d::mask`].
+    pub mask: u8,
 }
 
 impl Default for SpotLight2d {
     fn default() -> Self {
-        let PointLight2d { color, intensity, radius, falloff, .. } = PointLight2d::default();
+        let PointLight2d { color, intensity, radius, falloff, mask, .. } = PointLight2d::default();
         let (range, angle, softness) = (256.0, FRAC_PI_3, 0.5);
-        Self { color, intensity, range, radius, angle, softness, falloff }
+        let profile = Vec::new();
+        Self { color, intensity, range, radius, angle, softness, falloff, profile, mask }
     }
 }
 
@@ -199,11 +214,16 @@ pub(super) fn radiance(color: Color, brightness: f32) -> [f32; 3] {
 pub(crate) struct WorldLamp {
     pub position: Vec2,
     pub color: [f32; 3],
+    /// True if it takes light away.
+    pub takes_light: bool,
     pub range: f32,
     pub radius: f32,
     pub falloff: Falloff2d,
     /// Direction (radians, y up), angle and softness of a spot.
     pub cone: Option<[f32; 3]>,
+    /// The profile of a spot, as grids see it.
+    pub profile: Option<Profile>,
+    pub mask: u8,
     pub solid: bool,
     pub visible: bool,
 }
@@ -211,17 +231,21 @@ pub(crate) struct WorldLamp {
 impl WorldLamp {
     /// `None` if the lamp is off or any of its values is not finite.
     pub fn point(lamp: &PointLight2d, transform: &GlobalTransform) -> Option<Self> {
-        let PointLight2d { color, intensity, range, radius, falloff, solid, visible } = *lamp;
+        let PointLight2d { color, intensity, range, radius, falloff, solid, visible, mask } = *lamp;
         let position = transform.translation().truncate();
-        let color = radiance(color, intensity);
+        let color = radiance(color, intensity.abs());
+        let is_on = color != [0.0; 3] && mask != 0;
         let is_a_size = range.is_finite() && range > 0.0 && radius.is_finite() && radius >= 0.0;
-        (is_a_size && position.is_finite() && color != [0.0; 3]).then_some(Self {
+        (is_a_size && position.is_finite() && is_on).then_some(Self {
             position,
             color,
+            takes_light: intensity < 0.0,
             range,
             radius,
             falloff,
             cone: None,
+            profile: None,
+            mask,
             solid,
             visible,
         })
@@ -229,22 +253,39 @@ impl WorldLamp {
 
     /// Like [`Self::point`], for a spot.
     pub fn spot(lamp: &SpotLight2d, transform: &GlobalTransform) -> Option<Self> {
-        let SpotLight2d { color, intensity, range, radius, angle, softness, falloff } = *lamp;
-        let lamp = PointLight2d { color, intensity, range, radius, falloff, ..default() };
-        let ahead = transform.affine().transform_vector3(Vec3::X).truncate();
+        let SpotLight2d { color, intensity, range, radius, angle, softness, falloff, mask, .. } =
+            *lamp;
+        let point = PointLight2d { color, intensity, range, radius, falloff, mask, ..default() };
+        let [ahead, aside] =
+            [Vec3::X, Vec3::Y].map(|axis| transform.affine().transform_vector3(axis).truncate());
         let cone = [ahead.to_angle(), angle, softness];
-        let lamp = Self::point(&lamp, transform)?;
-        (cone.iter().all(|v| v.is_finite()) && ahead != Vec2::ZERO && angle > 0.0)
-            .then_some(Self { cone: Some(cone), ..lamp })
+        let profile = profile(&lamp.profile, ahead.perp_dot(aside) < 0.0);
+        let lamp = Self::point(&point, transform)?;
+        (cone.iter().all(|v| v.is_finite()) && ahead != Vec2::ZERO && angle > 0.0).then_some(Self {
+            cone: Some(cone),
+            profile,
+            ..lamp
+        })
     }
 
-    /// Converts to a lamp of `lamplight`, on a grid whose top left corner lies at `corner` of the world.
-    pub fn on_grid(&self, corner: Vec2, cell: f32) -> Lamp {
+    /// Converts to a lamp of `lamplight`, on a grid whose top left corner lies at `corner` of the world. Methods that
+    /// draw lamps draw it as a disc unless it is a spot; one that they cannot draw ([`Lamp::is_exact`]) has the light
+    /// that its disc would have.
+    pub fn on_grid(&self, corner: Vec2, cell: f32, is_analytic: bool) -> Lamp {
+        if is_analytic || self.cone.is_some() {
+            self.by_rule(corner, cell)
+        } else {
+            self.disc(corner, cell)
+        }
+    }
+
+    /// The lamp with its own range and falloff.
+    fn by_rule(&self, corner: Vec2, cell: f32) -> Lamp {
         let place = (self.position - corner) / cell;
         Lamp {
             position: [place.x, -place.y],
             color: self.color,
-            intensity: 1.0,
+            intensity: if self.takes_light { -1.0 } else { 1.0 },
             range: (self.range / cell).clamp(1.0, 1e5),
             size: (self.radius / cell).clamp(0.05, 512.0),
             falloff: self.falloff.into(),
@@ -252,9 +293,10 @@ impl WorldLamp {
                 direction: -direction,
                 angle: angle.clamp(0.001, 2.0 * PI),
                 softness: softness.clamp(0.0, 1.0),
-                profile: None,
+                profile: self.profile,
             }),
             direct: Direct::Glow,
+            mask: self.mask,
             solid: self.solid,
             visible: self.visible,
             ..Lamp::default()
@@ -264,12 +306,34 @@ impl WorldLamp {
     /// The disc that represents it for methods that do not evaluate lamps. The disc's radiance replaces
     /// the colour. A disc of radius r and radiance L_e fills the fraction `2r / (2π d)` of all directions,
     /// so the mean radiance is `L_e · 2r / (2π d)`.
-    pub fn disc(&self, corner: Vec2, cell: f32) -> Lamp {
+    fn disc(&self, corner: Vec2, cell: f32) -> Lamp {
         /// Cells. Rays miss smaller discs.
         const MIN_RADIUS: f32 = 2.0;
-        let lamp = self.on_grid(corner, cell);
+        let lamp = self.by_rule(corner, cell);
         let size = lamp.size.max(MIN_RADIUS);
         let gain = PI * self.range / (4.0 * size * cell);
-        Lamp { size, color: self.color.map(|c| (c * gain).min(BRIGHTEST)), ..lamp }
+        let color = self.color.map(|c| (c * gain).min(BRIGHTEST));
+        // The falloff of a disc's light.
+        Lamp { size, color, falloff: Falloff::Inverse, ..lamp }
     }
+}
+
+/// The profile of a spot on a grid, whose y points down; of one that its transform mirrors, the values are in their
+/// order there. `None` without one, and for lists that are too short or too long.
+fn profile(values: &[f32], is_mirrored: bool) -> Option<Profile> {
+    if values.is_empty() {
+        return None;
+    }
+    // NaN becomes 0, too.
+    let mut values: Vec<_> =
+        values.iter().map(|&v| if v > 0.0 { v.min(1.0) } else { 0.0 }).collect();
+    if !is_mirrored {
+        values.reverse();
+    }
+    let profile = Profile::new(&values);
+    if profile.is_err() {
+        let count = values.len();
+        warn_once!("a `SpotLight2d::profile` of {count} values is ignored; valid are 2 to 16");
+    }
+    profile.ok()
 }

@@ -2,9 +2,11 @@
 
 mod lamps;
 mod lighting;
+mod mask;
 mod matter;
 mod normals;
 mod sun;
+mod viewer;
 
 pub use lamps::{AmbientLight2d, Falloff2d, PointLight2d, Sky2d, SpotLight2d};
 pub(crate) use lamps::{BRIGHTEST, WorldLamp};
@@ -12,6 +14,8 @@ pub use lighting::{
     CellSize, LightBounces, LightFilter, LightMethod, LightQuality, LightTexture2d, LightToneMap,
     Lighting2d,
 };
+pub use mask::LightMask2d;
 pub use matter::{LightOccluder2d, Matter2d, OccluderShape, Unlit2d};
 pub use normals::{NormalMap2d, NormalY, Relief2d};
 pub use sun::SunLight2d;
+pub use viewer::Viewer2d;

@@ -2,7 +2,7 @@
 
 use super::lamps::radiance;
 use bevy::prelude::*;
-use lamplight::Sun;
+use lamplight::{ALL_LAYERS, Sun};
 
 /// A sun: parallel light from beyond the lit grid, which travels along the entity's own x axis; its place does not
 /// matter. Every method lights it exactly, with shadows whose edges are as soft as the sun is wide.
@@ -23,12 +23,14 @@ pub struct SunLight2d {
     pub intensity: f32,
     /// Apparent width, radians, 0.0001 to 0.5. Higher: softer shadows.
     pub angle: f32,
+    /// The light layers that it lights, as in [`PointLight2d::mask`](crate::PointLight2d::mask).
+    pub mask: u8,
 }
 
 impl Default for SunLight2d {
     fn default() -> Self {
         let Sun { intensity, angle, .. } = Sun::default();
-        Self { color: Color::WHITE, intensity, angle }
+        Self { color: Color::WHITE, intensity, angle, mask: ALL_LAYERS }
     }
 }
 
@@ -41,7 +43,7 @@ impl SunLight2d {
             angle: self.angle.clamp(1e-4, 0.5),
             color: radiance(self.color, self.intensity),
             intensity: 1.0,
-            ..Sun::default()
+            mask: self.mask,
         };
         let is_on = sun.color != [0.0; 3] && travels != Vec2::ZERO;
         (is_on && sun.check(&"sun").is_ok()).then_some(sun)

@@ -20,8 +20,9 @@ pub struct QuadMaterial {
     pub glow: f32,
     /// Scattering albedo.
     pub albedo: [f32; 3],
-    /// The encoding of the normal map, by [`QuadMaterial::normal_encoding`].
-    pub normal_encoding: u32,
+    /// Bits of what is drawn besides matter: the encoding of a normal map, by [`QuadMaterial::normal_encoding`], or
+    /// light layers.
+    pub bits: u32,
 }
 
 impl QuadMaterial {
@@ -36,7 +37,7 @@ impl QuadMaterial {
             tint: rgb(matter.tint, 1.0),
             glow: 1.0,
             albedo: rgb(matter.albedo, 1.0),
-            normal_encoding: 0,
+            bits: 0,
         }
     }
 
@@ -50,13 +51,18 @@ impl QuadMaterial {
             // half of its radiance.
             glow: 0.5,
             albedo: [0.0; 3],
-            normal_encoding: 0,
+            bits: 0,
         }
     }
 
     /// The material of a surface that is drawn for its normals alone.
     pub fn surface(normal_encoding: u32) -> Self {
-        Self { normal_encoding, ..Self::zeroed() }
+        Self { bits: normal_encoding, ..Self::zeroed() }
+    }
+
+    /// The material of what is drawn for its light layers alone.
+    pub fn layers(mask: u8) -> Self {
+        Self { bits: mask.into(), ..Self::zeroed() }
     }
 
     /// The bits by which shaders/normals.wgsl reads a normal map of a format; `None` if it holds no normals.

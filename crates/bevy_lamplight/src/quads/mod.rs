@@ -5,6 +5,7 @@
 //! ([`crate::query`]), so that both light the same scene.
 
 mod gather;
+mod masks;
 mod material;
 mod meshes;
 mod occluders;
@@ -19,6 +20,7 @@ mod texts;
 mod tiles;
 
 pub use gather::Gather;
+pub use masks::GatherMasks;
 pub use material::QuadMaterial;
 pub use place::{SceneAssets, VisibilityPropagates};
 pub use quad::{Quad, QuadMap, QuadShape};

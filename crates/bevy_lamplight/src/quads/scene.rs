@@ -7,10 +7,10 @@ use bevy::asset::AssetId;
 use bevy::camera::visibility::RenderLayers;
 use bevy::image::Image;
 use bevy::math::{Rect, Vec2};
-use lamplight::Sun;
+use lamplight::{ALL_LAYERS, Sun};
 use std::ops::Range;
 
-/// Everything that takes part in light, or the surfaces that are lit.
+/// Everything that takes part in light, the surfaces that are lit, or the light layers of what is lit.
 #[derive(Debug, Default)]
 pub struct ExtractedScene {
     /// Quads, group after group.
@@ -95,6 +95,12 @@ impl ExtractedScene {
             return;
         }
         self.groups.push(group);
+    }
+
+    /// Returns whether there is a lamp or sun that does not light all layers.
+    pub fn has_masked_lights(&self) -> bool {
+        let lamps = self.lamps.iter().map(|(lamp, _)| lamp.mask);
+        lamps.chain(self.suns.iter().map(|(sun, _)| sun.mask)).any(|mask| mask != ALL_LAYERS)
     }
 
     /// Bounds of all groups and of the ranges of all lamps; `None` if there are none.

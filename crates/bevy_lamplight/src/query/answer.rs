@@ -1,10 +1,11 @@
 //! The grid of light that queries read, and the system parameter that reads it.
 
-use super::raster::rasterize;
-use crate::components::{LightMethod, LightQuality, Lighting2d};
+use super::raster::{rasterize, rasterize_masks};
+use super::sight::QueriedSight;
+use crate::components::{LightMethod, LightQuality, Lighting2d, Viewer2d};
 use crate::lit_camera::LitCamera;
 use crate::placement::{LATTICE, Placement, doubled};
-use crate::quads::{ExtractedScene, Gather, SceneAssets, VisibilityPropagates};
+use crate::quads::{ExtractedScene, Gather, GatherMasks, SceneAssets, VisibilityPropagates};
 use bevy::app::{App, Plugin, PostUpdate};
 use bevy::camera::visibility::{RenderLayers, VisibilityPlugin, VisibilitySystems};
 use bevy::color::LinearRgba;
@@ -12,7 +13,8 @@ use bevy::ecs::system::SystemParam;
 use bevy::log::{error, warn};
 use bevy::math::{Rect, Vec2};
 use bevy::prelude::{
-    IntoScheduleConfigs, Local, Query, Reflect, ReflectResource, Res, ResMut, Resource,
+    GlobalTransform, IntoScheduleConfigs, Local, Query, Reflect, ReflectResource, Res, ResMut,
+    Resource,
 };
 use bevy::transform::{TransformPlugin, TransformSystems};
 use lamplight::resample::downsample;
@@ -20,16 +22,21 @@ use lamplight::{Cells, Lamp, Light, Settings, Sky, Solver};
 use lamplight_wgpu::Camera2dView;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Answers [`LightQuery`]. It is part of [`LamplightPlugin`](crate::LamplightPlugin). On a server, where
+/// Answers [`LightQuery`] and [`SightQuery`](crate::SightQuery). It is part of [`LamplightPlugin`](crate::LamplightPlugin). On a server, where
 /// nothing is drawn, it suffices together with Bevy's `TransformPlugin`.
 pub struct LightQueryPlugin;
 
 impl Plugin for LightQueryPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<LightQuerySettings>().init_resource::<QueriedLight>().add_systems(
-            PostUpdate,
-            solve.after(TransformSystems::Propagate).after(VisibilitySystems::VisibilityPropagate),
-        );
+        app.init_resource::<LightQuerySettings>()
+            .init_resource::<QueriedLight>()
+            .init_resource::<QueriedSight>()
+            .add_systems(
+                PostUpdate,
+                solve
+                    .after(TransformSystems::Propagate)
+                    .after(VisibilitySystems::VisibilityPropagate),
+            );
     }
 
     fn finish(&self, app: &mut App) {
@@ -49,7 +56,7 @@ impl Plugin for LightQueryPlugin {
     }
 }
 
-/// Settings of [`LightQuery`].
+/// Settings of [`LightQuery`] and [`SightQuery`](crate::SightQuery).
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
@@ -141,6 +148,11 @@ pub struct QueriedLight {
 }
 
 impl QueriedLight {
+    /// Returns whether it was queried since the last time.
+    fn take_request(&mut self) -> bool {
+        std::mem::take(self.is_requested.get_mut())
+    }
+
     fn request(&self) {
         self.is_requested.store(true, Ordering::Relaxed);
     }
@@ -164,6 +176,7 @@ impl QueriedLight {
 #[derive(Default)]
 struct QueryState {
     scene: ExtractedScene,
+    masks: ExtractedScene,
     fine: Option<Cells>,
     cells: Option<Cells>,
     solver: Option<Solver>,
@@ -171,16 +184,27 @@ struct QueryState {
     logged: String,
 }
 
-/// Computes the light if it was queried since the last time.
+/// The parts of the world that answers depend on.
+#[derive(SystemParam)]
+struct QueriedWorld<'w, 's> {
+    cameras: Query<'w, 's, LitCamera>,
+    viewers: Query<'w, 's, (&'static Viewer2d, &'static GlobalTransform)>,
+    gather: Gather<'w, 's>,
+    gather_masks: GatherMasks<'w, 's>,
+    assets: SceneAssets<'w, 's>,
+}
+
+/// Computes the light and reads the walls, as far as they were queried since the last time.
 fn solve(
     settings: Res<LightQuerySettings>,
     mut known: ResMut<QueriedLight>,
+    mut seen: ResMut<QueriedSight>,
     mut state: Local<QueryState>,
-    cameras: Query<LitCamera>,
-    gather: Gather,
-    assets: SceneAssets,
+    world: QueriedWorld,
 ) {
-    if !known.is_requested.swap(false, Ordering::Relaxed) {
+    let QueriedWorld { cameras, viewers, gather, gather_masks, assets } = world;
+    let wanted = Wanted { light: known.take_request(), sight: seen.take_request() };
+    if !wanted.light && !wanted.sight {
         return;
     }
     let (placement, camera) =
@@ -194,28 +218,56 @@ fn solve(
     let state = &mut *state;
     // Without an area, all matter counts.
     let everywhere = Rect::from_center_half_size(Vec2::ZERO, Vec2::splat(1e9));
-    gather.gather(&[area.unwrap_or(everywhere)], &mut state.scene);
-    let Some(area) = area.or_else(|| state.scene.bounds()) else {
+    let areas = [area.unwrap_or(everywhere)];
+    gather.gather(&areas, &mut state.scene);
+    gather_masks.gather(&areas, &state.scene, &mut state.masks);
+    let fields = viewers.iter().filter(|_| wanted.sight).filter_map(field_of_view);
+    let bounds =
+        || state.scene.bounds().into_iter().chain(fields).reduce(|all, own| all.union(own));
+    let Some(area) = area.or_else(bounds) else {
         known.grid = None;
+        seen.forget();
         return;
     };
     let Some(grid) = fine_grid(area, settings.cell) else {
         known.grid = None;
+        seen.forget();
         let LightQuerySettings { cell, .. } = *settings;
         state.log(format!("cells of {cell} world units cannot cover {area:?}"));
         return;
     };
     known.ambient = camera.as_ref().map_or([0.0; 3], |camera| camera.ambient());
-    match state.solve(&grid, &lighting, layers, sky, &assets) {
-        Ok(light) => {
-            known.light.clone_from(light);
+    let mut answer = || {
+        let fine = state.draw(&grid, &lighting, layers, sky, &assets)?;
+        if wanted.sight {
+            seen.read(&grid, &fine)?;
+        }
+        if wanted.light {
+            known.light.clone_from(state.solve(&fine, &grid, &lighting)?);
             known.grid = Some(grid);
         }
-        Err(error) => {
-            known.grid = None;
-            state.log(error.to_string());
-        }
+        state.fine = Some(fine);
+        Ok(())
+    };
+    let result: lamplight::Result<()> = answer();
+    if let Err(error) = result {
+        known.grid = None;
+        seen.forget();
+        state.log(error.to_string());
     }
+}
+
+/// The answers that were asked for.
+struct Wanted {
+    light: bool,
+    sight: bool,
+}
+
+/// The box around all that a viewer may see.
+fn field_of_view((viewer, transform): (&Viewer2d, &GlobalTransform)) -> Option<Rect> {
+    let (middle, range) = (transform.translation().truncate(), viewer.range);
+    (middle.is_finite() && range.is_finite() && range > 0.0)
+        .then(|| Rect::from_center_half_size(middle, Vec2::splat(range)))
 }
 
 /// The settings without any of the user: quick ones that resemble those of the camera.
@@ -266,31 +318,27 @@ impl QueryState {
         }
     }
 
-    fn solve(
+    /// Draws the scene on fine cells.
+    fn draw(
         &mut self,
         grid: &Placement,
         lighting: &Lighting2d,
         layers: &RenderLayers,
         sky: Sky,
         assets: &SceneAssets,
-    ) -> lamplight::Result<&Light> {
+    ) -> lamplight::Result<Cells> {
         let analytic = lighting.method.is_analytic();
         let [width, height] = grid.placed.size;
-        let fine = match self.fine.take() {
+        let mut fine = match self.fine.take() {
             Some(fine) if [fine.width(), fine.height()] == grid.placed.size => fine,
             _ => Cells::new(width, height)?,
         };
-        let fine = self.fine.insert(fine);
-        rasterize(&self.scene, grid, layers, assets, fine);
+        rasterize(&self.scene, grid, layers, assets, &mut fine);
+        rasterize_masks(&self.masks, grid, layers, assets, &mut fine);
         fine.set_sky(sky);
         let lamps = self.scene.lamps.iter().filter(|(_, own)| own.intersects(layers));
         for (lamp, _) in lamps {
-            // Spots are evaluated analytically with every method.
-            let on_grid = if analytic || lamp.cone.is_some() {
-                lamp.on_grid(grid.corner(), grid.cell)
-            } else {
-                lamp.disc(grid.corner(), grid.cell)
-            };
+            let on_grid = lamp.on_grid(grid.corner(), grid.cell, analytic);
             if on_grid.check(&"lamp").is_ok() {
                 fine.lamps_mut().push(on_grid);
             }
@@ -302,6 +350,16 @@ impl QueryState {
             // The method requires a lamp; this one is off.
             fine.lamps_mut().push(Lamp { intensity: 0.0, ..Lamp::default() });
         }
+        Ok(fine)
+    }
+
+    /// Lights the scene that was drawn.
+    fn solve(
+        &mut self,
+        fine: &Cells,
+        grid: &Placement,
+        lighting: &Lighting2d,
+    ) -> lamplight::Result<&Light> {
         let cells = match self.cells.take() {
             Some(cells) => cells,
             None => Cells::new(1, 1)?,

@@ -17,38 +17,10 @@ pub fn rasterize(
     to: &mut Cells,
 ) {
     to.clear();
-    let area = grid.area();
-    let groups = scene.groups.iter().filter(|group| group.layers.intersects(layers));
-    for group in groups.filter(|group| group.touches(area)) {
-        let image = assets.images.as_ref().and_then(|images| images.get(group.image));
-        for quad in scene.quads_of(group) {
-            draw(quad, &scene.materials[quad.material as usize], grid, image, to);
-        }
-    }
-}
-
-fn draw(
-    quad: &Quad,
-    material: &QuadMaterial,
-    grid: &Placement,
-    image: Option<&Image>,
-    to: &mut Cells,
-) {
-    let map = grid.on_grid(&quad.world);
-    let Some(back) = map.inverse() else { return };
-    let bounds = map.bounds();
-    // Casts saturate at the edges of the grid.
-    let range = |low: f32, high: f32, end: u32| low.floor() as u32..(high.ceil() as u32).min(end);
-    let columns = range(bounds.min.x, bounds.max.x, to.width());
-    let (opacity, tint) = material.over(grid.cell);
-    for y in range(bounds.min.y, bounds.max.y, to.height()) {
-        for x in columns.clone() {
-            let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            let unit = back.transform_point2(center);
-            let color = color_at(quad, unit, image);
-            if color.w <= 0.0 {
-                continue;
-            }
+    let cells = [to.width(), to.height()];
+    for_each_quad(scene, grid, layers, assets, |quad, material, image| {
+        let (opacity, tint) = material.over(grid.cell);
+        for_each_cell(quad, grid, image, cells, |x, y, color| {
             let rgb = color.truncate().to_array();
             let product =
                 |by: [f32; 3], max: f32| std::array::from_fn(|c| by[c] * rgb[c].clamp(0.0, max));
@@ -61,6 +33,68 @@ fn draw(
             };
             let i = (y * to.width() + x) as usize;
             to.set(x, y, matter.over(to.matter(i), color.w.min(1.0)));
+        });
+    });
+}
+
+/// Draws the light layers of cells, of each from whatever covers half of it or more.
+pub fn rasterize_masks(
+    scene: &ExtractedScene,
+    grid: &Placement,
+    layers: &RenderLayers,
+    assets: &SceneAssets,
+    to: &mut Cells,
+) {
+    let cells @ [width, _] = [to.width(), to.height()];
+    for_each_quad(scene, grid, layers, assets, |quad, material, image| {
+        let masks = to.masks_mut();
+        for_each_cell(quad, grid, image, cells, |x, y, color| {
+            if color.w >= 0.5 {
+                masks[(y * width + x) as usize] = material.bits as u8;
+            }
+        });
+    });
+}
+
+/// Visits the quads on the layers that may lie on the grid, from the bottom to the top, with their material and image.
+fn for_each_quad(
+    scene: &ExtractedScene,
+    grid: &Placement,
+    layers: &RenderLayers,
+    assets: &SceneAssets,
+    mut draw: impl FnMut(&Quad, &QuadMaterial, Option<&Image>),
+) {
+    let area = grid.area();
+    let groups = scene.groups.iter().filter(|group| group.layers.intersects(layers));
+    for group in groups.filter(|group| group.touches(area)) {
+        let image = assets.images.as_ref().and_then(|images| images.get(group.image));
+        for quad in scene.quads_of(group) {
+            draw(quad, &scene.materials[quad.material as usize], image);
+        }
+    }
+}
+
+/// Visits the cells that a quad covers, with its colour there; alpha is its coverage, above 0.
+fn for_each_cell(
+    quad: &Quad,
+    grid: &Placement,
+    image: Option<&Image>,
+    [width, height]: [u32; 2],
+    mut draw: impl FnMut(u32, u32, Vec4),
+) {
+    let map = grid.on_grid(&quad.world);
+    let Some(back) = map.inverse() else { return };
+    let bounds = map.bounds();
+    // Casts saturate at the edges of the grid.
+    let range = |low: f32, high: f32, end: u32| low.floor() as u32..(high.ceil() as u32).min(end);
+    let columns = range(bounds.min.x, bounds.max.x, width);
+    for y in range(bounds.min.y, bounds.max.y, height) {
+        for x in columns.clone() {
+            let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+            let color = color_at(quad, back.transform_point2(center), image);
+            if color.w > 0.0 {
+                draw(x, y, color);
+            }
         }
     }
 }

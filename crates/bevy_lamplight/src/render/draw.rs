@@ -7,7 +7,7 @@ use bevy::image::Image;
 use bevy::math::Vec2;
 use bevy::platform::collections::HashMap;
 use lamplight::internals::lamp;
-use lamplight::{Lamp, Settings, Sun};
+use lamplight::{ALL_LAYERS, Lamp, Settings, Sun};
 use std::ops::Range;
 
 /// Quads on the grid of a camera, in cells and y down, in drawing order.
@@ -20,6 +20,8 @@ pub struct DrawList {
     pub lamp_batches: Vec<QuadBatch>,
     /// The batches of everything drawn, if any of it has normals.
     pub surface_batches: Vec<QuadBatch>,
+    /// The batches of everything with light layers, if any lamp chooses among them.
+    pub mask_batches: Vec<QuadBatch>,
     /// True if anything on the screen emits light.
     pub glows: bool,
     /// Lamps that the method evaluates analytically instead of as discs.
@@ -40,10 +42,10 @@ pub struct QuadBatch {
 }
 
 impl DrawList {
-    /// Lists everything on the grid of a camera. Spots, and with [`LampModel::Analytic`] all lamps, are
-    /// evaluated analytically; other lamps are drawn as discs.
+    /// Lists everything on the grid of a camera. Lamps that cannot be drawn ([`Lamp::is_exact`]), and with
+    /// [`LampModel::Analytic`] all lamps, are evaluated analytically; others are drawn as discs.
     pub fn fill(&mut self, view: &LitCameraView, extracted: &ExtractedLighting, model: LampModel) {
-        let ExtractedLighting { scene, surfaces, .. } = extracted;
+        let ExtractedLighting { scene, surfaces, masks, .. } = extracted;
         self.quads.clear();
         self.materials.clear();
         self.lamp_batches.clear();
@@ -61,6 +63,17 @@ impl DrawList {
         }
         let suns = scene.suns.iter().filter(|(_, layers)| layers.intersects(&view.layers));
         self.suns.extend(suns.map(|(sun, _)| *sun));
+        self.mask_batches.clear();
+        if !self.light_all_layers() {
+            let batches = std::mem::take(&mut self.mask_batches);
+            self.mask_batches = self.add_groups(view, masks, batches);
+        }
+    }
+
+    /// Returns whether all lamps and suns of the camera light all layers.
+    fn light_all_layers(&self) -> bool {
+        let masks = self.lamps.iter().map(|lamp| lamp.mask);
+        masks.chain(self.suns.iter().map(|sun| sun.mask)).all(|mask| mask == ALL_LAYERS)
     }
 
     /// Lists the quads of a scene, and returns their batches, with neighbours of one image in one. Those given lend their
@@ -103,16 +116,12 @@ impl DrawList {
         let placement = &view.placement;
         let corner = placement.corner();
         for (lamp, layers) in &scene.lamps {
-            let is_analytic = model == LampModel::Analytic || lamp.cone.is_some();
-            let on_grid = if is_analytic {
-                lamp.on_grid(corner, placement.cell)
-            } else {
-                lamp.disc(corner, placement.cell)
-            };
+            let is_analytic = model == LampModel::Analytic;
+            let on_grid = lamp.on_grid(corner, placement.cell, is_analytic);
             if !layers.intersects(&view.layers) || on_grid.check(&"lamp").is_err() {
                 continue;
             }
-            if is_analytic {
+            if is_analytic || on_grid.is_exact() {
                 self.lamps.push(on_grid);
                 continue;
             }

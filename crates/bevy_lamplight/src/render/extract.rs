@@ -3,7 +3,7 @@
 use crate::components::Lighting2d;
 use crate::lit_camera::LitCamera;
 use crate::placement::{Placement, PlacementError};
-use crate::quads::{ExtractedScene, Gather, GatherSurfaces};
+use crate::quads::{ExtractedScene, Gather, GatherMasks, GatherSurfaces};
 use bevy::camera::visibility::RenderLayers;
 use bevy::math::Rect;
 use bevy::prelude::{Entity, Query, ResMut, Resource};
@@ -20,6 +20,8 @@ pub struct ExtractedLighting {
     pub scene: ExtractedScene,
     /// The surfaces that cameras with normals see.
     pub surfaces: ExtractedScene,
+    /// Everything with light layers, if any lamp chooses among them.
+    pub masks: ExtractedScene,
     areas: Vec<Rect>,
 }
 
@@ -48,8 +50,9 @@ pub fn extract(
     cameras: Extract<Query<(Entity, RenderEntity, LitCamera)>>,
     gather: Extract<Gather>,
     gather_surfaces: Extract<GatherSurfaces>,
+    gather_masks: Extract<GatherMasks>,
 ) {
-    let ExtractedLighting { views, failed, scene, surfaces, areas } = &mut *extracted;
+    let ExtractedLighting { views, failed, scene, surfaces, masks, areas } = &mut *extracted;
     views.clear();
     failed.clear();
     for (camera, entity, lit) in &cameras {
@@ -78,6 +81,7 @@ pub fn extract(
     areas.clear();
     areas.extend(views.iter().map(|view| view.placement.area()));
     gather.gather(areas, scene);
+    gather_masks.gather(areas, scene, masks);
     areas.clear();
     areas.extend(views.iter().filter(|v| v.has_normals).map(|view| view.placement.area()));
     gather_surfaces.gather(areas, surfaces);

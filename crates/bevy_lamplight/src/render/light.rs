@@ -111,8 +111,10 @@ pub fn prepare(
         });
         match prepared {
             Ok(lit) => {
-                let DrawList { batches, lamp_batches, surface_batches, .. } = &lit.draw;
-                for batch in batches.iter().chain(lamp_batches).chain(surface_batches) {
+                let DrawList { batches, lamp_batches, surface_batches, mask_batches, .. } =
+                    &lit.draw;
+                let all = [batches, lamp_batches, surface_batches, mask_batches];
+                for batch in all.into_iter().flatten() {
                     for image in std::iter::once(batch.image).chain(batch.normals) {
                         bindings.bind(device, &pipelines, image, &images);
                     }
@@ -140,6 +142,7 @@ pub fn record(
     mut lit_views: ResMut<LitViews>,
     images: Res<ImageBindings>,
     pipelines: Option<Res<Pipelines>>,
+    device: Res<RenderDevice>,
     mut context: RenderContext,
 ) {
     let (Some(lit), Some(pipelines)) = (lit_views.views.get_mut(&view.into_inner()), pipelines)
@@ -151,6 +154,7 @@ pub fn record(
     let encoder = context.command_encoder();
     let span = diagnostics.time_span(encoder, "lamplight matter");
     draw_matter(lit, &pipelines, &images, encoder);
+    draw_masks(lit, &pipelines, &images, device.wgpu_device(), encoder);
     span.end(encoder);
     let span = diagnostics.time_span(encoder, "lamplight light");
     if let Err(error) = lit.budget.record(&lit.lighting, encoder) {
@@ -203,6 +207,24 @@ fn draw_matter(
     pass.set_pipeline(&pipelines.resolve);
     pass.set_bind_group(0, &grid.sums_group, &[]);
     pass.draw(0..3, 0..1);
+}
+
+/// Draws the light layers of cells. What has none is in all of them.
+fn draw_masks(
+    lit: &LitView,
+    pipelines: &Pipelines,
+    images: &ImageBindings,
+    device: &wgpu::Device,
+    encoder: &mut CommandEncoder,
+) {
+    let Some(masks) = &lit.grid.masks else { return };
+    let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+        label: Some("lamplight masks"),
+        color_attachments: &[Some(attachment(masks, LoadOp::Clear(Color::WHITE)))],
+        ..RenderPassDescriptor::default()
+    });
+    let batches = &lit.draw.mask_batches;
+    lit.quads.draw(&mut pass, pipelines.masks(device), batches, images, QuadTarget::Grid);
 }
 
 /// A colour attachment that is stored.

@@ -3,7 +3,7 @@
 use super::budget::Budget;
 use super::draw::{DrawList, LampModel};
 use super::extract::{ExtractedLighting, LitCameraView};
-use super::pipelines::{GLOW, LAMPS, MATTER, NORMALS, Pipelines, SUMS, TargetTransform};
+use super::pipelines::{GLOW, LAMPS, MASKS, MATTER, NORMALS, Pipelines, SUMS, TargetTransform};
 use super::quad_buffers::QuadBuffers;
 use crate::components::Lighting2d;
 use bevy::log::{error, warn};
@@ -105,6 +105,8 @@ pub struct MatterTextures {
     pub matter: [TextureView; 3],
     /// The emission coefficient of lamps, from the first one that glows on.
     pub lamps: Option<TextureView>,
+    /// Light layers, from the first lamp on that chooses among them.
+    pub masks: Option<TextureView>,
 }
 
 impl MatterTextures {
@@ -117,6 +119,7 @@ impl MatterTextures {
             sums,
             matter: MATTER.map(|format| texture(device, "lamplight matter", size, format, usage)),
             lamps: None,
+            masks: None,
         }
     }
 
@@ -127,9 +130,17 @@ impl MatterTextures {
         self.lamps.get_or_insert_with(lamps);
     }
 
+    /// Makes room for light layers.
+    fn add_masks(&mut self, device: &Device) {
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+        let masks = || texture(device, "lamplight masks", self.size, MASKS, usage);
+        self.masks.get_or_insert_with(masks);
+    }
+
     fn textures(&self) -> Textures {
         let [emission, tint_opacity, albedo] = self.matter.clone();
-        Textures { emission, tint_opacity, albedo, glow: self.lamps.clone(), masks: None }
+        let (glow, masks) = (self.lamps.clone(), self.masks.clone());
+        Textures { emission, tint_opacity, albedo, glow, masks }
     }
 }
 
@@ -180,6 +191,9 @@ impl LitView {
         self.draw.fill(view, extracted, LampModel::of(&self.settings));
         if !self.draw.lamp_batches.is_empty() {
             self.grid.add_lamps(device);
+        }
+        if !self.draw.mask_batches.is_empty() {
+            self.grid.add_masks(device);
         }
         let [width, height] = placed.size.map(|v| v as f32);
         let grid = TargetTransform {

@@ -1,4 +1,4 @@
-//! The render pipelines: matter on the grid, and what glows or has normals on the screen.
+//! The render pipelines: matter and light layers on the grid, and what glows or has normals on the screen.
 
 use bevy::prelude::Resource;
 use bytemuck::{Pod, Zeroable};
@@ -46,6 +46,9 @@ pub const GLOW: TextureFormat = TextureFormat::Rgba16Float;
 /// Format of the texture of normals on the screen.
 pub const NORMALS: TextureFormat = TextureFormat::Rgba16Float;
 
+/// Format of the light layers of cells.
+pub const MASKS: TextureFormat = TextureFormat::R8Unorm;
+
 /// Pipelines and bind group layouts, compiled once.
 #[derive(Resource)]
 pub struct Pipelines {
@@ -57,6 +60,7 @@ pub struct Pipelines {
     pub glow: RenderPipeline,
     pub resolve: RenderPipeline,
     normals: OnceLock<NormalPipelines>,
+    masks: OnceLock<RenderPipeline>,
 }
 
 /// Pipelines of normals on the screen.
@@ -118,6 +122,7 @@ impl Pipelines {
                 &matter,
             ),
             normals: OnceLock::new(),
+            masks: OnceLock::new(),
             quads_layout,
             image_layout,
             sums_layout,
@@ -148,6 +153,16 @@ impl Pipelines {
                 tilted: pipeline(&[quads, image, image], "tilted", &srgb),
                 untilted: pipeline(&[quads, image], "untilted", &[]),
             }
+        })
+    }
+
+    /// The pipeline of light layers, compiled when it is first needed.
+    pub fn masks(&self, device: &Device) -> &RenderPipeline {
+        self.masks.get_or_init(|| {
+            let quads = module(device, "quads", include_str!("../../shaders/quads.wgsl"));
+            let layouts = [&self.quads_layout, &self.image_layout];
+            let target = [color_target(MASKS, None)];
+            pipeline(device, "lamplight masks", &layouts, &quads, ["place", "layers"], &[], &target)
         })
     }
 

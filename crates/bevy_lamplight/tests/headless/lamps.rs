@@ -87,6 +87,131 @@ fn a_spot_lights_its_cone_and_walls_block_it() {
 }
 
 #[test]
+fn a_profile_shapes_the_beam_counterclockwise() {
+    const VALUES: [f32; 3] = [0.1, 1.0, 0.4];
+    let (angle, turn) = (1.2, 0.3);
+    for (profile, scale, right) in [
+        (VALUES.to_vec(), 1.0, VALUES),
+        // Mirrored by the entity's transform.
+        (VALUES.to_vec(), -1.0, [VALUES[2], VALUES[1], VALUES[0]]),
+        (vec![0.1, f32::NAN, 7.0], 1.0, [0.1, 0.0, 1.0]),
+        // Too short a list is ignored.
+        (vec![0.5], 1.0, [1.0; 3]),
+    ] {
+        let mut app = app();
+        let image = target(&mut app, SIZE);
+        camera(&mut app, &image, plain());
+        let spot = SpotLight2d {
+            range: 100.0,
+            angle,
+            softness: 0.0,
+            profile: profile.clone(),
+            ..default()
+        };
+        let transform = Transform::from_rotation(Quat::from_rotation_z(turn))
+            .with_scale(Vec3::new(1.0, scale, 1.0));
+        app.world_mut().spawn((spot, transform));
+        let places = [-0.25f32, 0.0, 0.25].map(|part| {
+            let place = 50.0 * Vec2::from_angle(turn + part * angle);
+            (place.floor() + 0.5, part)
+        });
+        app.insert_resource(Places(places.map(|(place, _)| place)));
+        app.init_resource::<Answers>().add_systems(Update, query);
+        begin(&mut app);
+        let seen = picture(&mut app, &image, 3);
+        let answers = app.world().resource::<Answers>().0;
+        for ((place, _), answer) in places.into_iter().zip(answers) {
+            // Linear between the values and with the distance.
+            let at = ((place.to_angle() - turn) / angle + 0.5) * 2.0;
+            let (first, part) = (at.floor(), at.fract());
+            let [low, high] = [first, first + 1.0].map(|i| right[(i as usize).min(2)]);
+            let expected = (low + (high - low) * part) * (1.0 - place.length() / 100.0);
+            let found = seen.grey((80.0 + place.x) as u32, (60.0 - place.y) as u32);
+            println!("{profile:?}, {scale}: {found}, the query {answer}, not {expected}");
+            assert!((found - expected).abs() < 2e-3, "{profile:?}: {found}, not {expected}");
+            // A query interpolates between cells of 4 world units.
+            assert!((answer - found).abs() < 0.03, "{profile:?}: the query {answer}, not {found}");
+        }
+    }
+}
+
+/// Places to query the light at.
+#[derive(Resource)]
+struct Places([Vec2; 3]);
+
+#[derive(Resource, Default)]
+struct Answers([f32; 3]);
+
+fn query(light: LightQuery, places: Res<Places>, mut answers: ResMut<Answers>) {
+    let green = |place| light.at(place).map_or(f32::NAN, |light| light.green);
+    answers.0 = places.0.map(green);
+}
+
+#[test]
+fn negative_lamps_take_light_away_down_to_black() {
+    for method in [LightMethod::Cascades, LightMethod::Polar] {
+        let light = |intensity: f32| {
+            let mut app = app();
+            let image = target(&mut app, SIZE);
+            let eye = camera(&mut app, &image, Lighting2d { method, ..plain() });
+            let ambient = AmbientLight2d { brightness: 0.0, ..default() };
+            app.world_mut().entity_mut(eye).insert(ambient);
+            let spot = |intensity| SpotLight2d {
+                intensity,
+                range: 100.0,
+                angle: std::f32::consts::TAU,
+                softness: 0.0,
+                ..default()
+            };
+            app.world_mut().spawn(spot(0.5));
+            // Takes twice as much of red as of green, on the right.
+            let color = Color::linear_rgb(1.0, 0.5, 0.0);
+            let shade = SpotLight2d { color, angle: 1.0, ..spot(intensity) };
+            app.world_mut().spawn(shade);
+            let places = [Vec2::new(40.5, 0.5), Vec2::new(-40.5, 0.5), Vec2::new(60.5, 0.5)];
+            app.insert_resource(Places(places));
+            app.init_resource::<Answers>().add_systems(Update, query);
+            begin(&mut app);
+            let seen = picture(&mut app, &image, 3);
+            let answers = app.world().resource::<Answers>().0;
+            for (place, answer) in places.into_iter().zip(answers) {
+                let [_, green, _] = seen.at((80.0 + place.x) as u32, (60.0 - place.y) as u32);
+                println!("{method:?}, {intensity}: the query {answer}, the picture {green}");
+                assert!((answer - green).abs() < 0.02, "{method:?}: {answer}, not {green}");
+            }
+            [seen.at(120, 59), seen.at(39, 59)]
+        };
+        let [right, left] = light(0.0);
+        for (intensity, red, green) in [(-0.25, 0.5, 0.75), (-1.0, 0.0, 0.0)] {
+            let [taken, other] = light(intensity);
+            let expected = [red * right[0], green * right[1], right[2]];
+            let near = |c: usize| (taken[c] - expected[c]).abs() < 2e-3;
+            assert!((0..3).all(near), "{method:?}, {intensity}: {taken:?}, not {expected:?}");
+            assert_eq!(other, left, "behind the cone");
+        }
+    }
+}
+
+#[test]
+fn a_negative_lamp_takes_what_a_positive_one_adds() {
+    let mut app = app();
+    let image = target(&mut app, [96, 64]);
+    camera(&mut app, &image, plain());
+    let light = PointLight2d { range: 200.0, ..default() };
+    app.world_mut().spawn(light);
+    let other = app.world_mut().spawn(PointLight2d { intensity: -0.5, ..light }).id();
+    begin(&mut app);
+    let taken = picture(&mut app, &image, 3);
+    app.world_mut().entity_mut(other).despawn();
+    let full = picture(&mut app, &image, 3);
+    for (x, y) in [(20, 30), (70, 40), (48, 12)] {
+        let left = taken.grey(x, y) / full.grey(x, y);
+        // One is drawn on cells, and the other is not.
+        assert!((left - 0.5).abs() < 0.03, "{left} is left");
+    }
+}
+
+#[test]
 fn walls_reflect_the_light_of_a_spot() {
     let lit = |bounces: u32| {
         let mut app = app();

@@ -44,7 +44,10 @@ fn components_round_trip_through_reflection() {
     round_trip(&Unlit2d, &registry);
     round_trip(&LightTexture2d, &registry);
     round_trip(&PointLight2d { falloff: Falloff2d::Smooth, ..default() }, &registry);
-    round_trip(&SpotLight2d::default(), &registry);
+    let spot = SpotLight2d { profile: vec![0.25, 1.0], mask: 3, ..default() };
+    assert!(round_trip(&spot, &registry).contains("0.25"));
+    round_trip(&LightMask2d(2), &registry);
+    round_trip(&Viewer2d { angle: 1.5, ..default() }, &registry);
     round_trip(&SunLight2d::default(), &registry);
     round_trip(&AmbientLight2d::default(), &registry);
     round_trip(&Sky2d::default(), &registry);
@@ -59,6 +62,8 @@ fn missing_keys_have_their_defaults() {
     assert_eq!(lighting, Lighting2d::default().with_quality(LightQuality::Fast));
     let lamp: PointLight2d = serde_json::from_str(r#"{ "range": 5.0 }"#).unwrap();
     assert_eq!(lamp, PointLight2d { range: 5.0, ..default() });
+    let viewer: Viewer2d = serde_json::from_str(r#"{ "angle": 1.5 }"#).unwrap();
+    assert_eq!(viewer, Viewer2d { angle: 1.5, ..default() });
     let relief: Relief2d = serde_json::from_str(r#"{ "specular": 0.5 }"#).unwrap();
     assert_eq!(relief, Relief2d { specular: 0.5, ..default() });
 }
