@@ -299,7 +299,6 @@ impl WorldLamp {
             mask: self.mask,
             solid: self.solid,
             visible: self.visible,
-            ..Lamp::default()
         }
     }
 

@@ -322,7 +322,7 @@ mod tests {
         if x < 0 || y < 0 { None } else { cells.get(x as u32, y as u32) }
     }
 
-    /// Whether a bundle of level 1 may meet a small source.
+    /// Returns whether a bundle of level 1 may meet a small source.
     fn meets_small_source(cells: &Cells, [x, y]: [i64; 2], ray: i64) -> bool {
         let small = |at: [i64; 2]| {
             let Some(matter) = cell(cells, at) else { return false };

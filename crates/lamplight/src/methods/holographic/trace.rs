@@ -130,7 +130,7 @@ struct StoredRay<'a> {
     stride: usize,
 }
 
-/// What tracing a tile writes.
+/// The output of tracing a tile.
 pub struct TracedPlane<'a> {
     /// The intervals of a plane, bundle by bundle.
     pub intervals: &'a mut [u32],
