@@ -34,6 +34,7 @@ const FILES: &[(&str, &str)] = files! {
     "methods/holographic/paper/merge"
     "methods/holographic/paper/source"
     "methods/holographic/paper/trace"
+    "methods/holographic/prefilter"
     "methods/holographic/slabs"
     "methods/holographic/sweep"
     "methods/holographic/trace"

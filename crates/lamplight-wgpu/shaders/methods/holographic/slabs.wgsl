@@ -5,7 +5,7 @@
 #import methods/holographic/sweep
 #import shared/uniforms
 
-// The bits: anything but empty space; a medium; emission, or scattered radiance; a source as small as a cell.
+// The bits: anything but empty space; a medium; emission, or scattered radiance; a source of one or two cells.
 override OCCUPIED: u32;
 override MEDIUM: u32;
 override EMITTING: u32;
@@ -26,6 +26,30 @@ fn emits(at: vec2u) -> bool {
         emits = emits || any(unpack_rgb(scattered[4u * index(at) + face]) != vec3f(0.0));
     }
     return emits;
+}
+
+// Returns whether there is a cell that emits.
+fn is_emitting(at: vec2i) -> bool {
+    if any(at < vec2i(0)) || outside(vec2u(at)) {
+        return false;
+    }
+    return any(textureLoad(matter, at, 0) != vec4f(1.0, 1.0, 1.0, 0.0)) && emits(vec2u(at));
+}
+
+// Returns whether at most one more cell emits in a row with this one, `step` apart.
+fn is_thin(at: vec2i, step: vec2i) -> bool {
+    let low = is_emitting(at - step);
+    let high = is_emitting(at + step);
+    if low && high {
+        return false;
+    }
+    return !(low && is_emitting(at - 2 * step)) && !(high && is_emitting(at + 2 * step));
+}
+
+// Returns whether a cell that emits is a source at most two cells wide and high, with nothing solid around it.
+fn is_small(at: vec2u) -> bool {
+    let cell = vec2i(at);
+    return is_alone(at) && is_thin(cell, vec2i(1, 0)) && is_thin(cell, vec2i(0, 1));
 }
 
 fn is_solid(at: vec2i) -> bool {
@@ -55,7 +79,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let tint_opacity = textureLoad(matter, at, 0);
         if any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)) {
             let emitting = emits(at);
-            let small = emitting && is_alone(at);
+            let small = emitting && is_small(at);
             bits |= vec4u(1u, u32(tint_opacity.a < 1.0), u32(emitting), u32(small)) << vec4u(bit);
         }
         if sweep.axis == 0u {

@@ -1,24 +1,14 @@
 // Traces the first level of intervals: bundles, each the mean of parallel rays, from every row of the planes
-// that lie 2^level slabs apart. Neighbouring rows exchange some of the light of small sources, for the reason in
-// crates/lamplight/src/methods/holographic/prefilter.rs.
+// that lie 2^level slabs apart, and filters the light of small sources across rows (prefilter.wgsl).
 
 #import methods/holographic/footprint
 #import methods/holographic/interval
+#import methods/holographic/prefilter
 
-// Fraction of the difference between two rows that they exchange.
-override EXCHANGED: f32;
 // Rows that a workgroup stores. It traces one more to each side.
 const STORED: u32 = TILE - 2u;
 
 @group(0) @binding(7) var<storage, read_write> intervals: array<u32>;
-
-struct Traced {
-    // The words of an interval that hold its radiance.
-    words: vec2u,
-    // Whether the row is open at the plane, and whether its bundle may meet a small source.
-    open: bool,
-    small: bool,
-}
 
 // By lane.
 var<workgroup> traced: array<Traced, 4u * TILE>;
@@ -39,18 +29,6 @@ fn bundle_of(bundle: u32, slab: u32, row: u32, lane: u32, length: u32) -> Interv
         sum.transmittance += one.transmittance;
     }
     return Interval(sum.light / f32(sweep.rays), sum.transmittance / f32(sweep.rays));
-}
-
-// The light that one lane gains from another.
-fn gained(own: Traced, other: Traced) -> vec3f {
-    if !own.open || !other.open || !(own.small || other.small) {
-        return vec3f(0.0);
-    }
-    return EXCHANGED * (light_of(other.words) - light_of(own.words));
-}
-
-fn light_of(words: vec2u) -> vec3f {
-    return unpack(vec3u(words, 0u)).light;
 }
 
 @compute @workgroup_size(64, 4)

@@ -331,7 +331,15 @@ mod tests {
             };
             let mut around = (0..9).filter(|&i| i != 4).map(|i| [i % 3 - 1, i / 3 - 1]);
             let alone = !around.any(solid);
-            matter.emission != [0.0; 3] && alone
+            let emits = |by: i64, [dx, dy]: [i64; 2]| {
+                let at = [at[0] + by * dx, at[1] + by * dy];
+                cell(cells, at).is_some_and(|m| m.emission != [0.0; 3])
+            };
+            let is_thin = |step: [i64; 2]| {
+                let pairs = [[-2, -1], [-1, 1], [1, 2]];
+                !pairs.iter().any(|pair| pair.iter().all(|&by| emits(by, step)))
+            };
+            matter.emission != [0.0; 3] && alone && is_thin([1, 0]) && is_thin([0, 1])
         };
         bundle(1, ray as usize, WIDTH)
             .iter()

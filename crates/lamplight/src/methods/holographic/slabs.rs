@@ -25,8 +25,8 @@ pub const MEDIUM: u8 = 2;
 /// Bit of `Slabs::classes`: the cell emits, reflects or scatters light.
 pub const EMISSIVE: u8 = 4;
 
-/// Bit of `Slabs::classes`: light may come from a source as small as a cell. The cell is [`EMISSIVE`], and none
-/// of the eight cells around it is solid.
+/// Bit of `Slabs::classes`: light may come from a source at most two cells wide and high. The cell is [`EMISSIVE`],
+/// along both axes at most one more in a row with it is, and none of the eight cells around it is solid.
 pub const SMALL: u8 = 8;
 
 /// Stands for the infinite extinction of a solid, 1/px.
@@ -130,7 +130,17 @@ impl Slabs {
             {
                 self.classes[at] |= EMISSIVE;
             }
-            if self.classes[at] & EMISSIVE != 0 && is_alone(cells, i) {
+        }
+        for (&at, &i) in self.occupied.iter().zip(&matter) {
+            let emits = |at: usize| self.classes.get(at).is_some_and(|class| class & EMISSIVE != 0);
+            // At most one more cell emits in a row with it.
+            let is_thin = |step: usize| match (emits(at.wrapping_sub(step)), emits(at + step)) {
+                (false, false) => true,
+                (true, true) => false,
+                (true, false) => !emits(at.wrapping_sub(2 * step)),
+                (false, true) => !emits(at + 2 * step),
+            };
+            if emits(at) && is_thin(1) && is_thin(self.stride) && is_alone(cells, i as usize) {
                 self.classes[at] |= SMALL;
             }
         }
