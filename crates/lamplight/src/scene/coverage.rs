@@ -3,13 +3,14 @@
 //! Everything is computed in double precision and visited row by row; only the part inside a
 //! [`Window`] is visited, so that the cost never depends on how far a figure reaches outside.
 
+use crate::Rgb;
 use std::ops::Range;
 
 /// A point in px.
 pub(crate) type Point = [f64; 2];
 
 /// Shares nearer than this to 0 or 1 are rounding: walls have to be exactly solid.
-const ROUNDING: f64 = 1e-7;
+pub(super) const ROUNDING: f64 = 1e-7;
 
 /// The columns and rows that are visited.
 #[derive(Clone, Debug)]
@@ -240,6 +241,29 @@ impl Row {
             self.sums[column + 1] += rise * left;
         }
     }
+}
+
+/// The samples of a cell along each axis, for pictures.
+const SAMPLES: u32 = 4;
+
+/// The mean colour of a cell, weighted by alpha, and its mean alpha, of a picture given by its colour at points of the
+/// cell's unit square.
+///
+/// The points are a grid that is sheared along both axes, so that no two of the sixteen share a column or a row, and a
+/// straight edge of the picture that moves by a sixteenth of a px covers one point more.
+pub(crate) fn mean_color(texel: impl Fn(Point) -> (Rgb, f32)) -> (Rgb, f32) {
+    let n = f64::from(SAMPLES);
+    // In double precision, where the mean of sixteen like colours is that colour.
+    let (mut sum, mut alpha) = ([0.0; 3], 0.0);
+    for [i, j] in (0..SAMPLES * SAMPLES).map(|k| [k % SAMPLES, k / SAMPLES].map(f64::from)) {
+        let (rgb, share) = texel([i + (j + 0.5) / n, j + (i + 0.5) / n].map(|v| v / n));
+        alpha += f64::from(share);
+        (0..3).for_each(|c| sum[c] += f64::from(share) * f64::from(rgb[c]));
+    }
+    if alpha == 0.0 {
+        return ([0.0; 3], 0.0);
+    }
+    (sum.map(|v| (v / alpha) as f32), (alpha / (n * n)) as f32)
 }
 
 /// A covered area as a fraction of a cell; `None` if nothing is covered.

@@ -66,8 +66,8 @@ pub struct Polygon {
     pub points: Vec<[f32; 2]>,
 }
 
-/// A thick line with straight ends. Without antialiasing a slanted one needs a width of 1.5 to be
-/// a wall without holes.
+/// A thick line with straight ends. It is a wall without holes from a width of 1 on; a slanted one without
+/// antialiasing from 1.5 on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
@@ -81,8 +81,8 @@ pub struct Line {
     pub width: f32,
 }
 
-/// An image whose alpha is the shape. The alpha at a cell's centre (nearest px) is its coverage;
-/// without antialiasing, an alpha of ½ or more covers it fully.
+/// An image whose alpha is the shape. Its mean over a cell, of 16 points, is the coverage; without antialiasing, an
+/// alpha of ½ or more at the cell's centre covers it fully.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sprite {

@@ -9,6 +9,7 @@ mod picture;
 mod raster;
 mod shape;
 mod source;
+mod thin_wall;
 
 pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 pub use layers::{Layers, NormalY};
@@ -196,8 +197,8 @@ impl Scene {
                 && raster::covered(shape, &window) == 0
             {
                 warnings.push(format!(
-                    "`shape[{i}]` covers no cell: it lies outside the grid or between the centres \
-                     of cells (antialias = true draws it by area)"
+                    "`shape[{i}]` covers no cell: it lies outside the grid or, without antialiasing, \
+                     between the centres of cells"
                 ));
             }
         }

@@ -5,6 +5,7 @@ use super::geometry::{Geometry, Sprite};
 use super::picture::Picture;
 use super::shape::Shape;
 use super::source::Source;
+use super::thin_wall::ThinWall;
 use crate::check::BRIGHT;
 use crate::mask::ALL_LAYERS;
 use crate::{Cells, Error, Matter, Result, Rgb, srgb};
@@ -74,12 +75,24 @@ pub(crate) fn paint(
     let window = Window::grid(cells.width(), cells.height());
     // White paint on a white picture needs no picture.
     let paints = strength > 0.0 && (cells.color().is_some() || color != [1.0; 3]);
+    let is_wall = shape.covers_by_area() && shape.opacity >= 1.0;
+    let corners = shape.geometry.outline(shape.rotation).filter(|_| is_wall).unwrap_or_default();
+    let thin_wall = ThinWall::of(&corners);
     visit(shape, &window, |x, y, share| {
         let i = cells.index(x as u32, y as u32);
         if !shape.only.takes(cells, i) {
             return;
         }
-        cells.set_matter(i, matter.over(cells.matter(i), share));
+        let drawn = match thin_wall {
+            Some(wall) => {
+                let opacity = wall.opacity(&corners, [x, y], share);
+                // What it emits follows the coverage.
+                let emission = matter.emission.map(|v| v * share / opacity);
+                Matter { emission, ..matter }.over(cells.matter(i), opacity)
+            }
+            None => matter.over(cells.matter(i), share),
+        };
+        cells.set_matter(i, drawn);
         set_layers(shape, i, share, cells);
         if paints {
             lay(&mut cells.color_mut()[i], color, share * strength);
@@ -100,13 +113,15 @@ fn visit(shape: &Shape, window: &Window, mut visit: impl FnMut(i64, i64, f32)) {
     match (&shape.geometry, shape.geometry.outline(shape.rotation)) {
         (Geometry::Circle(circle), _) => {
             let (center, radius) = (circle.center.map(f64::from), f64::from(circle.radius));
-            if shape.antialias {
+            if shape.covers_by_area() {
                 coverage::disc_shares(center, radius, window, visit);
             } else {
                 coverage::disc_centres(center, radius, window, |x, y| visit(x, y, 1.0));
             }
         }
-        (_, Some(points)) if shape.antialias => coverage::polygon_shares(&points, window, visit),
+        (_, Some(points)) if shape.covers_by_area() => {
+            coverage::polygon_shares(&points, window, visit)
+        }
         (_, Some(points)) => coverage::polygon_centres(&points, window, |x, y| visit(x, y, 1.0)),
         (_, None) => {}
     }
@@ -135,14 +150,19 @@ fn paint_sprite(
     ));
     for y in window.y {
         for x in window.x.clone() {
-            let (dx, dy) = (x as f64 + 0.5 - center[0], y as f64 + 0.5 - center[1]);
-            let u = (cos * dx + sin * dy) / scale + size[0] / 2.0;
-            let v = (cos * dy - sin * dx) / scale + size[1] / 2.0;
-            if u < 0.0 || v < 0.0 || u >= size[0] || v >= size[1] {
-                continue;
-            }
-            let (rgb, alpha) = picture.color(u as u32, v as u32);
-            let share = if shape.antialias { alpha } else { f32::from(u8::from(alpha >= HALF)) };
+            let texel = |[across, down]: Point| {
+                let (dx, dy) = (x as f64 + across - center[0], y as f64 + down - center[1]);
+                let u = (cos * dx + sin * dy) / scale + size[0] / 2.0;
+                let v = (cos * dy - sin * dx) / scale + size[1] / 2.0;
+                let inside = u >= 0.0 && v >= 0.0 && u < size[0] && v < size[1];
+                if inside { picture.color(u as u32, v as u32) } else { ([0.0; 3], 0.0) }
+            };
+            let (rgb, share) = if shape.covers_by_area() {
+                coverage::mean_color(texel)
+            } else {
+                let (rgb, alpha) = texel([0.5; 2]);
+                (rgb, f32::from(u8::from(alpha >= HALF)))
+            };
             let at = cells.index(x as u32, y as u32);
             if share == 0.0 || !shape.only.takes(cells, at) {
                 continue;

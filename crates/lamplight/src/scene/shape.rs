@@ -11,8 +11,9 @@ use std::path::PathBuf;
 
 /// A shape of a scene, drawn over what came before it.
 ///
-/// A cell is covered when its centre is inside; with `antialias` by the fraction of its area, which
-/// scales the opacity. A sprite covers by its image's alpha, and its image's colour multiplies
+/// A shape that lets light through, as glow, fog and glass do, covers each cell by the fraction of its area, which
+/// scales the opacity: its light moves by parts of a px when it does. A solid shape covers the cells whose centre is
+/// inside. [`Self::antialias`] chooses. A sprite covers by its image's alpha, and its image's colour multiplies
 /// `emission`, `albedo` and `color`.
 ///
 /// ```
@@ -31,8 +32,10 @@ pub struct Shape {
     pub rotation: f32,
     /// Which cells to draw on.
     pub only: Only,
-    /// Cover cells by the fraction of their area, not by their centres alone.
-    pub antialias: bool,
+    /// Cover cells by the fraction of their area, or by their centres alone; `None`: by area what lets light through, by
+    /// centres what is solid. The edge of a solid shape by area is fog in front of a wall: it looks smoother, and
+    /// reflects down to half as much. Rectangles and lines of at least 1 px stay shut either way, wherever they lie.
+    pub antialias: Option<bool>,
     /// Emitted radiance, linear RGB.
     pub emission: Rgb,
     /// Emission coefficient: radiance added per px, linear RGB. It needs no opacity, and solid matter has
@@ -81,7 +84,7 @@ impl Shape {
             geometry,
             rotation: 0.0,
             only: Only::All,
-            antialias: false,
+            antialias: None,
             emission: [0.0; 3],
             glow: [0.0; 3],
             opacity: 1.0,
@@ -129,10 +132,15 @@ impl Shape {
         Self { only: Only::Open, ..self }
     }
 
-    /// Covers cells by the fraction of their area.
+    /// Covers cells by the fraction of their area, or by their centres alone.
     #[must_use]
-    pub fn antialias(self) -> Self {
-        Self { antialias: true, ..self }
+    pub fn antialias(self, antialias: bool) -> Self {
+        Self { antialias: Some(antialias), ..self }
+    }
+
+    /// Returns whether cells are covered by the fraction of their area.
+    pub fn covers_by_area(&self) -> bool {
+        self.antialias.unwrap_or(self.opacity < 1.0)
     }
 
     /// Sets all values of matter and the colour to a material's. Later calls replace single values.
@@ -244,9 +252,10 @@ struct ShapeFile {
     /// Which cells to draw on.
     #[serde(default, skip_serializing_if = "is_default")]
     only: Only,
-    /// Cover cells by the fraction of their area, not by their centres alone.
-    #[serde(default, skip_serializing_if = "is_default")]
-    antialias: bool,
+    /// Cover cells by the fraction of their area, or by their centres alone. Default: by area what lets light through,
+    /// by centres what is solid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    antialias: Option<bool>,
     /// A material, for the values below that the shape does not give itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     material: Option<Material>,

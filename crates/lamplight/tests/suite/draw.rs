@@ -7,14 +7,14 @@ use lamplight::{Cells, Matter, Scene, Shape, Sky};
 fn a_shape_draws_what_a_scene_draws() {
     let shapes = [
         Shape::rect([4.0, 3.0], [12.0, 9.0]).albedo([0.8, 0.3, 0.2]),
-        Shape::circle([20.0, 10.0], 5.0).emission([3.0, 2.0, 1.0]).antialias(),
+        Shape::circle([20.0, 10.0], 5.0).emission([3.0, 2.0, 1.0]).antialias(true),
         Shape::line([2.0, 18.0], [28.0, 14.0], 2.0).opacity(0.2).tint([0.9, 0.5, 0.4]),
     ];
     let scene = shapes.iter().cloned().fold(Scene::new(32, 20), Scene::shape);
     let mut cells = Cells::new(32, 20).unwrap();
     shapes.iter().for_each(|shape| shape.draw(&mut cells).unwrap());
     assert_eq!(cells, scene.cells().unwrap());
-    let moved = Shape::circle([20.5, 10.0], 5.0).emission([3.0, 2.0, 1.0]).antialias();
+    let moved = Shape::circle([20.5, 10.0], 5.0).emission([3.0, 2.0, 1.0]).antialias(true);
     moved.draw(&mut cells).unwrap();
     assert_ne!(cells, scene.cells().unwrap());
 }

@@ -1,4 +1,4 @@
-//! Shapes cover cells by exact fractions of their area, and without antialiasing by their centres.
+//! Shapes cover cells by exact fractions of their area, or by their centres.
 
 use lamplight::{Cells, Scene, Shape};
 use proptest::prelude::*;
@@ -60,12 +60,16 @@ fn cells(shape: Shape) -> Cells {
     Scene::new(SIDE, SIDE).shape(shape).cells().unwrap()
 }
 
-/// Largest difference of the drawn opacity from the supersampled coverage.
+/// The coverage of cells by a shape. It is drawn as fog: thin walls have more opacity than coverage.
+fn coverage(shape: Shape) -> Vec<f32> {
+    cells(shape.opacity(0.5)).opacity().iter().map(|opacity| 2.0 * opacity).collect()
+}
+
+/// Largest difference of the drawn coverage from the supersampled one.
 fn worst_coverage(shape: &Shape, inside: &Inside) -> f32 {
-    let cells = cells(shape.clone().antialias());
+    let drawn = coverage(shape.clone());
     let all = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
-    all.map(|(x, y)| (cells.get(x, y).unwrap().opacity - inside.coverage(x, y)).abs())
-        .fold(0.0, f32::max)
+    drawn.iter().zip(all).map(|(c, (x, y))| (c - inside.coverage(x, y)).abs()).fold(0.0, f32::max)
 }
 
 /// Cells whose centre is inside by one and not by the other; centres within a hair of the edge
@@ -175,9 +179,7 @@ fn the_comparison_rejects_a_shape_moved_by_a_tenth() {
 fn areas_are_exact() {
     // To single precision of a sum of some hundred shares.
     const EXACT: f64 = 1e-5;
-    let area = |shape: Shape| -> f64 {
-        cells(shape.antialias()).opacity().iter().map(|&a| f64::from(a)).sum()
-    };
+    let area = |shape: Shape| -> f64 { coverage(shape).into_iter().map(f64::from).sum() };
     let close = |shape: Shape, expected: f64| {
         let found = area(shape);
         assert!((found / expected - 1.0).abs() < EXACT, "{found} for {expected}");
@@ -213,7 +215,8 @@ fn rectangles_that_share_an_edge_tile_the_grid() {
 #[test]
 fn shapes_lie_over_one_another_in_order() {
     let red = Shape::rect([0.0, 0.0], [8.0, 8.0]).albedo([0.5, 0.0, 0.0]);
-    let lamp = Shape::rect([2.0, 2.0], [4.5, 4.0]).emission([2.0; 3]).color([0.1; 3]).antialias();
+    let lamp =
+        Shape::rect([2.0, 2.0], [4.5, 4.0]).emission([2.0; 3]).color([0.1; 3]).antialias(true);
     let cells = Scene::new(8, 8).shape(red).shape(lamp).cells().unwrap();
     let half = cells.get(4, 3).unwrap();
     assert_eq!(half.opacity, 1.0);
@@ -235,4 +238,67 @@ fn colour_is_painted_by_the_opacity_of_a_shape() {
     assert_eq!(whole(square.clone().albedo([0.0; 3]).opacity(0.25)), [0.75; 3]);
     assert_eq!(whole(square.clone().albedo([0.0; 3]).opacity(0.0)), [1.0; 3]);
     assert_eq!(whole(square.opacity(0.0).color([0.5; 3])), [0.5; 3]);
+}
+
+fn by_area(shape: Shape) -> Cells {
+    cells(shape.antialias(true))
+}
+
+/// The light that passes a wall at one place across it: the product of what its cells let through.
+fn leak(cells: &Cells, across: impl Iterator<Item = (u32, u32)>) -> f32 {
+    across.map(|(x, y)| 1.0 - cells.get(x, y).unwrap().opacity).product()
+}
+
+#[test]
+fn thin_walls_are_shut_wherever_they_lie() {
+    for step in 0..=20 {
+        let at = 10.0 + step as f32 / 20.0;
+        for thickness in [1.0, 1.3, 1.9] {
+            let flat = by_area(Shape::rect([0.0, at], [24.0, at + thickness]));
+            let upright = by_area(Shape::rect([at, 0.0], [at + thickness, 24.0]));
+            for k in 0..SIDE {
+                assert_eq!(leak(&flat, (0..SIDE).map(|y| (k, y))), 0.0, "{at} {thickness} {k}");
+                assert_eq!(leak(&upright, (0..SIDE).map(|x| (x, k))), 0.0, "{at} {thickness} {k}");
+            }
+            // Slanted, from border to border.
+            for rise in [-9.0, -4.0, 2.5, 8.0] {
+                let line = Shape::line([-4.0, at - rise], [28.0, at + rise], thickness);
+                let slanted = by_area(line);
+                for x in 0..SIDE {
+                    let leak = leak(&slanted, (0..SIDE).map(|y| (x, y)));
+                    assert_eq!(leak, 0.0, "{at} {thickness} {rise} {x}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn thin_walls_change_smoothly_as_they_move() {
+    // A coverage changes by no more than the wall moves, 0.0142 px, and the ratio of two, the larger of which is at
+    // least a half, by no more than four times that.
+    const STEP: f32 = 0.0567;
+    let wall = |offset: f32| {
+        let at = [4.3 + offset, 9.0 + offset];
+        by_area(Shape::rect(at, [at[0] + 12.0, at[1] + 1.0]).rotation(0.2))
+    };
+    let changes = |moved: f32| {
+        let largest = |from: f32| {
+            let (a, b) = (wall(from), wall(from + moved));
+            a.opacity().iter().zip(b.opacity()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+        };
+        (0..100).map(|k| largest(k as f32 / 100.0)).fold(0.0, f32::max)
+    };
+    assert!(changes(0.01) < STEP, "{}", changes(0.01));
+    assert!(changes(0.1) > STEP, "the measure sees no motion");
+}
+
+#[test]
+fn thin_walls_emit_by_their_area() {
+    for at in [8.0, 8.25, 8.5, 8.9] {
+        let cells = by_area(Shape::rect([4.0, at], [20.0, at + 1.0]).emission([3.0; 3]));
+        let emitted: f32 =
+            cells.opacity().iter().zip(cells.emission()).map(|(o, e)| o * e[0]).sum();
+        assert!((emitted - 48.0).abs() < 1e-3, "{at}: {emitted}");
+    }
 }

@@ -27,7 +27,7 @@ fn whole() -> Scene {
         .shape(
             Shape::circle([16.0, 9.0], 1.2)
                 .rotation(0.5)
-                .antialias()
+                .antialias(true)
                 .only_open()
                 .emission([4.0, 3.2, 2.0])
                 .glow([0.5, 0.25, 0.0])

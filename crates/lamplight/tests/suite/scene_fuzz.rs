@@ -189,7 +189,7 @@ proptest! {
     fn shapes_of_any_numbers(
         numbers in prop::array::uniform8(any::<f32>()),
         kind in 0..4u8,
-        antialias in any::<bool>(),
+        antialias in any::<Option<bool>>(),
     ) {
         let [a, b, c, d, e, f, rotation, opacity] = numbers;
         let shape = match kind {

@@ -108,8 +108,8 @@ fn masks_are_bits_of_grey_and_shapes_replace_those_that_they_cover() {
     let layers = "size = [4, 1]\nlayers = { mask = \"m.png\" }";
     assert_eq!(bench.cells(layers).unwrap().masks().unwrap(), [1, 6, 255, 255]);
     // The first covers 60 % of a cell, and the next 40 % of another; the last is in all layers.
-    let shapes = "\n[[shape]]\nrect = { min = [0, 0], max = [0.6, 1] }\nmask = 4\nantialias = true\n\
-                  [[shape]]\nrect = { min = [1, 0], max = [1.4, 1] }\nmask = 4\nantialias = true\n\
+    let shapes = "\n[[shape]]\nrect = { min = [0, 0], max = [0.6, 1] }\nmask = 4\n\
+                  [[shape]]\nrect = { min = [1, 0], max = [1.4, 1] }\nmask = 4\n\
                   [[shape]]\nrect = { min = [3, 0], max = [4, 1] }\nmask = 8\nopacity = 0\n";
     let shapes = |more: &str| bench.cells(&format!("{layers}{shapes}{more}"));
     assert_eq!(shapes("").unwrap().masks().unwrap(), [4, 6, 255, 8]);
@@ -226,8 +226,11 @@ fn sprites_cover_by_alpha_and_multiply_by_colour() {
     assert_eq!(picture[cells.index(3, 2)], [srgb::decode_u8(128); 3]);
     assert_eq!(picture[cells.index(0, 0)], [1.0; 3]);
 
-    let soft = bench.cells(&format!("{scene}\nantialias = true\nopacity = 0.5")).unwrap();
-    assert_eq!(soft.get(2, 2).unwrap().opacity, 0.4 * 0.5);
+    let fog = bench.cells(&format!("{scene}\nopacity = 0.5")).unwrap();
+    assert_eq!(fog.get(2, 2).unwrap().opacity, 0.4 * 0.5);
+    let soft = bench.cells(&format!("{scene}\nantialias = true")).unwrap();
+    let opacity: Vec<f32> = (0..5).map(|x| soft.get(x, 2).unwrap().opacity).collect();
+    assert_eq!(opacity, [0.0, 0.0, 0.4, 1.0, 0.0]);
 }
 
 #[test]

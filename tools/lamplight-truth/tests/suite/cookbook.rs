@@ -77,7 +77,7 @@ fn a_thicker_flame_is_a_brighter_light() {
         let light = light("torch", |scene| {
             scene.sky = Sky::BLACK;
             *scene.shapes.last_mut().unwrap() =
-                Shape::circle([48.0, 44.0], radius).antialias().material(Material::Fire);
+                Shape::circle([48.0, 44.0], radius).antialias(true).material(Material::Fire);
         });
         sum(light.at(90, 44))
     };
