@@ -42,6 +42,7 @@ mod lighting;
 mod matter;
 mod methods;
 mod options;
+mod panorama;
 mod pipeline;
 mod pipeline_cache;
 mod planner;

@@ -6,6 +6,7 @@ use crate::grid_size::GridSize;
 use crate::hints::SceneHints;
 use crate::lamps::{Capacity, LampList, RAY_BYTES};
 use crate::matter::Textures;
+use crate::methods::holographic::sky::ConeSky;
 use crate::options::LightingOptions;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::shared::{Shared, filled};
@@ -33,6 +34,8 @@ pub struct FramePlanner<'a> {
     pub textures: &'a Textures,
     pub hints: SceneHints,
     pub capacity: Capacity,
+    /// The sky, if it is a panorama.
+    panorama: Option<&'a TextureView>,
     /// The direct light of suns and exact lamps, if there are any.
     direct: Option<FoundLight<'a>>,
     /// Bytes of the buffers and textures made so far.
@@ -57,6 +60,15 @@ pub struct PassList {
     pub stages: Vec<(Stage, Buffer)>,
     /// The buffer for lamps that are lit by rule, written before each frame.
     pub lamps: Option<Buffer>,
+    /// The light of a panorama in cones, written before each frame in which it is another.
+    pub sky: Option<ConeSky>,
+}
+
+impl PassList {
+    /// A list that needs nothing written.
+    pub fn new(dispatches: Vec<Dispatch>, stages: Vec<(Stage, Buffer)>) -> Self {
+        Self { dispatches, stages, lamps: None, sky: None }
+    }
 }
 
 impl<'a> FramePlanner<'a> {
@@ -76,6 +88,7 @@ impl<'a> FramePlanner<'a> {
             textures,
             hints,
             capacity: Capacity::default(),
+            panorama: None,
             direct: None,
             memory: Cell::default(),
             before: &[],
@@ -164,6 +177,21 @@ impl<'a> FramePlanner<'a> {
     /// The layers of all cells.
     pub fn masks(&self) -> BindingResource<'_> {
         view(self.textures.masks.as_ref().unwrap_or(&self.shared.all_layers))
+    }
+
+    /// Has a panorama as its sky, if there is one.
+    pub fn with_panorama(self, panorama: Option<&'a TextureView>) -> Self {
+        Self { panorama, ..self }
+    }
+
+    /// The panorama, or a single texel if the sky is none.
+    pub fn panorama(&self) -> BindingResource<'_> {
+        view(self.panorama.unwrap_or(&self.shared.no_panorama))
+    }
+
+    /// Returns whether the sky is a panorama.
+    pub fn has_panorama(&self) -> bool {
+        self.panorama.is_some()
     }
 
     /// Has direct light, which methods add to theirs.

@@ -73,7 +73,7 @@ pub mod holographic {
     /// The method as published.
     pub mod paper {
         pub use crate::methods::holographic::paper::{
-            Interval, Paper, Piece, Quadrant, cone, edges, paths, rays,
+            Interval, Paper, Piece, Quadrant, edges, paths, rays,
         };
     }
 }
@@ -122,6 +122,7 @@ pub mod seed {
 
 /// The sky.
 pub mod sky {
+    pub use crate::panorama::place;
     pub use crate::sky::sines;
 }
 

@@ -90,14 +90,14 @@ impl Panorama {
     /// The radiance along a ray of this direction, of any length.
     #[inline]
     pub fn radiance(&self, [x, y]: [f32; 2]) -> Rgb {
-        let at = self.place(f64::from(y.atan2(x)));
+        let at = place(self, f64::from(y.atan2(x)));
         self.between(at.floor(), at - at.floor()).map(|v| v as f32)
     }
 
     /// The mean radiance between two angles, radians from +x towards +y, the first below the second. It is exact, and
     /// takes time by the number of columns between the angles.
     pub fn mean(&self, from: f64, to: f64) -> Rgb {
-        let [from, to] = [from, to].map(|angle| self.place(angle));
+        let [from, to] = [from, to].map(|angle| place(self, angle));
         let mut sum = [0.0; 3];
         let mut column = from.floor();
         while column < to {
@@ -108,11 +108,6 @@ impl Panorama {
             column += 1.0;
         }
         sum.map(|v| (v / (to - from)) as f32)
-    }
-
-    /// Returns the place of an angle on the strip, in columns from the middle of the first.
-    pub(crate) fn place(&self, angle: f64) -> f64 {
-        (angle - f64::from(self.turn) - FRAC_PI_2) / TAU * self.columns.len() as f64 - 0.5
     }
 
     /// Returns the radiance between a column and the next, at a fraction of the way.
@@ -140,6 +135,12 @@ impl Panorama {
             }
         }
     }
+}
+
+/// Returns the place of an angle on the strip, in columns from the middle of the first.
+pub fn place(panorama: &Panorama, angle: f64) -> f64 {
+    let Panorama { columns, turn } = panorama;
+    (angle - f64::from(*turn) - FRAC_PI_2) / TAU * columns.len() as f64 - 0.5
 }
 
 impl PartialEq for Panorama {

@@ -137,6 +137,6 @@ impl Polar {
         ]);
         dispatches.extend(planner.add_direct(light));
         stages.push((Stage::Light, light.clone()));
-        Ok(PassList { dispatches, stages, lamps: Some(lamps) })
+        Ok(PassList { lamps: Some(lamps), ..PassList::new(dispatches, stages) })
     }
 }

@@ -56,7 +56,7 @@ impl DistancePipelines {
         Ok(DistanceField {
             nearest,
             distance,
-            passes: PassList { dispatches, stages, lamps: None },
+            passes: PassList::new(dispatches, stages),
         })
     }
 }

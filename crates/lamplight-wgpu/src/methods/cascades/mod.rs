@@ -155,7 +155,7 @@ impl Cascades {
         dispatches.extend(self.gather(&plan, target));
         dispatches.extend(planner.add_direct(light));
         let stages = vec![(Stage::EmptySpace, plan.squares), (Stage::Light, light.clone())];
-        Ok(PassList { dispatches, stages, lamps: None })
+        Ok(PassList::new(dispatches, stages))
     }
 
     /// Plans a gather over all cones of the nearest cascade, batch by batch.
@@ -205,6 +205,7 @@ impl Plan<'_> {
             planner.shared.number(target.step),
             ladder::selected(&self.layers),
             whole(target.to),
+            planner.panorama(),
         ];
         resources.extend_from_slice(more);
         planner.bind(pipelines, &resources)

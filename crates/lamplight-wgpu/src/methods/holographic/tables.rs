@@ -1,5 +1,6 @@
-//! Tables that are the same for every frame: the footprints of rays, and the cones.
+//! Tables of numbers: the footprints of rays, and integrals over cones.
 
+use super::sky::ConeEntry;
 use lamplight::internals::holographic::lattice::{
     self, Crossing, GatherGeometry, bundle, cones_of_halves, edges, halves, rays,
 };
@@ -87,20 +88,20 @@ fn mask(slabs: usize, cells: impl Iterator<Item = (usize, isize)>) -> Vec<u32> {
     words
 }
 
-/// Returns where each of the levels `first + 1` to `end` begins, and for each of their cones, or of the half
-/// cones of those above the first two levels: ∫ dθ, ∫ |sin θ| dθ where the sine is negative, and where it is
-/// positive, ∫ cos θ dθ. As on the CPU, they are made from those of the last level.
-pub fn cones(first: u32, end: u32) -> (Vec<u32>, Vec<[f32; 4]>) {
+/// Returns where each of the levels `first + 1` to `end` begins, and `integrals` over the angle of each of their cones,
+/// or of the half cones of those above the first two levels. As on the CPU, they are made from those between the edges of
+/// the last level.
+pub fn cones(
+    first: u32,
+    end: u32,
+    integrals: impl Fn([f64; 2]) -> [f64; 4],
+) -> (Vec<u32>, Vec<ConeEntry>) {
     let mut parts: [Vec<f64>; 4] = Default::default();
     for cone in 0..lattice::cones(end) {
-        let [from, to] = edges(end, cone);
-        let (middle, angle) = (0.5 * (from + to), to - from);
-        let up = (-middle.sin()).max(0.0) * angle;
-        let down = middle.sin().max(0.0) * angle;
-        let integrals = [angle, up, down, middle.cos() * angle];
+        let integrals = integrals(edges(end, cone));
         parts.iter_mut().zip(integrals).for_each(|(part, integral)| part.push(integral));
     }
-    let mut levels: Vec<Vec<[f32; 4]>> = Vec::new();
+    let mut levels: Vec<Vec<ConeEntry>> = Vec::new();
     for level in (first + 1..=end).rev() {
         let halved = level > first + 1;
         if halved {

@@ -113,6 +113,6 @@ impl Raymarch {
         }
         dispatches.extend(planner.add_direct(light));
         stages.push((Stage::Light, light.clone()));
-        Ok(PassList { dispatches, stages, lamps: None })
+        Ok(PassList::new(dispatches, stages))
     }
 }

@@ -1,6 +1,7 @@
-//! Tables that are the same for every frame: the footprints of traced rays, and the cones.
+//! Tables of numbers: the footprints of traced rays, and integrals over cones.
 
-use lamplight::internals::holographic::paper::{Piece, cone, paths, rays};
+use crate::methods::holographic::sky::ConeEntry;
+use lamplight::internals::holographic::paper::{Piece, edges, paths, rays};
 
 /// Returns where each of the levels 0 to `traced` begins, and the footprints of their rays, as trace.wgsl reads
 /// them.
@@ -31,17 +32,16 @@ pub fn traced_footprints(traced: u32) -> (Vec<u32>, Vec<[i32; 4]>) {
     (begins, table)
 }
 
-/// Returns where each of the levels 1 to `end` begins, and for each of their cones: ∫ dθ, ∫ |sin θ| dθ where
-/// the sine is negative, and where it is positive, ∫ cos θ dθ.
-pub fn cones(end: u32) -> (Vec<u32>, Vec<[f32; 4]>) {
+/// Returns where each of the levels 1 to `end` begins, and `integrals` between the edges of each of their cones.
+pub fn cones(
+    end: u32,
+    integrals: impl Fn([f64; 2]) -> [f64; 4],
+) -> (Vec<u32>, Vec<ConeEntry>) {
     let (mut begins, mut cones) = (Vec::new(), Vec::new());
     for level in 1..=end {
         begins.push(cones.len() as u32);
         for j in 0..1 << level {
-            let [angle, up, down] = cone(level, j, 0);
-            // A quarter turn further, the cosine is the sine.
-            let [_, _, along] = cone(level, j, 1);
-            cones.push([angle, up, down, along].map(|part| part as f32));
+            cones.push(integrals(edges(level, j, 0)).map(|part| part as f32));
         }
     }
     (begins, cones)

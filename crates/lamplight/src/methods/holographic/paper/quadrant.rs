@@ -2,7 +2,6 @@
 
 use super::grid::{Piece, RotatedGrid, pieces};
 use super::interval::{Interval, Transmittance};
-use crate::sky::sines;
 use crate::{Cells, Rgb, Sky};
 use std::f64::consts::FRAC_PI_2;
 
@@ -205,15 +204,6 @@ pub fn edges(level: u32, j: usize, turn: u32) -> [f64; 2] {
         let (y, x) = (rise(level, k) as f64, f64::from(1u32 << level));
         y.atan2(x) + f64::from(turn) * FRAC_PI_2
     })
-}
-
-/// Returns, for cone j of a level in the quadrant rotated by `turn` quarters, `∫ dθ`,
-/// `∫ max(−sin θ, 0) dθ` (up) and `∫ max(sin θ, 0) dθ` (down). Both sines weight the zenith and the
-/// ground of a sky.
-pub fn cone(level: u32, j: usize, turn: u32) -> [f64; 3] {
-    let [from, to] = edges(level, j, turn);
-    let [up, down] = sines(from, to);
-    [angle(level, j), up, down]
 }
 
 /// Returns the number of rays of a level from one cell.
