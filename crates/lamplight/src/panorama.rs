@@ -131,7 +131,11 @@ impl Panorama {
             Some(column) => {
                 let [r, g, b] = self.columns[column];
                 let expected = "three finite radiances of 0 or more";
-                Err(Error::value(format!("sky.columns[{column}]"), format!("[{r}, {g}, {b}]"), expected))
+                Err(Error::value(
+                    format!("sky.columns[{column}]"),
+                    format!("[{r}, {g}, {b}]"),
+                    expected,
+                ))
             }
         }
     }

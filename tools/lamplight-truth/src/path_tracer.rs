@@ -2,6 +2,7 @@
 
 use crate::lamps::{Vertex, direct};
 use crate::random::Random;
+use crate::sky;
 use crate::traverse::{Event, Grid, Stretch, Traversal};
 use lamplight::internals::Walls;
 use lamplight::internals::direct::clamp;

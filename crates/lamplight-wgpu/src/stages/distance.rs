@@ -53,10 +53,6 @@ impl DistancePipelines {
             (Stage::Nearest, nearest.clone()),
             (Stage::Distance, distance.clone()),
         ];
-        Ok(DistanceField {
-            nearest,
-            distance,
-            passes: PassList::new(dispatches, stages),
-        })
+        Ok(DistanceField { nearest, distance, passes: PassList::new(dispatches, stages) })
     }
 }

@@ -171,14 +171,12 @@ impl Table {
             (None, Some(columns)) if !gradient && intensity.is_none() => {
                 Ok(Sky::from(columns.turned(turn)).into())
             }
-            (None, None) if intensity.is_none() && turn == 0.0 => {
-                Ok(Sky::from(Gradient {
-                    zenith: zenith.ok_or_else(|| E::missing_field("zenith"))?,
-                    horizon: horizon.ok_or_else(|| E::missing_field("horizon"))?,
-                    ground: ground.ok_or_else(|| E::missing_field("ground"))?,
-                })
-                .into())
-            }
+            (None, None) if intensity.is_none() && turn == 0.0 => Ok(Sky::from(Gradient {
+                zenith: zenith.ok_or_else(|| E::missing_field("zenith"))?,
+                horizon: horizon.ok_or_else(|| E::missing_field("horizon"))?,
+                ground: ground.ok_or_else(|| E::missing_field("ground"))?,
+            })
+            .into()),
             _ => Err(E::invalid_value(
                 Unexpected::Other("a mixture of several"),
                 &"{ zenith, horizon, ground }, { columns, turn } or { picture, intensity, turn }",

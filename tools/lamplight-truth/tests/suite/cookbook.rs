@@ -75,7 +75,7 @@ fn a_torch_is_orange_and_casts_a_shadow_that_is_not_black() {
 fn a_thicker_flame_is_a_brighter_light() {
     let wall = |radius| {
         let light = light("torch", |scene| {
-            scene.sky = Sky::BLACK;
+            scene.sky = Sky::BLACK.into();
             *scene.shapes.last_mut().unwrap() =
                 Shape::circle([48.0, 44.0], radius).antialias().material(Material::Fire);
         });

@@ -28,8 +28,8 @@ use lamplight::internals::holographic::{
 use lamplight::settings::Holographic as Settings;
 use lattice::{Lattice, Packed};
 use quadrant::{Axis, PlannedWork, Quadrant, RUN};
-use sweep::Sweeps;
 use sky::{ConeSky, ConeTable};
+use sweep::Sweeps;
 use tables::Footprints;
 use wgpu::{Buffer, BufferUsages, Device};
 use work::Work;

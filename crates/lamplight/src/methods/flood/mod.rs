@@ -235,7 +235,8 @@ impl FloodSolver {
             let color = match sky {
                 // What is narrow may lie between two rays.
                 Sky::Panorama(panorama) => {
-                    let (from, half) = (f64::from(angle) + PI, PI / f64::from(settings.matter_rays));
+                    let (from, half) =
+                        (f64::from(angle) + PI, PI / f64::from(settings.matter_rays));
                     panorama.mean(from - half, from + half)
                 }
                 _ => sky.radiance(direction.map(|d| -d)),

@@ -33,10 +33,7 @@ pub fn traced_footprints(traced: u32) -> (Vec<u32>, Vec<[i32; 4]>) {
 }
 
 /// Returns where each of the levels 1 to `end` begins, and `integrals` between the edges of each of their cones.
-pub fn cones(
-    end: u32,
-    integrals: impl Fn([f64; 2]) -> [f64; 4],
-) -> (Vec<u32>, Vec<ConeEntry>) {
+pub fn cones(end: u32, integrals: impl Fn([f64; 2]) -> [f64; 4]) -> (Vec<u32>, Vec<ConeEntry>) {
     let (mut begins, mut cones) = (Vec::new(), Vec::new());
     for level in 1..=end {
         begins.push(cones.len() as u32);
