@@ -43,6 +43,7 @@ mod matter;
 mod methods;
 mod options;
 mod panorama;
+mod pass_list;
 mod pipeline;
 mod pipeline_cache;
 mod planner;

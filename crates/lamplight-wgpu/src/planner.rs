@@ -6,11 +6,9 @@ use crate::grid_size::GridSize;
 use crate::hints::SceneHints;
 use crate::lamps::{Capacity, LampList, RAY_BYTES};
 use crate::matter::Textures;
-use crate::methods::holographic::sky::ConeSky;
 use crate::options::LightingOptions;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::shared::{Shared, filled};
-use crate::stage::Stage;
 use lamplight::Settings;
 use std::cell::{Cell, RefCell};
 use wgpu::{BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView};
@@ -50,25 +48,6 @@ pub struct FramePlanner<'a> {
 pub struct HistoryBuffer {
     pub label: &'static str,
     pub buffer: Buffer,
-}
-
-/// The dispatches of a frame, in order, and their results.
-#[derive(Debug)]
-pub struct PassList {
-    pub dispatches: Vec<Dispatch>,
-    /// Buffers that can be read back.
-    pub stages: Vec<(Stage, Buffer)>,
-    /// The buffer for lamps that are lit by rule, written before each frame.
-    pub lamps: Option<Buffer>,
-    /// The light of a panorama in cones, written before each frame in which it is another.
-    pub sky: Option<ConeSky>,
-}
-
-impl PassList {
-    /// A list that needs nothing written.
-    pub fn new(dispatches: Vec<Dispatch>, stages: Vec<(Stage, Buffer)>) -> Self {
-        Self { dispatches, stages, lamps: None, sky: None }
-    }
 }
 
 impl<'a> FramePlanner<'a> {

@@ -108,14 +108,14 @@ impl Gradient {
 /// Returns `∫ max(−sin θ, 0) dθ` (up) and `∫ max(sin θ, 0) dθ` (down) between two angles: the weights of the zenith
 /// and of the ground of a gradient.
 pub fn sines(from: f64, to: f64) -> [f64; 2] {
-    // Down, from 0 on: 2 in each whole turn, all of it in the first half.
-    let downwards = |angle: f64| {
-        let turns = (angle / TAU).floor();
-        let rest = angle - turns * TAU;
-        2.0 * turns + if rest < PI { 1.0 - rest.cos() } else { 2.0 }
-    };
-    let down = downwards(to) - downwards(from);
-    [down - (from.cos() - to.cos()), down]
+    let [(before, start), (after, end)] = [from, to].map(|angle| {
+        let (turns, cosine) = ((angle / TAU).floor(), angle.cos());
+        // Down, from 0 on: 2 in each whole turn, all of it in the first half.
+        let down = if angle - turns * TAU < PI { 1.0 - cosine } else { 2.0 };
+        (2.0 * turns + down, cosine)
+    });
+    let down = after - before;
+    [down - (start - end), down]
 }
 
 impl From<Rgb> for Sky {

@@ -5,8 +5,9 @@
 
 use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
+use crate::pass_list::PassList;
 use crate::pipeline::{ComputePipelines, Dispatch};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
 use crate::shared::filled;
 use crate::stage::Stage;

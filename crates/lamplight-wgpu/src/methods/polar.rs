@@ -6,8 +6,9 @@
 
 use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
+use crate::pass_list::PassList;
 use crate::pipeline::{ComputePipelines, Dispatch};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
 use crate::stages::distance::DistancePipelines;

@@ -44,7 +44,7 @@ pub struct Scene {
     #[serde(deserialize_with = "exact::one")]
     pub size: [u32; 2],
     /// Linear RGB radiance that comes from beyond the grid: one colour, a gradient, or a panorama.
-    #[serde(default, skip_serializing_if = "SceneSky::is_black")]
+    #[serde(default, skip_serializing_if = "SceneSky::is_default")]
     pub sky: SceneSky,
     /// Images that fill the grid under the shapes.
     #[serde(default, skip_serializing_if = "Layers::is_empty")]

@@ -101,9 +101,9 @@ impl SkyPicture {
 }
 
 impl SceneSky {
-    /// Returns whether it is black in all directions. A picture is not looked at.
-    pub(super) fn is_black(&self) -> bool {
-        matches!(self, Self::Radiance(sky) if sky.is_black())
+    /// Returns whether it is the sky of a scene that gives none.
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 
     /// The image, as the scene names it.

@@ -9,8 +9,9 @@
 pub mod ladder;
 
 use crate::error::{Result, unsupported};
+use crate::pass_list::PassList;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch, WORKGROUP};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::shared::filled;
 use crate::stage::Stage;
 use crate::stages::compare::Compare;

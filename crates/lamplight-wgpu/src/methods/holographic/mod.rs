@@ -14,8 +14,9 @@ mod traffic;
 mod work;
 
 use crate::error::Result;
+use crate::pass_list::PassList;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::stage::Stage;
 use crate::stages::convergence::Convergence;
 use crate::{programs, shaders};

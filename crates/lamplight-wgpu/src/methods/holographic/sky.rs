@@ -1,9 +1,9 @@
 //! The light of the sky in the cones of all quadrants, as shaders/methods/holographic/sky.wgsl reads it.
 
-use super::{paper, tables};
 use crate::error::Result;
 use crate::planner::FramePlanner;
-use lamplight::internals::holographic::lattice::on_grid;
+use lamplight::internals::holographic::lattice::{self, on_grid};
+use lamplight::internals::holographic::paper::edges;
 use lamplight::internals::sky::sines;
 use lamplight::{Panorama, Sky};
 use wgpu::{Buffer, BufferUsages, Queue};
@@ -36,11 +36,47 @@ impl ConeLevels {
         axis: usize,
         integrals: impl Fn([f64; 2]) -> [f64; 4],
     ) -> (Vec<u32>, Vec<ConeEntry>) {
-        match self {
-            Self::Bundles { first, ends } => tables::cones(first, ends[axis], integrals),
-            Self::Paper { end } => paper::tables::cones(end, integrals),
+        let levels = match self {
+            Self::Bundles { first, ends } => bundles(first, ends[axis], integrals),
+            Self::Paper { end } => paper(end, integrals),
+        };
+        let (mut begins, mut cones) = (Vec::new(), Vec::new());
+        for level in levels {
+            begins.push(cones.len() as u32);
+            cones.extend(level.into_iter().map(|cone| cone.map(|part| part as f32)));
+        }
+        (begins, cones)
+    }
+}
+
+/// Returns `integrals` over the angle of each cone of the levels `first + 1` to `end`, or of each half cone of those
+/// above the first two levels. As on the CPU, they are made from those between the edges of the last level.
+fn bundles(first: u32, end: u32, integrals: impl Fn([f64; 2]) -> [f64; 4]) -> Vec<Vec<[f64; 4]>> {
+    let mut parts: [Vec<f64>; 4] = Default::default();
+    for cone in 0..lattice::cones(end) {
+        let integrals = integrals(lattice::edges(end, cone));
+        parts.iter_mut().zip(integrals).for_each(|(part, integral)| part.push(integral));
+    }
+    let mut levels = Vec::new();
+    for level in (first + 1..=end).rev() {
+        let halved = level > first + 1;
+        if halved {
+            parts = parts.map(|part| lattice::halves(&part));
+        }
+        let cone = |cone: usize| [0, 1, 2, 3].map(|i| parts[i][cone]);
+        levels.push((0..parts[0].len()).map(cone).collect());
+        if halved {
+            parts = parts.map(|part| lattice::cones_of_halves(&part));
         }
     }
+    levels.reverse();
+    levels
+}
+
+/// Returns `integrals` over the angle of each cone of the levels 1 to `end` of the published cascades.
+fn paper(end: u32, integrals: impl Fn([f64; 2]) -> [f64; 4]) -> Vec<Vec<[f64; 4]>> {
+    let cones = |level: u32| (0..1 << level).map(move |j| edges(level, j, 0));
+    (1..=end).map(|level| cones(level).map(&integrals).collect()).collect()
 }
 
 /// Returns the angle between two edges, and the weights of a gradient: ∫ dθ, ∫ |sin θ| dθ where the sine is negative, and

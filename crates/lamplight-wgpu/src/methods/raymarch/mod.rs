@@ -4,7 +4,8 @@ mod bounce;
 mod gather;
 
 use crate::error::{Result, unsupported};
-use crate::planner::{FramePlanner, PassList};
+use crate::pass_list::PassList;
+use crate::planner::FramePlanner;
 use crate::stage::Stage;
 use crate::stages::denoise::Denoise;
 use crate::stages::distance::DistancePipelines;

@@ -7,14 +7,15 @@
 //! Each level has a buffer of its own, there of 34 MB at most (50 MB with tint): the limits of the web allow
 //! 2048², with tint 1672².
 
-pub mod tables;
+mod tables;
 
 use super::lattice::TILE;
 use super::sky::{ConeSky, ConeTable};
 use super::sweep::{Sweep, Sweeps};
 use crate::error::Result;
+use crate::pass_list::PassList;
 use crate::pipeline::{ComputePipelines, Dispatch};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
 use crate::stage::Stage;
 use crate::stages::convergence::Convergence;

@@ -1,7 +1,6 @@
-//! Tables of numbers: the footprints of traced rays, and integrals over cones.
+//! Tables that are the same for every frame: the footprints of traced rays.
 
-use crate::methods::holographic::sky::ConeEntry;
-use lamplight::internals::holographic::paper::{Piece, edges, paths, rays};
+use lamplight::internals::holographic::paper::{Piece, paths, rays};
 
 /// Returns where each of the levels 0 to `traced` begins, and the footprints of their rays, as trace.wgsl reads
 /// them.
@@ -30,16 +29,4 @@ pub fn traced_footprints(traced: u32) -> (Vec<u32>, Vec<[i32; 4]>) {
     }
     table.extend(pieces);
     (begins, table)
-}
-
-/// Returns where each of the levels 1 to `end` begins, and `integrals` between the edges of each of their cones.
-pub fn cones(end: u32, integrals: impl Fn([f64; 2]) -> [f64; 4]) -> (Vec<u32>, Vec<ConeEntry>) {
-    let (mut begins, mut cones) = (Vec::new(), Vec::new());
-    for level in 1..=end {
-        begins.push(cones.len() as u32);
-        for j in 0..1 << level {
-            cones.push(integrals(edges(level, j, 0)).map(|part| part as f32));
-        }
-    }
-    (begins, cones)
 }
