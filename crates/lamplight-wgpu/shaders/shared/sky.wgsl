@@ -16,12 +16,12 @@ fn sky(direction: vec2f) -> vec3f {
 }
 
 // The mean radiance of the sky between two angles, over which the mean of the sine is `sine`.
-fn sky_between(sine: f32, from: f32, to: f32) -> vec3f {
+fn sky_between(sine: f32, first: f32, last: f32) -> vec3f {
     if frame.sky_columns == 0u {
         return gradient(sine);
     }
-    let start = sky_place(from);
-    let end = sky_place(to);
+    let start = sky_place(first);
+    let end = sky_place(last);
     var sum = vec3f(0.0);
     for (var column = floor(start); column < end; column += 1.0) {
         let enter = max(start, column) - column;
