@@ -71,6 +71,7 @@ impl Plugin for LamplightPlugin {
             .register_type::<SunLight2d>()
             .register_type::<AmbientLight2d>()
             .register_type::<Sky2d>()
+            .register_type::<Panorama2d>()
             .register_type::<LightMask2d>()
             .register_type::<Viewer2d>()
             .register_type::<LightQuerySettings>();

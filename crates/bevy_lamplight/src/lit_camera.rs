@@ -1,6 +1,6 @@
 //! The query of lit cameras and the components that configure their light.
 
-use crate::components::{AmbientLight2d, LightTexture2d, Lighting2d, Relief2d, Sky2d};
+use crate::components::{AmbientLight2d, LightTexture2d, Lighting2d, Panorama2d, Relief2d, Sky2d};
 use crate::placement::{Placement, PlacementError};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{Camera, Projection};
@@ -18,6 +18,7 @@ pub struct LitCamera {
     pub lighting: &'static Lighting2d,
     layers: Option<&'static RenderLayers>,
     sky: Option<&'static Sky2d>,
+    panorama: Option<&'static Panorama2d>,
     ambient: Option<&'static AmbientLight2d>,
     relief: Option<&'static Relief2d>,
     tone_map: Option<&'static Tonemapping>,
@@ -41,7 +42,8 @@ impl LitCameraItem<'_, '_> {
 
     /// The sky around its grid.
     pub fn sky(&self) -> Sky {
-        self.sky.map_or(Sky::BLACK, |sky| sky.sky())
+        let gradient = || self.sky.map(Sky2d::sky);
+        self.panorama.map(Panorama2d::sky).or_else(gradient).unwrap_or_default()
     }
 
     /// The radiance of its ambient light.

@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     lighting.prepare(&FrameInput::of_textures(
         &settings,
         &textures,
-        Lights { sky, ..Lights::default() },
+        Lights { sky: &sky, ..Lights::default() },
     ))?;
     let mut encoder = device.create_command_encoder(&Default::default());
     lighting.record(&mut encoder)?;

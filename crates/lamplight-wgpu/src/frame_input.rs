@@ -65,7 +65,7 @@ pub struct Lights<'a> {
     /// Suns.
     pub suns: &'a [Sun],
     /// The radiance beyond the grid.
-    pub sky: Sky,
+    pub sky: &'a Sky,
 }
 
 impl<'a> FrameInput<'a> {

@@ -42,6 +42,8 @@ mod lighting;
 mod matter;
 mod methods;
 mod options;
+mod panorama;
+mod pass_list;
 mod pipeline;
 mod pipeline_cache;
 mod planner;

@@ -10,9 +10,11 @@ use crate::lamps::{Capacity, LampList};
 use crate::matter::{self, Textures, Upload};
 use crate::methods::Method;
 use crate::options::LightingOptions;
+use crate::panorama::PanoramaTexture;
+use crate::pass_list::PassList;
 use crate::pipeline::Dispatch;
 use crate::pipeline_cache::{PipelineCache, share_pipelines};
-use crate::planner::{FramePlanner, Grid, HistoryBuffer, PassList};
+use crate::planner::{FramePlanner, Grid, HistoryBuffer};
 use crate::shared::Shared;
 use crate::stage::Stage;
 use crate::stages::direct::{Direct, DirectLights, LightBuffers};
@@ -61,6 +63,8 @@ pub struct Lighting {
     lamps: LampList,
     direct_lights: DirectLights,
     sights: SightList,
+    /// The sky, if it is a panorama.
+    panorama: Option<PanoramaTexture>,
     frame: Option<PreparedFrame>,
     /// Frames prepared since the last reset.
     number: u32,
@@ -98,6 +102,8 @@ struct PreparedFrame {
     /// The emission of the displayed picture, if it is not that of the textures.
     shown: Option<TextureView>,
     normals: Option<TextureView>,
+    /// The sky, if it is a panorama.
+    panorama: Option<TextureView>,
     hints: SceneHints,
     capacity: Capacity,
     light: Buffer,
@@ -148,7 +154,7 @@ struct CheckedScene<'a> {
     normals: Option<&'a TextureView>,
     lamps: &'a [Lamp],
     suns: &'a [Sun],
-    sky: Sky,
+    sky: &'a Sky,
 }
 
 impl PreparedFrame {
@@ -202,6 +208,7 @@ impl Lighting {
                 lamps: LampList::default(),
                 direct_lights: DirectLights::default(),
                 sights: SightList::default(),
+                panorama: None,
                 frame: None,
                 number: 0,
                 before: None,
@@ -220,7 +227,8 @@ impl Lighting {
 
     /// Prepares the next frame, to be recorded and submitted: noise advances, history and feedback accumulate.
     ///
-    /// Changing the seed, the sky, lamps, or the contents of cells or textures is free. Other texture views of
+    /// Changing the seed, the sky, lamps, or the contents of cells or textures is free. (A panorama is uploaded when it
+    /// has changed, and planned for if it has another number of columns.) Other texture views of
     /// the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers; any
     /// other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
     ///
@@ -283,6 +291,7 @@ impl Lighting {
 
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
         let CheckedScene { grid, shown, normals, lamps, suns, sky } = scene;
+        self.keep_panorama(sky)?;
         let Shared { device, queue, .. } = &self.shared;
         let method = self.pipelines.method::<PrepareError>(device, queue, input.settings)?;
         if input.distance_field && self.distance.is_none() {
@@ -309,17 +318,20 @@ impl Lighting {
             let compile = || Ok(MomentWalls::new(device));
             self.moment_walls = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
-        let serves = |frame: &PreparedFrame| frame.serves(grid, input.settings, needed);
+        let panorama = self.panorama.as_ref().map(|panorama| &panorama.view);
+        let serves = |frame: &PreparedFrame| {
+            frame.serves(grid, input.settings, needed) && frame.panorama.as_ref() == panorama
+        };
         let fresh = if self.frame.as_ref().is_some_and(serves) {
             None
         } else {
             Some(self.plan(&method, input.settings, grid)?)
         };
         let Some(frame) = fresh.as_ref().or(self.frame.as_ref()) else { return Ok(()) };
-        let (history, moved) = self.history(input, grid.size, *sky);
+        let (history, moved) = self.history(input, grid.size, sky);
         let extras = self.plan_extras(frame, input, moved)?;
         let position = GridPosition { size: grid.size.into(), origin: input.origin, moved };
-        let uniforms = FrameUniforms::new(position, *sky, input.settings, self.number, history)?;
+        let uniforms = FrameUniforms::new(position, sky, input.settings, self.number, history)?;
 
         // Nothing fails from here on.
         self.frame = fresh.or(self.frame.take());
@@ -344,9 +356,30 @@ impl Lighting {
         if let Some(sight) = frame.sight.as_ref().filter(|_| frame.records_sight) {
             self.sights.write(queue, sight);
         }
+        if let Some(cones) = &mut frame.passes.sky {
+            cones.write(queue, sky);
+        }
+        if let Some(panorama) = &mut self.panorama {
+            panorama.write(queue, sky);
+        }
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
-        self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky: *sky });
+        let sky = Sky::clone(sky);
+        self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky });
         self.number = self.number.wrapping_add(1);
+        Ok(())
+    }
+
+    /// Keeps a texture for a sky that is a panorama.
+    fn keep_panorama(&mut self, sky: &Sky) -> Result<()> {
+        let device = &self.shared.device;
+        self.panorama = match (sky, self.panorama.take()) {
+            (Sky::Panorama(panorama), Some(kept)) if kept.holds(panorama) => Some(kept),
+            (Sky::Panorama(panorama), _) => {
+                let create = || Ok(PanoramaTexture::new(device, panorama));
+                Some(with_error_scope::<_, PrepareError>(device, create)?)
+            }
+            _ => None,
+        };
         Ok(())
     }
 
@@ -357,13 +390,13 @@ impl Lighting {
     }
 
     /// Returns the history of the next frame, and by how many cells the grid has moved.
-    fn history(&self, input: &FrameInput, size: GridSize, sky: Sky) -> (History, [i32; 2]) {
+    fn history(&self, input: &FrameInput, size: GridSize, sky: &Sky) -> (History, [i32; 2]) {
         let Some(before) = self.before.as_ref().filter(|before| before.size == size) else {
             return (History::None, [0; 2]);
         };
         let raymarch = input.settings.method.as_raymarch();
         let rejects = raymarch.is_none_or(|raymarch| raymarch.temporal.reject);
-        let other_sky = rejects && before.sky != sky;
+        let other_sky = rejects && before.sky != *sky;
         let history = if other_sky { History::IndirectOnly } else { History::Full };
         (history, [0, 1].map(|a| input.origin[a].saturating_sub(before.origin[a])))
     }
@@ -372,11 +405,13 @@ impl Lighting {
     /// next frame it can still be shown.
     fn plan(&self, method: &Method, settings: &Settings, grid: &Grid) -> Result<PreparedFrame> {
         let before = self.frame.as_ref();
+        let panorama = self.panorama.as_ref().map(|panorama| &panorama.view);
         let capacity = before.map_or(Capacity::default(), |frame| frame.capacity);
         let before = before.filter(|frame| frame.size == grid.size);
         with_error_scope(&self.shared.device, || {
             let planner = FramePlanner::new(&self.shared, settings, self.options, *grid)
                 .with_capacity(capacity, self.needed())?
+                .with_panorama(panorama)
                 .after(before.map_or(&[], |frame| &frame.history));
             let light = match before {
                 Some(frame) if frame.settings.moment == settings.moment => {
@@ -420,6 +455,7 @@ impl Lighting {
                 textures: grid.textures.clone(),
                 shown: None,
                 normals: None,
+                panorama: panorama.cloned(),
                 hints: grid.hints,
                 capacity: planner.capacity,
                 memory: planner.memory(),

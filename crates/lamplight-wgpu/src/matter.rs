@@ -185,7 +185,7 @@ impl Upload {
         let mut write = |view: &TextureView, contents: &mut dyn Iterator<Item = [f32; 4]>| {
             texels.clear();
             texels.extend(contents);
-            write(queue, view.texture(), texels);
+            write_texels(queue, view, texels);
         };
         let rgb = |[r, g, b]: Rgb| [r, g, b, 0.0];
         write(&textures.emission, &mut lit.emission().iter().copied().map(rgb));
@@ -234,6 +234,16 @@ pub fn masks_texture(device: &Device, size: [u32; 2]) -> TextureView {
     texture_of(device, "layers", size, TextureFormat::R8Unorm, UPLOADED)
 }
 
+/// Creates a texture of four floats per column of a panorama.
+pub fn panorama_texture(device: &Device, columns: u32) -> TextureView {
+    texture_of(device, "panorama", [columns, 1], TextureFormat::Rgba32Float, UPLOADED)
+}
+
+/// Writes a texture of four floats.
+pub fn write_texels(queue: &Queue, view: &TextureView, texels: &[[f32; 4]]) {
+    write_bytes(queue, view.texture(), bytemuck::cast_slice(texels), TEXEL);
+}
+
 /// Writes the layers of all cells.
 pub fn write_masks(queue: &Queue, view: &TextureView, masks: &[u8]) {
     write_bytes(queue, view.texture(), masks, 1);
@@ -257,10 +267,6 @@ fn texture_of(
         view_formats: &[],
     });
     texture.create_view(&Default::default())
-}
-
-fn write(queue: &Queue, texture: &Texture, texels: &[[f32; 4]]) {
-    write_bytes(queue, texture, bytemuck::cast_slice(texels), TEXEL);
 }
 
 fn write_bytes(queue: &Queue, texture: &Texture, bytes: &[u8], texel: u32) {

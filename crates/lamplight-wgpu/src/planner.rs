@@ -9,7 +9,6 @@ use crate::matter::Textures;
 use crate::options::LightingOptions;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::shared::{Shared, filled};
-use crate::stage::Stage;
 use lamplight::Settings;
 use std::cell::{Cell, RefCell};
 use wgpu::{BindingResource, Buffer, BufferDescriptor, BufferUsages, Device, TextureView};
@@ -33,6 +32,8 @@ pub struct FramePlanner<'a> {
     pub textures: &'a Textures,
     pub hints: SceneHints,
     pub capacity: Capacity,
+    /// The sky, if it is a panorama.
+    panorama: Option<&'a TextureView>,
     /// The direct light of suns and exact lamps, if there are any.
     direct: Option<FoundLight<'a>>,
     /// Bytes of the buffers and textures made so far.
@@ -47,16 +48,6 @@ pub struct FramePlanner<'a> {
 pub struct HistoryBuffer {
     pub label: &'static str,
     pub buffer: Buffer,
-}
-
-/// The dispatches of a frame, in order, and their results.
-#[derive(Debug)]
-pub struct PassList {
-    pub dispatches: Vec<Dispatch>,
-    /// Buffers that can be read back.
-    pub stages: Vec<(Stage, Buffer)>,
-    /// The buffer for lamps that are lit by rule, written before each frame.
-    pub lamps: Option<Buffer>,
 }
 
 impl<'a> FramePlanner<'a> {
@@ -76,6 +67,7 @@ impl<'a> FramePlanner<'a> {
             textures,
             hints,
             capacity: Capacity::default(),
+            panorama: None,
             direct: None,
             memory: Cell::default(),
             before: &[],
@@ -164,6 +156,21 @@ impl<'a> FramePlanner<'a> {
     /// The layers of all cells.
     pub fn masks(&self) -> BindingResource<'_> {
         view(self.textures.masks.as_ref().unwrap_or(&self.shared.all_layers))
+    }
+
+    /// Has a panorama as its sky, if there is one.
+    pub fn with_panorama(self, panorama: Option<&'a TextureView>) -> Self {
+        Self { panorama, ..self }
+    }
+
+    /// The panorama, or a single texel if the sky is none.
+    pub fn panorama(&self) -> BindingResource<'_> {
+        view(self.panorama.unwrap_or(&self.shared.no_panorama))
+    }
+
+    /// Returns whether the sky is a panorama.
+    pub fn has_panorama(&self) -> bool {
+        self.panorama.is_some()
     }
 
     /// Has direct light, which methods add to theirs.

@@ -145,24 +145,27 @@ programs! {
     RAYMARCH: "methods/raymarch/march", ["main", "receive"], {
         blue: Read, directions: Read, source: Read, extinction: Read, squares: Read,
         scattered: Read, step: Step, albedo: Texture, light: Write, traced: Write,
+        panorama: Texture,
     }
     RAYMARCH_DISTANCE: "methods/raymarch/march_distance", ["main", "receive"], {
         blue: Read, directions: Read, source: Read, nearest: Read, distance: Read,
         scattered: Read, step: Step, albedo: Texture, light: Write, traced: Write,
+        panorama: Texture,
     }
 
     CASCADES_MERGE: "methods/cascades/merge", ["main"], {
         paths: Read, far: Read, source: Read, extinction: Read, squares: Read, scattered: Read,
-        step: Uniform, layer: Step, near: Write,
+        step: Uniform, layer: Step, near: Write, panorama: Texture,
     }
     CASCADES_GATHER: "methods/cascades/gather", ["main", "receive"], {
         paths: Read, far: Read, source: Read, extinction: Read, squares: Read, scattered: Read,
-        step: Uniform, layer: Step, light: Write, albedo: Texture, cosines: Read,
+        step: Uniform, layer: Step, light: Write, panorama: Texture, albedo: Texture,
+        cosines: Read,
     }
 
     FLOOD_RAYS: "methods/flood/rays", ["lamp_rays", "matter_rays", "sky_rays"], {
         lamps: Read, matter: Texture, classes: Read, emission: Texture, albedo: Texture,
-        directions: Read, cells: Write,
+        directions: Read, cells: Write, panorama: Texture,
     }
     FLOOD_BLUR: "methods/flood/blur", ["decay", "mix_neighbours", "show"], {
         step: Step, before: Read, classes: Read, after: Write, light: Write,

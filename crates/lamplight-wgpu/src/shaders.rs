@@ -35,6 +35,7 @@ const FILES: &[(&str, &str)] = files! {
     "methods/holographic/paper/source"
     "methods/holographic/paper/trace"
     "methods/holographic/prefilter"
+    "methods/holographic/sky"
     "methods/holographic/slabs"
     "methods/holographic/sweep"
     "methods/holographic/trace"

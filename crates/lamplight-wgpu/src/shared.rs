@@ -1,6 +1,6 @@
 //! The host's device, and buffers that are the same for every grid.
 
-use crate::matter::{masks_texture, write_masks};
+use crate::matter::{masks_texture, panorama_texture, write_masks};
 use crate::pipeline::STEP_BYTES;
 use crate::uniforms::FrameUniforms;
 use lamplight::ALL_LAYERS;
@@ -21,6 +21,8 @@ pub struct Shared {
     pub frame: Buffer,
     /// One texel, for grids whose cells are all in all layers.
     pub all_layers: TextureView,
+    /// One texel, for skies that are no panorama.
+    pub no_panorama: TextureView,
     steps: Buffer,
 }
 
@@ -38,6 +40,7 @@ impl Shared {
             queue: queue.clone(),
             frame: filled(device, queue, "frame", BufferUsages::UNIFORM, &frame),
             all_layers,
+            no_panorama: panorama_texture(device, 1),
             steps: filled(device, queue, "steps", BufferUsages::UNIFORM, &steps),
         }
     }

@@ -4,6 +4,7 @@ use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
 use lamplight::internals::noise::fold;
 use lamplight::internals::raymarch::stride;
+use lamplight::internals::sky::place;
 use lamplight::settings::{Noise, Raymarch};
 use lamplight::{Settings, Sky};
 
@@ -30,8 +31,10 @@ gpu_struct! {
         origin: [i32; 2],
         moved: [i32; 2],
         history: u32,
+        sky_columns: u32,
+        sky_origin: f32,
         /// Uniforms end at a multiple of 16 bytes.
-        padding: [u32; 3],
+        padding: u32,
     }
 }
 
@@ -58,16 +61,20 @@ impl FrameUniforms {
     /// The uniforms of frame `number`.
     pub fn new(
         position: GridPosition,
-        sky: Sky,
+        sky: &Sky,
         settings: &Settings,
         number: u32,
         history: History,
     ) -> Result<Self, lamplight::Error> {
-        let [zenith, horizon, ground] = match sky {
-            Sky::Uniform(radiance) => [radiance; 3],
-            Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
+        let ([zenith, horizon, ground], panorama) = match sky {
+            Sky::Uniform(radiance) => ([*radiance; 3], None),
+            Sky::Gradient(g) => ([g.zenith, g.horizon, g.ground], None),
+            Sky::Panorama(panorama) => ([[0.0; 3]; 3], Some(panorama)),
             other => return Err(unsupported("sky", other)),
         };
+        let columns = panorama.map_or(0, |panorama| panorama.columns().len() as u32);
+        // Without whole turns, for the precision of shaders.
+        let origin = panorama.map(|panorama| place(panorama, 0.0).rem_euclid(columns.into()));
         // Only `raymarch` uses these settings; `cascades`, which shares its shaders, needs the defaults.
         let neutral = Raymarch::default();
         let raymarch = settings.method.as_raymarch().unwrap_or(&neutral);
@@ -106,7 +113,9 @@ impl FrameUniforms {
                 History::IndirectOnly => 1,
                 History::Full => 2,
             },
-            padding: [0; 3],
+            sky_columns: columns,
+            sky_origin: origin.unwrap_or_default() as f32,
+            padding: 0,
         })
     }
 }

@@ -133,14 +133,15 @@ fn a_hosts_textures_are_lit_into_its_own() {
     let (device, queue) = device();
     let (textures, mut cells) = host_textures(&device, &queue);
     let sky = Sky::Uniform([0.0, 0.0, 0.5]);
-    cells.set_sky(sky);
+    cells.set_sky(sky.clone());
     let settings = Settings { bounces: Bounces::Count(1), ..raymarch() };
     let right = frame(&device, &queue, &mut lighting(&device, &queue), &settings, &cells);
 
     let mut lighting = lighting(&device, &queue);
     let format = TextureFormat::Rgba16Float;
     let output = texture(&device, [48, 32], format, TextureUsages::STORAGE_BINDING);
-    let input = FrameInput::of_textures(&settings, &textures, Lights { sky, ..Lights::default() });
+    let input =
+        FrameInput::of_textures(&settings, &textures, Lights { sky: &sky, ..Lights::default() });
     lighting.prepare(&FrameInput { output: Some(&view(&output)), ..input }).unwrap();
     assert_eq!(recorded(&device, &queue, &lighting), right);
     let picture = fetch(&device, &queue, &output);

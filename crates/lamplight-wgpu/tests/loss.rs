@@ -70,7 +70,7 @@ fn a_lost_device_does_nothing_and_returns_errors_when_results_are_read() {
             let _ = lit.prepare(&FrameInput::of_textures(
                 &other,
                 &textures,
-                Lights { sky, ..Lights::default() },
+                Lights { sky: &sky, ..Lights::default() },
             ));
             let _ = lit.record(&mut device.create_command_encoder(&Default::default()));
         }

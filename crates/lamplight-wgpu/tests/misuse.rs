@@ -232,8 +232,11 @@ fn textures_may_alternate_under_one_output() {
     let sky = Sky::Uniform([1.0; 3]);
     let lit = |lighting: &mut Lighting, matter: &TextureView, output: &Texture| {
         let textures = textures_like(matter);
-        let input =
-            FrameInput::of_textures(&settings, &textures, Lights { sky, ..Lights::default() });
+        let input = FrameInput::of_textures(
+            &settings,
+            &textures,
+            Lights { sky: &sky, ..Lights::default() },
+        );
         lighting.prepare(&FrameInput { output: Some(&view(output)), ..input }).unwrap();
         recorded(&device, &queue, lighting);
         fetch(&device, &queue, output)

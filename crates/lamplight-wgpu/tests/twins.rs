@@ -50,6 +50,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("wgsl polar shadow_ray", "part of shadow_map.rs, imported by it and by lookup"),
     ("wgsl holographic footprint", "part of trace.rs, imported by trace and gather"),
     ("wgsl holographic packed_rgb", "how buffers store radiance"),
+    ("wgsl holographic sky", "part of merge.rs"),
     ("wgsl holographic sweep", "parameters of a dispatch"),
 ];
 

@@ -311,8 +311,8 @@ impl Cells {
     }
 
     /// The radiance of rays that leave the grid, without the suns.
-    pub fn sky(&self) -> Sky {
-        self.sky
+    pub fn sky(&self) -> &Sky {
+        &self.sky
     }
 
     /// Removes all matter, lamps, colours, normals and masks. The sky and the suns stay.
@@ -449,7 +449,7 @@ impl Clone for Cells {
             masks: self.masks.clone(),
             lamps: self.lamps.clone(),
             suns: self.suns.clone(),
-            sky: self.sky,
+            sky: self.sky.clone(),
         }
     }
 
@@ -470,7 +470,8 @@ impl Clone for Cells {
             suns,
             sky,
         } = source;
-        (self.width, self.height, self.sky) = (*width, *height, *sky);
+        (self.width, self.height) = (*width, *height);
+        self.sky.clone_from(sky);
         rayon::join(
             || {
                 self.emission.clone_from(emission);

@@ -66,14 +66,14 @@ pub mod holographic {
     pub mod lattice {
         pub use crate::methods::holographic::lattice::{
             BENT, BEYOND, Crossing, GatherGeometry, bundle, cones, cones_of_halves, edges, halves,
-            levels, planes, rays,
+            levels, on_grid, planes, rays,
         };
     }
 
     /// The method as published.
     pub mod paper {
         pub use crate::methods::holographic::paper::{
-            Interval, Paper, Piece, Quadrant, cone, paths, rays,
+            Interval, Paper, Piece, Quadrant, edges, paths, rays,
         };
     }
 }
@@ -118,6 +118,12 @@ pub mod raymarch {
 /// The seed map.
 pub mod seed {
     pub use crate::stages::seed::{NONE, pack, seed, unpack};
+}
+
+/// The sky.
+pub mod sky {
+    pub use crate::panorama::place;
+    pub use crate::sky::sines;
 }
 
 /// The mean over frames.

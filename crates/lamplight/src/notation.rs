@@ -81,6 +81,11 @@ pub(crate) fn optional_color<'de, D: Deserializer<'de>>(from: D) -> Result<Optio
     Ok(Option::<Read>::deserialize(from)?.map(|read| read.0))
 }
 
+/// Deserializes a list of colours.
+pub(crate) fn colors<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Rgb>, D::Error> {
+    Ok(Vec::<Read>::deserialize(from)?.into_iter().map(|read| read.0).collect())
+}
+
 /// Deserializes an angle.
 pub(crate) fn angle<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
     from.deserialize_any(AngleVisitor)

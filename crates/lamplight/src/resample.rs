@@ -33,7 +33,7 @@ pub fn downsample(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
     if [to.width(), to.height()] != size {
         *to = Cells::new(size[0], size[1])?;
     }
-    to.set_sky(from.sky());
+    to.set_sky(from.sky().clone());
     to.lamps_mut().clear();
     to.lamps_mut().extend(from.lamps().iter().map(|lamp| shrunk(lamp, factor)));
     to.suns_mut().clear();

@@ -7,7 +7,9 @@ mod common;
 
 use common::*;
 use lamplight::settings::{BounceMode, Cascades, Flood, Hit, Holographic, Merge, Noise, Temporal};
-use lamplight::{Bounces, Cells, Lamp, Matter, Method, Settings, Sight, SightSolver, Sky, Solver};
+use lamplight::{
+    Bounces, Cells, Lamp, Matter, Method, Panorama, Settings, Sight, SightSolver, Solver,
+};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -73,7 +75,8 @@ fn scene(fog: bool, frame: u32) -> Cells {
         let position = [10.0 + 17.0 * lamp as f32, 18.0 + 0.7 * (frame % 4) as f32];
         cells.lamps_mut().push(Lamp { position, size: 2.2, ..Lamp::default() });
     }
-    cells.set_sky(Sky::Uniform([0.1, 0.2, 0.3]));
+    // Clones share its columns.
+    cells.set_sky(Panorama::new(&[[0.1, 0.2, 0.3], [0.3, 0.2, 0.1]]).unwrap().into());
     cells
 }
 

@@ -18,6 +18,7 @@ mod path_tracer;
 mod progressive;
 mod random;
 pub mod scenes;
+mod sky;
 mod traverse;
 
 pub use measures::Measures;

@@ -2,6 +2,7 @@
 
 use crate::lamps::{Vertex, direct};
 use crate::random::Random;
+use crate::sky;
 use crate::traverse::{Event, Grid, Stretch, Traversal};
 use lamplight::internals::Walls;
 use lamplight::internals::direct::clamp;
@@ -175,7 +176,7 @@ pub(crate) struct Tracer<'c> {
     /// The lamps that are not drawn.
     lamps: &'c [Lamp],
     suns: &'c [Sun],
-    sky: Sky,
+    sky: &'c Sky,
     grid: &'c Grid,
     limit: u32,
     batches: u32,
@@ -345,8 +346,8 @@ impl<'c> Tracer<'c> {
         loop {
             match walk.next() {
                 Event::Sky => {
-                    let sky = self.sky.radiance(walk.direction()[1] as f32);
-                    (0..3).for_each(|c| light[c] += weight[c] * f64::from(sky[c]));
+                    let sky = sky::radiance(self.sky, walk.direction());
+                    (0..3).for_each(|c| light[c] += weight[c] * sky[c]);
                     return light;
                 }
                 Event::Wall { cell, point, normal, outside } => {

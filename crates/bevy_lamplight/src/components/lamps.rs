@@ -2,7 +2,7 @@
 
 use bevy::log::warn_once;
 use bevy::prelude::*;
-use lamplight::{ALL_LAYERS, Cone, Direct, Falloff, Gradient, Lamp, Profile, Sky};
+use lamplight::{ALL_LAYERS, Cone, Direct, Falloff, Gradient, Lamp, Panorama, Profile, Sky};
 use std::f32::consts::{FRAC_PI_3, PI};
 
 /// A lamp at an entity's position.
@@ -197,6 +197,43 @@ impl Sky2d {
         let [zenith, horizon, ground] =
             [self.zenith, self.horizon, self.ground].map(|color| radiance(color, self.brightness));
         Sky::Gradient(Gradient { zenith, horizon, ground })
+    }
+}
+
+/// The light that enters the lit grid from outside, differently all the way round: a warm horizon on one side, night on
+/// the other. Belongs on a camera with [`Lighting2d`](crate::Lighting2d), in place of a [`Sky2d`].
+///
+/// Its colours are those of [`lamplight::Panorama`]: from straight down over the left, up (in the middle) and the right to
+/// straight down again, evenly spread, and mixed in between. Without colours, or with more than
+/// [`lamplight::Panorama::MAX_COLUMNS`], it is black.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[type_path = "bevy_lamplight"]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub struct Panorama2d {
+    /// The colours, from left to right.
+    pub columns: Vec<Color>,
+    /// The angle by which the sky is turned, radians, counter-clockwise as all rotations in Bevy.
+    pub turn: f32,
+    /// Multiplies all colours.
+    pub brightness: f32,
+}
+
+impl Default for Panorama2d {
+    /// A black sky.
+    fn default() -> Self {
+        Self { columns: Vec::new(), turn: 0.0, brightness: 1.0 }
+    }
+}
+
+impl Panorama2d {
+    /// Converts to the sky of `lamplight`, which turns clockwise.
+    pub(crate) fn sky(&self) -> Sky {
+        let columns = self.columns.iter().map(|&color| radiance(color, self.brightness));
+        let turn = if self.turn.is_finite() { -self.turn } else { 0.0 };
+        let panorama = Panorama::new(&columns.collect::<Vec<_>>());
+        panorama.map_or(Sky::BLACK, |panorama| panorama.turned(turn).into())
     }
 }
 

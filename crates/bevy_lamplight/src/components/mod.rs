@@ -8,7 +8,7 @@ mod normals;
 mod sun;
 mod viewer;
 
-pub use lamps::{AmbientLight2d, Falloff2d, PointLight2d, Sky2d, SpotLight2d};
+pub use lamps::{AmbientLight2d, Falloff2d, Panorama2d, PointLight2d, Sky2d, SpotLight2d};
 pub(crate) use lamps::{BRIGHTEST, WorldLamp};
 pub use lighting::{
     CellSize, LightBounces, LightFilter, LightMethod, LightQuality, LightTexture2d, LightToneMap,

@@ -238,7 +238,7 @@ fn solve(
     };
     known.ambient = camera.as_ref().map_or([0.0; 3], |camera| camera.ambient());
     let mut answer = || {
-        let fine = state.draw(&grid, &lighting, layers, sky, &assets)?;
+        let fine = state.draw(&grid, &lighting, layers, &sky, &assets)?;
         if wanted.sight {
             seen.read(&grid, &fine)?;
         }
@@ -324,7 +324,7 @@ impl QueryState {
         grid: &Placement,
         lighting: &Lighting2d,
         layers: &RenderLayers,
-        sky: Sky,
+        sky: &Sky,
         assets: &SceneAssets,
     ) -> lamplight::Result<Cells> {
         let analytic = lighting.method.is_analytic();
@@ -335,7 +335,7 @@ impl QueryState {
         };
         rasterize(&self.scene, grid, layers, assets, &mut fine);
         rasterize_masks(&self.masks, grid, layers, assets, &mut fine);
-        fine.set_sky(sky);
+        fine.set_sky(sky.clone());
         let lamps = self.scene.lamps.iter().filter(|(_, own)| own.intersects(layers));
         for (lamp, _) in lamps {
             let on_grid = lamp.on_grid(grid.corner(), grid.cell, analytic);

@@ -284,3 +284,26 @@ fn ambient_light_is_everywhere_and_the_sky_comes_from_outside() {
     let (above, below) = (seen.grey(80, 10), seen.grey(80, 110));
     assert!(above > 0.5 && below < 0.1 * above, "{above}, {below}");
 }
+
+#[test]
+fn a_panorama_lights_the_side_that_it_is_bright_on() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let eye = camera(&mut app, &image, plain());
+    // A wall that divides the picture.
+    let wall = LightOccluder2d::rectangle(8.0, 400.0);
+    app.world_mut().spawn((wall, Transform::default()));
+    begin(&mut app);
+    let columns =
+        (0..8).map(|k| if k == 1 || k == 2 { Color::WHITE } else { Color::BLACK }).collect();
+    let sky = Panorama2d { columns, ..Panorama2d::default() };
+    app.world_mut().entity_mut(eye).insert(sky.clone());
+    let seen = picture(&mut app, &image, 2);
+    let (left, right) = (seen.grey(20, 60), seen.grey(140, 60));
+    assert!(left > 0.1 && right < 0.1 * left, "{left}, {right}");
+    let turned = Panorama2d { turn: std::f32::consts::PI, ..sky };
+    app.world_mut().entity_mut(eye).insert(turned);
+    let seen = picture(&mut app, &image, 2);
+    let (left, right) = (seen.grey(20, 60), seen.grey(140, 60));
+    assert!(right > 0.1 && left < 0.1 * right, "{left}, {right}");
+}

@@ -51,6 +51,7 @@ fn components_round_trip_through_reflection() {
     round_trip(&SunLight2d::default(), &registry);
     round_trip(&AmbientLight2d::default(), &registry);
     round_trip(&Sky2d::default(), &registry);
+    round_trip(&Panorama2d { columns: vec![Color::WHITE], ..Panorama2d::default() }, &registry);
     round_trip(&Relief2d { specular: 0.5, ..default() }, &registry);
     // A handle is not text, but editors show it.
     assert!(registry.get_type_data::<ReflectComponent>(TypeId::of::<NormalMap2d>()).is_some());

@@ -76,15 +76,15 @@ fn a_read_only_file_stays_and_permissions_are_kept() {
     assert_eq!(mode & 0o777, 0o600, "a private picture has become public");
 }
 
-/// A scene with a layer and a sprite, in a folder of its own.
+/// A scene with a layer, a sprite and a sky, in a folder of its own.
 fn scene_of_images() -> Sandbox {
     let sandbox = Sandbox::new();
     std::fs::create_dir(sandbox.path("art")).unwrap();
     let picture = image::RgbImage::from_pixel(8, 8, image::Rgb([9, 8, 7]));
-    for name in ["art/emission.png", "art/00.png", "art/scene.png"] {
+    for name in ["art/emission.png", "art/00.png", "art/scene.png", "art/sky.png"] {
         picture.save(sandbox.path(name)).unwrap();
     }
-    let scene = "size = [8, 8]\n[layers]\nemission = \"emission.png\"\n\
+    let scene = "size = [8, 8]\nsky = { picture = \"sky.png\" }\n[layers]\nemission = \"emission.png\"\n\
                  [[shape]]\nsprite = { image = \"00.png\", center = [4, 4] }\n";
     sandbox.write("art/scene.toml", scene);
     sandbox
@@ -94,11 +94,13 @@ fn scene_of_images() -> Sandbox {
 fn an_input_is_never_written_over() {
     let sandbox = scene_of_images();
     std::fs::copy(sandbox.path("art/scene.toml"), sandbox.path("art/scene.png")).unwrap();
-    let inputs = ["art/emission.png", "art/00.png", "art/scene.png", "art/scene.toml"];
+    let inputs =
+        ["art/emission.png", "art/00.png", "art/scene.png", "art/scene.toml", "art/sky.png"];
     let before = inputs.map(|name| sandbox.read(name));
     let mut attempts = vec![
         "render art/scene.toml -o art/emission.png",
         "render art/scene.toml -o art/../art/00.png",
+        "render art/scene.toml -o art/sky.png",
         "render art/scene.png -o art/scene.png",
         "stages art/scene.toml -o art",
         "compare art/scene.toml --report art --samples 1 --methods raymarch",

@@ -27,6 +27,10 @@ struct FrameUniforms {
     moved: vec2i,
     // The data that the frame may take from the frames before, a `HISTORY_` constant.
     history: u32,
+    // Columns of the sky if it is a panorama, else 0; and the place of the angle 0 on its strip, in columns from the
+    // middle of the first.
+    sky_columns: u32,
+    sky_origin: f32,
 }
 
 const HISTORY_NONE: u32 = 0u;

@@ -5,8 +5,9 @@
 
 use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
+use crate::pass_list::PassList;
 use crate::pipeline::{ComputePipelines, Dispatch};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
 use crate::shared::filled;
 use crate::stage::Stage;
@@ -98,6 +99,7 @@ impl Flood {
             view(&planner.textures.albedo),
             whole(&self.directions),
             whole(&halves[0]),
+            planner.panorama(),
         ];
         let drawn = planner.bind(&self.rays, &resources);
         let bind = |to: usize| {
@@ -140,7 +142,8 @@ impl Flood {
         dispatches.push(blur(SHOW, 0, 0));
         dispatches.extend(self.moment.iter().map(|moment| moment.plan(planner, light)));
         dispatches.extend(planner.add_direct(light));
-        Ok(PassList { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: Some(lamps) })
+        let stages = vec![(Stage::Light, light.clone())];
+        Ok(PassList { lamps: Some(lamps), ..PassList::new(dispatches, stages) })
     }
 }
 

@@ -8,7 +8,8 @@ pub mod raymarch;
 
 use crate::error::{Result, unsupported};
 use crate::lamps::LampList;
-use crate::planner::{FramePlanner, PassList};
+use crate::pass_list::PassList;
+use crate::planner::FramePlanner;
 use cascades::Cascades;
 use flood::Flood;
 use holographic::Holographic;

@@ -6,8 +6,9 @@
 
 use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
+use crate::pass_list::PassList;
 use crate::pipeline::{ComputePipelines, Dispatch};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::stage::Stage;
 use crate::stages::class::ClassPipeline;
 use crate::stages::distance::DistancePipelines;
@@ -137,6 +138,6 @@ impl Polar {
         ]);
         dispatches.extend(planner.add_direct(light));
         stages.push((Stage::Light, light.clone()));
-        Ok(PassList { dispatches, stages, lamps: Some(lamps) })
+        Ok(PassList { lamps: Some(lamps), ..PassList::new(dispatches, stages) })
     }
 }

@@ -3,8 +3,9 @@
 use super::jump_flood::JumpFlood;
 use super::seed::Seed;
 use crate::error::Result;
+use crate::pass_list::PassList;
 use crate::pipeline::ComputePipelines;
-use crate::planner::{FramePlanner, PassList, whole};
+use crate::planner::{FramePlanner, whole};
 use crate::programs;
 use crate::stage::Stage;
 use lamplight::internals::seed::NONE;
@@ -53,10 +54,6 @@ impl DistancePipelines {
             (Stage::Nearest, nearest.clone()),
             (Stage::Distance, distance.clone()),
         ];
-        Ok(DistanceField {
-            nearest,
-            distance,
-            passes: PassList { dispatches, stages, lamps: None },
-        })
+        Ok(DistanceField { nearest, distance, passes: PassList::new(dispatches, stages) })
     }
 }

@@ -96,7 +96,7 @@ fn sampled(scene: &Scene, step: u32) -> Cells {
     cells.draw_lamps();
     let [width, height] = [cells.width(), cells.height()].map(|side| side.div_ceil(step));
     let mut some = Cells::new(width, height).unwrap();
-    some.set_sky(cells.sky());
+    some.set_sky(cells.sky().clone());
     for i in 0..some.len() {
         let [x, y] = [i as u32 % width * step, i as u32 / width * step];
         some.set_matter(i, cells.matter((y * cells.width() + x) as usize));

@@ -46,7 +46,7 @@ fn every_preset_agrees_with_bounces_and_under_any_sky() {
     let gradient = Sky::Gradient(Gradient { zenith, horizon, ground });
     for preset in ["default", "fast", "quality"] {
         for (bounces, [w, h], sky) in [
-            (0, [45, 70], gradient),
+            (0, [45, 70], gradient.clone()),
             (1, [61, 43], Sky::Uniform([0.2; 3])),
             (3, [40, 77], Sky::Uniform([0.0; 3])),
         ] {
@@ -55,7 +55,7 @@ fn every_preset_agrees_with_bounces_and_under_any_sky() {
             settings.wall_depth = 2.5;
             let name = format!("{preset}, {bounces} bounces");
             for mut cells in [cells(w, h, 17), solid(w, h, 19)] {
-                cells.set_sky(sky);
+                cells.set_sky(sky.clone());
                 agree(&gpu, &name, &cells, settings.clone());
             }
         }
@@ -148,16 +148,18 @@ fn the_published_cascades_agree_with_bounces_and_under_any_sky() {
     let gpu = device();
     let [zenith, horizon, ground] = [[0.1, 0.4, 2.0], [1.0, 0.8, 0.2], [0.05, 0.0, 0.0]];
     let gradient = Sky::Gradient(Gradient { zenith, horizon, ground });
-    for (bounces, [w, h], sky) in
-        [(0, [45, 70], gradient), (2, [61, 43], gradient), (2, [40, 77], Sky::Uniform([0.0; 3]))]
-    {
+    for (bounces, [w, h], sky) in [
+        (0, [45, 70], gradient.clone()),
+        (2, [61, 43], gradient),
+        (2, [40, 77], Sky::Uniform([0.0; 3])),
+    ] {
         let mut settings = holographic("paper");
         settings.bounces = Bounces::Count(bounces);
         settings.wall_depth = 2.5;
         let mut both = Both::new(&gpu, settings);
         // With tint, and without: each has its own intervals.
         for (what, mut cells) in [("all", cells(w, h, 17)), ("walls", solid(w, h, 19))] {
-            cells.set_sky(sky);
+            cells.set_sky(sky.clone());
             let name = format!("paper, {bounces} bounces, {w}×{h}, {what}");
             both.agree(&gpu, &name, &cells);
             // The sky of another frame.

@@ -18,6 +18,7 @@ mod moments;
 mod polar;
 mod raymarch;
 mod sight;
+mod sky;
 mod stages;
 mod temporal;
 mod walls;

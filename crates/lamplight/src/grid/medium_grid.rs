@@ -43,7 +43,7 @@ impl MediumGrid {
     pub fn read(&mut self, cells: &Cells, reading: Reading) {
         let w = cells.width() as usize;
         self.size = [cells.width() as i32, cells.height() as i32];
-        self.sky = cells.sky();
+        self.sky.clone_from(cells.sky());
         self.classes.resize(cells.len(), CellClass::Empty);
         let rows = self.classes.par_chunks_mut(w).enumerate().map(|(y, classes)| {
             for (x, class) in classes.iter_mut().enumerate() {

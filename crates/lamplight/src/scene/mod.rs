@@ -8,6 +8,7 @@ mod material;
 mod picture;
 mod raster;
 mod shape;
+mod sky;
 mod source;
 mod thin_wall;
 
@@ -15,8 +16,9 @@ pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 pub use layers::{Layers, NormalY};
 pub use material::Material;
 pub use shape::{Only, Shape};
+pub use sky::{SceneSky, SkyPicture};
 
-use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sky, Sun, exact};
+use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sun, exact};
 use coverage::Window;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -42,9 +44,9 @@ pub struct Scene {
     /// Columns and rows of the grid, each from 1.
     #[serde(deserialize_with = "exact::one")]
     pub size: [u32; 2],
-    /// Linear RGB radiance that comes from beyond the grid: one colour, or a gradient.
-    #[serde(default, skip_serializing_if = "Sky::is_black")]
-    pub sky: Sky,
+    /// Linear RGB radiance that comes from beyond the grid: one colour, a gradient, or a panorama.
+    #[serde(default, skip_serializing_if = "SceneSky::is_default")]
+    pub sky: SceneSky,
     /// Images that fill the grid under the shapes.
     #[serde(default, skip_serializing_if = "Layers::is_empty")]
     pub layers: Layers,
@@ -73,7 +75,7 @@ impl Scene {
     pub fn new(width: u32, height: u32) -> Self {
         Self {
             size: [width, height],
-            sky: Sky::BLACK,
+            sky: SceneSky::default(),
             layers: Layers::default(),
             shapes: Vec::new(),
             lamps: Vec::new(),
@@ -84,9 +86,9 @@ impl Scene {
         }
     }
 
-    /// Sets the sky: a colour, a gradient or a [`Sky`].
+    /// Sets the sky: a colour, a gradient, a panorama, a picture of one, or a [`crate::Sky`].
     #[must_use]
-    pub fn sky(self, sky: impl Into<Sky>) -> Self {
+    pub fn sky(self, sky: impl Into<SceneSky>) -> Self {
         Self { sky: sky.into(), ..self }
     }
 
@@ -128,7 +130,7 @@ impl Scene {
     fn grid(&self, source: Source) -> Result<Cells> {
         self.check()?;
         let mut cells = Cells::new(self.size[0], self.size[1])?;
-        cells.set_sky(self.sky);
+        cells.set_sky(self.sky.read(source)?);
         self.layers.read(source, &mut cells)?;
         let mut images = raster::Images::default();
         for (i, shape) in self.shapes.iter().enumerate() {
@@ -147,7 +149,8 @@ impl Scene {
             Geometry::Sprite(sprite) => Some(&sprite.image),
             _ => None,
         });
-        let images = self.layers.images().chain(sprites).map(|image| folder.join(image));
+        let images = self.sky.image().into_iter().chain(self.layers.images()).chain(sprites);
+        let images = images.map(|image| folder.join(image));
         own.cloned().into_iter().chain(images).collect()
     }
 

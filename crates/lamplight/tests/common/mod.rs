@@ -168,7 +168,7 @@ pub fn relative_rmse(light: &Light, truth: &Light) -> f64 {
 pub fn turned(cells: &Cells) -> Cells {
     let (w, h) = (cells.width(), cells.height());
     let mut turned = grid(h, w, |x, y| cells.get(y, h - 1 - x).unwrap());
-    turned.set_sky(cells.sky());
+    turned.set_sky(cells.sky().clone());
     turned
 }
 

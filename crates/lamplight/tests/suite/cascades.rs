@@ -165,7 +165,7 @@ fn a_thin_wall_is_dark_on_its_far_side() {
 fn turned(cells: &Cells) -> Cells {
     let (w, h) = (cells.width(), cells.height());
     let mut turned = grid(h, w, |x, y| cells.get(y, h - 1 - x).unwrap());
-    turned.set_sky(cells.sky());
+    turned.set_sky(cells.sky().clone());
     turned
 }
 

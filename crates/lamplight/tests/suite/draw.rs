@@ -54,5 +54,5 @@ fn an_image_covers_by_its_alpha_and_is_cut_off_at_the_border() {
 #[test]
 fn colours_and_gradients_are_skies() {
     assert_eq!(Sky::from([0.1, 0.2, 0.3]), Sky::Uniform([0.1, 0.2, 0.3]));
-    assert_eq!(Scene::new(2, 2).sky([0.5; 3]).sky, Sky::Uniform([0.5; 3]));
+    assert_eq!(Scene::new(2, 2).sky([0.5; 3]).sky, Sky::Uniform([0.5; 3]).into());
 }

@@ -23,6 +23,7 @@ mod scene_fuzz;
 mod scene_images;
 mod settings;
 mod sight;
+mod sky;
 mod smooth_motion;
 mod temporal;
 mod tightness;

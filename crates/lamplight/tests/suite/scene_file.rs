@@ -1,10 +1,10 @@
 //! Scene files: what is read, what is written, and what each mistake is answered with.
 
 use lamplight::Gradient;
-use lamplight::scene::{Layers, Material, NormalY};
+use lamplight::scene::{Layers, Material, NormalY, SkyPicture};
 use lamplight::{
-    Bounces, Cone, Direct, Display, Falloff, Lamp, Matter, Method, Profile, Relief, Scene,
-    Settings, SettingsTable, Shape, Sky, Sun, ToneMap,
+    Bounces, Cone, Direct, Display, Falloff, Lamp, Matter, Method, Panorama, Profile, Relief,
+    Scene, Settings, SettingsTable, Shape, Sky, Sun, ToneMap,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -104,13 +104,26 @@ fn every_key_is_read() {
 
 #[test]
 fn written_scenes_are_read_back() {
-    for scene in [whole(), Scene::new(1, 1)] {
+    let columns = Panorama::new(&[[0.5, 0.25, 0.0], [2.0, 3.0, 4.0]]).unwrap().turned(0.5);
+    let picture = SkyPicture { intensity: 2.5, turn: -1.5, ..SkyPicture::new("sky.png") };
+    let small = Scene::new(1, 1);
+    let skies = [small.clone().sky(columns), small.clone().sky(picture)];
+    for scene in skies.into_iter().chain([whole(), small]) {
         assert_eq!(Scene::from_toml(&scene.to_toml().unwrap()).unwrap(), scene);
         assert_eq!(Scene::from_json(&scene.to_json().unwrap()).unwrap(), scene);
     }
     let centred = "size = [9, 9]\n[[shape]]\nrect = { center = [4.1, 4.2], size = [1.3, 2] }";
     let scene = Scene::from_toml(centred).unwrap();
     assert_eq!(Scene::from_toml(&scene.to_toml().unwrap()).unwrap(), scene);
+}
+
+#[test]
+fn a_panorama_is_a_list_of_colours() {
+    let text = "size = [1, 1]\nsky = { columns = [\"#f00\", [0, 2, 0]], turn = \"90deg\" }";
+    let cells = Scene::from_toml(text).unwrap().cells().unwrap();
+    let columns = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    let turned = Panorama::new(&columns).unwrap().turned(std::f32::consts::FRAC_PI_2);
+    assert_eq!(*cells.sky(), Sky::Panorama(turned));
 }
 
 #[test]
@@ -265,9 +278,35 @@ const TOML_MISTAKES: &[Mistake] = &[
     (
         "size = [4, 4]\nsky = \"blue\"",
         "line 2: `sky` is \"blue\", but must be a colour, [r, g, b] or \"#rrggbb\", or { zenith, \
-         horizon, ground }",
+         horizon, ground }, { columns } or { picture }",
     ),
     ("size = [4, 4]\nsky = { zenith = [0, 0, 0] }", "line 2: `sky.horizon` is missing"),
+    (
+        "size = [4, 4]\nsky = { picure = \"a.png\" }",
+        "line 2: `sky.picure` is not a known key; did you mean `picture`? (known here: zenith, horizon, \
+         ground, columns, picture, intensity, turn)",
+    ),
+    (
+        "size = [4, 4]\nsky = { picture = \"a.png\", zenith = [0, 0, 0] }",
+        "line 2: `sky` is a mixture of several, but must be { zenith, horizon, ground }, { columns, turn } \
+         or { picture, intensity, turn }",
+    ),
+    (
+        "size = [4, 4]\nsky = { picture = \"a.png\", intensity = -1 }",
+        "line 2: `sky.intensity` is -1, but must be a number from 0 to 1000000",
+    ),
+    (
+        "size = [4, 4]\nsky = { picture = \"a.png\", turn = 90 }",
+        "line 2: `sky.turn` is 90, but must be a number from -6.2832 to 6.2832",
+    ),
+    (
+        "size = [4, 4]\nsky = { columns = [] }",
+        "line 2: `sky.columns` is a list of 0, but must be a list of 1 to 8192 colours",
+    ),
+    (
+        "size = [4, 4]\nsky = { columns = [[0, 0, 0], [0, -1, 0]] }",
+        "line 2: `sky.columns[1]` is [0, -1, 0], but must be three finite radiances of 0 or more",
+    ),
     (
         "size = [4, 4]\nsky = [0, -1, 0]",
         "line 2: `sky` is -1, but must be a finite radiance of 0 or more",

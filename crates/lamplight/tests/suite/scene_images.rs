@@ -1,7 +1,7 @@
 //! Layers and sprites: the meaning of their images, and the messages for invalid images.
 
 use image::{DynamicImage, Luma, LumaA, Rgb, Rgb32FImage, Rgba, RgbaImage};
-use lamplight::{Cells, Scene, Shape, srgb};
+use lamplight::{Cells, Panorama, Scene, Shape, srgb};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -346,11 +346,68 @@ fn invalid_images_are_rejected_with_line_key_and_file() {
 }
 
 #[test]
+fn a_picture_of_the_sky_is_the_mean_of_its_rows() {
+    let bench = Bench::new();
+    let rows = RgbaImage::from_fn(3, 2, |x, y| match (x, y) {
+        (0, _) => Rgba([255, 128, 0, 255]),
+        (1, 0) => Rgba([255, 255, 255, 255]),
+        (2, 1) => Rgba([0, 0, 255, 255]),
+        _ => Rgba(CLEAR),
+    });
+    bench.image("sky.png", rows);
+    let bright = Rgb32FImage::from_fn(2, 1, |x, _| Rgb([x as f32 * 40.0, 0.5, 0.0]));
+    bench.image("sky.exr", bright);
+    let sky = |keys: &str| {
+        let cells = bench.cells(&format!("size = [2, 1]\nsky = {{ {keys} }}")).unwrap();
+        cells.sky().clone()
+    };
+    let panorama = |columns: &[[f32; 3]]| Panorama::new(columns).unwrap();
+    let half = srgb::decode_u8(128);
+    let expected = [[2.0, 2.0 * half, 0.0], [1.0; 3], [0.0, 0.0, 1.0]];
+    assert_eq!(sky("picture = \"sky.png\", intensity = 2"), panorama(&expected).into());
+    let expected = panorama(&[[0.0, 0.5, 0.0], [40.0, 0.5, 0.0]]).turned(std::f32::consts::PI);
+    assert_eq!(sky("picture = \"sky.exr\", turn = \"180deg\""), expected.into());
+}
+
+#[test]
+fn invalid_pictures_of_the_sky_are_rejected_with_line_key_and_file() {
+    let bench = Bench::new();
+    bench
+        .bytes("wide.png", &png_claiming(8193, 1))
+        .bytes("huge.png", &png_claiming(8000, 60_000))
+        .bytes("text.png", b"these are no pixels")
+        .image("negative.exr", Rgb32FImage::from_pixel(2, 2, Rgb([0.0, -1.0, 0.0])))
+        .image("nan.exr", Rgb32FImage::from_pixel(2, 2, Rgb([0.0, f32::NAN, 0.0])));
+    for (name, expected) in [
+        ("no.png", ": cannot read no.png: No such file"),
+        ("text.png", ": cannot read text.png: "),
+        (
+            "wide.png",
+            " is an image of 8193×1 px (wide.png), but must be of at most 8192 columns and 16777216 px",
+        ),
+        (
+            "huge.png",
+            " is an image of 8000×60000 px (huge.png), but must be of at most 8192 columns",
+        ),
+        (
+            "negative.exr",
+            " is an image with a column of -1 (negative.exr), but must be of radiances from 0 to 1e12",
+        ),
+        ("nan.exr", " is an image with a column of NaN (nan.exr), but must be of radiances from"),
+    ] {
+        let scene = format!("size = [4, 4]\nsky = {{ picture = \"{name}\" }}");
+        let message = bench.cells(&scene).unwrap_err();
+        let expected = format!("scene.toml: line 2: `sky.picture`{expected}");
+        assert!(message.starts_with(&expected), "{message}\n  not\n{expected}");
+    }
+}
+
+#[test]
 fn images_may_come_as_bytes() {
     let bench = Bench::new();
     bench.image("o.png", pair([51, 51, 51, 255], [255, 255, 255, 255]));
     bench.image("s.png", RgbaImage::from_pixel(1, 1, Rgba([0, 255, 0, 255])));
-    let text = "size = [2, 1]\n[layers]\nopacity = \"o.png\"\n\
+    let text = "size = [2, 1]\nsky = { picture = \"s.png\" }\n[layers]\nopacity = \"o.png\"\n\
                 [[shape]]\nsprite = { image = \"s.png\", center = [0.5, 0.5] }\nemission = [1, 1, 1]";
     let from_disk = bench.cells(text).unwrap();
     let read = |name: &str| std::fs::read(bench.folder.path().join(name)).unwrap();

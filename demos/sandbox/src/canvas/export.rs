@@ -33,7 +33,7 @@ impl Canvas {
     pub fn save(&self, name: &str) -> Result<Vec<(String, Vec<u8>)>> {
         let name = plain_name(name);
         let cells = self.cells();
-        let mut scene = Scene::new(cells.width(), cells.height()).sky(cells.sky());
+        let mut scene = Scene::new(cells.width(), cells.height()).sky(cells.sky().clone());
         scene.lamps = cells.lamps().to_vec();
         scene.display = self.look().display;
         scene.settings = self.look().table();

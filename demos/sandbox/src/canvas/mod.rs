@@ -271,7 +271,7 @@ impl Canvas {
     }
 
     fn beside(&self) -> Beside {
-        Beside { lamps: self.cells.lamps().to_vec(), sky: self.cells.sky() }
+        Beside { lamps: self.cells.lamps().to_vec(), sky: self.cells.sky().clone() }
     }
 
     fn cell(&self, index: usize) -> Cell {
@@ -332,7 +332,7 @@ impl Canvas {
         entry.cells().for_each(|(i, cell)| self.put(i as usize, cell));
         if let Some(Beside { lamps, sky }) = &entry.beside {
             self.cells.lamps_mut().clone_from(lamps);
-            self.cells.set_sky(*sky);
+            self.cells.set_sky(sky.clone());
         }
         counterpart
     }

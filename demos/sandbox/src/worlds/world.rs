@@ -97,5 +97,5 @@ pub(super) fn copy(from: &Cells, to: &mut Cells) {
     if let Some(color) = from.color() {
         to.color_mut().copy_from_slice(color);
     }
-    to.set_sky(from.sky());
+    to.set_sky(from.sky().clone());
 }

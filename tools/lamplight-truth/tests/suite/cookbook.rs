@@ -1,12 +1,12 @@
 //! The recipes of `docs/cookbook.md`: the page shows each scene as it is, and each scene gives the light that its
 //! recipe promises.
 
-use lamplight::scene::Material;
+use lamplight::scene::{Material, SceneSky};
 use lamplight::{Light, Rgb, Scene, Shape, Sky, Solver};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const RECIPES: [&str; 12] = [
+const RECIPES: [&str; 13] = [
     "dusk",
     "fireflies",
     "flashlight",
@@ -15,6 +15,7 @@ const RECIPES: [&str; 12] = [
     "lava",
     "leaves",
     "neon",
+    "skyline",
     "sunbeams",
     "torch",
     "water",
@@ -75,7 +76,7 @@ fn a_torch_is_orange_and_casts_a_shadow_that_is_not_black() {
 fn a_thicker_flame_is_a_brighter_light() {
     let wall = |radius| {
         let light = light("torch", |scene| {
-            scene.sky = Sky::BLACK;
+            scene.sky = Sky::BLACK.into();
             *scene.shapes.last_mut().unwrap() =
                 Shape::circle([48.0, 44.0], radius).antialias(true).material(Material::Fire);
         });
@@ -141,6 +142,20 @@ fn at_dusk_the_sun_casts_a_shadow_in_the_light_of_the_sky() {
     let (lit, shadow) = (light.at(56, 62), light.at(140, 62));
     assert!(shadow[0] < 0.5 * lit[0], "{lit:?} {shadow:?}");
     assert!(shadow[2] / shadow[0] > 1.5 * lit[2] / lit[0], "{lit:?} {shadow:?}");
+}
+
+#[test]
+fn in_a_skyline_walls_to_the_west_are_warm_and_walls_to_the_east_blue() {
+    let dusk = light("skyline", |_| ());
+    // Before the west and the east wall of the tower.
+    let (west, east) = (dusk.at(115, 30), dusk.at(133, 30));
+    assert!(west[0] > 1.5 * west[2] && east[2] > 1.5 * east[0], "{west:?} {east:?}");
+    let dawn = light("skyline", |scene| {
+        let SceneSky::Radiance(Sky::Panorama(panorama)) = &scene.sky else { panic!("no panorama") };
+        scene.sky = panorama.clone().turned(0.5 * std::f32::consts::PI).into();
+    });
+    // Turned from the west to above, the glow reaches the street between the houses.
+    assert!(sum(dawn.at(74, 76)) > 2.0 * sum(dusk.at(74, 76)));
 }
 
 #[test]

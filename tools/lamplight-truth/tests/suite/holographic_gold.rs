@@ -250,11 +250,11 @@ fn an_empty_grid_shows_the_sky() {
         (Sky::Gradient(gradient), gradient_sky_mean_radiance(0.9, 0.4, 0.1)),
     ];
     for [w, h] in SIZES {
-        for (sky, expected) in skies {
+        for (sky, expected) in &skies {
             let mut cells = Cells::new(w, h).unwrap();
-            cells.set_sky(sky);
+            cells.set_sky(sky.clone());
             for mut variant in variants() {
-                let off = off_by(&cells, variant.solve(&cells), expected);
+                let off = off_by(&cells, variant.solve(&cells), *expected);
                 assert!(off < SUMS, "{w}×{h}, {sky:?}: off by {off}");
             }
         }
@@ -381,7 +381,7 @@ fn moved(cells: &Cells, size: [u32; 2], from: impl Fn(u32, u32) -> (u32, u32)) -
         let (x, y) = from(x, y);
         cells.get(x, y).unwrap()
     });
-    moved.set_sky(cells.sky());
+    moved.set_sky(cells.sky().clone());
     moved
 }
 

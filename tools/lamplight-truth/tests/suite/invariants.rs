@@ -52,7 +52,7 @@ fn turning_the_scene_turns_the_light() {
     let cells = jumble(19, 14);
     // A quarter turn to the right: what was at (x, y) comes to (height − 1 − y, x).
     let mut turned = Cells::new(14, 19).unwrap();
-    turned.set_sky(cells.sky());
+    turned.set_sky(cells.sky().clone());
     for y in 0..14 {
         for x in 0..19 {
             turned.set(13 - y, x, cells.get(x, y).unwrap());

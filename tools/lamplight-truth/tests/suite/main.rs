@@ -12,5 +12,6 @@ mod lamps;
 mod moments;
 mod progressive;
 mod raymarch;
+mod sky;
 mod spots;
 mod suns;

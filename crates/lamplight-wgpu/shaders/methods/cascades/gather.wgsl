@@ -13,9 +13,9 @@
 override BEFORE: f32;
 
 @group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
-@group(0) @binding(10) var albedo: texture_2d<f32>;
+@group(0) @binding(11) var albedo: texture_2d<f32>;
 // `½∫cosθ dθ` over each cone of the nearest cascade, θ from the normal of each face.
-@group(0) @binding(11) var<storage, read> cosines: array<vec4f>;
+@group(0) @binding(12) var<storage, read> cosines: array<vec4f>;
 
 fn over_circle(at: vec2u) -> Seen {
     let centre = vec2f(at) + 0.5;

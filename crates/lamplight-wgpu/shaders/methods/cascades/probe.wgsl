@@ -16,7 +16,7 @@ struct Path {
     step: vec2f,
     direction: vec2f,
     length: f32,
-    // The sine by which it sees the sky.
+    // The sine by which it sees a gradient.
     sine: f32,
 }
 
@@ -34,11 +34,15 @@ struct Layer {
     cone: u32,
     // Rays of the nearest cascade.
     rays: u32,
+    // The number of its first path among those of its cascade, and the angle that each stands for.
+    number: u32,
+    angle: f32,
 }
 
 @group(0) @binding(1) var<storage, read> paths: array<Path>;
 @group(0) @binding(2) var<storage, read> far: array<vec4f>;
 @group(0) @binding(8) var<uniform> layer: Layer;
+@group(0) @binding(10) var panorama: texture_2d<f32>;
 
 // Radiance, and its first moment, if it is found.
 struct Seen {
@@ -116,7 +120,8 @@ fn see(at: vec2f, around: Around, ray: u32, normal: vec2f) -> Seen {
     let start = at + path.start;
     if layer.far_spacing == 0.0 {
         let near = trace(start, path.direction, path.length);
-        let sky = sky(path.sine);
+        let number = f32(layer.number + ray);
+        let sky = sky_between(path.sine, number * layer.angle, (number + 1.0) * layer.angle);
         return behind(near, path.direction, Seen(sky, sky * path.direction.x, sky * path.direction.y));
     }
     let probes = layer.far_count.x * layer.far_count.y;

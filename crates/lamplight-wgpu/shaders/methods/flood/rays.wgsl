@@ -3,6 +3,7 @@
 // like their bits.
 
 #import shared/absorptance
+#import shared/angle
 #import shared/class
 #import shared/class_at
 #import shared/hit
@@ -27,6 +28,7 @@ override SPACING: f32;
 @group(0) @binding(6) var<storage, read> directions: array<vec4f>;
 // Four numbers per cell, the last unused.
 @group(0) @binding(7) var<storage, read_write> cells: array<atomic<u32>>;
+@group(0) @binding(8) var panorama: texture_2d<f32>;
 
 const BY_SOURCE: u32 = 3u;
 const VISITS_EMPTY: bool = true;
@@ -180,7 +182,11 @@ fn sky_rays(thread: RayThread) {
             return;
         }
     }
-    color = sky(-ray.along.y);
+    // What is narrow in a panorama may lie between two rays.
+    let seen = -ray.along;
+    let middle = angle(seen);
+    let half = 0.5 * RADIANS_PER_TURN / f32(MATTER_RAYS);
+    color = sky_between(seen.y, middle - half, middle + half);
     if dot(ray.along, normal) > 0.0 && any(color > vec3f(0.0)) {
         fade_by_source();
         draw(start, ray, false);

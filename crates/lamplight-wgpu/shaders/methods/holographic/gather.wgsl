@@ -6,6 +6,7 @@
 // step that begins k px beside the cell in front blocks the fraction `clamp(s − k, 0, 1)`.
 
 #import methods/holographic/footprint
+#import methods/holographic/sky
 #import shared/moment
 
 // Added to the sum of the weights at a ray's end, so that opaque cells let no light through, instead of 0 / 0.
@@ -37,7 +38,7 @@ struct Pixel {
 // The light of a cone on the plane ahead.
 fn far(pixel: Pixel, cone: u32, row: i32) -> vec3f {
     if row < 0 || row >= i32(sweep.rows) || pixel.plane >= planes(sweep.level) {
-        return sky_in(cones[sweep.cones_above + cone]);
+        return sky_in(cone);
     }
     // A plane of even index is a plane of the level above.
     let odd = (pixel.plane & 1u) == 1u;

@@ -10,13 +10,12 @@
 
 #import methods/holographic/interval
 #import methods/holographic/packed_rgb
+#import methods/holographic/sky
 #import methods/holographic/sweep
 
 // Cones that a thread makes, one after another.
 override RUN: u32;
 
-// For each cone of each level: its angle, and the weights of the sky above, below and ahead: ∫ dθ,
-// ∫ |sin θ| dθ of both signs, ∫ cos θ dθ.
 @group(0) @binding(2) var<storage, read> cones: array<vec4f>;
 @group(0) @binding(3) var<storage, read> intervals: array<u32>;
 @group(0) @binding(4) var<storage, read_write> radiance: array<vec2u>;
@@ -36,7 +35,7 @@ fn interval(p: u32, ray: u32, row: u32) -> Interval {
 // The light of a cone, or of a half, of the level above.
 fn far(plane: u32, cone: u32, row: i32) -> vec3f {
     if row < 0 || row >= i32(sweep.rows) || plane >= planes(sweep.level + 1u) {
-        return sky_in(cones[sweep.cones_above + cone]);
+        return sky_in(cone);
     }
     let slot = (sweep.far - plane) * cone_count(sweep.level + 1u) + cone;
     return unpack_rgb(radiance[sweep.above + slot * sweep.rows + u32(row)]);

@@ -50,6 +50,8 @@ struct Sweep {
     footprints: u32,
     // Rays of a bundle, or through a cone that contains an emitter.
     rays: u32,
+    // From the entry of a cone in that table to the light of the sky in it, if the sky is a panorama.
+    sky: u32,
 }
 
 @group(0) @binding(1) var<uniform> sweep: Sweep;
@@ -71,13 +73,4 @@ fn planes(level: u32) -> u32 {
 fn cell_of(slab: u32, row: u32) -> vec2u {
     let along = select(slab, sweep.depth - 1u - slab, sweep.reversed == 1u);
     return select(vec2u(row, along), vec2u(along, row), sweep.axis == 0u);
-}
-
-// The sky's light in a cone: ∫ dθ, ∫ |sin θ| dθ up and down the rows, ∫ cos θ dθ.
-fn sky_in(cone: vec4f) -> vec3f {
-    if sweep.axis == 0u {
-        return frame.horizon * (cone.x - cone.y - cone.z) + frame.zenith * cone.y + frame.ground * cone.z;
-    }
-    let ahead = select(frame.ground, frame.zenith, sweep.reversed == 1u);
-    return frame.horizon * (cone.x - cone.w) + ahead * cone.w;
 }

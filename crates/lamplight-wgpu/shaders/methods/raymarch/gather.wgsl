@@ -22,6 +22,7 @@ override TRACED: bool = false;
 @group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
 // Variance of the light's noise; 1 if what the cell sees changed.
 @group(0) @binding(10) var<storage, read_write> traced: array<vec2f>;
+@group(0) @binding(11) var panorama: texture_2d<f32>;
 
 // Sine and cosine of an angle from 0 to 2π, within 2e-7: the built-in functions may be far less precise.
 fn sine_cosine(angle: f32) -> vec2f {

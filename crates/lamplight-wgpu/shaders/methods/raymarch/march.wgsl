@@ -33,7 +33,7 @@ fn march(start: vec2f, first: vec2f, direction: vec2f, from_face: bool) -> vec4f
             break;
         }
         if has_left(ray) {
-            ray.light += ray.transmittance * sky(direction.y);
+            ray.light += ray.transmittance * sky(direction);
             break;
         }
         i = index(vec2u(ray.cell));

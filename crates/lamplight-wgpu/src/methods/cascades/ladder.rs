@@ -11,6 +11,7 @@ use crate::planner::FramePlanner;
 use bytemuck::bytes_of;
 use lamplight::internals::cascades::{BRANCHES, Cascade, cascades, mean_sine};
 use lamplight::settings;
+use std::f32::consts::TAU;
 use std::num::NonZeroU64;
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};
 
@@ -56,6 +57,8 @@ gpu_struct! {
         cones: u32,
         cone: u32,
         rays: u32,
+        number: u32,
+        angle: f32,
     }
 }
 
@@ -139,16 +142,19 @@ impl Ladder {
         for cone in (0..rays).step_by(self.cones as usize) {
             let mut path = 0;
             for (i, cascade) in self.cascades.iter().enumerate() {
+                let number = cascade.rays / rays * cone;
                 let far = self.cascades.get(i + 1).map(|far| far.lattice);
                 let layer = Layer {
                     count: cascade.lattice.count,
                     spacing: cascade.lattice.spacing,
-                    path: path + cascade.rays / rays * cone,
+                    path: path + number,
                     far_count: far.map_or([0; 2], |far| far.count),
                     far_spacing: far.map_or(0.0, |far| far.spacing),
                     cones: self.cones,
                     cone,
                     rays,
+                    number,
+                    angle: TAU / cascade.rays as f32,
                 };
                 path += cascade.rays;
                 bytes.extend_from_slice(bytes_of(&layer));

@@ -9,8 +9,9 @@
 pub mod ladder;
 
 use crate::error::{Result, unsupported};
+use crate::pass_list::PassList;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch, WORKGROUP};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::shared::filled;
 use crate::stage::Stage;
 use crate::stages::compare::Compare;
@@ -155,7 +156,7 @@ impl Cascades {
         dispatches.extend(self.gather(&plan, target));
         dispatches.extend(planner.add_direct(light));
         let stages = vec![(Stage::EmptySpace, plan.squares), (Stage::Light, light.clone())];
-        Ok(PassList { dispatches, stages, lamps: None })
+        Ok(PassList::new(dispatches, stages))
     }
 
     /// Plans a gather over all cones of the nearest cascade, batch by batch.
@@ -205,6 +206,7 @@ impl Plan<'_> {
             planner.shared.number(target.step),
             ladder::selected(&self.layers),
             whole(target.to),
+            planner.panorama(),
         ];
         resources.extend_from_slice(more);
         planner.bind(pipelines, &resources)

@@ -6,6 +6,7 @@
 mod lattice;
 pub mod paper;
 mod quadrant;
+pub mod sky;
 pub mod sweep;
 mod tables;
 mod tiles;
@@ -13,8 +14,9 @@ mod traffic;
 mod work;
 
 use crate::error::Result;
+use crate::pass_list::PassList;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::stage::Stage;
 use crate::stages::convergence::Convergence;
 use crate::{programs, shaders};
@@ -27,6 +29,7 @@ use lamplight::internals::holographic::{
 use lamplight::settings::Holographic as Settings;
 use lattice::{Lattice, Packed};
 use quadrant::{Axis, PlannedWork, Quadrant, RUN};
+use sky::{ConeSky, ConeTable};
 use sweep::Sweeps;
 use tables::Footprints;
 use wgpu::{Buffer, BufferUsages, Device};
@@ -185,15 +188,13 @@ impl Holographic {
         let (interval_words, radiance) = (layout.intervals, layout.radiance);
 
         let footprints = Footprints::new(geometry, settings.bundle_rays);
-        let mut cones: Vec<[f32; 4]> = Vec::new();
+        let ends = layout.lattices.each_ref().map(|lattice| lattice.end);
+        let cones = ConeTable::of_bundles(geometry.level, ends);
         let mut axes = Vec::new();
         let mut cell_bits = 0;
-        for (axis, lattice) in (0..).zip(layout.lattices) {
-            let (mut begins, table) = tables::cones(geometry.level, lattice.end);
-            begins.iter_mut().for_each(|begin| *begin += cones.len() as u32);
-            cones.extend(table);
+        for ((axis, lattice), cones) in (0..).zip(layout.lattices).zip(&cones.begins) {
             let words = lattice.depth * lattice.rows.div_ceil(32);
-            axes.push(Axis { axis, lattice, cones: begins, cell_bits });
+            axes.push(Axis { axis, lattice, cones: cones.clone(), cell_bits });
             cell_bits += 4 * words as u32;
         }
         let storage = BufferUsages::STORAGE;
@@ -205,7 +206,7 @@ impl Holographic {
                 storage,
                 bytemuck::cast_slice(&footprints.words),
             )?,
-            cones: planner.filled("cones", storage, bytemuck::cast_slice(&cones))?,
+            cones: cones.buffer(planner)?,
             cell_bits: planner.buffer::<u32>("cell bits", cell_bits.into())?,
             intervals: planner.buffer::<u32>("intervals", interval_words)?,
             radiance: planner.buffer::<Packed>("light of cones", radiance)?,
@@ -217,10 +218,12 @@ impl Holographic {
         let mut quadrant = Quadrant::new(
             geometry,
             &footprints,
+            &cones,
             settings.bundle_rays,
             intervals.tile,
             intervals.words,
         );
+        let sky = planner.has_panorama().then(|| ConeSky::new(cones, buffers.cones.clone()));
         // Bounces after the first are all the same.
         let [first, later] = [false, true].map(|indirect| {
             if bounces > u32::from(indirect) {
@@ -264,7 +267,8 @@ impl Holographic {
         dispatches.extend(last);
         dispatches.push(planner.over_cells(&self.faces, SHOW, &faces, None));
         dispatches.extend(planner.add_direct(light));
-        Ok(PassList { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: None })
+        let stages = vec![(Stage::Light, light.clone())];
+        Ok(PassList { sky, ..PassList::new(dispatches, stages) })
     }
 
     fn bind(

@@ -1,6 +1,7 @@
 //! The dispatches of a gather over all quadrants, in order.
 
 use super::lattice::{Lattice, TILE, TRACED};
+use super::sky::ConeTable;
 use super::sweep::Sweep;
 use super::tables::Footprints;
 use super::traffic::traffic;
@@ -40,6 +41,8 @@ pub struct Quadrant {
     /// The first words of the footprints of bundles, and of views.
     bundles: u32,
     views: u32,
+    /// Entries of the table of cones.
+    cones: u32,
     /// Rays of a bundle.
     width: u32,
     /// Rows of a tile that extends intervals.
@@ -54,13 +57,14 @@ impl Quadrant {
     pub fn new(
         geometry: GatherGeometry,
         footprints: &Footprints,
+        cones: &ConeTable,
         width: u32,
         tile: u32,
         words: u32,
     ) -> Self {
         let Footprints { bundles, views, .. } = *footprints;
-        let (sweeps, planned) = (Vec::new(), Vec::new());
-        Self { geometry, bundles, views, width, tile, words, sweeps, planned }
+        let (cones, sweeps, planned) = (cones.entries(), Vec::new(), Vec::new());
+        Self { geometry, bundles, views, cones, width, tile, words, sweeps, planned }
     }
 
     /// The sweeps of all dispatches planned so far.
@@ -79,7 +83,8 @@ impl Quadrant {
         for axis in axes {
             for reversed in [0, 1] {
                 let first_quadrant = u32::from(axis.axis == 0 && reversed == 0);
-                let sweep = Sweep { reversed, first_quadrant, ..self.sweep(axis, indirect) };
+                let sky = ConeTable::light_of(self.cones, axis.axis, reversed);
+                let sweep = Sweep { reversed, first_quadrant, sky, ..self.sweep(axis, indirect) };
                 self.quadrant(axis, sweep, all);
             }
         }

@@ -37,7 +37,8 @@ gpu_struct! {
         pub gather_length: u32,
         pub footprints: u32,
         pub rays: u32,
-        pub padding: [u32; 3],
+        pub sky: u32,
+        pub padding: [u32; 2],
     }
 }
 

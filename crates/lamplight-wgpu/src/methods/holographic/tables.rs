@@ -1,8 +1,6 @@
-//! Tables that are the same for every frame: the footprints of rays, and the cones.
+//! Tables that are the same for every frame: the footprints of rays.
 
-use lamplight::internals::holographic::lattice::{
-    self, Crossing, GatherGeometry, bundle, cones_of_halves, edges, halves, rays,
-};
+use lamplight::internals::holographic::lattice::{Crossing, GatherGeometry, bundle, rays};
 
 /// Rows to either side that a mask covers.
 const ASIDE: isize = 32;
@@ -85,37 +83,4 @@ fn mask(slabs: usize, cells: impl Iterator<Item = (usize, isize)>) -> Vec<u32> {
         words[2 * slab + bit / 32] |= 1 << (bit % 32);
     }
     words
-}
-
-/// Returns where each of the levels `first + 1` to `end` begins, and for each of their cones, or of the half
-/// cones of those above the first two levels: ∫ dθ, ∫ |sin θ| dθ where the sine is negative, and where it is
-/// positive, ∫ cos θ dθ. As on the CPU, they are made from those of the last level.
-pub fn cones(first: u32, end: u32) -> (Vec<u32>, Vec<[f32; 4]>) {
-    let mut parts: [Vec<f64>; 4] = Default::default();
-    for cone in 0..lattice::cones(end) {
-        let [from, to] = edges(end, cone);
-        let (middle, angle) = (0.5 * (from + to), to - from);
-        let up = (-middle.sin()).max(0.0) * angle;
-        let down = middle.sin().max(0.0) * angle;
-        let integrals = [angle, up, down, middle.cos() * angle];
-        parts.iter_mut().zip(integrals).for_each(|(part, integral)| part.push(integral));
-    }
-    let mut levels: Vec<Vec<[f32; 4]>> = Vec::new();
-    for level in (first + 1..=end).rev() {
-        let halved = level > first + 1;
-        if halved {
-            parts = parts.map(|part| halves(&part));
-        }
-        let cone = |cone: usize| [0, 1, 2, 3].map(|i| parts[i][cone] as f32);
-        levels.push((0..parts[0].len()).map(cone).collect());
-        if halved {
-            parts = parts.map(|part| cones_of_halves(&part));
-        }
-    }
-    let (mut begins, mut cones) = (Vec::new(), Vec::new());
-    for level in levels.iter().rev() {
-        begins.push(cones.len() as u32);
-        cones.extend_from_slice(level);
-    }
-    (begins, cones)
 }

@@ -94,6 +94,7 @@ impl Gather {
             view(&planner.textures.albedo),
             whole(to),
             whole(traced),
+            planner.panorama(),
         ];
         let bound = planner.bind(&self.rays, &resources);
         planner.over_cells(&self.rays, gathered as usize, &bound, Some(step))

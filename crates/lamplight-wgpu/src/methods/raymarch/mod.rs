@@ -4,7 +4,8 @@ mod bounce;
 mod gather;
 
 use crate::error::{Result, unsupported};
-use crate::planner::{FramePlanner, PassList};
+use crate::pass_list::PassList;
+use crate::planner::FramePlanner;
 use crate::stage::Stage;
 use crate::stages::denoise::Denoise;
 use crate::stages::distance::DistancePipelines;
@@ -113,6 +114,6 @@ impl Raymarch {
         }
         dispatches.extend(planner.add_direct(light));
         stages.push((Stage::Light, light.clone()));
-        Ok(PassList { dispatches, stages, lamps: None })
+        Ok(PassList::new(dispatches, stages))
     }
 }

@@ -167,7 +167,7 @@ fn unit(angle: f64) -> [f32; 2] {
     [angle.cos() as f32, angle.sin() as f32]
 }
 
-/// Returns the mean of the sine over cone `k` of `rays`, at which the sky, linear in the sine on either
+/// Returns the mean of the sine over cone `k` of `rays`, at which a gradient, linear in the sine on either
 /// side of the horizon, has its mean radiance. No cone crosses the horizon.
 pub fn mean_sine(k: u32, rays: u32) -> f32 {
     let [from, to] = edges(k, rays);
@@ -184,6 +184,6 @@ pub fn cosine(face: usize, k: u32, rays: u32) -> f32 {
 }
 
 /// Returns the edges of cone `k` of `rays`, radians.
-fn edges(k: u32, rays: u32) -> [f64; 2] {
+pub fn edges(k: u32, rays: u32) -> [f64; 2] {
     [k, k + 1].map(|k| TAU * f64::from(k) / f64::from(rays))
 }

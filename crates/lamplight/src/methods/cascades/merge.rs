@@ -2,7 +2,7 @@
 //! first and then from the probes of the next cascade.
 
 use super::interval::{PacketIntervals, TracedScene};
-use super::ladder::{BRANCHES, Cascade, RaySegment, mean_sine};
+use super::ladder::{BRANCHES, Cascade, RaySegment, edges};
 use crate::Rgb;
 use crate::grid::packet::LANES;
 use crate::settings::Merge;
@@ -73,7 +73,8 @@ impl ProbeTracer<'_> {
     pub fn ray(&self, number: u32) -> ProbeRay {
         let segment = self.cascade.segment(number, self.overlap);
         let Some(beyond) = self.farther else {
-            let sky = self.scene.grid.sky.radiance(mean_sine(number, self.cascade.rays));
+            let [from, to] = edges(number, self.cascade.rays);
+            let sky = self.scene.grid.sky.mean(from, to);
             return ProbeRay { segment, reach: f32::INFINITY, plane: 0, sky };
         };
         let RaySegment { start, end, .. } = segment;

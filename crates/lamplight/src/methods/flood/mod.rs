@@ -30,11 +30,12 @@ use crate::math::circle;
 use crate::math::transmittance::{attenuation, transmittance};
 use crate::settings::{Fade, Flood, Method, Sweeps};
 use crate::stages::faces::NORMALS;
-use crate::{Cells, Lamp, Rgb};
+use crate::{Cells, Lamp, Rgb, Sky};
 use blur::{Energy, Links};
 use fearless_simd::Level;
 use rayon::prelude::*;
 use std::f32::consts::TAU;
+use std::f64::consts::PI;
 
 /// The source's attenuation is `1/(1 + STEEPNESS·D·d²)`, d in grids of D px,
 pub const STEEPNESS: f32 = 0.75;
@@ -230,23 +231,31 @@ impl FloodSolver {
         }
         let fading = Fading::seed(self.diameter());
         let [w, h] = self.size.map(|v| v as f32);
-        let mut side = |from: [f32; 2], normal: [f32; 2]| {
-            for (_, direction) in circle(settings.matter_rays) {
+        for (angle, direction) in circle(settings.matter_rays) {
+            let color = match sky {
+                // What is narrow may lie between two rays.
+                Sky::Panorama(panorama) => {
+                    let (from, half) =
+                        (f64::from(angle) + PI, PI / f64::from(settings.matter_rays));
+                    panorama.mean(from - half, from + half)
+                }
+                _ => sky.radiance(direction.map(|d| -d)),
+            };
+            let mut side = |from: [f32; 2], normal: [f32; 2]| {
                 if direction[0] * normal[0] + direction[1] * normal[1] > 0.0 {
-                    let color = sky.radiance(-direction[1]);
                     let (energy, spacing) = (1.0, 0.0);
                     let ray = LightRay { from, direction, color, energy, spacing, inside: false };
                     self.cast(cells, settings, ray, fading);
                 }
+            };
+            for x in 0..cells.width() {
+                side([x as f32 + 0.5, 0.0], [0.0, 1.0]);
+                side([x as f32 + 0.5, h], [0.0, -1.0]);
             }
-        };
-        for x in 0..cells.width() {
-            side([x as f32 + 0.5, 0.0], [0.0, 1.0]);
-            side([x as f32 + 0.5, h], [0.0, -1.0]);
-        }
-        for y in 0..cells.height() {
-            side([0.0, y as f32 + 0.5], [1.0, 0.0]);
-            side([w, y as f32 + 0.5], [-1.0, 0.0]);
+            for y in 0..cells.height() {
+                side([0.0, y as f32 + 0.5], [1.0, 0.0]);
+                side([w, y as f32 + 0.5], [-1.0, 0.0]);
+            }
         }
     }
 

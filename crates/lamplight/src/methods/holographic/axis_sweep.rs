@@ -4,7 +4,7 @@ use super::extend::IntervalLevels;
 use super::faces::{self, Receivers, face_sums};
 use super::gather::{FinalGather, GatherTile};
 use super::interval::LANES;
-use super::lattice::{GatherGeometry, planes};
+use super::lattice::{GatherGeometry, on_grid, planes};
 use super::merge::MergedLight;
 use super::slabs::{Axis, Slabs};
 use super::trace::{TILE, VECTORS, any_in_vector};
@@ -102,13 +102,10 @@ impl AxisSweep {
     /// Adds the light that arrives from ahead.
     fn quadrant(&mut self, unit: Level, input: SweepInput, geometry: GatherGeometry) {
         let sky = input.cells.sky();
-        let reversed = self.slabs.reversed;
-        self.merged.begin(|angle| {
-            let ahead = if reversed { -angle.cos() } else { angle.cos() };
-            sky.radiance(match self.axis {
-                Axis::X => angle.sin() as f32,
-                Axis::Y => ahead as f32,
-            })
+        let (along_x, reversed) = (self.axis == Axis::X, self.slabs.reversed);
+        self.merged.begin(|edges| {
+            let [from, to] = on_grid(along_x, reversed, edges);
+            sky.mean(from, to)
         });
         for plane in (1..=geometry.last_plane(self.slabs.depth)).rev() {
             if plane < planes(self.slabs.depth, geometry.level) {

@@ -10,6 +10,7 @@
 
 use crate::grid::traverse::{Ray, traverse};
 use crate::settings;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::{ControlFlow, Range};
 
 /// Width over which the rays of a bundle are spread, px. Slightly less than 1: a ray through the
@@ -50,6 +51,14 @@ pub fn slope(level: u32, cone: usize) -> f64 {
 /// Returns the directions between which a cone of a level lies in the quadrant, radians from the axis.
 pub fn edges(level: u32, cone: usize) -> [f64; 2] {
     [cone, cone + 1].map(|cone| slope(level, cone).clamp(-1.0, 1.0).atan())
+}
+
+/// Returns the two angles of the grid, radians from +x towards +y, that edges in a quadrant lie at. Slabs are columns
+/// of the grid if they lie `along_x`, otherwise rows; light comes from higher ones unless they are `reversed`.
+pub fn on_grid(along_x: bool, reversed: bool, [from, to]: [f64; 2]) -> [f64; 2] {
+    let ahead = if along_x { 0.0 } else { FRAC_PI_2 } + if reversed { PI } else { 0.0 };
+    // Higher rows are clockwise of what is ahead, or the other way round.
+    if along_x == reversed { [ahead - to, ahead - from] } else { [ahead + from, ahead + to] }
 }
 
 /// Returns the angles of the cones of a level as far as they lie in the quadrant, radians.

@@ -231,14 +231,16 @@ impl MergedLight {
         });
     }
 
-    /// Starts at the far end of the grid. `sky` returns the radiance of the sky by angle, 0 straight
-    /// ahead.
-    pub fn begin(&mut self, sky: impl Fn(f64) -> Rgb) {
+    /// Starts at the far end of the grid. `sky` returns the mean radiance of the sky between two angles, 0
+    /// straight ahead.
+    pub fn begin(&mut self, sky: impl Fn([f64; 2]) -> Rgb) {
         let end = self.first + self.levels.len() as u32 - 1;
         let mut changed = false;
         for (cone, held) in self.sky.iter_mut().enumerate() {
             let [from, to] = edges(end, cone);
-            let light = sky(0.5 * (from + to)).map(|v| v * (to - from) as f32);
+            // Those beyond the quadrant have no angle.
+            let angle = (to - from) as f32;
+            let light = if angle > 0.0 { sky([from, to]).map(|v| v * angle) } else { [0.0; 3] };
             changed |= std::mem::replace(held, light) != light;
         }
         for level in &mut self.levels {

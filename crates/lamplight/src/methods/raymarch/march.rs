@@ -233,7 +233,7 @@ impl RayScene<'_> {
     /// Ends a ray outside the grid: adds the sky.
     #[inline(always)]
     fn leave(&self, path: &mut RayState, direction: [f32; 2]) -> Seen {
-        path.add(self.grid.sky.radiance(direction[1]));
+        path.add(self.grid.sky.radiance(direction));
         path.seen
     }
 

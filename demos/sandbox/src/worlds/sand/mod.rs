@@ -224,7 +224,7 @@ impl World for Sand {
             };
         }
         cells.lamps_mut().clear();
-        cells.set_sky(self.sky);
+        cells.set_sky(self.sky.clone());
     }
 
     fn help(&self) -> &'static str {

@@ -8,6 +8,7 @@
 // and row; `last` adds the lowest to the light of cells.
 
 #import methods/holographic/paper/load
+#import methods/holographic/sky
 
 @group(0) @binding(3) var<storage, read> near: array<f32>;
 @group(0) @binding(4) var<storage, read> longer: array<f32>;
@@ -29,7 +30,7 @@ fn is_top() -> bool {
 fn far(plane: u32, cone: u32, row: i32) -> vec3f {
     let level = sweep.level + 1u;
     if is_top() || plane >= planes(level) || row < 0 || row >= i32(sweep.rows) {
-        return sky_in(cones[sweep.cones_above + cone]);
+        return sky_in(cone);
     }
     let at = ((plane << level) + cone) * 3u * sweep.rows + u32(row);
     return vec3f(above[at], above[at + sweep.rows], above[at + 2u * sweep.rows]);

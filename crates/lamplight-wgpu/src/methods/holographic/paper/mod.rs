@@ -10,10 +10,12 @@
 mod tables;
 
 use super::lattice::TILE;
+use super::sky::{ConeSky, ConeTable};
 use super::sweep::{Sweep, Sweeps};
 use crate::error::Result;
+use crate::pass_list::PassList;
 use crate::pipeline::{ComputePipelines, Dispatch};
-use crate::planner::{FramePlanner, PassList, view, whole};
+use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
 use crate::stage::Stage;
 use crate::stages::convergence::Convergence;
@@ -190,7 +192,7 @@ impl Paper {
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
         let source = planner.buffer::<[f32; 4]>("source", planner.cells())?;
         let total = planner.buffer::<Rgb>("light of all directions", planner.cells())?;
-        let quadrants = self.quadrants(planner, &source, &total)?;
+        let (quadrants, sky) = self.quadrants(planner, &source, &total)?;
         let textures = planner.textures;
         let read = [
             view(&textures.emission),
@@ -220,16 +222,17 @@ impl Paper {
                 dispatches.extend(solve(planner.over_cells(&self.source, 1, &sources, None)));
             }
         }
-        Ok(PassList { dispatches, stages: vec![(Stage::Light, light.clone())], lamps: None })
+        let stages = vec![(Stage::Light, light.clone())];
+        Ok(PassList { sky, ..PassList::new(dispatches, stages) })
     }
 
-    /// Plans the light of cells from all four quadrants.
+    /// Plans the light of cells from all four quadrants. Returns the light of the sky in their cones too.
     fn quadrants(
         &self,
         planner: &FramePlanner,
         source: &Buffer,
         total: &Buffer,
-    ) -> Result<Vec<Dispatch>> {
+    ) -> Result<(Vec<Dispatch>, Option<ConeSky>)> {
         let levels = &self.levels[usize::from(planner.hints.tinted)];
         let [width, height] = planner.size.into();
         let axes = [
@@ -240,7 +243,7 @@ impl Paper {
         let top = a.top().max(b.top());
         let traced = Cpu::published().traced;
         let (footprint_begins, footprints) = tables::traced_footprints(traced);
-        let (cone_begins, cones) = tables::cones(top + 1);
+        let cones = ConeTable::of_paper(top + 1);
 
         let mut sweeps = Vec::new();
         for axis in &axes {
@@ -252,8 +255,9 @@ impl Paper {
                     reversed,
                     level,
                     levels: u32::from(level < axis.top()),
-                    cones_above: cone_begins[level as usize],
+                    cones_above: cones.begins[axis.axis as usize][level as usize],
                     first_quadrant: u32::from(axis.axis == 0 && reversed == 0),
+                    sky: ConeTable::light_of(cones.entries(), axis.axis, reversed),
                     footprints: footprint_begins.get(level as usize).copied().unwrap_or(0),
                     ..Sweep::default()
                 }));
@@ -276,7 +280,7 @@ impl Paper {
             traced,
             source,
             footprints,
-            cones: planner.filled("cones", storage, bytemuck::cast_slice(&cones))?,
+            cones: cones.buffer(planner)?,
             intervals: (0..=top).map(interval).collect::<Result<_>>()?,
             radiance: planner.pair::<Rgb>("light of cones", cones_held)?,
             total,
@@ -286,6 +290,7 @@ impl Paper {
             let axis = &axes[sweep.axis as usize];
             dispatches.extend(levels.quadrant(planner, axis, &buffers, first));
         }
-        Ok(dispatches)
+        let sky = planner.has_panorama().then(|| ConeSky::new(cones, buffers.cones));
+        Ok((dispatches, sky))
     }
 }

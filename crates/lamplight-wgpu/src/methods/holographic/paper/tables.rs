@@ -1,6 +1,6 @@
-//! Tables that are the same for every frame: the footprints of traced rays, and the cones.
+//! Tables that are the same for every frame: the footprints of traced rays.
 
-use lamplight::internals::holographic::paper::{Piece, cone, paths, rays};
+use lamplight::internals::holographic::paper::{Piece, paths, rays};
 
 /// Returns where each of the levels 0 to `traced` begins, and the footprints of their rays, as trace.wgsl reads
 /// them.
@@ -29,20 +29,4 @@ pub fn traced_footprints(traced: u32) -> (Vec<u32>, Vec<[i32; 4]>) {
     }
     table.extend(pieces);
     (begins, table)
-}
-
-/// Returns where each of the levels 1 to `end` begins, and for each of their cones: ∫ dθ, ∫ |sin θ| dθ where
-/// the sine is negative, and where it is positive, ∫ cos θ dθ.
-pub fn cones(end: u32) -> (Vec<u32>, Vec<[f32; 4]>) {
-    let (mut begins, mut cones) = (Vec::new(), Vec::new());
-    for level in 1..=end {
-        begins.push(cones.len() as u32);
-        for j in 0..1 << level {
-            let [angle, up, down] = cone(level, j, 0);
-            // A quarter turn further, the cosine is the sine.
-            let [_, _, along] = cone(level, j, 1);
-            cones.push([angle, up, down, along].map(|part| part as f32));
-        }
-    }
-    (begins, cones)
 }

@@ -33,7 +33,7 @@ mod quadrant;
 
 pub use grid::Piece;
 pub use interval::{Interval, Transmittance};
-pub use quadrant::{Quadrant, cone, paths, rays};
+pub use quadrant::{Quadrant, edges, paths, rays};
 
 use crate::{Cells, Rgb};
 use std::f32::consts::TAU;

@@ -3,7 +3,7 @@
 use super::grid::{Piece, RotatedGrid, pieces};
 use super::interval::{Interval, Transmittance};
 use crate::{Cells, Rgb, Sky};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 /// The grid, rotated so that light arrives from +x, between −45° and +45°; and its intervals `T_n`.
 /// Level n has planes at x = j·2ⁿ, and from each cell of a plane the rays
@@ -44,7 +44,8 @@ impl<T: Transmittance> Quadrant<T> {
     /// intervals, those up to level `traced` by tracing.
     pub fn prepare(&mut self, cells: &Cells, turn: u32, traced: u32) {
         self.grid.read(cells, turn);
-        (self.turn, self.sky) = (turn, cells.sky());
+        self.turn = turn;
+        self.sky.clone_from(cells.sky());
         self.levels.resize_with(self.top() as usize + 1, Vec::new);
         for level in 0..=self.top() {
             let mut made = std::mem::take(&mut self.levels[level as usize]);
@@ -187,18 +188,8 @@ impl<T: Transmittance> Quadrant<T> {
 
     /// Returns the radiance of the sky in cone j of a level, integrated over its angle.
     fn sky_in(&self, level: u32, j: usize) -> Rgb {
-        match self.sky {
-            Sky::Uniform(rgb) => rgb.map(|v| (f64::from(v) * angle(level, j)) as f32),
-            Sky::Gradient(g) => {
-                let [angle, up, down] = cone(level, j, self.turn);
-                std::array::from_fn(|c| {
-                    let [zenith, horizon, ground] =
-                        [g.zenith[c], g.horizon[c], g.ground[c]].map(f64::from);
-                    let sides = horizon * angle;
-                    (sides + (zenith - horizon) * up + (ground - horizon) * down) as f32
-                })
-            }
-        }
+        let [from, to] = edges(level, j, self.turn);
+        self.sky.mean(from, to).map(|v| (f64::from(v) * angle(level, j)) as f32)
     }
 }
 
@@ -207,16 +198,12 @@ pub fn paths(level: u32) -> Vec<Vec<Piece>> {
     (0..rays(level)).map(|k| pieces([1 << level, rise(level, k) as i32])).collect()
 }
 
-/// Returns, for cone j of a level in the quadrant rotated by `turn` quarters, `∫ dθ`,
-/// `∫ max(−sin θ, 0) dθ` (up) and `∫ max(sin θ, 0) dθ` (down). Both sines weight the zenith and the
-/// ground of a sky.
-pub fn cone(level: u32, j: usize, turn: u32) -> [f64; 3] {
-    let [from, to] = [j, j + 1].map(|k| {
+/// Returns the angles of the grid between which cone j of a level lies in the quadrant rotated by `turn` quarters.
+pub fn edges(level: u32, j: usize, turn: u32) -> [f64; 2] {
+    [j, j + 1].map(|k| {
         let (y, x) = (rise(level, k) as f64, f64::from(1u32 << level));
         y.atan2(x) + f64::from(turn) * FRAC_PI_2
-    });
-    let (up, down) = sines(from, to);
-    [angle(level, j), up, down]
+    })
 }
 
 /// Returns the number of rays of a level from one cell.
@@ -235,18 +222,6 @@ fn angle(level: u32, i: usize) -> f64 {
     let x = f64::from(1u32 << level);
     // From the cross and the dot product, so that mirrored cones are equal to the bit.
     (x * (b - a)).atan2(x * x + a * b)
-}
-
-/// Returns `∫ max(−sin θ, 0) dθ` (up) and `∫ max(sin θ, 0) dθ` (down) between two angles less than π/2
-/// apart.
-fn sines(from: f64, to: f64) -> (f64, f64) {
-    // The angle between them at which the sine changes its sign, if any.
-    let zero = ((from + to) / 2.0 / PI).round() * PI;
-    let zero = zero.clamp(from, to);
-    let part = |a: f64, b: f64| a.cos() - b.cos();
-    let parts = [part(from, zero), part(zero, to)];
-    let sum = |sign: f64| parts.iter().map(|p| (sign * p).max(0.0)).sum();
-    (sum(-1.0), sum(1.0))
 }
 
 /// Returns the value of a row; none outside the grid.
@@ -282,25 +257,5 @@ mod tests {
         }
         let short: f64 = (1..8).map(|i| angle(3, i)).sum();
         assert!((short - FRAC_PI_2).abs() > ROUNDING, "a cone that is missing passes");
-    }
-
-    #[test]
-    fn sines_are_their_integrals() {
-        for step in 0..200 {
-            let from = -1.0 + 0.04 * f64::from(step);
-            let to = from + 0.01 + 0.007 * f64::from(step);
-            let n = 20_000;
-            let width = (to - from) / f64::from(n);
-            let mean = |sign: f64| {
-                let value = |i| (sign * (from + (f64::from(i) + 0.5) * width).sin()).max(0.0);
-                (0..n).map(value).sum::<f64>() * width
-            };
-            if to - from > FRAC_PI_2 {
-                break;
-            }
-            let (up, down) = sines(from, to);
-            // The midpoint rule's error, at a kink too.
-            assert!((up - mean(-1.0)).abs() < 1e-7 && (down - mean(1.0)).abs() < 1e-7, "{from}");
-        }
     }
 }

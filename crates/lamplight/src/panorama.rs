@@ -1,0 +1,156 @@
+//! Panoramas: skies that are a strip of radiance over the angle of the direction.
+
+use crate::{Error, Result, Rgb, notation};
+use schemars::JsonSchema;
+use serde::{Serialize, Serializer};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
+
+/// A sky that differs all the way round: columns of radiance, evenly spread over the circle.
+///
+/// The strip is the circle, cut straight down and unrolled: from left to right its columns are seen straight down, to
+/// the left, straight up (in the middle), to the right, and straight down again. Column k of n is seen at the angle
+/// `π/2 + 2π·(k + ½)/n + turn`, radians from +x towards +y (y points down). Radiance is linear in the angle between the
+/// middles of neighbouring columns, and so between the last one and the first.
+///
+/// A clone shares the columns. Memory grows with their number, and so does the time of rays that see many of them.
+///
+/// ```
+/// use lamplight::{Panorama, Sky};
+/// // Straight down, left, up and right are between these four columns.
+/// let (night, fire) = ([0.0, 0.0, 0.1], [4.0, 1.0, 0.2]);
+/// let sunset = Panorama::new(&[night, night, night, fire])?;
+/// assert_eq!(sunset.radiance([0.5f32.sqrt(), 0.5f32.sqrt()]), fire);
+/// // A quarter turn later, it is the sky of the lower left.
+/// let later = Sky::from(sunset.turned(std::f32::consts::FRAC_PI_2));
+/// assert!(later.radiance([-1.0, 1.0])[0] > 3.9);
+/// # Ok::<(), lamplight::Error>(())
+/// ```
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct Panorama {
+    /// Linear RGB radiance from straight down, left, up, right to down again: 1 to 8192 columns.
+    #[serde(serialize_with = "list")]
+    #[schemars(with = "Vec<notation::Color>", length(min = 1, max = 8192))]
+    columns: Arc<[Rgb]>,
+    /// The angle by which the sky is turned, radians from +x towards +y.
+    #[serde(skip_serializing_if = "is_zero")]
+    #[schemars(default, with = "notation::Angle")]
+    turn: f32,
+}
+
+fn list<S: Serializer>(columns: &Arc<[Rgb]>, to: S) -> Result<S::Ok, S::Error> {
+    columns[..].serialize(to)
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(turn: &f32) -> bool {
+    *turn == 0.0
+}
+
+impl Panorama {
+    /// The largest number of columns: the width of the smallest texture that every GPU has.
+    pub const MAX_COLUMNS: usize = 8192;
+    pub(crate) const EXPECTED: &'static str = "a list of 1 to 8192 colours";
+
+    /// Creates a panorama from its columns, linear RGB.
+    ///
+    /// # Errors
+    /// Fails if there is no column or there are more than [`Self::MAX_COLUMNS`], or a radiance is NaN, infinite or
+    /// negative.
+    pub fn new(columns: &[Rgb]) -> Result<Self> {
+        let wrong =
+            || Error::value("sky.columns", format!("a list of {}", columns.len()), Self::EXPECTED);
+        let panorama = Self::of(columns).ok_or_else(wrong)?;
+        panorama.check()?;
+        Ok(panorama)
+    }
+
+    /// A panorama of values that are not checked; `None` if there are too few or too many.
+    pub(crate) fn of(columns: &[Rgb]) -> Option<Self> {
+        let fits = (1..=Self::MAX_COLUMNS).contains(&columns.len());
+        fits.then(|| Self { columns: columns.into(), turn: 0.0 })
+    }
+
+    /// Turns the sky as a whole to this angle, radians from +x towards +y: clockwise on the screen.
+    #[must_use]
+    pub fn turned(self, turn: f32) -> Self {
+        Self { turn, ..self }
+    }
+
+    /// The columns.
+    pub fn columns(&self) -> &[Rgb] {
+        &self.columns
+    }
+
+    /// The angle by which the sky is turned, radians.
+    pub fn turn(&self) -> f32 {
+        self.turn
+    }
+
+    /// The radiance along a ray of this direction, of any length.
+    #[inline]
+    pub fn radiance(&self, [x, y]: [f32; 2]) -> Rgb {
+        let at = place(self, f64::from(y.atan2(x)));
+        self.between(at.floor(), at - at.floor()).map(|v| v as f32)
+    }
+
+    /// The mean radiance between two angles, radians from +x towards +y, the first below the second. It is exact, and
+    /// takes time by the number of columns between the angles.
+    pub fn mean(&self, from: f64, to: f64) -> Rgb {
+        let [from, to] = [from, to].map(|angle| place(self, angle));
+        let mut sum = [0.0; 3];
+        let mut column = from.floor();
+        while column < to {
+            let [start, end] = [from.max(column) - column, to.min(column + 1.0) - column];
+            // Radiance is linear here: its mean is that in the middle.
+            let middle = self.between(column, 0.5 * (start + end));
+            (0..3).for_each(|c| sum[c] += (end - start) * middle[c]);
+            column += 1.0;
+        }
+        sum.map(|v| (v / (to - from)) as f32)
+    }
+
+    /// Returns the radiance between a column and the next, at a fraction of the way.
+    fn between(&self, column: f64, past: f64) -> [f64; 3] {
+        let count = self.columns.len() as i64;
+        let [a, b] =
+            [0, 1].map(|next| self.columns[(column as i64 + next).rem_euclid(count) as usize]);
+        std::array::from_fn(|c| {
+            let [a, b] = [a, b].map(|column| f64::from(column[c]));
+            a + (b - a) * past
+        })
+    }
+
+    pub(crate) fn check(&self) -> Result<()> {
+        if !self.turn.is_finite() {
+            return Err(Error::value("sky.turn", self.turn, "a finite angle"));
+        }
+        let wrong = |rgb: &Rgb| rgb.iter().any(|v| !v.is_finite() || *v < 0.0);
+        match self.columns.iter().position(wrong) {
+            None => Ok(()),
+            Some(column) => {
+                let [r, g, b] = self.columns[column];
+                let expected = "three finite radiances of 0 or more";
+                Err(Error::value(
+                    format!("sky.columns[{column}]"),
+                    format!("[{r}, {g}, {b}]"),
+                    expected,
+                ))
+            }
+        }
+    }
+}
+
+/// Returns the place of an angle on the strip, in columns from the middle of the first.
+pub fn place(panorama: &Panorama, angle: f64) -> f64 {
+    let Panorama { columns, turn } = panorama;
+    (angle - f64::from(*turn) - FRAC_PI_2) / TAU * columns.len() as f64 - 0.5
+}
+
+impl PartialEq for Panorama {
+    fn eq(&self, other: &Self) -> bool {
+        // Most are clones of each other.
+        let same = Arc::ptr_eq(&self.columns, &other.columns) || self.columns == other.columns;
+        same && self.turn == other.turn
+    }
+}
