@@ -1,7 +1,9 @@
 //! The uniforms of a frame, which every shader reads.
 
 use crate::error::{Result, unsupported};
+use crate::frame_input::Lights;
 use crate::gpu_struct::gpu_struct;
+use lamplight::internals::elevation::longest_moment;
 use lamplight::internals::noise::fold;
 use lamplight::internals::raymarch::stride;
 use lamplight::settings::{Noise, Raymarch};
@@ -30,8 +32,10 @@ gpu_struct! {
         origin: [i32; 2],
         moved: [i32; 2],
         history: u32,
+        elevation_tangent: f32,
+        longest_moment: f32,
         /// Uniforms end at a multiple of 16 bytes.
-        padding: [u32; 3],
+        padding: u32,
     }
 }
 
@@ -58,11 +62,12 @@ impl FrameUniforms {
     /// The uniforms of frame `number`.
     pub fn new(
         position: GridPosition,
-        sky: Sky,
+        lights: Lights,
         settings: &Settings,
         number: u32,
         history: History,
     ) -> Result<Self, lamplight::Error> {
+        let Lights { lamps, suns, sky } = lights;
         let [zenith, horizon, ground] = match sky {
             Sky::Uniform(radiance) => [radiance; 3],
             Sky::Gradient(g) => [g.zenith, g.horizon, g.ground],
@@ -106,7 +111,9 @@ impl FrameUniforms {
                 History::IndirectOnly => 1,
                 History::Full => 2,
             },
-            padding: [0; 3],
+            elevation_tangent: settings.elevation.tan(),
+            longest_moment: longest_moment(lamps, suns, settings.elevation),
+            padding: 0,
         })
     }
 }

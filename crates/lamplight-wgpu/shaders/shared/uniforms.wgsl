@@ -27,6 +27,10 @@ struct FrameUniforms {
     moved: vec2i,
     // The data that the frame may take from the frames before, a `HISTORY_` constant.
     history: u32,
+    // The tangent of the elevation of all light.
+    elevation_tangent: f32,
+    // The most that the first moment may have of its light: above 1 where lights have an elevation of their own.
+    longest_moment: f32,
 }
 
 const HISTORY_NONE: u32 = 0u;

@@ -88,15 +88,44 @@ fn moments_agree_with_every_method() {
     }
 }
 
+/// [`lit`] by exact lamps at several heights and a low sun.
+fn hung(width: u32, height: u32, seed: u64) -> Cells {
+    let mut cells = lit(width, height, seed);
+    let heights = [Some(15.0), None, Some(0.05), Some(200.0)];
+    for (lamp, height) in cells.lamps_mut().iter_mut().zip(heights) {
+        lamp.height = height;
+    }
+    cells.suns_mut()[0].elevation = Some(0.25);
+    cells
+}
+
+#[test]
+fn moments_of_light_with_elevations_agree() {
+    let gpu = device();
+    let cells = hung(97, 61, 360);
+    let plain = lit(97, 61, 360);
+    for (name, method) in all() {
+        let settings = Settings { moment: true, elevation: 0.6, ..Settings::direct(method) };
+        let mut both = Both::new(&gpu, settings);
+        agree(&gpu, &mut both, name, &cells);
+        let right = both.solver.solve(&plain).unwrap().clone();
+        let seen = light(&both.lighting, &cells).unwrap();
+        assert_eq!(seen.elevation(), 0.6, "{name}");
+        let differ = wrong(seen.moment().unwrap(), &seen, &right);
+        assert!(differ > cells.len() / 10, "{name}: moments without elevations pass");
+    }
+}
+
 #[test]
 fn moments_of_light_that_lamps_take_away_agree() {
     let gpu = device();
-    let mut cells = lit(61, 43, 350);
-    cells.lamps_mut()[0].intensity = 8.0;
-    cells.lamps_mut()[2].intensity = -4.0;
-    for (name, method) in all() {
-        let settings = Settings { moment: true, ..Settings::direct(method) };
-        agree(&gpu, &mut Both::new(&gpu, settings), name, &cells);
+    for (kind, mut cells) in [("", lit(61, 43, 350)), (", with heights", hung(61, 43, 350))] {
+        cells.lamps_mut()[0].intensity = 8.0;
+        cells.lamps_mut()[2].intensity = -4.0;
+        for (name, method) in all() {
+            let settings = Settings { moment: true, ..Settings::direct(method) };
+            agree(&gpu, &mut Both::new(&gpu, settings), &format!("{name}{kind}"), &cells);
+        }
     }
 }
 
