@@ -13,7 +13,7 @@ use bevy::sprite_render::{
 use bevy_lamplight::prelude::*;
 use lamplight::{Bounces, Cells, Light, Matter, Method, Relief, Settings, Solver};
 use lamplight_wgpu::{Camera2dView, GridPlacement};
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 const SIZE: [u32; 2] = [96, 72];
 /// Width and height of the sprite at the world's origin.
@@ -277,6 +277,48 @@ fn relief_sets_elevation_and_highlights() {
         let wrong = worst(&seen, &expected, n, &other, |at| at);
         assert!(wrong > 10.0 * TOLERANCE, "{other:?} passes: {wrong}");
     }
+}
+
+/// The tolerance of the ratio of two differences of light of about ½, each by [`TOLERANCE`].
+const RATIO: f32 = 0.02;
+
+#[test]
+fn heights_of_lamps_and_elevations_of_suns_set_how_steeply_light_falls() {
+    let n = normal(TOWARDS);
+    let middle = |picture: &Picture| picture.grey(SIZE[0] / 2, SIZE[1] / 2 - 1);
+    let lit_by = |light: &dyn Fn(&mut App)| {
+        middle(&seen(|app, _| {
+            let map = uniform(app, TOWARDS);
+            app.world_mut().spawn((square(), map));
+            light(app);
+        }))
+    };
+    let dark = lit_by(&|_| ());
+    // Light at 45°, as of all light, and at an elevation of its own.
+    let check = |name: &str, [plain, own]: [f32; 2], cotangent: f32, to_light: Vec2| {
+        let along = n.truncate().dot(to_light.normalize());
+        let expected = (cotangent - 1.0) * along / (n.z + along);
+        let found = (own - plain) / (plain - dark);
+        assert!((found - expected).abs() < RATIO, "{name}: {found}, not {expected}");
+    };
+    let (place, height) = (Vec2::new(-20.0, 30.0), 12.0);
+    let spot = |height: Option<f32>| {
+        lit_by(&|app| {
+            let lamp = SpotLight2d { angle: TAU, softness: 0.0, height, ..default() };
+            app.world_mut().spawn((lamp, Transform::from_translation(place.extend(0.0))));
+        })
+    };
+    let to_lamp = place - 0.5;
+    check("lamp", [spot(None), spot(Some(height))], to_lamp.length() / height, to_lamp);
+    let elevation = 0.3;
+    let sun = |elevation: Option<f32>| {
+        lit_by(&|app| {
+            app.world_mut().spawn((SunLight2d { elevation, ..default() }, turn(-1.0)));
+        })
+    };
+    let (sin, cos) = 1f32.sin_cos();
+    let to_sun = Vec2::new(-cos, sin);
+    check("sun", [sun(None), sun(Some(elevation))], 1.0 / elevation.tan(), to_sun);
 }
 
 #[test]
