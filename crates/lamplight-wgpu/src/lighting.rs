@@ -24,7 +24,7 @@ use crate::stages::sight::{SightList, SightPass, SightPipelines};
 use crate::stages::walls::{MomentWalls, Walls};
 use crate::timing::Timer;
 use crate::uniforms::{FrameUniforms, GridPosition, History};
-use lamplight::{Lamp, Settings, Sky, Sun};
+use lamplight::{Settings, Sky};
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
 /// Finds light on the host's device.

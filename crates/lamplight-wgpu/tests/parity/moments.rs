@@ -5,7 +5,7 @@ use crate::compare::{Both, TOLERANCE, differences};
 use crate::direct::{methods, without_media};
 use crate::lamps::lamps;
 use lamplight::settings::{MethodSettings, Raymarch};
-use lamplight::{Bounces, Cells, Direct, Light, Moment, Rgb, Settings};
+use lamplight::{Bounces, Cells, Direct, Lamp, Light, Matter, Moment, Rgb, Settings, Sun};
 use lamplight_wgpu::read_back::light;
 use wgpu::{Device, Queue};
 
@@ -28,7 +28,7 @@ fn lit(width: u32, height: u32, seed: u64) -> Cells {
     }
     let mut random = seeded(seed + 2);
     let direction = random.f32() * 6.0;
-    cells.suns_mut().push(lamplight::Sun { direction, angle: 0.1, ..Default::default() });
+    cells.suns_mut().push(Sun { direction, angle: 0.1, ..Sun::default() });
     cells
 }
 
@@ -88,14 +88,24 @@ fn moments_agree_with_every_method() {
     }
 }
 
-/// [`lit`] by exact lamps at several heights and a low sun.
+/// Small walls under exact lamps at several heights, and a low sun.
 fn hung(width: u32, height: u32, seed: u64) -> Cells {
-    let mut cells = lit(width, height, seed);
-    let heights = [Some(15.0), None, Some(0.05), Some(200.0)];
-    for (lamp, height) in cells.lamps_mut().iter_mut().zip(heights) {
-        lamp.height = height;
+    let mut random = seeded(seed);
+    let mut cells = Cells::new(width, height).unwrap();
+    for i in 0..cells.len() {
+        if random.f32() < 0.02 {
+            cells.set_matter(i, Matter { opacity: 1.0, ..Matter::EMPTY });
+        }
     }
-    cells.suns_mut()[0].elevation = Some(0.25);
+    // The lowest one lights most cells from lower than any light may come.
+    for height_of_lamp in [Some(15.0), None, Some(0.5), Some(200.0)] {
+        let position = [random.f32() * width as f32, random.f32() * height as f32];
+        let direct = Direct::Exact;
+        let lamp = Lamp { position, direct, height: height_of_lamp, size: 1.5, ..Lamp::default() };
+        cells.lamps_mut().push(lamp);
+    }
+    let (direction, elevation) = (6.0 * random.f32(), Some(0.25));
+    cells.suns_mut().push(Sun { direction, elevation, angle: 0.1, ..Sun::default() });
     cells
 }
 
@@ -103,16 +113,20 @@ fn hung(width: u32, height: u32, seed: u64) -> Cells {
 fn moments_of_light_with_elevations_agree() {
     let gpu = device();
     let cells = hung(97, 61, 360);
-    let plain = lit(97, 61, 360);
+    let mut higher = cells.clone();
+    for lamp in higher.lamps_mut() {
+        lamp.height = lamp.height.map(|height| 2.0 * height);
+    }
+    higher.suns_mut()[0].elevation = Some(0.5);
     for (name, method) in all() {
         let settings = Settings { moment: true, elevation: 0.6, ..Settings::direct(method) };
         let mut both = Both::new(&gpu, settings);
         agree(&gpu, &mut both, name, &cells);
-        let right = both.solver.solve(&plain).unwrap().clone();
+        let right = both.solver.solve(&higher).unwrap().clone();
         let seen = light(&both.lighting, &cells).unwrap();
         assert_eq!(seen.elevation(), 0.6, "{name}");
         let differ = wrong(seen.moment().unwrap(), &seen, &right);
-        assert!(differ > cells.len() / 10, "{name}: moments without elevations pass");
+        assert!(differ > cells.len() / 2, "{name}: moments of higher lights pass: {differ}");
     }
 }
 
