@@ -7,7 +7,7 @@ use bevy::camera::{Camera, Projection};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::ecs::query::QueryData;
 use bevy::prelude::{GlobalTransform, Has};
-use lamplight::{Relief, Sky, ToneMap};
+use lamplight::{Sky, ToneMap};
 
 /// A lit camera.
 #[derive(QueryData)]
@@ -52,8 +52,8 @@ impl LitCameraItem<'_, '_> {
     }
 
     /// The way in which its light falls on tilted surfaces.
-    pub fn relief(&self) -> Relief {
-        self.relief.map_or(Relief::default(), Relief2d::relief)
+    pub fn relief(&self) -> Relief2d {
+        self.relief.copied().unwrap_or_default()
     }
 
     /// The tone map of its lit picture.

@@ -93,6 +93,7 @@ fn tracer(settings: &Settings, samples: u32) -> PathTracer {
         samples,
         bounces: settings.bounces,
         wall_depth: settings.wall_depth,
+        elevation: settings.elevation,
         seed: settings.seed,
     }
 }

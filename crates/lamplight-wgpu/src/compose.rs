@@ -199,12 +199,12 @@ impl Compose {
             }
             (None, _) => (lit.normals, 1),
         };
-        let normals = normals.filter(|_| lit.moment);
-        if params.normals.is_some() && !lit.moment {
+        let normals = normals.filter(|_| lit.elevation.is_some());
+        if params.normals.is_some() && lit.elevation.is_none() {
             let problem = "need the first moment of light: set `Settings::moment`".to_owned();
             return Err(PrepareError::Texture { name: "normals", problem });
         }
-        let mut uniforms = ComposeUniforms::new(&params.display, lit.size)?;
+        let mut uniforms = ComposeUniforms::new(&params.display, lit.elevation, lit.size)?;
         if matches!(target.format, TextureFormat::Rgba16Float | TextureFormat::Rg11b10Ufloat) {
             uniforms.keep_finite();
         }

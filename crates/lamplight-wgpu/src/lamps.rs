@@ -29,7 +29,7 @@ gpu_struct! {
         mask: u32,
         number: u32,
         profile_count: u32,
-        padding: u32,
+        height: f32,
         profile: [[f32; 4]; 4],
     }
 }
@@ -153,7 +153,7 @@ impl LampList {
                 // Truncated only if there are too many lamps for any buffer.
                 number: self.needed.lamps as u32,
                 profile_count: profile.len() as u32,
-                padding: 0,
+                height: lamp.height.unwrap_or_default(),
                 profile: std::array::from_fn(|row| {
                     std::array::from_fn(|k| profile.get(4 * row + k).copied().unwrap_or_default())
                 }),

@@ -26,7 +26,7 @@ use crate::stages::sight::{SightList, SightPass, SightPipelines};
 use crate::stages::walls::{MomentWalls, Walls};
 use crate::timing::Timer;
 use crate::uniforms::{FrameUniforms, GridPosition, History};
-use lamplight::{Lamp, Settings, Sky, Sun};
+use lamplight::{Settings, Sky};
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
 /// Finds light on the host's device.
@@ -79,8 +79,8 @@ pub struct ComposeInputs<'a> {
     pub shown: Option<&'a TextureView>,
     pub light: &'a Buffer,
     pub frame: &'a Buffer,
-    /// True if the first moment is behind the light.
-    pub moment: bool,
+    /// The elevation of light, if its first moment is behind it.
+    pub elevation: Option<f32>,
     /// The normals of the cells, if they have some.
     pub normals: Option<&'a TextureView>,
 }
@@ -152,9 +152,7 @@ struct CheckedScene<'a> {
     grid: Grid<'a>,
     shown: Option<&'a TextureView>,
     normals: Option<&'a TextureView>,
-    lamps: &'a [Lamp],
-    suns: &'a [Sun],
-    sky: &'a Sky,
+    lights: Lights<'a>,
 }
 
 impl PreparedFrame {
@@ -227,10 +225,10 @@ impl Lighting {
 
     /// Prepares the next frame, to be recorded and submitted: noise advances, history and feedback accumulate.
     ///
-    /// Changing the seed, the sky, lamps, or the contents of cells or textures is free. (A panorama is uploaded when it
-    /// has changed, and planned for if it has another number of columns.) Other texture views of
-    /// the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers; any
-    /// other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
+    /// Changing the seed, the sky, lamps, the elevation of light, or the contents of cells or textures is free. (A
+    /// panorama is uploaded when it has changed, and planned for if it has another number of columns.) Other texture
+    /// views of the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers;
+    /// any other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
     ///
     /// # Errors
     /// If the input is invalid or the device cannot light it. The frame before then stays prepared.
@@ -271,7 +269,8 @@ impl Lighting {
                 let grid = Grid { size, textures: &upload.textures, hints };
                 let (shown, normals) = (upload.shown.as_ref(), upload.normals.as_ref());
                 let (lamps, suns, sky) = (cells.lamps(), cells.suns(), cells.sky());
-                Ok(CheckedScene { grid, shown, normals, lamps, suns, sky })
+                let lights = Lights { lamps, suns, sky };
+                Ok(CheckedScene { grid, shown, normals, lights })
             }
             SceneInput::Textures { textures, lights } => {
                 let Lights { lamps, suns, sky } = lights;
@@ -284,13 +283,14 @@ impl Lighting {
                 }
                 let size = GridSize::new(device, textures.size()?)?;
                 let grid = Grid { size, textures, hints: SceneHints::UNKNOWN };
-                Ok(CheckedScene { grid, shown: None, normals: None, lamps, suns, sky })
+                Ok(CheckedScene { grid, shown: None, normals: None, lights })
             }
         }
     }
 
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
-        let CheckedScene { grid, shown, normals, lamps, suns, sky } = scene;
+        let CheckedScene { grid, shown, normals, lights } = scene;
+        let Lights { lamps, suns, sky } = *lights;
         self.keep_panorama(sky)?;
         let Shared { device, queue, .. } = &self.shared;
         let method = self.pipelines.method::<PrepareError>(device, queue, input.settings)?;
@@ -305,7 +305,7 @@ impl Lighting {
         }
         let size = grid.size.into();
         method.set_lamps(lamps, size, &mut self.lamps)?;
-        self.direct_lights.set(input.settings.method(), lamps, suns, size)?;
+        self.direct_lights.set(input.settings, lamps, suns, size)?;
         let needed = self.needed();
         self.lamps.more_follows = needed.has_direct();
         let moment = input.settings.moment;
@@ -331,7 +331,7 @@ impl Lighting {
         let (history, moved) = self.history(input, grid.size, sky);
         let extras = self.plan_extras(frame, input, moved)?;
         let position = GridPosition { size: grid.size.into(), origin: input.origin, moved };
-        let uniforms = FrameUniforms::new(position, sky, input.settings, self.number, history)?;
+        let uniforms = FrameUniforms::new(position, *lights, input.settings, self.number, history)?;
 
         // Nothing fails from here on.
         self.frame = fresh.or(self.frame.take());
@@ -590,8 +590,9 @@ impl Lighting {
         let PreparedFrame { size, textures, shown, normals, light, settings, .. } =
             self.frame.as_ref()?;
         let (size, shown, frame) = ((*size).into(), shown.as_ref(), &self.shared.frame);
-        let (moment, normals) = (settings.moment, normals.as_ref());
-        Some(ComposeInputs { size, textures, shown, light, frame, moment, normals })
+        let elevation = settings.moment.then_some(settings.elevation);
+        let normals = normals.as_ref();
+        Some(ComposeInputs { size, textures, shown, light, frame, elevation, normals })
     }
 
     /// The cost of the frame prepared last; `None` before the first.

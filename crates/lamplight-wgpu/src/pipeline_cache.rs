@@ -47,5 +47,5 @@ pub fn share_pipelines(a: &Settings, b: &Settings) -> bool {
 
 /// Settings without those that do not affect pipelines.
 fn key(settings: &Settings) -> Settings {
-    Settings { seed: 0, wall_depth: 0.0, ..settings.clone() }
+    Settings { seed: 0, wall_depth: 0.0, elevation: Settings::ELEVATION, ..settings.clone() }
 }

@@ -111,11 +111,11 @@ impl FetchLight {
         if let Some(settings) = lighting.settings() {
             settings.method.draw_lamps(&mut cells);
         }
-        let moment = lighting.settings().is_some_and(|settings| settings.moment);
+        let elevation = lighting.settings().filter(|s| s.moment).map(|s| s.elevation);
         let values = buffer.size() as usize / size_of::<[f32; 4]>();
-        let lit = if moment { values / 3 } else { values };
+        let lit = if elevation.is_some() { values / 3 } else { values };
         let (device, queue) = lighting.device();
-        let cells = LitCells { cells, lit };
+        let cells = LitCells { cells, lit, elevation };
         Ok(Self { numbers: Fetch::new(device, queue, buffer)?, cells })
     }
 
@@ -131,6 +131,8 @@ struct LitCells {
     cells: Cells,
     /// The number of values of light, without those of its first moment.
     lit: usize,
+    /// The elevation of light, if its first moment was found.
+    elevation: Option<f32>,
 }
 
 impl LitCells {
@@ -140,12 +142,10 @@ impl LitCells {
         let rgb = |[r, g, b, _]: &[f32; 4]| [*r, *g, *b];
         let light = Light::from_pixels(&self.cells, light.iter().map(rgb).collect());
         let light = light.map_err(other)?;
-        if moment.is_empty() {
-            return Ok(light);
-        }
+        let Some(elevation) = self.elevation else { return Ok(light) };
         let (x, y) = moment.split_at(moment.len() / 2);
         let moment = x.iter().zip(y).map(|(x, y)| [rgb(x), rgb(y)]).collect();
-        light.with_moment(moment).map_err(other)
+        light.with_moment(moment, elevation).map_err(other)
     }
 }
 

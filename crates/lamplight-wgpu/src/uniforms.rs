@@ -1,7 +1,9 @@
 //! The uniforms of a frame, which every shader reads.
 
 use crate::error::{Result, unsupported};
+use crate::frame_input::Lights;
 use crate::gpu_struct::gpu_struct;
+use lamplight::internals::elevation::longest_moment;
 use lamplight::internals::noise::fold;
 use lamplight::internals::raymarch::stride;
 use lamplight::internals::sky::place;
@@ -33,8 +35,10 @@ gpu_struct! {
         history: u32,
         sky_columns: u32,
         sky_origin: f32,
+        elevation_tangent: f32,
+        longest_moment: f32,
         /// Uniforms end at a multiple of 16 bytes.
-        padding: u32,
+        padding: [u32; 3],
     }
 }
 
@@ -61,11 +65,12 @@ impl FrameUniforms {
     /// The uniforms of frame `number`.
     pub fn new(
         position: GridPosition,
-        sky: &Sky,
+        lights: Lights,
         settings: &Settings,
         number: u32,
         history: History,
     ) -> Result<Self, lamplight::Error> {
+        let Lights { lamps, suns, sky } = lights;
         let ([zenith, horizon, ground], panorama) = match sky {
             Sky::Uniform(radiance) => ([*radiance; 3], None),
             Sky::Gradient(g) => ([g.zenith, g.horizon, g.ground], None),
@@ -115,7 +120,9 @@ impl FrameUniforms {
             },
             sky_columns: columns,
             sky_origin: origin.unwrap_or_default() as f32,
-            padding: 0,
+            elevation_tangent: settings.elevation.tan(),
+            longest_moment: longest_moment(lamps, suns, settings.elevation),
+            padding: [0; 3],
         })
     }
 }

@@ -5,7 +5,7 @@ mod common;
 mod textures;
 
 use common::{cells, device, frame, lighting};
-use lamplight::{Cells, Display, Light, Method, Relief, Rgb, Settings, ToneMap};
+use lamplight::{Cells, Display, Light, Method, Relief, Rgb, Settings, Sun, ToneMap};
 use lamplight_wgpu::error::{PrepareError, RecordError};
 use lamplight_wgpu::{
     Color, Compose, ComposeParams, Filter, Lighting, Target, VisibleRect, read_back,
@@ -43,7 +43,8 @@ fn scene_of(mut cells: Cells) -> Scene {
     }
     let format = TextureFormat::Rgba32Float;
     let color = filled(&device, &queue, SIZE, format, bytemuck::cast_slice(&color));
-    let settings = Settings { wall_depth: 3.0, ..Settings::direct(Method::Raymarch) };
+    let direct = Settings::direct(Method::Raymarch);
+    let settings = Settings { wall_depth: 3.0, elevation: 0.6, ..direct };
     let mut lighting = lighting(&device, &queue);
     frame(&device, &queue, &mut lighting, &settings, &cells);
     let light = read_back::light(&lighting, &cells).unwrap();
@@ -211,10 +212,13 @@ fn tilted() -> Scene {
         let (turn, tilt) = (0.37 * i as f32, 0.1 * (i % 10) as f32);
         *normal = [tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos()];
     }
+    // Lower than other light, so that the moment is longer than the light.
+    let low = Sun { direction: 1.0, elevation: Some(0.2), ..Sun::default() };
+    cells.suns_mut().push(low);
     scene_of(cells)
 }
 
-const RELIEF: Relief = Relief { elevation: 0.6, specular: 0.7, roughness: 0.4 };
+const RELIEF: Relief = Relief { specular: 0.7, roughness: 0.4 };
 
 #[test]
 fn tilted_cells_are_lit_as_on_the_cpu() {

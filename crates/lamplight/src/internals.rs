@@ -34,6 +34,8 @@ pub mod display {
         ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_PLAIN,
         AGX_STOPS, AGX_VIVID, BRIGHTEST, emitted,
     };
+
+    pub use crate::relief::LEAST_LIGHT;
 }
 
 /// The direct light of lamps and suns.
@@ -44,6 +46,11 @@ pub mod direct {
 /// The distance field.
 pub mod distance {
     pub use crate::stages::distance::{MARGIN, distance};
+}
+
+/// The weights of the first moments of light with an elevation of its own.
+pub mod elevation {
+    pub use crate::elevation::{longest_moment, of_sun};
 }
 
 /// Empty-space skipping.

@@ -2,9 +2,9 @@
 //!
 //! `polar` and `flood` light lamps by rule, with range, falloff and cone. The other methods read matter, into
 //! which lamps are drawn as glowing discs (`lamp_discs.rs`): light falls off as in the plane, without a range.
-//! Matter cannot emit in a cone, choose whom it lights, or take light away. So lamps with a cone or a mask, those of
-//! negative intensity, and others that ask for it ([`Direct::Exact`]), are lit by their shadow map instead, as in
-//! `polar`, and what they light reflects and scatters as all light does (`stages/direct.rs`).
+//! Matter cannot emit in a cone, choose whom it lights, take light away, or hang above the plane. So lamps with a cone, a
+//! mask or a height, those of negative intensity, and others that ask for it ([`Direct::Exact`]), are lit by their shadow
+//! map instead, as in `polar`, and what they light reflects and scatters as all light does (`stages/direct.rs`).
 
 use crate::mask::ALL_LAYERS;
 use crate::{Profile, Result, Rgb, check, exact, mask, notation};
@@ -136,7 +136,7 @@ pub struct Lamp {
     #[serde(default = "default_intensity")]
     pub intensity: f32,
     /// The range in px, 1 to 100 000, of lamps that are lit by rule: all of them in `polar` and `flood`,
-    /// elsewhere those with a cone or with `direct = "exact"`.
+    /// elsewhere those with a cone, a height or `direct = "exact"`.
     #[serde(default = "default_range")]
     pub range: f32,
     /// The radius of the disc in px, 0.05 to 512. Higher: more light and softer shadows.
@@ -149,8 +149,13 @@ pub struct Lamp {
     /// it the lamp shines in all directions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cone: Option<Cone>,
-    /// The way in which its direct light is found. Lamps with a cone or a mask, and those that take light away, are
-    /// always `exact`. `glow` costs nothing; `exact` has sharper edges, and costs as much as a lamp of `polar`: time in
+    /// Its height above the plane in px, 0.05 to 100 000, for surfaces with normals: at distance d its light arrives at
+    /// the elevation `atan(height/d)`, steep nearby and grazing far away. Without it, at the elevation of all light. A
+    /// lamp with a height is `exact`. Light itself and its shadows do not depend on it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<f32>,
+    /// The way in which its direct light is found. Lamps with a cone, a mask or a height, and those that take light away,
+    /// are always `exact`. `glow` costs nothing; `exact` has sharper edges, and costs as much as a lamp of `polar`: time in
     /// proportion to the square of the range.
     #[serde(default, skip_serializing_if = "is_glow")]
     pub direct: Direct,
@@ -202,6 +207,7 @@ impl Default for Lamp {
             size: 3.0,
             falloff: Falloff::Inverse,
             cone: None,
+            height: None,
             direct: Direct::Glow,
             mask: ALL_LAYERS,
             solid: false,
@@ -218,6 +224,9 @@ impl Lamp {
         check::number(format_args!("{key}.intensity"), self.intensity, -1e6..=1e6)?;
         check::number(format_args!("{key}.range"), self.range, 1.0..=1e5)?;
         check::number(format_args!("{key}.size"), self.size, 0.05..=512.0)?;
+        if let Some(height) = self.height {
+            check::number(format_args!("{key}.height"), height, 0.05..=1e5)?;
+        }
         mask::check(format_args!("{key}.mask"), self.mask)?;
         self.cone.map_or(Ok(()), |cone| cone.check(&format_args!("{key}.cone")))
     }
@@ -229,12 +238,12 @@ impl Lamp {
 
     /// Returns whether the lamp is lit by a shadow map in every method, not drawn.
     pub fn is_exact(&self) -> bool {
-        self.cone.is_some() || self.direct == Direct::Exact || !self.adds_to_all_layers()
+        self.cone.is_some() || self.direct == Direct::Exact || !self.shines_as_matter()
     }
 
-    /// Returns whether the lamp lights all layers and takes no light away: as glowing matter does.
-    pub fn adds_to_all_layers(&self) -> bool {
-        self.mask == ALL_LAYERS && !self.takes_light()
+    /// Returns whether the lamp lights all layers, takes no light away and lies in the plane: as glowing matter does.
+    pub fn shines_as_matter(&self) -> bool {
+        self.mask == ALL_LAYERS && !self.takes_light() && self.height.is_none()
     }
 
     /// Returns whether the lamp takes light away.

@@ -12,6 +12,7 @@ mod cells;
 mod check;
 mod clock;
 pub mod debug_views;
+mod elevation;
 mod error;
 mod exact;
 mod explain;

@@ -1,6 +1,6 @@
 //! The result of a solver: the light at every cell, and queries of it.
 
-use crate::{Cells, Error, Moment, Result, Rgb};
+use crate::{Cells, Error, Moment, Result, Rgb, elevation};
 
 /// Mean radiance `J = (1/2π) ∫ L dω` at the centre of each cell, linear RGB, in row order.
 ///
@@ -14,6 +14,8 @@ pub struct Light {
     pub(crate) solid: Vec<bool>,
     /// None if it was not asked for.
     pub(crate) moment: Option<Vec<Moment>>,
+    /// The elevation of all light, radians.
+    pub(crate) elevation: f32,
 }
 
 impl Light {
@@ -33,19 +35,21 @@ impl Light {
             rgb,
             solid: (0..cells.len()).map(|i| cells.is_solid(i)).collect(),
             moment: None,
+            elevation: elevation::DEFAULT,
         })
     }
 
-    /// Adds the first moment, one value per cell, in row order.
+    /// Adds the first moment, one value per cell, in row order, of light that arrives at an elevation
+    /// ([`Settings::elevation`](crate::Settings::elevation)).
     ///
     /// # Errors
     /// Fails if the number of values is not the number of cells.
-    pub fn with_moment(mut self, moment: Vec<Moment>) -> Result<Self> {
+    pub fn with_moment(mut self, moment: Vec<Moment>, elevation: f32) -> Result<Self> {
         if moment.len() != self.rgb.len() {
             let expected = format!("one value per cell, {} in all", self.rgb.len());
             return Err(Error::value("moment", format!("{} values", moment.len()), expected));
         }
-        self.moment = Some(moment);
+        (self.moment, self.elevation) = (Some(moment), elevation);
         Ok(self)
     }
 
@@ -67,9 +71,18 @@ impl Light {
     /// The first moment `m = (1/2π) ∫ L ω dω` of every cell, in row order, with ω towards where the light comes from;
     /// `None` unless the settings ask for it ([`Settings::moment`](crate::Settings::moment)) or the cells have normals.
     ///
+    /// It is at most as long as the light, channel by channel. Only the moment of light with an elevation of its own, by
+    /// [`Lamp::height`](crate::Lamp::height) and [`Sun::elevation`](crate::Sun::elevation), is weighted by the cotangent
+    /// of that ÷ the cotangent of [`Self::elevation`]: that of low light is longer, that of steep light shorter.
+    ///
     /// In a solid cell it has the direction in front of its faces, and fades inwards with the light.
     pub fn moment(&self) -> Option<&[Moment]> {
         self.moment.as_deref()
+    }
+
+    /// The elevation at which light arrives at tilted surfaces, radians ([`Settings::elevation`](crate::Settings::elevation)).
+    pub fn elevation(&self) -> f32 {
+        self.elevation
     }
 
     /// Flags of solid cells, in row order.

@@ -2,7 +2,7 @@
 //!
 //! `m = (1/2π) ∫ L ω dω`, with ω the unit vector towards the place from which radiance L arrives. Its length is at
 //! most the mean radiance J, channel by channel: `|m| = J` if all light comes from one direction, 0 if it comes from
-//! all alike. A surface that is tilted by a normal n in a picture receives light by both
+//! all alike. Only that of light with an elevation of its own is weighted, and may be longer ([`crate::elevation`]). A surface that is tilted by a normal n in a picture receives light by both
 //! ([`Relief`](crate::Relief)).
 
 use crate::Rgb;
@@ -25,14 +25,14 @@ pub fn add(sum: &mut Moment, other: &Moment) {
     }
 }
 
-/// Shortens the moment of light where it is longer than the light: where lamps have taken light from other directions
-/// than it came from.
+/// Shortens the moment of light where it is longer than `longest` times the light: where lamps have taken light from other
+/// directions than it came from.
 #[inline(always)]
-pub fn limit(moment: &mut Moment, light: Rgb) {
+pub fn limit(moment: &mut Moment, light: Rgb, longest: f32) {
     for c in 0..3 {
-        let length = moment[0][c].hypot(moment[1][c]);
-        if length > light[c] {
-            moment.iter_mut().for_each(|part| part[c] *= light[c] / length);
+        let (length, most) = (moment[0][c].hypot(moment[1][c]), longest * light[c]);
+        if length > most {
+            moment.iter_mut().for_each(|part| part[c] *= most / length);
         }
     }
 }

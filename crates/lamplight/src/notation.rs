@@ -91,6 +91,20 @@ pub(crate) fn angle<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error>
     from.deserialize_any(AngleVisitor)
 }
 
+/// An angle that is read in either notation.
+struct ReadAngle(f32);
+
+impl<'de> Deserialize<'de> for ReadAngle {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        angle(from).map(Self)
+    }
+}
+
+/// Deserializes an optional angle.
+pub(crate) fn optional_angle<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f32>, D::Error> {
+    Ok(Option::<ReadAngle>::deserialize(from)?.map(|read| read.0))
+}
+
 struct AngleVisitor;
 
 impl Visitor<'_> for AngleVisitor {

@@ -118,13 +118,14 @@ fn unite_masks(from: &Cells, factor: u32, [columns, _]: [u32; 2], to: &mut [u8])
     }
 }
 
-/// Returns a lamp in larger cells, its range and size clamped to what a lamp may have.
+/// Returns a lamp in larger cells, its lengths clamped to what a lamp may have.
 fn shrunk(lamp: &Lamp, factor: u32) -> Lamp {
     let f = factor as f32;
     Lamp {
         position: lamp.position.map(|v| v / f),
         range: (lamp.range / f).max(1.0),
         size: (lamp.size / f).max(0.05),
+        height: lamp.height.map(|height| (height / f).max(0.05)),
         ..*lamp
     }
 }

@@ -15,7 +15,7 @@ use crate::stages::glow::Glow;
 use crate::stages::gradient_moment::gradient_moment;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
-use crate::{Cells, Lamp, Light, Result, Settings};
+use crate::{Cells, Lamp, Light, Result, Settings, elevation};
 use std::time::Duration;
 
 /// A method with its buffers and its history.
@@ -133,14 +133,15 @@ impl Solver {
         self.settings.method.draw_lamps(&mut self.cells);
         let with_moment = self.settings.moment || cells.normals().is_some();
         self.light.moment = with_moment.then(|| self.light.moment.take().unwrap_or_default());
+        self.light.elevation = self.settings.elevation;
         self.clock.lap("cells");
         self.direct.clear();
-        let Self { polar, cells, direct, clock, .. } = self;
+        let Self { polar, cells, direct, clock, settings, .. } = self;
         let exact = |lamp: &&Lamp| method.lights_exactly(lamp);
         direct.lamps.extend(cells.lamps().iter().filter(exact));
         // `polar` finds the light of suns by itself.
         if method != Method::Polar && !(direct.lamps.is_empty() && cells.suns().is_empty()) {
-            polar.solve_direct(cells, with_moment, direct);
+            polar.solve_direct(cells, with_moment.then_some(settings.elevation), direct);
             clock.lap("direct");
         }
         let glows = self.settings.method.reads_glow();
@@ -181,7 +182,9 @@ impl Solver {
         }
         self.direct.add_to(&mut self.light.rgb);
         if self.cells.lamps().iter().any(Lamp::takes_light) {
-            direct::clamp(&mut self.light.rgb, self.light.moment.as_deref_mut());
+            let (lamps, suns) = (self.cells.lamps(), self.cells.suns());
+            let longest = elevation::longest_moment(lamps, suns, self.settings.elevation);
+            direct::clamp(&mut self.light.rgb, self.light.moment.as_deref_mut(), longest);
         }
         self.light.width = self.cells.width();
         self.light.height = self.cells.height();

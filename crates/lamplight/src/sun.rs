@@ -1,7 +1,7 @@
 //! Suns: parallel light from beyond the grid.
 
 use crate::mask::ALL_LAYERS;
-use crate::{Result, Rgb, check, mask, notation};
+use crate::{Result, Rgb, check, elevation, mask, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::TAU;
@@ -31,6 +31,12 @@ pub struct Sun {
     /// about 1/2π of it, a white wall ½.
     #[serde(default = "default_intensity")]
     pub intensity: f32,
+    /// The elevation above the plane at which its light arrives, for surfaces with normals, radians, 0.05 to π/2. Lower:
+    /// stronger relief. Without it, that of all light. Light itself and its shadows do not depend on it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(deserialize_with = "notation::optional_angle")]
+    #[schemars(with = "Option<notation::Angle>")]
+    pub elevation: Option<f32>,
     /// The layers whose cells it lights, a bit each, 1 to 255. By default all.
     #[serde(default = "mask::all_layers", skip_serializing_if = "mask::is_all")]
     #[schemars(range(min = 1, max = 255))]
@@ -56,6 +62,7 @@ impl Default for Sun {
             angle: 0.02,
             color: [1.0; 3],
             intensity: 3.0,
+            elevation: None,
             mask: ALL_LAYERS,
         }
     }
@@ -68,6 +75,9 @@ impl Sun {
         check::number(format_args!("{key}.angle"), self.angle, 1e-4..=0.5)?;
         check::radiance(format_args!("{key}.color"), self.color)?;
         check::number(format_args!("{key}.intensity"), self.intensity, 0.0..=1e6)?;
+        if let Some(elevation) = self.elevation {
+            check::number(format_args!("{key}.elevation"), elevation, elevation::OF_SUN)?;
+        }
         mask::check(format_args!("{key}.mask"), self.mask)
     }
 

@@ -3,14 +3,23 @@
 use lamplight::{Bounces, Display, Settings, SettingsTable};
 
 /// The settings that belong to a picture. The caller chooses the method.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// Number of bounces.
     pub bounces: u32,
     /// Depth to which light penetrates walls, px.
     pub wall_depth: f32,
+    /// The elevation of light at surfaces with normals, radians.
+    pub elevation: f32,
     /// Tone map and exposure.
     pub display: Display,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        let (elevation, display) = (Settings::ELEVATION, Display::default());
+        Self { bounces: 0, wall_depth: 0.0, elevation, display }
+    }
 }
 
 impl Look {
@@ -25,6 +34,7 @@ impl Look {
         Settings {
             bounces: Bounces::Count(self.bounces),
             wall_depth: self.wall_depth,
+            elevation: self.elevation,
             ..Settings::default()
         }
     }
@@ -34,11 +44,15 @@ impl Look {
         let mut table = SettingsTable::default();
         table.set("bounces", self.bounces);
         table.set("wall_depth", self.wall_depth);
+        if self.elevation != Settings::ELEVATION {
+            table.set("elevation", self.elevation);
+        }
         table
     }
 
     /// The look of a scene.
     pub fn of(settings: &Settings, display: Display) -> Self {
-        Self { bounces: settings.bounces.limit(), wall_depth: settings.wall_depth, display }
+        let Settings { bounces, wall_depth, elevation, .. } = *settings;
+        Self { bounces: bounces.limit(), wall_depth, elevation, display }
     }
 }

@@ -3,6 +3,7 @@
 mod docs;
 mod frontier;
 mod generated;
+mod heights;
 mod lone_lamps;
 mod noise;
 mod random;

@@ -46,8 +46,13 @@ impl Judged {
         println!("trace {name}");
         let cells = Scene::load(root().join(format!("scenes/{name}.toml")))?.cells()?;
         let at = open_cells(&cells, CELLS, 1);
-        let tracer =
-            PathTracer { samples: PATHS, bounces: Bounces::Count(0), wall_depth: 0.0, seed: 1 };
+        let tracer = PathTracer {
+            samples: PATHS,
+            bounces: Bounces::Count(0),
+            wall_depth: 0.0,
+            elevation: Settings::ELEVATION,
+            seed: 1,
+        };
         let truth = tracer.at(&cells, &at)?.into_iter().map(|(light, _)| light).collect();
         Ok(Self { cells, at, truth })
     }

@@ -15,6 +15,9 @@ use crate::traverse::{Event, Grid, Traversal};
 use lamplight::{Lamp, Sun};
 use std::f64::consts::{FRAC_1_PI, PI};
 
+/// The cotangent of the lowest elevation of light.
+const MAX_COTANGENT: f64 = 20.0;
+
 /// A place that receives light.
 pub struct Vertex {
     /// The open cell that it lies in, or on the border of.
@@ -34,14 +37,15 @@ impl Vertex {
 }
 
 /// Calls `receive` with the light of one point of each lamp and of each sun, that at `point` (0 to 1) across it: J, or
-/// E/2 on a face; and with the direction towards it.
+/// E/2 on a face; with the direction towards it; and with the cotangent of its elevation above the plane, if it has one of
+/// its own.
 pub fn direct(
     lamps: &[Lamp],
     suns: &[Sun],
     grid: &Grid,
     at: &Vertex,
     point: f64,
-    mut receive: impl FnMut([f64; 3], [f64; 2]),
+    mut receive: impl FnMut([f64; 3], [f64; 2], Option<f64>),
 ) {
     for sun in suns.iter().filter(|sun| sun.mask & at.mask != 0) {
         let width = f64::from(sun.angle);
@@ -54,7 +58,8 @@ pub fn direct(
         }
         let Some(through) = to_sky(grid, at.cell, at.point, to) else { continue };
         let radiance = sun.radiance();
-        receive([0, 1, 2].map(|c| weight * through[c] * f64::from(radiance[c])), to);
+        let light = [0, 1, 2].map(|c| weight * through[c] * f64::from(radiance[c]));
+        receive(light, to, sun.elevation.map(|own| 1.0 / f64::from(own).tan()));
     }
     for lamp in lamps.iter().filter(|lamp| lamp.mask & at.mask != 0) {
         let centre = lamp.position.map(f64::from);
@@ -81,7 +86,8 @@ pub fn direct(
         if let (Some(through), false) = (transmittance(grid, at.cell, at.point, to), behind) {
             let radiance = lamp.color.map(|c| f64::from(c) * f64::from(lamp.intensity));
             let light = [0, 1, 2].map(|c| weight * through[c] * radiance[c]);
-            receive(light, to.map(|v| v / length));
+            let own = lamp.height.map(|height| (distance / f64::from(height)).min(MAX_COTANGENT));
+            receive(light, to.map(|v| v / length), own);
         }
     }
 }

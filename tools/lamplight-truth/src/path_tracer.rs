@@ -6,6 +6,7 @@ use crate::sky;
 use crate::traverse::{Event, Grid, Stretch, Traversal};
 use lamplight::internals::Walls;
 use lamplight::internals::direct::clamp;
+use lamplight::internals::elevation::longest_moment;
 use lamplight::{ALL_LAYERS, Bounces, Cells, Error, Lamp, Light, Moment, Result, Rgb, Sky, Sun};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -56,6 +57,9 @@ pub struct PathTracer {
     pub bounces: Bounces,
     /// The depth to which light sinks into solid cells, px ([`PathTracer::render`] only).
     pub wall_depth: f32,
+    /// The elevation above the plane of light that has none of its own, radians. It weighs the first moment of the light
+    /// of lamps with a height and of suns with an elevation, as [`lamplight::Light::moment`] defines, and nothing else.
+    pub elevation: f32,
     /// The seed for all random numbers.
     pub seed: u64,
 }
@@ -81,6 +85,7 @@ impl PathTracer {
         let cells = cells.drawn();
         let grid = Grid::new(&cells);
         let tracer = Tracer::new(self, &cells, &grid);
+        let (lamps, suns) = (cells.lamps(), cells.suns());
         let (width, total) = (cells.width() as usize, cells.len());
         let done = AtomicUsize::new(0);
         let mut rgb = vec![[0.0; 3]; total];
@@ -103,11 +108,12 @@ impl PathTracer {
                 progress(done as f32 / total as f32);
             },
         );
-        clamp(&mut rgb, Some(&mut moment));
+        clamp(&mut rgb, Some(&mut moment), longest_moment(lamps, suns, self.elevation));
         let mut walls = Walls::default();
         walls.sink_moment(&cells, self.wall_depth, &rgb, &mut moment);
         walls.sink(&cells, self.wall_depth, &mut rgb);
-        let light = Light::from_pixels(&cells, rgb).and_then(|light| light.with_moment(moment));
+        let light = Light::from_pixels(&cells, rgb);
+        let light = light.and_then(|light| light.with_moment(moment, self.elevation));
         let light = light.expect("one value a cell");
         Ok(Estimate { light, standard_error })
     }
@@ -138,7 +144,7 @@ impl PathTracer {
         let tracer = Tracer::new(self, &cells, &grid);
         let receive = |at: &[u32; 2]| {
             let [(mut light, error)] = tracer.receive(at.map(|v| v as i32), |way| [response(way)]);
-            clamp(std::slice::from_mut(&mut light), None);
+            clamp(std::slice::from_mut(&mut light), None, 1.0);
             (light, error)
         };
         Ok(at.par_iter().map(receive).collect())
@@ -146,7 +152,7 @@ impl PathTracer {
 
     /// Computes what a surface receives in a few cells, `[x, y]`, that is tilted out of the plane: the mean over all
     /// directions ω of `L·max(0, n·(ω cos ε, sin ε))/sin ε`, for its normal n, with z towards the viewer, and light that
-    /// arrives at an elevation ε above the plane. A surface that is not tilted receives J.
+    /// arrives at an elevation ε above the plane: its own, or that of all light. A surface that is not tilted receives J.
     ///
     /// # Errors
     /// Like [`PathTracer::at`].
@@ -155,10 +161,9 @@ impl PathTracer {
         cells: &Cells,
         at: &[[u32; 2]],
         normal: [f32; 3],
-        elevation: f32,
     ) -> Result<Vec<(Rgb, Rgb)>> {
         let [nx, ny, nz] = normal.map(f64::from);
-        let cotangent = 1.0 / f64::from(elevation).tan();
+        let cotangent = 1.0 / f64::from(self.elevation).tan();
         self.receive(cells, at, |[x, y]| (nz + cotangent * (nx * x + ny * y)).max(0.0))
     }
 
@@ -177,6 +182,8 @@ pub(crate) struct Tracer<'c> {
     lamps: &'c [Lamp],
     suns: &'c [Sun],
     sky: &'c Sky,
+    /// The tangent of the elevation of all light.
+    tangent: f64,
     grid: &'c Grid,
     limit: u32,
     batches: u32,
@@ -191,6 +198,7 @@ impl<'c> Tracer<'c> {
             cells,
             lamps: cells.lamps(),
             suns: cells.suns(),
+            tangent: f64::from(settings.elevation).tan(),
             sky: cells.sky(),
             grid,
             limit: settings.bounces.limit(),
@@ -251,7 +259,10 @@ impl<'c> Tracer<'c> {
                     None => self.leave_centre([x, y], even),
                 };
                 let point = (f64::from(path) * ACROSS + shift[0]).fract();
-                direct(self.lamps, self.suns, self.grid, &vertex, point, &mut add);
+                direct(self.lamps, self.suns, self.grid, &vertex, point, |light, to, own| {
+                    let weight = own.map_or(1.0, |cotangent| cotangent * self.tangent);
+                    add(light, to.map(|v| weight * v));
+                });
                 let from = start.direction();
                 add(self.radiance(start, &mut sampler), from);
             }
@@ -327,7 +338,7 @@ impl<'c> Tracer<'c> {
             [0.0; 3]
         } else {
             let mut light = [0.0; 3];
-            direct(self.lamps, self.suns, self.grid, at, random.unit(), |direct, _| {
+            direct(self.lamps, self.suns, self.grid, at, random.unit(), |direct, _, _| {
                 (0..3).for_each(|c| light[c] += direct[c]);
             });
             light

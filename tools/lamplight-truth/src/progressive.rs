@@ -69,7 +69,7 @@ impl ProgressiveReference {
             sum.map(|v| (v / count) as f32)
         };
         let mut rgb: Vec<Rgb> = self.sums.iter().enumerate().map(mean).collect();
-        clamp(&mut rgb, None);
+        clamp(&mut rgb, None, 1.0);
         Walls::default().sink(&self.cells, self.settings.wall_depth, &mut rgb);
         Light::from_pixels(&self.cells, rgb).ok()
     }

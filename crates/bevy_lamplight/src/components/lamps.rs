@@ -19,7 +19,7 @@ use std::f32::consts::{FRAC_PI_3, PI};
 /// lamp blocks its light, and a lamp inside a wall gives none. The lamp itself blocks nothing.
 ///
 /// A lamp of negative intensity takes light away where it would add it, down to black. Such lamps, and those with a
-/// [`mask`](Self::mask), are as bright as others and end at their range. They cost as much time as a spot, and cannot
+/// [`mask`](Self::mask) or a [`height`](Self::height), are as bright as others and end at their range. They cost as much time as a spot, and cannot
 /// be `solid` or `visible`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
@@ -46,6 +46,11 @@ pub struct PointLight2d {
     /// The light layers that it lights, a bit each: what has one of them in its [`LightMask2d`](crate::LightMask2d).
     /// 0 is off.
     pub mask: u8,
+    /// Height above the plane, world units, for surfaces with a [`NormalMap2d`](crate::NormalMap2d): light is steep near the
+    /// lamp and grazes far away. `None`: it arrives at the elevation of all light ([`Relief2d`](crate::Relief2d)). A lamp
+    /// with a height ends at its range and costs as much time as a spot; its light on flat surfaces and its shadows do not
+    /// depend on the height.
+    pub height: Option<f32>,
 }
 
 impl Default for PointLight2d {
@@ -59,6 +64,7 @@ impl Default for PointLight2d {
             solid: false,
             visible: false,
             mask: ALL_LAYERS,
+            height: None,
         }
     }
 }
@@ -94,14 +100,17 @@ pub struct SpotLight2d {
     pub profile: Vec<f32>,
     /// The light layers that it lights, as in [`PointLight2d::mask`].
     pub mask: u8,
+    /// Height above the plane, as in [`PointLight2d::height`].
+    pub height: Option<f32>,
 }
 
 impl Default for SpotLight2d {
     fn default() -> Self {
-        let PointLight2d { color, intensity, radius, falloff, mask, .. } = PointLight2d::default();
+        let PointLight2d { color, intensity, radius, falloff, mask, height, .. } =
+            PointLight2d::default();
         let (range, angle, softness) = (256.0, FRAC_PI_3, 0.5);
         let profile = Vec::new();
-        Self { color, intensity, range, radius, angle, softness, falloff, profile, mask }
+        Self { color, intensity, range, radius, angle, softness, falloff, profile, mask, height }
     }
 }
 
@@ -261,6 +270,7 @@ pub(crate) struct WorldLamp {
     /// The profile of a spot, as grids see it.
     pub profile: Option<Profile>,
     pub mask: u8,
+    pub height: Option<f32>,
     pub solid: bool,
     pub visible: bool,
 }
@@ -268,7 +278,8 @@ pub(crate) struct WorldLamp {
 impl WorldLamp {
     /// `None` if the lamp is off or any of its values is not finite.
     pub fn point(lamp: &PointLight2d, transform: &GlobalTransform) -> Option<Self> {
-        let PointLight2d { color, intensity, range, radius, falloff, solid, visible, mask } = *lamp;
+        let PointLight2d { color, intensity, range, radius, falloff, solid, visible, mask, height } =
+            *lamp;
         let position = transform.translation().truncate();
         let color = radiance(color, intensity.abs());
         let is_on = color != [0.0; 3] && mask != 0;
@@ -283,6 +294,7 @@ impl WorldLamp {
             cone: None,
             profile: None,
             mask,
+            height: height.filter(|height| height.is_finite()),
             solid,
             visible,
         })
@@ -290,11 +302,12 @@ impl WorldLamp {
 
     /// Like [`Self::point`], for a spot.
     pub fn spot(lamp: &SpotLight2d, transform: &GlobalTransform) -> Option<Self> {
-        let SpotLight2d { color, intensity, range, radius, angle, softness, falloff, mask, .. } =
-            *lamp;
-        let point = PointLight2d { color, intensity, range, radius, falloff, mask, ..default() };
+        let SpotLight2d { color, intensity, range, radius, falloff, mask, height, .. } = *lamp;
+        let point =
+            PointLight2d { color, intensity, range, radius, falloff, mask, height, ..default() };
         let [ahead, aside] =
             [Vec3::X, Vec3::Y].map(|axis| transform.affine().transform_vector3(axis).truncate());
+        let SpotLight2d { angle, softness, .. } = *lamp;
         let cone = [ahead.to_angle(), angle, softness];
         let profile = profile(&lamp.profile, ahead.perp_dot(aside) < 0.0);
         let lamp = Self::point(&point, transform)?;
@@ -332,6 +345,7 @@ impl WorldLamp {
                 softness: softness.clamp(0.0, 1.0),
                 profile: self.profile,
             }),
+            height: self.height.map(|height| (height / cell).clamp(0.05, 1e5)),
             direct: Direct::Glow,
             mask: self.mask,
             solid: self.solid,

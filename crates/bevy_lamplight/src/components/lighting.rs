@@ -26,7 +26,8 @@ pub struct Lighting2d {
     /// Speed against accuracy: the method's preset at this level.
     pub quality: LightQuality,
     /// Further settings of the method, which override the quality, in the syntax of `lamplight`'s command
-    /// line: `"raymarch.rays=64"` or `"polar.preset=gamemaker"`. Settings that have a field here are errors.
+    /// line: `"raymarch.rays=64"` or `"polar.preset=gamemaker"`. Settings that have a field here or in
+    /// [`Relief2d`](crate::Relief2d) are errors.
     pub set: Vec<String>,
     /// Bounces of light off walls and fog. Each one costs another pass over them.
     pub bounces: LightBounces,
@@ -83,8 +84,8 @@ impl Lighting2d {
         }
         for text in &self.set {
             let key = text.split('=').next().unwrap_or_default().trim();
-            if ["method", "quality", "bounces", "wall_depth"].contains(&key) {
-                let expected = "another setting: `Lighting2d` has a field for this one";
+            if ["method", "quality", "bounces", "wall_depth", "elevation"].contains(&key) {
+                let expected = "another setting: a component has a field for this one";
                 return Err(lamplight::Error::value("set", format!("{text:?}"), expected));
             }
             table.set_from_text(text)?;

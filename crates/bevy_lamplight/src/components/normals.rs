@@ -1,7 +1,7 @@
 //! Normal maps and relief: flat pictures that are lit as if their surface were tilted.
 
 use bevy::prelude::*;
-use lamplight::Relief;
+use lamplight::{Relief, Settings};
 
 /// The normal map of an entity's sprite, tilemap chunk, or mesh with texture coordinates. What is drawn is lit by the
 /// side that it turns to the light, and turns, flips and scales together with its normals.
@@ -50,14 +50,16 @@ pub enum NormalY {
     Down,
 }
 
-/// The way in which a camera's light falls on surfaces with a [`NormalMap2d`] ([`lamplight::Relief`]).
+/// The way in which a camera's light falls on surfaces with a [`NormalMap2d`] ([`lamplight::Relief`],
+/// [`lamplight::Settings::elevation`]).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct Relief2d {
-    /// The elevation of light above the plane, radians, 0.05 to π/2. Lower: stronger relief, with darker slopes.
+    /// The elevation of light above the plane, radians, 0.05 to 1.5; lamps with a height and suns may have their own. Lower:
+    /// stronger relief, with darker slopes.
     pub elevation: f32,
     /// The strength of highlights, 0 to 1; 0 is none.
     pub specular: f32,
@@ -67,15 +69,15 @@ pub struct Relief2d {
 
 impl Default for Relief2d {
     fn default() -> Self {
-        let Relief { elevation, specular, roughness } = Relief::default();
-        Self { elevation, specular, roughness }
+        let Relief { specular, roughness } = Relief::default();
+        Self { elevation: Settings::ELEVATION, specular, roughness }
     }
 }
 
 impl Relief2d {
-    /// Converts to the relief of `lamplight`.
+    /// Converts to the relief of `lamplight`; the elevation belongs to its settings.
     pub(crate) fn relief(&self) -> Relief {
-        let Self { elevation, specular, roughness } = *self;
-        Relief { elevation, specular, roughness }
+        let Self { specular, roughness, .. } = *self;
+        Relief { specular, roughness }
     }
 }

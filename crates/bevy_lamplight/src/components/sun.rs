@@ -3,6 +3,7 @@
 use super::lamps::radiance;
 use bevy::prelude::*;
 use lamplight::{ALL_LAYERS, Sun};
+use std::f32::consts::FRAC_PI_2;
 
 /// A sun: parallel light from beyond the lit grid, which travels along the entity's own x axis; its place does not
 /// matter. Every method lights it exactly, with shadows whose edges are as soft as the sun is wide.
@@ -25,12 +26,15 @@ pub struct SunLight2d {
     pub angle: f32,
     /// The light layers that it lights, as in [`PointLight2d::mask`](crate::PointLight2d::mask).
     pub mask: u8,
+    /// The elevation above the plane at which its light arrives, radians, 0.05 to π/2, for surfaces with a
+    /// [`NormalMap2d`](crate::NormalMap2d). `None`: that of all light ([`Relief2d`](crate::Relief2d)).
+    pub elevation: Option<f32>,
 }
 
 impl Default for SunLight2d {
     fn default() -> Self {
         let Sun { intensity, angle, .. } = Sun::default();
-        Self { color: Color::WHITE, intensity, angle, mask: ALL_LAYERS }
+        Self { color: Color::WHITE, intensity, angle, mask: ALL_LAYERS, elevation: None }
     }
 }
 
@@ -43,6 +47,7 @@ impl SunLight2d {
             angle: self.angle.clamp(1e-4, 0.5),
             color: radiance(self.color, self.intensity),
             intensity: 1.0,
+            elevation: self.elevation.map(|elevation| elevation.clamp(0.05, FRAC_PI_2)),
             mask: self.mask,
         };
         let is_on = sun.color != [0.0; 3] && travels != Vec2::ZERO;

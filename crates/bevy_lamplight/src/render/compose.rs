@@ -59,7 +59,7 @@ pub fn prepare(
             tonemap: view.tone_map,
             exposure: view.lighting.exposure,
             ambient: view.ambient,
-            relief: view.relief,
+            relief: view.relief.relief(),
         },
         filter: match view.lighting.filter {
             LightFilter::Linear => Filter::Linear,

@@ -1,6 +1,6 @@
 //! Extraction from the main world: lit cameras, and the scene around them.
 
-use crate::components::Lighting2d;
+use crate::components::{Lighting2d, Relief2d};
 use crate::lit_camera::LitCamera;
 use crate::placement::{Placement, PlacementError};
 use crate::quads::{ExtractedScene, Gather, GatherMasks, GatherSurfaces};
@@ -9,7 +9,7 @@ use bevy::math::Rect;
 use bevy::prelude::{Entity, Query, ResMut, Resource};
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
-use lamplight::{Relief, Sky, ToneMap};
+use lamplight::{Sky, ToneMap};
 
 /// Everything that a frame is lit from.
 #[derive(Resource, Default)]
@@ -36,7 +36,7 @@ pub struct LitCameraView {
     pub layers: RenderLayers,
     pub sky: Sky,
     pub ambient: [f32; 3],
-    pub relief: Relief,
+    pub relief: Relief2d,
     pub tone_map: ToneMap,
     /// True if anything visible on its layers has a normal map.
     pub has_normals: bool,

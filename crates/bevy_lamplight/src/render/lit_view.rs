@@ -82,18 +82,24 @@ struct Configuration {
     /// World units per cell.
     cell: f32,
     has_normals: bool,
+    /// The elevation of light, radians.
+    elevation: f32,
 }
 
 impl Configuration {
     fn of(view: &LitCameraView) -> Self {
-        let LitCameraView { lighting, placement, has_normals, .. } = view;
-        Self { lighting: lighting.clone(), cell: placement.cell, has_normals: *has_normals }
+        let LitCameraView { lighting, placement, has_normals, relief, .. } = view;
+        let (lighting, cell) = (lighting.clone(), placement.cell);
+        Self { lighting, cell, has_normals: *has_normals, elevation: relief.elevation }
     }
 
     /// Resolves the settings. Normals need the first moment of light.
     fn settings(&self) -> Result<Settings, Error> {
         let settings = self.lighting.settings(self.cell)?;
-        Ok(Settings { moment: settings.moment || self.has_normals, ..settings })
+        let moment = settings.moment || self.has_normals;
+        let settings = Settings { moment, elevation: self.elevation, ..settings };
+        settings.check()?;
+        Ok(settings)
     }
 }
 

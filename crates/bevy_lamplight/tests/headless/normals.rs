@@ -13,7 +13,7 @@ use bevy::sprite_render::{
 use bevy_lamplight::prelude::*;
 use lamplight::{Bounces, Cells, Light, Matter, Method, Relief, Settings, Solver};
 use lamplight_wgpu::{Camera2dView, GridPlacement};
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 const SIZE: [u32; 2] = [96, 72];
 /// Width and height of the sprite at the world's origin.
@@ -111,12 +111,14 @@ impl Expected {
     }
 
     /// The light that a normal receives at a cell of the world, and its highlight.
-    fn at(&self, x: i32, y: i32, normal: Vec3, relief: &Relief) -> f32 {
+    fn at(&self, x: i32, y: i32, normal: Vec3, relief: &Relief2d) -> f32 {
         let [column, row] = [x - self.placed.origin[0], -1 - y - self.placed.origin[1]];
         let i = (row as u32 * self.light.width() + column as u32) as usize;
         let normal = [normal.x, -normal.y, normal.z];
         let (light, moment) = (self.light.pixels()[i], &self.light.moment().unwrap()[i]);
-        let (received, highlight) = relief.shade(normal, light, moment);
+        let Relief2d { elevation, specular, roughness } = *relief;
+        let relief = Relief { specular, roughness };
+        let (received, highlight) = relief.shade(normal, light, moment, elevation);
         received[1] + highlight[1]
     }
 }
@@ -127,7 +129,7 @@ fn worst(
     seen: &Picture,
     expected: &Expected,
     normal: Vec3,
-    relief: &Relief,
+    relief: &Relief2d,
     to_view: impl Fn(Vec2) -> Vec2,
 ) -> f32 {
     // Without the outermost pixels, at which a turned sprite may be a pixel larger or smaller.
@@ -193,7 +195,7 @@ fn normals_turn_flip_and_scale_with_their_sprite() {
         ("mirrored, then turned", [false; 2], both, Vec3::new(-n.y, -n.x, n.z)),
     ];
     let expected = Expected::new(0.0);
-    let relief = Relief::default();
+    let relief = Relief2d::default();
     for (name, [flip_x, flip_y], transform, turned) in cases {
         let seen = seen(|app, _| {
             let map = uniform(app, TILTED);
@@ -226,7 +228,7 @@ fn turning_or_mirroring_the_camera_does_not_change_the_lit_side() {
             app.world_mut().entity_mut(eye).insert(transform);
             app.world_mut().spawn((square(), map));
         });
-        let wrong = worst(&seen, &Expected::new(rotation), n, &Relief::default(), to_view);
+        let wrong = worst(&seen, &Expected::new(rotation), n, &Relief2d::default(), to_view);
         println!("{transform:?}: {wrong}");
         assert!(wrong < TOLERANCE, "{transform:?}: {wrong}");
     }
@@ -267,16 +269,56 @@ fn relief_sets_elevation_and_highlights() {
         app.world_mut().entity_mut(eye).insert(own);
         app.world_mut().spawn((square(), map));
     });
-    let Relief2d { elevation, specular, roughness } = own;
-    let relief = Relief { elevation, specular, roughness };
     let (expected, n) = (Expected::new(0.0), normal(TOWARDS));
     // Sums of highlights of up to three times the light.
-    let wrong = worst(&seen, &expected, n, &relief, |at| at);
+    let wrong = worst(&seen, &expected, n, &own, |at| at);
     assert!(wrong < 3.0 * TOLERANCE, "{wrong}");
-    for other in [Relief { specular: 0.0, ..relief }, Relief { elevation: 0.8, ..relief }] {
+    for other in [Relief2d { specular: 0.0, ..own }, Relief2d { elevation: 0.8, ..own }] {
         let wrong = worst(&seen, &expected, n, &other, |at| at);
         assert!(wrong > 10.0 * TOLERANCE, "{other:?} passes: {wrong}");
     }
+}
+
+/// The tolerance of the ratio of two differences of light of about ½, each by [`TOLERANCE`].
+const RATIO: f32 = 0.02;
+
+#[test]
+fn heights_of_lamps_and_elevations_of_suns_set_how_steeply_light_falls() {
+    let n = normal(TOWARDS);
+    let middle = |picture: &Picture| picture.grey(SIZE[0] / 2, SIZE[1] / 2 - 1);
+    let lit_by = |light: &dyn Fn(&mut App)| {
+        middle(&seen(|app, _| {
+            let map = uniform(app, TOWARDS);
+            app.world_mut().spawn((square(), map));
+            light(app);
+        }))
+    };
+    let dark = lit_by(&|_| ());
+    // Light at 45°, as of all light, and at an elevation of its own.
+    let check = |name: &str, [plain, own]: [f32; 2], cotangent: f32, to_light: Vec2| {
+        let along = n.truncate().dot(to_light.normalize());
+        let expected = (cotangent - 1.0) * along / (n.z + along);
+        let found = (own - plain) / (plain - dark);
+        assert!((found - expected).abs() < RATIO, "{name}: {found}, not {expected}");
+    };
+    let (place, height) = (Vec2::new(-20.0, 30.0), 12.0);
+    let spot = |height: Option<f32>| {
+        lit_by(&|app| {
+            let lamp = SpotLight2d { angle: TAU, softness: 0.0, height, ..default() };
+            app.world_mut().spawn((lamp, Transform::from_translation(place.extend(0.0))));
+        })
+    };
+    let to_lamp = place - 0.5;
+    check("lamp", [spot(None), spot(Some(height))], to_lamp.length() / height, to_lamp);
+    let elevation = 0.3;
+    let sun = |elevation: Option<f32>| {
+        lit_by(&|app| {
+            app.world_mut().spawn((SunLight2d { elevation, ..default() }, turn(-1.0)));
+        })
+    };
+    let (sin, cos) = 1f32.sin_cos();
+    let to_sun = Vec2::new(-cos, sin);
+    check("sun", [sun(None), sun(Some(elevation))], 1.0 / elevation.tan(), to_sun);
 }
 
 #[test]
@@ -310,7 +352,7 @@ fn sheets_tiles_and_meshes_have_normals_too() {
     let (n, m) = (normal(TILTED), normal(OTHER));
     let expected = Expected::new(0.0);
     let check = |name: &str, seen: &Picture, normal: Vec3| {
-        let wrong = worst(seen, &expected, normal, &Relief::default(), |at| at);
+        let wrong = worst(seen, &expected, normal, &Relief2d::default(), |at| at);
         assert!(wrong < TOLERANCE, "{name}: {wrong}");
     };
     // Two cells beside each other, of which the right one is shown.

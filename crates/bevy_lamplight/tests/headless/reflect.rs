@@ -43,7 +43,8 @@ fn components_round_trip_through_reflection() {
     round_trip(&LightOccluder2d::polygon([Vec2::X, Vec2::Y, Vec2::NEG_X]), &registry);
     round_trip(&Unlit2d, &registry);
     round_trip(&LightTexture2d, &registry);
-    round_trip(&PointLight2d { falloff: Falloff2d::Smooth, ..default() }, &registry);
+    let lamp = PointLight2d { falloff: Falloff2d::Smooth, height: Some(12.5), ..default() };
+    assert!(round_trip(&lamp, &registry).contains("12.5"));
     let spot = SpotLight2d { profile: vec![0.25, 1.0], mask: 3, ..default() };
     assert!(round_trip(&spot, &registry).contains("0.25"));
     round_trip(&LightMask2d(2), &registry);

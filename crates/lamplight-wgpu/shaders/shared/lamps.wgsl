@@ -26,6 +26,8 @@ struct Lamp {
     number: u32,
     // Values of the cone's brightness from edge to edge, and their number; none if it is even.
     profile_count: u32,
+    // Height above the plane, px; 0 if its light has the elevation of all light.
+    height: f32,
     profile: array<vec4f, 4>,
 }
 

@@ -5,11 +5,12 @@
 // True if it is found.
 override MOMENT: bool = false;
 
-// The moment of light, shortened where it is longer than the light: where lamps have taken light from other directions
-// than it came from.
+// The moment of light, shortened where it is longer than light may have: where lamps have taken light from other
+// directions than it came from.
 fn limited(moment: array<vec3f, 2>, light: vec3f) -> array<vec3f, 2> {
     let length = sqrt(moment[0] * moment[0] + moment[1] * moment[1]);
-    let share = select(vec3f(1.0), light / length, length > light);
+    let longest = frame.longest_moment * light;
+    let share = select(vec3f(1.0), longest / length, length > longest);
     return array(moment[0] * share, moment[1] * share);
 }
 

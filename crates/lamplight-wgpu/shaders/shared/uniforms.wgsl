@@ -31,6 +31,10 @@ struct FrameUniforms {
     // middle of the first.
     sky_columns: u32,
     sky_origin: f32,
+    // The tangent of the elevation of all light.
+    elevation_tangent: f32,
+    // The most that the first moment may have of its light: above 1 where lights have an elevation of their own.
+    longest_moment: f32,
 }
 
 const HISTORY_NONE: u32 = 0u;

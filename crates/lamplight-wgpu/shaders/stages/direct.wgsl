@@ -24,6 +24,8 @@ struct Sun {
     radiance: vec3f,
     // The layers that it lights, a bit each.
     mask: u32,
+    // The factor on its first moment, by its elevation.
+    moment_weight: f32,
 }
 
 struct Suns {
@@ -128,7 +130,7 @@ fn light_of(lamp: Lamp, off: vec2f, place: Place) -> vec3f {
     let before = off + place.normal;
     var direction = vec2f(0.0);
     if MOMENT && arrives > 0.0 && !place.is_face && any(off != vec2f(0.0)) {
-        direction = towards(off, lamp.size, seen_middle());
+        direction = towards(lamp, off, seen_middle());
     }
     if arrives > 0.0 && through_medium && any(before != vec2f(0.0)) {
         light *= through_media(fan_of(disc_of(lamp), before));
@@ -221,6 +223,7 @@ fn light_of_sun(sun: Sun, at: vec2f, place: Place) -> vec3f {
         }
         let ahead = clamp(vec2f(along, beside) / arrives, vec2f(-1.0), vec2f(1.0));
         direction = ahead.x * -sun.travels + ahead.y * vec2f(-sun.travels.y, sun.travels.x);
+        direction *= sun.moment_weight;
     }
     var light = sun.radiance * arrives * select(1.0 / TURN, 0.5, place.is_face);
     if meets_media {

@@ -53,8 +53,11 @@ struct ComposeUniforms {
     look: vec3f,
     // True if the emission that is seen is not that of the matter.
     has_shown: u32,
-    // Sine and cosine of the elevation of light, strength and exponent of highlights.
-    relief: vec4f,
+    // Of the elevation of light.
+    cotangent: f32,
+    // Strength and exponent of highlights.
+    specular: f32,
+    exponent: f32,
     normals: u32,
 }
 
@@ -64,6 +67,8 @@ override STRAIGHT: f32;
 override SLOPE: f32;
 override OFFSET: f32;
 override GAMMA: f32;
+// The least light ÷ the length of its moment that counts for highlights.
+override LEAST_LIGHT: f32;
 
 @group(0) @binding(1) var<uniform> params: ComposeUniforms;
 @group(0) @binding(2) var<storage, read> light: array<vec4f>;
@@ -123,21 +128,21 @@ struct Shade {
 }
 
 fn shade(normal: vec3f, arrives: vec3f, moment: array<vec3f, 2>) -> Shade {
-    let sine = params.relief.x;
-    let cosine = params.relief.y;
     let sides = normal.x * moment[0] + normal.y * moment[1];
-    let received = max(normal.z * arrives + cosine / sine * sides, vec3f(0.0));
+    let received = max(normal.z * arrives + params.cotangent * sides, vec3f(0.0));
     let way = vec2f(luminance(moment[0]), luminance(moment[1]));
     let length = length(way);
-    if params.relief.z == 0.0 || length == 0.0 {
+    if params.specular == 0.0 || length == 0.0 {
         return Shade(received, vec3f(0.0));
     }
-    let to_light = vec3f(cosine * way / length, sine);
+    let up = clamp(luminance(arrives) / length, LEAST_LIGHT, 1.0);
+    let to_light = normalize(vec3f(params.cotangent * way / length, up));
     let halfway = normalize(to_light + vec3f(0.0, 0.0, 1.0));
-    let power = params.relief.w;
+    let power = params.exponent;
     let lobe = pow(clamp(dot(normal, halfway), 0.0, 1.0), power) * max(dot(normal, to_light), 0.0);
-    let gain = params.relief.z * (power + 8.0) / 8.0 * lobe / sine;
-    return Shade(received, gain * sqrt(moment[0] * moment[0] + moment[1] * moment[1]));
+    let gain = params.specular * (power + 8.0) / 8.0 * lobe / to_light.z;
+    let lengths = sqrt(moment[0] * moment[0] + moment[1] * moment[1]);
+    return Shade(received, gain * min(lengths, arrives));
 }
 
 // Light that arrives at a cell, its emitted radiance, its highlight, and the first moment of the light if a normal

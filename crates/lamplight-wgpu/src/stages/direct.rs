@@ -1,4 +1,4 @@
-//! The direct light of lamps with exact light ([`Method::lights_exactly`]) and of suns, for methods that find all other
+//! The direct light of lamps with exact light ([`Method::lights_exactly`](lamplight::Method::lights_exactly)) and of suns, for methods that find all other
 //! light themselves.
 //!
 //! One dispatch finds what every open cell and every face receives from all lamps, one adds the suns. Methods add it
@@ -14,9 +14,10 @@ use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::stages::class::ClassPipeline;
 use crate::{programs, shaders};
+use lamplight::internals::elevation::of_sun;
 use lamplight::internals::{MAX_OPTICAL_DEPTH, polar};
 use lamplight::settings::Polar;
-use lamplight::{Lamp, Method};
+use lamplight::{Lamp, Settings};
 use wgpu::{Buffer, Device, Queue};
 
 /// Side of a tile, px.
@@ -34,6 +35,9 @@ gpu_struct! {
         width: f32,
         radiance: [f32; 3],
         mask: u32,
+        moment_weight: f32,
+        /// Elements of arrays end at a multiple of 16 bytes.
+        padding: [u32; 3],
     }
 }
 
@@ -45,20 +49,20 @@ pub struct DirectLights {
 }
 
 impl DirectLights {
-    /// Replaces the lights by all suns, and the lamps that a method lights exactly.
+    /// Replaces the lights by all suns, and the lamps that the method of the settings lights exactly.
     pub fn set(
         &mut self,
-        method: Method,
+        settings: &Settings,
         lamps: &[Lamp],
         suns: &[lamplight::Sun],
         size: [u32; 2],
     ) -> lamplight::Result<()> {
-        let settings = Polar::default();
+        let polar = Polar::default();
         let rays = |lamp: &Lamp| {
-            let (reach, _) = polar::rays(lamp, size, &settings);
+            let (reach, _) = polar::rays(lamp, size, &polar);
             Ok(LampRays { reach, count: 0, soft: 0.0, falloff: Some(lamp.falloff) })
         };
-        let exact = |lamp: &&Lamp| method.lights_exactly(lamp);
+        let exact = |lamp: &&Lamp| settings.method().lights_exactly(lamp);
         self.lamps.set(lamps.iter().filter(exact), rays)?;
         self.suns.clear();
         self.suns.extend(suns.iter().map(|sun| Sun {
@@ -67,6 +71,8 @@ impl DirectLights {
             width: sun.angle,
             radiance: sun.radiance(),
             mask: sun.mask.into(),
+            moment_weight: of_sun(sun, settings.elevation.tan()),
+            padding: [0; 3],
         }));
         Ok(())
     }

@@ -6,7 +6,7 @@ use crate::stages::output::MAX_HALF;
 use crate::{programs, shaders};
 use lamplight::internals::display::{
     ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_PLAIN,
-    AGX_STOPS, AGX_VIVID, BRIGHTEST,
+    AGX_STOPS, AGX_VIVID, BRIGHTEST, LEAST_LIGHT,
 };
 use lamplight::srgb::LUMINANCE;
 use lamplight::{Display, Relief, Rgb, ToneMap, srgb};
@@ -42,16 +42,20 @@ gpu_struct! {
         contrast: [[f32; 4]; 2],
         look: Rgb,
         pub has_shown: u32,
-        relief: [f32; 4],
+        cotangent: f32,
+        specular: f32,
+        exponent: f32,
         pub normals: u32,
-        /// Uniforms end at a multiple of 16 bytes.
-        padding: [u32; 3],
     }
 }
 
 impl ComposeUniforms {
-    /// The uniforms that show a whole grid of this size.
-    pub fn new(display: &Display, size: [u32; 2]) -> Result<Self, lamplight::Error> {
+    /// The uniforms that show a whole grid of this size. Without an elevation of its light there are no normals.
+    pub fn new(
+        display: &Display,
+        elevation: Option<f32>,
+        size: [u32; 2],
+    ) -> Result<Self, lamplight::Error> {
         let [a, b, c, d, e] = ACES;
         let (tonemap, luma, look) = match display.tonemap {
             ToneMap::None => (0, [0.0; 3], AGX_PLAIN),
@@ -61,8 +65,8 @@ impl ComposeUniforms {
             ToneMap::Vivid => (3, LUMINANCE, AGX_VIVID),
             other => return Err(unsupported("tonemap", other)),
         };
-        let Relief { elevation, specular, .. } = display.relief;
-        let exponent = display.relief.exponent();
+        let cotangent = elevation.map_or(0.0, |elevation| elevation.cos() / elevation.sin());
+        let Relief { specular, .. } = display.relief;
         let [x6, x5, x4, x3, x2, x1, x0] = AGX_CONTRAST;
         Ok(Self {
             corner: [0.0; 2],
@@ -87,9 +91,10 @@ impl ComposeUniforms {
             contrast: [[x6, x5, x4, x3], [x2, x1, x0, AGX_GAMMA]],
             look,
             has_shown: 0,
-            relief: [elevation.sin(), elevation.cos(), specular, exponent],
+            cotangent,
+            specular,
+            exponent: display.relief.exponent(),
             normals: 0,
-            padding: [0; 3],
         })
     }
 
@@ -167,14 +172,15 @@ impl Shading {
             bind_group_layouts: &[Some(&self.layout)],
             immediate_size: 0,
         });
-        let encoding = [
+        let numbers = [
             ("ENCODE", f64::from(encode)),
             ("STRAIGHT", f64::from(srgb::STRAIGHT)),
             ("SLOPE", f64::from(srgb::SLOPE)),
             ("OFFSET", f64::from(srgb::OFFSET)),
             ("GAMMA", f64::from(srgb::GAMMA)),
+            ("LEAST_LIGHT", f64::from(LEAST_LIGHT)),
         ];
-        let constants = [&encoding[..], &shaders::LUMINANCE].concat();
+        let constants = [&numbers[..], &shaders::LUMINANCE].concat();
         device.create_render_pipeline(&RenderPipelineDescriptor {
             label,
             layout: Some(&layout),

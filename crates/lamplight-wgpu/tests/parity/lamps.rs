@@ -31,6 +31,7 @@ pub fn lamps(width: u32, height: u32, count: u32, seed: u64) -> Vec<Lamp> {
             size: 0.05 + 4.0 * random.f32(),
             falloff: falloffs[random.usize(..3)],
             cone: (random.u32(..3) == 0).then_some(cone),
+            height: None,
             direct: Direct::Glow,
             mask: ALL_LAYERS,
             solid: i % 2 == 1,

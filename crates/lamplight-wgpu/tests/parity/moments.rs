@@ -5,7 +5,7 @@ use crate::compare::{Both, TOLERANCE, differences};
 use crate::direct::{methods, without_media};
 use crate::lamps::lamps;
 use lamplight::settings::{MethodSettings, Raymarch};
-use lamplight::{Bounces, Cells, Direct, Light, Moment, Rgb, Settings};
+use lamplight::{Bounces, Cells, Direct, Lamp, Light, Matter, Moment, Rgb, Settings, Sun};
 use lamplight_wgpu::read_back::light;
 use wgpu::{Device, Queue};
 
@@ -28,7 +28,7 @@ fn lit(width: u32, height: u32, seed: u64) -> Cells {
     }
     let mut random = seeded(seed + 2);
     let direction = random.f32() * 6.0;
-    cells.suns_mut().push(lamplight::Sun { direction, angle: 0.1, ..Default::default() });
+    cells.suns_mut().push(Sun { direction, angle: 0.1, ..Sun::default() });
     cells
 }
 
@@ -88,15 +88,58 @@ fn moments_agree_with_every_method() {
     }
 }
 
+/// Small walls under exact lamps at several heights, and a low sun.
+fn hung(width: u32, height: u32, seed: u64) -> Cells {
+    let mut random = seeded(seed);
+    let mut cells = Cells::new(width, height).unwrap();
+    for i in 0..cells.len() {
+        if random.f32() < 0.02 {
+            cells.set_matter(i, Matter { opacity: 1.0, ..Matter::EMPTY });
+        }
+    }
+    // The lowest one lights most cells from lower than any light may come.
+    for height_of_lamp in [Some(15.0), None, Some(0.5), Some(200.0)] {
+        let position = [random.f32() * width as f32, random.f32() * height as f32];
+        let direct = Direct::Exact;
+        let lamp = Lamp { position, direct, height: height_of_lamp, size: 1.5, ..Lamp::default() };
+        cells.lamps_mut().push(lamp);
+    }
+    let (direction, elevation) = (6.0 * random.f32(), Some(0.25));
+    cells.suns_mut().push(Sun { direction, elevation, angle: 0.1, ..Sun::default() });
+    cells
+}
+
+#[test]
+fn moments_of_light_with_elevations_agree() {
+    let gpu = device();
+    let cells = hung(97, 61, 360);
+    let mut higher = cells.clone();
+    for lamp in higher.lamps_mut() {
+        lamp.height = lamp.height.map(|height| 2.0 * height);
+    }
+    higher.suns_mut()[0].elevation = Some(0.5);
+    for (name, method) in all() {
+        let settings = Settings { moment: true, elevation: 0.6, ..Settings::direct(method) };
+        let mut both = Both::new(&gpu, settings);
+        agree(&gpu, &mut both, name, &cells);
+        let right = both.solver.solve(&higher).unwrap().clone();
+        let seen = light(&both.lighting, &cells).unwrap();
+        assert_eq!(seen.elevation(), 0.6, "{name}");
+        let differ = wrong(seen.moment().unwrap(), &seen, &right);
+        assert!(differ > cells.len() / 2, "{name}: moments of higher lights pass: {differ}");
+    }
+}
+
 #[test]
 fn moments_of_light_that_lamps_take_away_agree() {
     let gpu = device();
-    let mut cells = lit(61, 43, 350);
-    cells.lamps_mut()[0].intensity = 8.0;
-    cells.lamps_mut()[2].intensity = -4.0;
-    for (name, method) in all() {
-        let settings = Settings { moment: true, ..Settings::direct(method) };
-        agree(&gpu, &mut Both::new(&gpu, settings), name, &cells);
+    for (kind, mut cells) in [("", lit(61, 43, 350)), (", with heights", hung(61, 43, 350))] {
+        cells.lamps_mut()[0].intensity = 8.0;
+        cells.lamps_mut()[2].intensity = -4.0;
+        for (name, method) in all() {
+            let settings = Settings { moment: true, ..Settings::direct(method) };
+            agree(&gpu, &mut Both::new(&gpu, settings), &format!("{name}{kind}"), &cells);
+        }
     }
 }
 

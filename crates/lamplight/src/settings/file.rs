@@ -2,6 +2,7 @@
 
 use super::range::{MAX_WALL_DEPTH, WALL_DEPTH};
 use super::{Bounces, Cascades, Denoise, Flood, Holographic, Method, Polar, Raymarch, Temporal};
+use crate::{elevation, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +28,12 @@ pub struct SettingsFile {
     /// in any case. Costs up to a quarter more time.
     #[serde(skip_serializing_if = "is_false")]
     pub moment: bool,
+    /// The elevation above the plane at which light arrives at surfaces with normals, radians (or degrees as text,
+    /// `"45deg"`), 0.05 to 1.5; lamps with a `height` and suns may have their own. Lower: stronger relief, with darker
+    /// slopes.
+    #[serde(deserialize_with = "notation::angle", skip_serializing_if = "is_default_elevation")]
+    #[schemars(with = "notation::Angle")]
+    pub elevation: f32,
     /// Accumulation over frames, after `raymarch`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Temporal")]
@@ -65,6 +72,7 @@ impl Default for SettingsFile {
             wall_depth: WALL_DEPTH,
             seed: 0,
             moment: false,
+            elevation: elevation::DEFAULT,
             temporal: None,
             denoise: None,
             raymarch: None,
@@ -74,6 +82,10 @@ impl Default for SettingsFile {
             holographic: None,
         }
     }
+}
+
+fn is_default_elevation(value: &f32) -> bool {
+    *value == elevation::DEFAULT
 }
 
 fn is_false(value: &bool) -> bool {

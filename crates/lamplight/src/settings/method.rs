@@ -65,7 +65,7 @@ impl Method {
         match self {
             Self::Polar => false,
             // Its rays only brighten, and light flows from layer to layer.
-            Self::Flood => !lamp.adds_to_all_layers(),
+            Self::Flood => !lamp.shines_as_matter(),
             Self::Raymarch | Self::Cascades | Self::Holographic => lamp.is_exact(),
         }
     }

@@ -3,7 +3,7 @@
 use super::file::SettingsFile;
 use super::range::{MAX_WALL_DEPTH, WALL_DEPTH, within};
 use super::{Bounces, Method, MethodSettings, Quality, Raymarch};
-use crate::Result;
+use crate::{Result, elevation};
 use serde::{Deserialize, Serialize};
 
 /// The settings of a solver: one method with its own settings, and the settings that all methods
@@ -42,13 +42,19 @@ pub struct Settings {
     /// True if the first moment of light is found beside the light itself ([`Light::moment`](crate::Light::moment)), for
     /// up to a quarter more time. Cells with normals have it found in any case.
     pub moment: bool,
+    /// The elevation above the plane at which light arrives at tilted surfaces ([`Relief`](crate::Relief)), radians, 0.05
+    /// to 1.5, by default π/4; lamps with a height and suns may have their own. Lower: stronger relief, with darker
+    /// slopes.
+    pub elevation: f32,
 }
 
 impl Settings {
     /// The largest `wall_depth`, px.
     pub const MAX_WALL_DEPTH: f32 = MAX_WALL_DEPTH;
+    /// The default `elevation`, radians.
+    pub const ELEVATION: f32 = elevation::DEFAULT;
 
-    /// Returns settings with this method, and the defaults for bounces, wall depth and seed. A
+    /// Returns settings with this method, and the defaults of what all methods share. A
     /// [`Method`] stands for the default settings of that method.
     pub fn new(method: impl Into<MethodSettings>) -> Self {
         Self {
@@ -57,6 +63,7 @@ impl Settings {
             wall_depth: WALL_DEPTH,
             seed: 0,
             moment: false,
+            elevation: Self::ELEVATION,
         }
     }
 
@@ -116,6 +123,7 @@ impl Settings {
     pub fn check(&self) -> Result<()> {
         within("bounces", self.bounces.limit(), 0..=Bounces::MAX)?;
         within("wall_depth", self.wall_depth, 0.0..=Self::MAX_WALL_DEPTH)?;
+        within("elevation", self.elevation, elevation::OF_LIGHT)?;
         self.method.check()
     }
 
@@ -147,16 +155,17 @@ impl From<SettingsFile> for Settings {
             Method::Cascades => file.cascades.unwrap_or_default().into(),
             Method::Holographic => file.holographic.unwrap_or_default().into(),
         };
-        let SettingsFile { bounces, wall_depth, seed, moment, .. } = file;
-        Self { method, bounces, wall_depth, seed, moment }
+        let SettingsFile { bounces, wall_depth, seed, moment, elevation, .. } = file;
+        Self { method, bounces, wall_depth, seed, moment, elevation }
     }
 }
 
 impl From<Settings> for SettingsFile {
     fn from(settings: Settings) -> Self {
         let method = settings.method();
-        let Settings { bounces, wall_depth, seed, moment, .. } = settings;
-        let mut file = Self { method, bounces, wall_depth, seed, moment, ..Self::default() };
+        let Settings { bounces, wall_depth, seed, moment, elevation, .. } = settings;
+        let mut file =
+            Self { method, bounces, wall_depth, seed, moment, elevation, ..Self::default() };
         match settings.method {
             MethodSettings::Raymarch(raymarch) => {
                 file.temporal = Some(raymarch.temporal.clone());

@@ -65,10 +65,10 @@ impl DirectLight {
     }
 }
 
-/// Clamps light, of which lamps have taken some, at 0, and its first moment at the length of the light.
-pub fn clamp(light: &mut [Rgb], moments: Option<&mut [Moment]>) {
+/// Clamps light, of which lamps have taken some, at 0, and its first moment at `longest` times the light.
+pub fn clamp(light: &mut [Rgb], moments: Option<&mut [Moment]>, longest: f32) {
     light.as_flattened_mut().iter_mut().for_each(|v| *v = v.max(0.0));
     for (moment, light) in moments.into_iter().flatten().zip(light) {
-        moment::limit(moment, *light);
+        moment::limit(moment, *light, longest);
     }
 }

@@ -232,7 +232,8 @@ impl Light {
             }
             let mut highlight = [0.0; 3];
             if let Some((normals, moments)) = relief {
-                (light, highlight) = display.relief.shade(normals[i], light, &moments[i]);
+                (light, highlight) =
+                    display.relief.shade(normals[i], light, &moments[i], self.elevation);
             }
             let lit = |c: usize| color[c] * (light[c] + display.ambient[c]);
             [0, 1, 2].map(|c| lit(c) + highlight[c] + emitted[c])
@@ -265,6 +266,7 @@ fn per_glow(absorbed: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Settings;
 
     /// The tolerance of f32 arithmetic against values computed in f64.
     const ROUNDING: f32 = 2e-6;
@@ -399,7 +401,7 @@ mod tests {
         // Tilted away from all light.
         cells.normals_mut()[2] = [1.0, 0.0, 0.0];
         let light = Light::from_pixels(&cells, vec![[2.4, 1.4, 0.4], [0.4; 3], [0.4; 3]]).unwrap();
-        let light = light.with_moment(vec![[[-0.4; 3], [0.0; 3]]; 3]).unwrap();
+        let light = light.with_moment(vec![[[-0.4; 3], [0.0; 3]]; 3], Settings::ELEVATION).unwrap();
         let display = Display { ambient: [0.1, 0.2, 0.0], ..Display::PLAIN };
         let seen = light.radiance(&cells, &display).unwrap();
         let expected = [[2.25, 1.6, 0.1], [0.25, 0.6, 0.1], [0.05, 0.2, 0.0]];

@@ -3,7 +3,7 @@
 use crate::common::{grid, solve};
 use lamplight::settings::{Blend, MethodSettings, Polar};
 use lamplight::{
-    Bounces, Cells, Direct, Falloff, Lamp, Light, Matter, Method, Moment, Settings, Sun,
+    Bounces, Cells, Direct, Falloff, Lamp, Light, Matter, Method, Moment, Relief, Settings, Sun,
 };
 
 fn direct(cells: &Cells) -> Light {
@@ -117,6 +117,82 @@ fn light_that_is_left_comes_from_no_farther_than_it_is_bright() {
             assert!(*solid || length <= rgb[1] * (1.0 + ROUNDING), "{name}: {length}, {rgb:?}");
         }
         assert!(light.pixels().contains(&[0.0; 3]), "{name}");
+    }
+}
+
+#[test]
+fn heights_and_elevations_change_nothing_but_the_moment() {
+    for method in methods() {
+        let name = method.method().name();
+        let settings = Settings { moment: true, ..Settings::new(method) };
+        let light = |height: Option<f32>, elevation: Option<f32>| {
+            let mut cells = room();
+            // A window for the sun.
+            (5..25).for_each(|x| (0..3).for_each(|y| cells.set(x, y, Matter::EMPTY)));
+            // A mask makes it exact without a height, too.
+            cells.masks_mut().fill(1);
+            cells.lamps_mut().push(Lamp { height, mask: 1, ..exact([20.3, 35.6]) });
+            cells.suns_mut().push(Sun { elevation, direction: 1.0, ..Sun::default() });
+            solve(&settings, &cells)
+        };
+        let plain = light(None, None);
+        for (height, elevation) in [(Some(10.0), None), (None, Some(0.2))] {
+            let other = light(height, elevation);
+            assert!(other.pixels() == plain.pixels(), "{name}: {height:?}, {elevation:?}");
+            assert!(other.moment() != plain.moment(), "{name}: {height:?}, {elevation:?}");
+        }
+        let same = light(None, Some(settings.elevation));
+        for (same, plain) in same.moment().unwrap().iter().zip(plain.moment().unwrap()) {
+            for (same, plain) in same.as_flattened().iter().zip(plain.as_flattened()) {
+                assert!((same - plain).abs() <= ROUNDING * plain.abs().max(1.0), "{name}");
+            }
+        }
+    }
+}
+
+/// The largest error of the cosine law on tilted surfaces, relative to the light of a flat one: a lamp is a disc whose
+/// edges are seen in other directions than its middle, `(size/d)²/6` at distance d.
+const COSINE_LAW: f32 = 0.005;
+
+#[test]
+fn a_lamp_with_a_height_lights_tilted_surfaces_by_the_cosine_law() {
+    let center = [30.3, 40.7];
+    for method in methods() {
+        for (height, elevation) in [(6.0, 0.8f32), (20.0, 0.3), (300.0, 1.4)] {
+            let name = format!("{}, height {height}", method.method().name());
+            let settings = Settings { moment: true, elevation, ..Settings::direct(method.clone()) };
+            let mut cells = Cells::new(120, 90).unwrap();
+            let lamp = Lamp { height: Some(height), intensity: 0.9, size: 1.0, ..exact(center) };
+            cells.lamps_mut().push(lamp);
+            let light = solve(&settings, &cells);
+            assert_eq!(light.elevation(), elevation);
+            for (x, y) in [(37, 40), (30, 60), (50, 20), (110, 80)] {
+                let to = [center[0] - x as f32 - 0.5, center[1] - y as f32 - 0.5];
+                let distance = to[0].hypot(to[1]);
+                let (sin, cos) = height.atan2(distance).sin_cos();
+                let towards = to.map(|v| v / distance * cos);
+                let moment = &light.moment().unwrap()[cells.index(x, y)];
+                let flat = light.at(x, y)[1];
+                for tilt in [-0.9f32, -0.3, 0.2, 0.8] {
+                    let normal = [0.6 * tilt.sin(), 0.8 * tilt.sin(), tilt.cos()];
+                    let along = normal[0] * towards[0] + normal[1] * towards[1];
+                    let expected = flat * (along + normal[2] * sin).max(0.0) / sin;
+                    let shade = |elevation| {
+                        Relief::default().shade(normal, light.at(x, y), moment, elevation).0[1]
+                    };
+                    let (found, bound) = (shade(elevation), COSINE_LAW * flat.max(expected));
+                    assert!(
+                        (found - expected).abs() < bound,
+                        "{name}, {x}, {y}, {tilt}: {found}, not {expected}"
+                    );
+                    let steeper = shade(elevation + 0.1);
+                    assert!(
+                        (steeper - expected).abs() > bound || along.abs() < 0.1 || expected == 0.0,
+                        "{name}: a steeper elevation passes at {x}, {y}, {tilt}"
+                    );
+                }
+            }
+        }
     }
 }
 

@@ -184,6 +184,11 @@ fn invalid_lamps_are_rejected_by_key() {
         (Lamp { mask: 0, ..good }, "`lamp[0].mask` is 0, but must be a whole number from 1 to 255"),
         (Lamp { size: 0.0, ..good }, "`lamp[0].size` is 0, but must be a number from 0.05 to 512"),
         (Lamp { size: 513.0, ..good }, "`lamp[0].size` is 513"),
+        (
+            Lamp { height: Some(0.0), ..good },
+            "`lamp[0].height` is 0, but must be a number from 0.05 to 100000",
+        ),
+        (Lamp { height: Some(f32::NAN), ..good }, "`lamp[0].height` is NaN"),
         (cone(90.0, 1.0, 0.0), "`lamp[0].cone.direction` is 90, but must be a number from -6.2832"),
         (cone(f32::NAN, 1.0, 0.0), "`lamp[0].cone.direction` is NaN"),
         (

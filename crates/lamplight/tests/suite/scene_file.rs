@@ -54,6 +54,7 @@ fn whole() -> Scene {
                 softness: 0.25,
                 profile: Some(Profile::new(&[0.25, 1.0, 0.5]).unwrap()),
             }),
+            height: Some(18.0),
             direct: Direct::Exact,
             mask: 5,
             solid: true,
@@ -64,6 +65,7 @@ fn whole() -> Scene {
             angle: 0.03,
             color: [1.0, 0.9, 0.8],
             intensity: 2.0,
+            elevation: Some(30f32.to_radians()),
             mask: 6,
         });
     scene.layers = Layers {
@@ -81,13 +83,14 @@ fn whole() -> Scene {
     };
     scene.settings.set("method", "raymarch");
     scene.settings.set("bounces", "converged");
+    scene.settings.set("elevation", 0.5);
     scene.settings.set("raymarch.preset", "unity");
     scene.settings.set("raymarch.rays", 64);
     scene.display = Display {
         tonemap: ToneMap::Agx,
         exposure: -1.5,
         ambient: [0.1, 0.2, 0.3],
-        relief: Relief { elevation: 0.5, specular: 0.25, roughness: 0.75 },
+        relief: Relief { specular: 0.25, roughness: 0.75 },
     };
     scene
 }
@@ -97,7 +100,7 @@ fn every_key_is_read() {
     let scene = Scene::from_toml(WHOLE).unwrap();
     assert_eq!(scene, whole());
     let settings = scene.resolve_settings().unwrap();
-    assert_eq!(settings.bounces, Bounces::Converged);
+    assert_eq!((settings.bounces, settings.elevation), (Bounces::Converged, 0.5));
     let raymarch = settings.method.as_raymarch().unwrap();
     assert_eq!((raymarch.rays, raymarch.steps), (64, 16));
 }

@@ -156,6 +156,7 @@ fn text_is_read_as_numbers_words_and_booleans() {
         "method=raymarch",
         "bounces = 3",
         "wall_depth=2.5",
+        "elevation=30deg",
         "seed=12345678901",
         "temporal.history_length=64",
         "temporal.reject=false",
@@ -167,6 +168,7 @@ fn text_is_read_as_numbers_words_and_booleans() {
     ]);
     assert_eq!(settings.bounces, Bounces::Count(3));
     assert_eq!((settings.wall_depth, settings.seed), (2.5, 12_345_678_901));
+    assert_eq!(settings.elevation, 30f32.to_radians());
     let r = settings.method.as_raymarch().unwrap();
     assert_eq!(r.temporal, Temporal { history_length: 64, reject: false });
     assert_eq!(r.denoise.strength, 1.0);
@@ -188,8 +190,9 @@ fn invalid_setting_text_is_rejected() {
 }
 
 /// Every setting with a range, with values just outside of it and the message.
-const OUT_OF_RANGE: [(&str, &str, &str, &str); 19] = [
+const OUT_OF_RANGE: [(&str, &str, &str, &str); 20] = [
     ("wall_depth", "-0.5", "64.5", "from 0 to 64"),
+    ("elevation", "0.04", "1.6", "from 0.05 to 1.5"),
     ("temporal.history_length", "-1", "4097", "from 0 to 4096"),
     ("denoise.passes", "-1", "7", "from 0 to 6"),
     ("denoise.strength", "-0.1", "16.5", "from 0 to 16"),
@@ -277,6 +280,7 @@ fn unknown_keys_and_values_are_rejected_with_the_valid_ones() {
         ("wall_depth=deep", "`wall_depth` is \"deep\", but must be a number"),
         ("wall_depth=nan", "`wall_depth` is "),
         ("wall_depth=inf", "`wall_depth` is "),
+        ("elevation=steep", "`elevation` is "),
         ("seed=-1", "`seed` is -1, but must be a whole number of 0 or more"),
         (
             "raymarch.preset=unreal",

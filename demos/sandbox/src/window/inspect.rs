@@ -216,8 +216,8 @@ impl Inspector {
         display: Display,
         light: Option<&Light>,
     ) -> Result<Option<RgbImage>> {
-        let Settings { bounces, wall_depth, seed, .. } = *settings;
-        let tracer = PathTracer { samples: 1, bounces, wall_depth, seed };
+        let Settings { bounces, wall_depth, elevation, seed, .. } = *settings;
+        let tracer = PathTracer { samples: 1, bounces, wall_depth, elevation, seed };
         let known = self.refining.take().filter(|w| w.settings == tracer && w.cells == *cells);
         let watched = match known {
             Some(known) => self.refining.insert(known),

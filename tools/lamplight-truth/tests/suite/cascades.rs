@@ -68,7 +68,13 @@ impl Truth {
                 .take(LOOKS)
                 .collect();
         let bounces = Bounces::Count(bounces);
-        let tracer = PathTracer { samples: SAMPLES, bounces, wall_depth: 0.0, seed: 1 };
+        let tracer = PathTracer {
+            samples: SAMPLES,
+            bounces,
+            wall_depth: 0.0,
+            elevation: Settings::ELEVATION,
+            seed: 1,
+        };
         let light = tracer.at(cells, &at).unwrap().into_iter().map(|(mean, _)| mean).collect();
         Self { at, light }
     }

@@ -40,7 +40,13 @@ impl Truth {
     }
 
     fn at(cells: &Cells, at: Vec<[u32; 2]>, samples: u32, bounces: Bounces) -> Self {
-        let tracer = PathTracer { samples, bounces, wall_depth: 0.0, seed: 3 };
+        let tracer = PathTracer {
+            samples,
+            bounces,
+            wall_depth: 0.0,
+            elevation: Settings::ELEVATION,
+            seed: 3,
+        };
         let (light, error): (Vec<Rgb>, Vec<Rgb>) =
             tracer.at(cells, &at).unwrap().into_iter().unzip();
         let square =

@@ -4,7 +4,7 @@ use crate::common::{GLOW, WALL, grid, seeded};
 use fastrand::Rng;
 use lamplight::internals::glow::Glow;
 use lamplight::internals::holographic::paper::{Interval, Paper, Quadrant};
-use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Sky};
+use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Settings, Sky};
 use lamplight_truth::closed_forms::{gradient_sky_mean_radiance, medium_square_mean_radiance};
 use lamplight_truth::{Measures, PathTracer, scenes};
 
@@ -470,7 +470,13 @@ fn measure(kind: &str, make: impl Fn(u64) -> Cells, samples: u32) -> f64 {
     for seed in SEEDS {
         let cells = make(seed).drawn().into_owned();
         let at = scenes::open_cells(&cells, LOOKS, seed);
-        let tracer = PathTracer { samples, bounces: Bounces::Count(0), wall_depth: 0.0, seed };
+        let tracer = PathTracer {
+            samples,
+            bounces: Bounces::Count(0),
+            wall_depth: 0.0,
+            elevation: Settings::ELEVATION,
+            seed,
+        };
         let (truth, error): (Vec<Rgb>, Vec<Rgb>) =
             tracer.at(&cells, &at).unwrap().into_iter().unzip();
         let mut media = cells.clone();

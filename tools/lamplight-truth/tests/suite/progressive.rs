@@ -1,10 +1,16 @@
 //! The reference that refines goes where the one of many samples is.
 
-use lamplight::{Bounces, Cells, Light, Matter};
+use lamplight::{Bounces, Cells, Light, Matter, Settings};
 use lamplight_truth::{Measures, PathTracer, ProgressiveReference};
 
 fn tracer(samples: u32) -> PathTracer {
-    PathTracer { samples, bounces: Bounces::Count(1), wall_depth: 2.0, seed: 7 }
+    PathTracer {
+        samples,
+        bounces: Bounces::Count(1),
+        wall_depth: 2.0,
+        elevation: Settings::ELEVATION,
+        seed: 7,
+    }
 }
 
 /// A small room with a light, a pillar and fog.

@@ -73,8 +73,13 @@ fn direct_light_of_every_scene_is_right() {
     for path in scenes() {
         let cells = Scene::load(&path).unwrap().cells().unwrap();
         let light = solve(&cells, 1024, 0);
-        let tracer =
-            PathTracer { samples: 32_768, bounces: Bounces::Count(0), wall_depth: 0.0, seed: 1 };
+        let tracer = PathTracer {
+            samples: 32_768,
+            bounces: Bounces::Count(0),
+            wall_depth: 0.0,
+            elevation: Settings::ELEVATION,
+            seed: 1,
+        };
         let name = name(&path);
         let allowed = if name == "dungeon" { DUNGEON } else { DIRECT };
         let measures = judge(&name, &cells, &light, tracer);
@@ -92,8 +97,13 @@ fn bounced_light_of_every_scene_is_right() {
         let scene = Scene::load(&path).unwrap();
         let cells = scene.cells().unwrap();
         let light = solve(&cells, 1024, 2);
-        let tracer =
-            PathTracer { samples: 65_536, bounces: Bounces::Count(2), wall_depth: 0.0, seed: 1 };
+        let tracer = PathTracer {
+            samples: 65_536,
+            bounces: Bounces::Count(2),
+            wall_depth: 0.0,
+            elevation: Settings::ELEVATION,
+            seed: 1,
+        };
         let name = name(&path);
         let measures = judge(&name, &cells, &light, tracer);
         if measures.relative_rmse > BOUNCED {
@@ -139,6 +149,12 @@ fn light_that_lacks_a_bounce_is_rejected() {
     let path = scenes().into_iter().find(|p| name(p) == "two_rooms").unwrap();
     let cells = Scene::load(&path).unwrap().cells().unwrap();
     let light = solve(&cells, 512, 1);
-    let tracer = PathTracer { samples: 4096, bounces: Bounces::Count(2), wall_depth: 0.0, seed: 1 };
+    let tracer = PathTracer {
+        samples: 4096,
+        bounces: Bounces::Count(2),
+        wall_depth: 0.0,
+        elevation: Settings::ELEVATION,
+        seed: 1,
+    };
     assert!(judge("a bounce less", &cells, &light, tracer).relative_rmse > BOUNCED);
 }

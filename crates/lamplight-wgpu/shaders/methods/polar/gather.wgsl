@@ -105,7 +105,7 @@ fn main(
                         continue;
                     }
                     if MOMENT && faces == 0u {
-                        blend_moment(sum, more, towards(off, lamp.size, seen_place));
+                        blend_moment(sum, more, towards(lamp, off, seen_place));
                     }
                     sum = blend(sum, more);
                 }

@@ -12,7 +12,7 @@ use crate::settings::{Blend, Polar, ShadowFilter};
 use crate::simd::dispatch;
 use crate::stages::bounce::{Surfaces, Wall, mean_over_faces};
 use crate::stages::faces::{Faces, NORMALS};
-use crate::{Cells, Falloff, Lamp, Moment, Rgb, moment};
+use crate::{Cells, Falloff, Lamp, Moment, Rgb, elevation, moment};
 use fearless_simd::{Level, f32x16, i32x16, prelude::*};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
@@ -30,6 +30,8 @@ pub struct LightPlanes {
     planes: [Vec<f32>; 3],
     /// First moments, in rows as long; empty if they were not asked for.
     moments: Vec<Moment>,
+    /// The tangent of the elevation of all light.
+    tangent: f32,
     /// 1 in open cells, 0 in solid ones and in the padding.
     open: Vec<f32>,
     /// Solid cells with a face in the open.
@@ -41,6 +43,7 @@ struct Band<'a> {
     rows: Range<usize>,
     planes: [&'a mut [f32]; 3],
     moments: Option<&'a mut [Moment]>,
+    tangent: f32,
     open: &'a [f32],
     walls: &'a [Wall],
     scene: ShadowScene<'a>,
@@ -49,8 +52,8 @@ struct Band<'a> {
 }
 
 impl LightPlanes {
-    /// Sets all light to 0, for these cells, and all first moments if they are asked for.
-    pub fn clear(&mut self, cells: &Cells, with_moments: bool) {
+    /// Sets all light to 0, for these cells, and all first moments if they are asked for by the elevation of all light.
+    pub fn clear(&mut self, cells: &Cells, moments: Option<f32>) {
         self.width = cells.width() as usize;
         self.stride = self.width.next_multiple_of(LANES);
         let n = self.stride * cells.height() as usize;
@@ -59,7 +62,8 @@ impl LightPlanes {
             plane.resize(n, 0.0);
         }
         self.moments.clear();
-        self.moments.resize(if with_moments { n } else { 0 }, Moment::default());
+        self.moments.resize(if moments.is_some() { n } else { 0 }, Moment::default());
+        self.tangent = moments.unwrap_or(elevation::DEFAULT).tan();
         self.open.resize(n, 0.0);
         let w = self.width;
         self.open.par_chunks_mut(self.stride).enumerate().for_each(|(y, row)| {
@@ -79,7 +83,7 @@ impl LightPlanes {
         shadow_maps: &[ShadowMap],
         settings: &Polar,
     ) {
-        let (width, stride) = (self.width, self.stride);
+        let (width, stride, tangent) = (self.width, self.stride, self.tangent);
         let [red, green, blue] = &mut self.planes;
         let walls = &self.surfaces.walls;
         let bands = red
@@ -94,7 +98,8 @@ impl LightPlanes {
             let wall = |y: usize| walls.partition_point(|wall| (wall.cell as usize) < y * width);
             let walls = &walls[wall(rows.start)..wall(rows.end)];
             let planes = [red, green, blue];
-            let mut band = Band { rows, planes, moments, open, walls, width, stride, scene };
+            let mut band =
+                Band { rows, planes, moments, tangent, open, walls, width, stride, scene };
             for shadow_map in shadow_maps {
                 dispatch!(level, simd => band.add(simd, shadow_map, settings));
                 // Exact light on walls is found by face.
@@ -137,6 +142,7 @@ impl LightPlanes {
     /// lamps blend.
     pub fn shine(&mut self, scene: ShadowScene, sun_map: &SunMap, faces: &mut [Faces]) {
         let (width, stride) = (self.width, self.stride);
+        let weight = sun_map.moment_weight(self.tangent);
         let [red, green, blue] = &mut self.planes;
         let rows = red.par_chunks_mut(stride).zip(green.par_chunks_mut(stride));
         let rows = rows.zip(blue.par_chunks_mut(stride)).zip(self.open.par_chunks(stride));
@@ -148,6 +154,7 @@ impl LightPlanes {
                 (red[x], green[x], blue[x]) =
                     (red[x] + light[0], green[x] + light[1], blue[x] + light[2]);
                 if let Some(moments) = &mut moments {
+                    let direction = direction.map(|v| weight * v);
                     moment::add(&mut moments[x], &moment::from_direction(light, direction));
                 }
             }
@@ -292,7 +299,8 @@ impl Band<'_> {
         let blend = blend_of(&shadow_map.lamp, settings);
         if let Some(moments) = &mut self.moments {
             for l in (0..LANES).filter(|l| left >> l & 1 == 1) {
-                let direction = shadow_map.direction([dx[l], dy[l]], middles[l]);
+                let off = [dx[l], dy[l]];
+                let direction = shadow_map.direction(off, middles[l], self.tangent);
                 let moment = &mut moments[place + l];
                 for c in 0..3 {
                     let (old, new) = (self.planes[c][place + l], through[c][l] * color[c]);

@@ -72,8 +72,8 @@ struct LampInput<'a> {
     settings: &'a Polar,
     /// True for exact penumbrae, and for light on faces.
     exact: bool,
-    /// True if the first moment is found too.
-    moment: bool,
+    /// The elevation of all light, if the first moment is found too.
+    moment: Option<f32>,
 }
 
 impl Default for PolarSolver {
@@ -114,7 +114,7 @@ impl PolarSolver {
         lamps.extend_from_slice(cells.lamps());
         // Those that take light away take it from all others, however these blend.
         lamps.sort_by_key(Lamp::takes_light);
-        let moment = light.moment.is_some();
+        let moment = light.moment.is_some().then_some(light.elevation);
         let input = LampInput { cells, lamps: &lamps, distance, settings, exact: false, moment };
         self.add(input, &mut faces, clock);
         (self.faces, self.lamps) = (faces, lamps);
@@ -126,8 +126,8 @@ impl PolarSolver {
     }
 
     /// Finds the direct light of the lamps of `direct` and of the suns with exact penumbrae, on cells and on faces, and
-    /// its first moment if it is asked for.
-    pub fn solve_direct(&mut self, cells: &Cells, moment: bool, direct: &mut DirectLight) {
+    /// its first moment if it is asked for by the elevation of all light.
+    pub fn solve_direct(&mut self, cells: &Cells, moment: Option<f32>, direct: &mut DirectLight) {
         let settings = &Polar::default();
         let DirectLight { lamps, light, moment: moments, faces } = direct;
         let input = LampInput { cells, lamps, distance: &[], settings, exact: true, moment };

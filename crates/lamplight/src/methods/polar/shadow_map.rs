@@ -23,7 +23,7 @@ use crate::grid::medium_grid::MediumGrid;
 use crate::math::circle;
 use crate::settings::{Polar, ShadowFilter, Traversal};
 use crate::simd::dispatch;
-use crate::{Lamp, Rgb};
+use crate::{Lamp, Rgb, elevation};
 use fearless_simd::{Level, f32x16, prelude::*};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -376,8 +376,9 @@ impl ShadowMap {
     }
 
     /// Returns the mean direction from a pixel at `off` towards a part of the lamp, by the middle of that part; shorter
-    /// than 1, as directions to a disc differ.
-    pub fn direction(&self, off: [f32; 2], middle: f32) -> [f32; 2] {
+    /// than 1, as directions to a disc differ, and weighted by the elevation of the lamp's light; `tangent` is that of the
+    /// elevation of all light.
+    pub fn direction(&self, off: [f32; 2], middle: f32, tangent: f32) -> [f32; 2] {
         let distance = off[0].hypot(off[1]);
         if distance == 0.0 {
             return [0.0; 2];
@@ -388,7 +389,8 @@ impl ShadowMap {
         let part = middle * k;
         let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
         let length = way[0].hypot(way[1]);
-        way.map(|v| v / length * mean_cosine)
+        let weight = mean_cosine * elevation::of_lamp(&self.lamp, distance, tangent);
+        way.map(|v| v / length * weight)
     }
 
     /// Returns the transmittance of media up to a pixel at `off` from the lamp, `at` its angle in rays.

@@ -12,7 +12,7 @@ use super::shadow_map::{NEAREST_BESIDE, OUTSIDE_OF_WALL, ShadowScene};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::RayHit;
 use crate::grid::class::CellClass;
-use crate::{Rgb, Sun};
+use crate::{Rgb, Sun, elevation};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 
 /// Rays per px.
@@ -98,6 +98,11 @@ impl SunMap {
     /// The layers that it lights.
     pub fn mask(&self) -> u8 {
         self.sun.mask
+    }
+
+    /// The factor on the first moment of its light, by its elevation and the tangent of that of all light.
+    pub fn moment_weight(&self, tangent: f32) -> f32 {
+        elevation::of_sun(&self.sun, tangent)
     }
 
     /// Returns the place of a point: its ray, and its distance along it.

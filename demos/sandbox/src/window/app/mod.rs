@@ -135,6 +135,7 @@ impl App {
         for half in self.halves.each() {
             half.settings.bounces = asked.bounces;
             half.settings.wall_depth = asked.wall_depth;
+            half.settings.elevation = asked.elevation;
         }
         self.shown.display = look.display;
     }

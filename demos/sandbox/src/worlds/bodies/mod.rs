@@ -304,6 +304,7 @@ impl World for Bodies {
             bounces: 3,
             wall_depth: 9.0,
             display: Display { exposure: 0.7, ..Display::default() },
+            ..Look::default()
         }
         .at_scale(self.by()[0].min(self.by()[1]))
     }

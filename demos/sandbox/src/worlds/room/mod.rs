@@ -330,6 +330,7 @@ impl World for Room {
             bounces: 3,
             wall_depth: 5.0,
             display: Display { exposure: 0.8, ..Display::default() },
+            ..Look::default()
         }
         .at_scale(self.unit())
     }

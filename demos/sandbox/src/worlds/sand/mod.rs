@@ -240,6 +240,7 @@ impl World for Sand {
             bounces: 3,
             wall_depth: 44.0,
             display: Display { exposure: 1.0, ..Display::default() },
+            ..Look::default()
         }
         .at_scale(self.unit())
     }

@@ -4,7 +4,7 @@
 #![allow(dead_code)]
 
 use fastrand::Rng;
-use lamplight::{Bounces, Cells, Matter, Rgb};
+use lamplight::{Bounces, Cells, Matter, Rgb, Settings};
 use lamplight_truth::PathTracer;
 
 /// A black wall.
@@ -20,7 +20,7 @@ pub const SIGNIFICANT: f64 = 7.0;
 pub const ROUNDING: f64 = 1e-6;
 
 pub fn tracer(samples: u32, bounces: Bounces) -> PathTracer {
-    PathTracer { samples, bounces, wall_depth: 0.0, seed: 1 }
+    PathTracer { samples, bounces, wall_depth: 0.0, elevation: Settings::ELEVATION, seed: 1 }
 }
 
 /// Direct light.
