@@ -8,7 +8,7 @@ use lamplight::internals::sky::sines;
 use lamplight::{Panorama, Sky};
 use wgpu::{Buffer, BufferUsages, Queue};
 
-/// What a shader reads of a cone: weights of a gradient, or the light of a panorama.
+/// The values of a cone that a shader reads: weights of a gradient, or the light of a panorama.
 pub type ConeEntry = [f32; 4];
 
 /// The cones of all levels of both axes in one list.
@@ -61,12 +61,12 @@ fn bundles(first: u32, end: u32, integrals: impl Fn([f64; 2]) -> [f64; 4]) -> Ve
     for level in (first + 1..=end).rev() {
         let halved = level > first + 1;
         if halved {
-            parts = parts.map(|part| lattice::halves(&part));
+            parts.iter_mut().for_each(|part| lattice::halves(part));
         }
         let cone = |cone: usize| [0, 1, 2, 3].map(|i| parts[i][cone]);
         levels.push((0..parts[0].len()).map(cone).collect());
         if halved {
-            parts = parts.map(|part| lattice::cones_of_halves(&part));
+            parts.iter_mut().for_each(lattice::cones_of_halves);
         }
     }
     levels.reverse();

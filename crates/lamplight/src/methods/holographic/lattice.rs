@@ -70,18 +70,26 @@ pub fn angles(level: u32) -> Vec<f64> {
     (0..cones(level)).map(angle).collect()
 }
 
-/// Returns the light of half cones of the level below from that of the cones of a level: the sums of
-/// two halves are the cones of the level below ([`cones_of_halves`]).
-pub fn halves(cones: &[f64]) -> Vec<f64> {
-    let light = |cone: usize| cones.get(cone).copied().unwrap_or(0.0);
-    let half = |i: usize| 0.25 * light(i.wrapping_sub(1)) + 0.5 * light(i) + 0.25 * light(i + 1);
-    (0..cones.len()).map(half).collect()
+/// Replaces the light of the cones of a level by that of half cones of the level below: the sums of two
+/// halves are the cones of the level below ([`cones_of_halves`]).
+pub fn halves(cones: &mut [f64]) {
+    let mut before = 0.0;
+    for i in 0..cones.len() {
+        let (own, after) = (cones[i], cones.get(i + 1).copied().unwrap_or(0.0));
+        cones[i] = 0.25 * before + 0.5 * own + 0.25 * after;
+        before = own;
+    }
 }
 
-/// Returns the light of the cones of a level from that of its half cones.
-pub fn cones_of_halves(halves: &[f64]) -> Vec<f64> {
-    let sums = halves.chunks_exact(2).map(|pair| pair[0] + pair[1]);
-    std::iter::once(0.0).chain(sums).chain(std::iter::once(0.0)).collect()
+/// Replaces the light of the half cones of a level by that of its cones.
+pub fn cones_of_halves(halves: &mut Vec<f64>) {
+    let count = halves.len() / 2;
+    for i in 0..count {
+        halves[i] = halves[2 * i] + halves[2 * i + 1];
+    }
+    halves.truncate(count);
+    halves.insert(0, 0.0);
+    halves.push(0.0);
 }
 
 /// The face by which a ray of the quadrant enters a cell.
@@ -259,9 +267,10 @@ mod tests {
         let level = 3;
         let count = cones(level);
         for cone in BEYOND..count - BEYOND {
-            let mut light = vec![0.0; count];
-            light[cone] = 1.0;
-            let merged = cones_of_halves(&halves(&light));
+            let mut merged = vec![0.0; count];
+            merged[cone] = 1.0;
+            halves(&mut merged);
+            cones_of_halves(&mut merged);
             assert_eq!(merged.len(), cones(level - 1));
             assert_eq!([merged[0], merged[merged.len() - 1]], [0.0; 2]);
             assert!((merged.iter().sum::<f64>() - 1.0).abs() < 1e-12);

@@ -96,6 +96,8 @@ pub struct MergedLight {
     shown: usize,
     /// Light of the sky in the cones of the last level.
     sky: Vec<Rgb>,
+    /// One channel of it, on its way down.
+    channel: Vec<f64>,
     /// The light of three consecutive cones, in turns.
     latest: [Vec<f32>; 3],
 }
@@ -226,7 +228,7 @@ impl MergedLight {
                 ..PlaneLight::default()
             });
         }
-        self.descend(angles(intervals.end), |level, angles| {
+        self.descend(&mut angles(intervals.end), |level, angles| {
             level.angles = angles.iter().map(|&angle| angle as f32).collect();
         });
     }
@@ -249,14 +251,17 @@ impl MergedLight {
         if !changed {
             return;
         }
+        let mut light = std::mem::take(&mut self.channel);
         for c in 0..3 {
-            let light = self.sky.iter().map(|sky| f64::from(sky[c])).collect();
-            self.descend(light, |level, light| {
+            light.clear();
+            light.extend(self.sky.iter().map(|sky| f64::from(sky[c])));
+            self.descend(&mut light, |level, light| {
                 for (sky, &light) in level.sky.iter_mut().zip(light) {
                     sky[c] = light as f32;
                 }
             });
         }
+        self.channel = light;
         let (stride, held) = (self.stride, self.pad..self.pad + self.rows);
         for PlaneLight { rows, sky, .. } in &mut self.levels {
             for (rows, sky) in rows.chunks_exact_mut(3 * stride).zip(sky) {
@@ -267,15 +272,14 @@ impl MergedLight {
     }
 
     /// Calls `set` for each level, from the sky down, with what `of_sky` is in its cones or halves.
-    fn descend(&mut self, of_sky: Vec<f64>, mut set: impl FnMut(&mut PlaneLight, &[f64])) {
-        let mut cones = of_sky;
+    fn descend(&mut self, of_sky: &mut Vec<f64>, mut set: impl FnMut(&mut PlaneLight, &[f64])) {
         for level in self.levels.iter_mut().rev() {
             if level.halves {
-                let halves = halves(&cones);
-                set(level, &halves);
-                cones = cones_of_halves(&halves);
+                halves(of_sky);
+                set(level, of_sky);
+                cones_of_halves(of_sky);
             } else {
-                set(level, &cones);
+                set(level, of_sky);
             }
         }
     }
