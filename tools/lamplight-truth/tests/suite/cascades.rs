@@ -96,25 +96,32 @@ fn judge(name: &str, seen: &[Rgb], truth: &[Rgb]) -> f64 {
     relative_rmse
 }
 
-/// The error over all scenes together. That of one scene depends on its discs: of 60 scenes like these, five are above
-/// the bound of `default` while their errors together are at 3 %.
+/// Several scenes of discs. The error over all of them together varies little with their draw; that of a single one
+/// may be twice as large.
+struct Scenes(Vec<(Cells, Truth)>);
+
+impl Scenes {
+    fn of(sizes: &[[u32; 2]], bounces: u32, random: &mut Rng) -> Self {
+        let scene = |&[width, height]: &[u32; 2]| {
+            let cells = discs(random, width, height);
+            let truth = Truth::of(&cells, bounces, random);
+            (cells, truth)
+        };
+        Self(sizes.iter().map(scene).collect())
+    }
+
+    fn error(&self, name: &str, settings: &Settings) -> f64 {
+        let seen = |(cells, truth): &(Cells, Truth)| truth.seen(&solve(cells, settings.clone()));
+        let seen: Vec<Rgb> = self.0.iter().flat_map(seen).collect();
+        let truth: Vec<Rgb> = self.0.iter().flat_map(|(_, truth)| truth.light.clone()).collect();
+        judge(name, &seen, &truth)
+    }
+}
+
 #[test]
 fn direct_light_of_discs_is_right() {
-    let random = &mut fresh();
-    let scenes = [[256, 256], [250, 141], [131, 197]].map(|[width, height]| {
-        let cells = discs(random, width, height);
-        let truth = Truth::of(&cells, 0, random);
-        (cells, truth)
-    });
-    let truth: Vec<Rgb> = scenes.iter().flat_map(|(_, truth)| truth.light.clone()).collect();
-    let error = |name: &str| {
-        let settings = settings(Cascades::preset(name).unwrap(), 0);
-        let seen: Vec<Rgb> = scenes
-            .iter()
-            .flat_map(|(cells, truth)| truth.seen(&solve(cells, settings.clone())))
-            .collect();
-        judge(name, &seen, &truth)
-    };
+    let scenes = Scenes::of(&[[256, 256], [250, 141], [131, 197]], 0, &mut fresh());
+    let error = |name| scenes.error(name, &settings(Cascades::preset(name).unwrap(), 0));
     let (default, quality, plain) = (error("default"), error("quality"), error("plain"));
     assert!(default < DEFAULT, "{default}");
     assert!(quality < QUALITY, "{quality}");
@@ -125,12 +132,9 @@ fn direct_light_of_discs_is_right() {
 
 #[test]
 fn bounced_light_of_discs_is_right() {
-    let random = &mut fresh();
-    let cells = discs(random, 160, 120);
-    let truth = Truth::of(&cells, 2, random);
+    let scenes = Scenes::of(&[[160, 120], [131, 97], [110, 150]], 2, &mut fresh());
     let error = |bounces| {
-        let light = solve(&cells, settings(Cascades::default(), bounces));
-        truth.judge(&format!("{bounces} bounces"), &light)
+        scenes.error(&format!("{bounces} bounces"), &settings(Cascades::default(), bounces))
     };
     assert!(error(2) < BOUNCED);
     assert!(error(1) > BOUNCED, "light that lacks a bounce passes");

@@ -1,6 +1,6 @@
 //! Panoramas: the reference held to closed forms, and the methods held to the reference.
 
-use crate::common::{WALL, direct, expect_rgb, grid, inside};
+use crate::common::{WALL, direct, expect_rgb, grid, inside, tracer};
 use lamplight::settings::{Cascades, Holographic, MethodSettings, Raymarch};
 use lamplight::{Bounces, Cells, Light, Matter, Panorama, Rgb, Settings, Solver};
 use lamplight_truth::scenes::open_cells;
@@ -113,8 +113,7 @@ fn every_method_is_right_among_houses_at_dusk() {
     for (i, sun) in [0.0, 60.0].into_iter().enumerate() {
         let sky = dusk(sun);
         let cells = skyline(&sky);
-        let bounces = Bounces::Count(0);
-        let tracer = PathTracer { samples: PATHS, bounces, wall_depth: 0.0, seed: 3 };
+        let tracer = PathTracer { seed: 3, ..tracer(PATHS, Bounces::Count(0)) };
         let at = open_cells(&cells, LOOKS, 7);
         let truth: Vec<Rgb> = tracer.at(&cells, &at).unwrap().into_iter().map(|(l, _)| l).collect();
         for (name, bounds) in METHODS {
