@@ -27,6 +27,7 @@ use std::sync::Arc;
 /// # Ok::<(), lamplight::Error>(())
 /// ```
 #[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields, description = "A sky that differs all the way round.")]
 pub struct Panorama {
     /// Linear RGB radiance from straight down, left, up, right to down again: 1 to 8192 columns.
     #[serde(serialize_with = "list")]

@@ -10,6 +10,7 @@ use std::f64::consts::{PI, TAU};
 /// [`crate::scene::SceneSky`] has its notation in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
+#[schemars(description = "Radiance beyond the grid, by direction.")]
 #[non_exhaustive]
 pub enum Sky {
     /// One linear RGB radiance from all directions.
@@ -23,6 +24,7 @@ pub enum Sky {
 /// A sky that changes with elevation: `zenith` straight up (−y), `horizon` to the sides,
 /// `ground` straight down; linear in the sine of the elevation between them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Gradient {
     /// Linear RGB radiance from straight up.
     #[schemars(with = "notation::Color")]

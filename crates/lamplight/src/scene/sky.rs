@@ -31,6 +31,10 @@ pub enum SceneSky {
 /// A PNG, EXR, WebP or JPEG of up to [`Panorama::MAX_COLUMNS`] px in width and any height. An EXR is linear as it is,
 /// other images are sRGB-decoded; transparent pixels are black.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(
+    deny_unknown_fields,
+    description = "A sky that differs all the way round, as a picture."
+)]
 pub struct SkyPicture {
     /// The image; a relative path starts at the scene file's folder.
     pub picture: PathBuf,
