@@ -218,9 +218,9 @@ impl Lighting {
 
     /// Prepares the next frame, to be recorded and submitted: noise advances, history and feedback accumulate.
     ///
-    /// Changing the seed, the sky, lamps, the elevation of light, or the contents of cells or textures is free. Other texture views of
-    /// the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers; any
-    /// other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
+    /// Changing the seed, the sky, lamps, the elevation of light, or the contents of cells or textures is free. Other
+    /// texture views of the same size are bound again, and history goes on. Another size or `wall_depth` reallocates
+    /// buffers; any other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
     ///
     /// # Errors
     /// If the input is invalid or the device cannot light it. The frame before then stays prepared.
