@@ -11,15 +11,13 @@
 //! elevation serves the sum. No cotangent is more than 20 (2.9°): light of a low lamp stays finite far away.
 
 use crate::{Lamp, Sun};
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f32::consts::FRAC_PI_4;
 use std::ops::RangeInclusive;
 
 /// The elevation of light if nothing sets another, radians.
 pub const DEFAULT: f32 = FRAC_PI_4;
 /// The elevations that all light may have, radians. Straight above, no weight could make up for it.
 pub const OF_LIGHT: RangeInclusive<f32> = 0.05..=1.5;
-/// The elevations that a sun may have, radians.
-pub const OF_SUN: RangeInclusive<f32> = 0.05..=FRAC_PI_2;
 /// The largest cotangent of an elevation.
 const MAX_COTANGENT: f32 = 20.0;
 
@@ -50,6 +48,7 @@ pub fn longest_moment(lamps: &[Lamp], suns: &[Sun], elevation: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::FRAC_PI_2;
 
     /// Rounding of 32-bit floats.
     const ROUNDING: f32 = 1e-6;

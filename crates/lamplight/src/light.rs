@@ -80,7 +80,8 @@ impl Light {
         self.moment.as_deref()
     }
 
-    /// The elevation at which light arrives at tilted surfaces, radians ([`Settings::elevation`](crate::Settings::elevation)).
+    /// The elevation at which light arrives at tilted surfaces, radians
+    /// ([`Settings::elevation`](crate::Settings::elevation)).
     pub fn elevation(&self) -> f32 {
         self.elevation
     }

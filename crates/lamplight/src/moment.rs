@@ -2,8 +2,8 @@
 //!
 //! `m = (1/2π) ∫ L ω dω`, with ω the unit vector towards the place from which radiance L arrives. Its length is at
 //! most the mean radiance J, channel by channel: `|m| = J` if all light comes from one direction, 0 if it comes from
-//! all alike. Only that of light with an elevation of its own is weighted, and may be longer ([`crate::elevation`]). A surface that is tilted by a normal n in a picture receives light by both
-//! ([`Relief`](crate::Relief)).
+//! all alike. Only that of light with an elevation of its own is weighted, and may be longer ([`crate::elevation`]). A
+//! surface that is tilted by a normal n in a picture receives light by both ([`Relief`](crate::Relief)).
 
 use crate::Rgb;
 use rayon::prelude::*;

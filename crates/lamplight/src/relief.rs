@@ -1,7 +1,8 @@
 //! Relief: the light of surfaces that are tilted out of the plane, by a normal per cell.
 //!
 //! Light runs in the plane, and a picture is seen from above. To light a tilted surface, light is taken to arrive from
-//! above the plane at the elevation ε ([`Settings::elevation`](crate::Settings::elevation)). A surface of unit normal n, z towards the viewer, then receives
+//! above the plane at the elevation ε ([`Settings::elevation`](crate::Settings::elevation)). A surface of unit normal n,
+//! z towards the viewer, then receives
 //!
 //! `E(n) = (1/2π) ∫ L·max(0, n·(ω cos ε, sin ε)) dω / sin ε ≈ max(0, n_z·J + cot ε·(n_x·m_x + n_y·m_y))`
 //!

@@ -1,10 +1,10 @@
 //! Suns: parallel light from beyond the grid.
 
 use crate::mask::ALL_LAYERS;
-use crate::{Result, Rgb, check, elevation, mask, notation};
+use crate::{Result, Rgb, check, mask, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::f32::consts::TAU;
+use std::f32::consts::{FRAC_PI_2, TAU};
 use std::fmt::Display;
 
 /// A sun: a part of the sky so narrow that it throws shadows, lit exactly in every method.
@@ -76,7 +76,7 @@ impl Sun {
         check::radiance(format_args!("{key}.color"), self.color)?;
         check::number(format_args!("{key}.intensity"), self.intensity, 0.0..=1e6)?;
         if let Some(elevation) = self.elevation {
-            check::number(format_args!("{key}.elevation"), elevation, elevation::OF_SUN)?;
+            check::number(format_args!("{key}.elevation"), elevation, 0.05..=FRAC_PI_2)?;
         }
         mask::check(format_args!("{key}.mask"), self.mask)
     }

@@ -1,5 +1,5 @@
-//! The direct light of lamps with exact light ([`Method::lights_exactly`](lamplight::Method::lights_exactly)) and of suns, for methods that find all other
-//! light themselves.
+//! The direct light of lamps with exact light ([`Method::lights_exactly`](lamplight::Method::lights_exactly)) and of
+//! suns, for methods that find all other light themselves.
 //!
 //! One dispatch finds what every open cell and every face receives from all lamps, one adds the suns. Methods add it
 //! to what surfaces scatter in each bounce, and to the light at the end. Visibility is exact, without a shadow map:
