@@ -50,7 +50,7 @@ pub use light::Light;
 pub use mask::ALL_LAYERS;
 pub use moment::Moment;
 pub use profile::Profile;
-pub use relief::{Normal, Relief};
+pub use relief::{Normal, Relief, UP, normal_of_slope};
 pub use rgb::Rgb;
 pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Quality, Settings, SettingsTable};
