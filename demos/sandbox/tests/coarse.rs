@@ -182,7 +182,7 @@ fn late_frames_that_light_is_not_to_blame_for_change_nothing() {
 
 #[test]
 fn normals_get_their_mean_and_the_moment_of_light_is_that_of_the_smaller_cells() {
-    /// Error of the moment of light on larger cells, relative to the light; measured: 0.03.
+    /// Error of the moment of light on larger cells, relative to the light; measured: 0.045.
     const COARSE: f32 = 0.1;
     let mut cells = Cells::new(64, 48).unwrap();
     cells.lamps_mut().push(Lamp { position: [20.0, 24.0], ..Lamp::default() });
