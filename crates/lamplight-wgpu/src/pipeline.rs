@@ -74,7 +74,17 @@ impl ComputePipelines {
     }
 
     /// Binds resources to the slots, in the order of the program's declaration.
+    ///
+    /// Browsers drop a whole frame if one of its dispatches has a buffer in two slots that are written, used or not
+    /// (WebGPU, "Encoder Bind Groups Alias a Writable Resource"). wgpu accepts it, so tests find it here.
     pub fn bind(&self, device: &Device, resources: &[BindingResource]) -> BoundResources {
+        let slots = self.bindings.iter().zip(resources);
+        let written = slots.clone().filter(|((_, binding), _)| binding.is_written());
+        let twice = shared(written.filter_map(|((name, _), resource)| match resource {
+            BindingResource::Buffer(part) => Some((*name, part.buffer)),
+            _ => None,
+        }));
+        debug_assert_eq!(twice, None, "{}: slots that are written share a buffer", self.label);
         let entries: Vec<_> = (0..)
             .zip(resources)
             .map(|(binding, resource)| BindGroupEntry { binding, resource: resource.clone() })
@@ -84,7 +94,6 @@ impl ComputePipelines {
             layout: &self.layout,
             entries: &entries,
         });
-        let slots = self.bindings.iter().zip(resources);
         let traffic = slots.map(|((_, binding), resource)| traffic(*binding, resource)).sum();
         BoundResources { group, traffic }
     }
@@ -109,10 +118,21 @@ fn traffic(binding: Binding, resource: &BindingResource) -> Traffic {
         }
         _ => 0,
     };
-    match binding {
-        Binding::Write | Binding::Output | Binding::Floats => Traffic { read: 0, written: bytes },
-        _ => Traffic { read: bytes, written: 0 },
+    if binding.is_written() {
+        Traffic { read: 0, written: bytes }
+    } else {
+        Traffic { read: bytes, written: 0 }
     }
+}
+
+/// The names of the first two slots with the same resource.
+fn shared<'a, T: PartialEq>(
+    slots: impl Iterator<Item = (&'a str, T)> + Clone,
+) -> Option<[&'a str; 2]> {
+    slots.clone().enumerate().find_map(|(i, (name, resource))| {
+        let (other, _) = slots.clone().take(i).find(|(_, other)| *other == resource)?;
+        Some([other, name])
+    })
 }
 
 /// One dispatch of a pipeline.
@@ -170,5 +190,18 @@ impl Dispatch {
             Some((buffer, offset)) => pass.dispatch_workgroups_indirect(buffer, *offset),
         }
         pass.pop_debug_group();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slots_that_share_a_resource_are_named() {
+        let slots = [("surface", 1), ("irradiance", 2), ("light", 3)];
+        assert_eq!(shared(slots.into_iter()), None);
+        let slots = [("surface", 1), ("irradiance", 2), ("light", 2)];
+        assert_eq!(shared(slots.into_iter()), Some(["irradiance", "light"]));
     }
 }

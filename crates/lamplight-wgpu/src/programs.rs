@@ -27,6 +27,11 @@ pub enum Binding {
 }
 
 impl Binding {
+    /// Returns whether shaders write to it.
+    pub fn is_written(self) -> bool {
+        matches!(self, Self::Output | Self::Floats | Self::Write)
+    }
+
     /// The entry of a bind-group layout.
     pub fn entry(self, slot: u32, visibility: ShaderStages) -> BindGroupLayoutEntry {
         let buffer = |ty, has_dynamic_offset| BindingType::Buffer {

@@ -278,6 +278,11 @@ impl Cells {
         self.normals.get_or_insert_with(|| vec![UP; n])
     }
 
+    /// Removes the normals: no surface is tilted.
+    pub fn clear_normals(&mut self) {
+        self.normals = None;
+    }
+
     /// The layers of every cell, a bit each; `None` if all cells are in all layers. Lamps and suns light only the cells
     /// with which their mask has a layer in common ([`Lamp::mask`]).
     pub fn masks(&self) -> Option<&[u8]> {

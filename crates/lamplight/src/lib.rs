@@ -53,7 +53,7 @@ pub use mask::ALL_LAYERS;
 pub use moment::Moment;
 pub use panorama::Panorama;
 pub use profile::Profile;
-pub use relief::{Normal, Relief};
+pub use relief::{Normal, Relief, UP, normal_of_slope};
 pub use rgb::Rgb;
 pub use scene::{Scene, Shape};
 pub use settings::{Bounces, Method, Quality, Settings, SettingsTable};

@@ -86,6 +86,17 @@ impl Light {
         self.elevation
     }
 
+    /// The x and the y component of the first moment, each in place of the light.
+    pub(crate) fn components(&self) -> Option<[Self; 2]> {
+        let moment = self.moment.as_ref()?;
+        Some([0, 1].map(|axis| Self {
+            rgb: moment.iter().map(|moment| moment[axis]).collect(),
+            solid: self.solid.clone(),
+            moment: None,
+            ..*self
+        }))
+    }
+
     /// Flags of solid cells, in row order.
     pub fn solid(&self) -> &[bool] {
         &self.solid

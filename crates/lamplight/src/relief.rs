@@ -112,12 +112,23 @@ fn unit(v: [f32; 3]) -> [f32; 3] {
 /// Decodes a pixel of a normal map, `n·½ + ½` with y up: 128 of 255 is 0.
 pub(crate) fn decode(rgb: Rgb) -> Normal {
     let [x, y, z] = rgb.map(|v| ((v * 255.0 - 128.0) / 127.0).clamp(-1.0, 1.0));
-    let length = (x * x + y * y + z * z).sqrt();
-    if length < 1e-3 { UP } else { [x / length, -y / length, z / length] }
+    unit([x, -y, z])
 }
 
 /// The normal of a surface that is not tilted.
 pub const UP: Normal = [0.0, 0.0, 1.0];
+
+/// The normal of a surface that rises by this many px per px to the right and down: `(−∂h/∂x, −∂h/∂y, 1)`, of unit
+/// length. Heights of a picture become its normals by it ([`Cells::normals_mut`](crate::Cells::normals_mut)).
+pub fn normal_of_slope([right, down]: [f32; 2]) -> Normal {
+    unit([-right, -down, 1.0])
+}
+
+/// The normal in a direction; [`UP`] if it has no length.
+pub(crate) fn unit(direction: Normal) -> Normal {
+    let length = direction.iter().map(|v| v * v).sum::<f32>().sqrt();
+    if length < 1e-3 { UP } else { direction.map(|v| v / length) }
+}
 
 #[cfg(test)]
 mod tests {
@@ -191,6 +202,14 @@ mod tests {
         assert!(byte([255, 128, 128])[0] > 0.999);
         assert!(byte([128, 255, 128])[1] < -0.999);
         assert_eq!(byte([128; 3]), UP);
+    }
+
+    #[test]
+    fn slopes_tilt_surfaces_away_from_where_they_rise() {
+        assert_eq!(normal_of_slope([0.0; 2]), UP);
+        let [x, y, z] = normal_of_slope([0.75, 0.0]);
+        assert!((x + 0.6).abs() < ROUNDING && y == 0.0 && (z - 0.8).abs() < ROUNDING);
+        assert!(normal_of_slope([0.0, -2.0])[1] > 0.8);
     }
 
     #[test]

@@ -5,10 +5,12 @@
 //! that small lights are not lost; gaps narrower than a block close. Its emission is reduced by the
 //! ratio of the emitter's width to the block's, so that it looks as bright from afar. Fog and glass keep
 //! their transmittance over the block: `T = Π Tᵢ^(1/factor)` over its cells, the mean path. Glow, which is
-//! per px, is `factor` times as strong in a cell that many px wide.
+//! per px, is `factor` times as strong in a cell that many px wide. Its normal is the mean of theirs; the first
+//! moment of the light is upsampled too, so that the picture is lit by its own, finer normals.
 
 use crate::mask::ALL_LAYERS;
 use crate::math::transmittance::extinction;
+use crate::relief::unit;
 use crate::{Cells, Error, Lamp, Light, Matter, Result, Rgb};
 
 /// The largest downsampling factor of acceptable quality.
@@ -50,6 +52,13 @@ pub fn downsample(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
     if let Some(color) = from.color() {
         shrink(color, from.width(), factor, size, to.color_mut());
     }
+    match from.normals() {
+        Some(normals) => {
+            shrink(normals, from.width(), factor, size, to.normals_mut());
+            to.normals_mut().iter_mut().for_each(|normal| *normal = unit(*normal));
+        }
+        None => to.clear_normals(),
+    }
     Ok(())
 }
 
@@ -66,31 +75,54 @@ pub fn upsample(light: &Light, larger: &Cells, cells: &Cells) -> Result<Light> {
         return Err(Error::value("light", found, expected));
     }
     let factor = cells.width().div_ceil(larger.width().max(1));
-    let at = |i: usize| {
+    let source = |i: usize| {
         let [x, y] = [i as u32 % cells.width(), i as u32 / cells.width()];
         let home = (y / factor).min(larger.height() - 1) * larger.width()
             + (x / factor).min(larger.width() - 1);
         let home = home as usize;
         let place = [x, y].map(|v| (v as f32 + 0.5) / factor as f32);
-        let grown = larger.is_solid(home);
-        let (here, given) = (light.pixels()[home], larger.emission()[home]);
-        let arrives = || {
-            if grown { std::array::from_fn(|c| (here[c] - given[c]).max(0.0)) } else { here }
-        };
         if cells.is_solid(i) {
-            let (arrives, own) = (arrives(), cells.emission()[i]);
-            return std::array::from_fn(|c| arrives[c] + own[c]);
+            return Source::Cell(home);
         }
-        if !grown {
-            return light.sample(place);
+        if !larger.is_solid(home) {
+            return Source::Point(place);
         }
         // Beside a wall that grew: the mean of the open cells around, or else the wall's irradiance.
-        match light.over(place.map(|v| v - 1.0), place.map(|v| v + 1.0)) {
-            [0.0, 0.0, 0.0] => arrives(),
-            round => round,
-        }
+        let [min, max] = [-1.0, 1.0].map(|by| place.map(|v| v + by));
+        if light.over(min, max) == [0.0; 3] { Source::Cell(home) } else { Source::Box(min, max) }
     };
-    Light::from_pixels(cells, (0..cells.len()).map(at).collect())
+    let at = |i: usize| {
+        let source = source(i);
+        let found = source.of(light);
+        let Source::Cell(home) = source else { return found };
+        let given = if larger.is_solid(home) { larger.emission()[home] } else { [0.0; 3] };
+        let own = if cells.is_solid(i) { cells.emission()[i] } else { [0.0; 3] };
+        std::array::from_fn(|c| (found[c] - given[c]).max(0.0) + own[c])
+    };
+    let spread = Light::from_pixels(cells, (0..cells.len()).map(at).collect())?;
+    let Some([x, y]) = light.components() else { return Ok(spread) };
+    let moment = (0..cells.len()).map(|i| [source(i).of(&x), source(i).of(&y)]);
+    spread.with_moment(moment.collect())
+}
+
+/// The part of a larger light that a cell takes its value from.
+enum Source {
+    /// A cell, by its index.
+    Cell(usize),
+    /// A point, with interpolation in open space.
+    Point([f32; 2]),
+    /// The open cells of a box.
+    Box([f32; 2], [f32; 2]),
+}
+
+impl Source {
+    fn of(&self, light: &Light) -> Rgb {
+        match *self {
+            Self::Cell(index) => light.pixels()[index],
+            Self::Point(place) => light.sample(place),
+            Self::Box(min, max) => light.over(min, max),
+        }
+    }
 }
 
 /// Computes the means over all blocks, row by row.

@@ -1,6 +1,6 @@
-//! The content of a cell: its matter and its colour.
+//! The content of a cell: its matter, its colour and its normal.
 
-use lamplight::{Cells, Matter, Rgb, srgb};
+use lamplight::{Cells, Matter, Normal, Rgb, UP, normal_of_slope, srgb};
 
 /// A colour from its hexadecimal sRGB code, linear.
 pub fn hex(code: u32) -> Rgb {
@@ -25,39 +25,46 @@ pub struct Paint {
     pub matter: Matter,
     /// Its colour in the picture, which light multiplies, 0 to 1 per channel.
     pub color: Rgb,
+    /// The normal of its surface in the picture.
+    pub normal: Normal,
 }
 
 impl Paint {
+    /// Matter of a colour whose surface is not tilted.
+    const fn flat(matter: Matter, color: Rgb) -> Self {
+        Self { matter, color, normal: UP }
+    }
+
     /// Empty space in front of a backdrop.
     pub const fn open(backdrop: Rgb) -> Self {
-        Self { matter: Matter::EMPTY, color: backdrop }
+        Self::flat(Matter::EMPTY, backdrop)
     }
 
     /// A wall that reflects its colour.
     pub const fn wall(color: Rgb) -> Self {
-        Self { matter: Matter { opacity: 1.0, albedo: color, ..Matter::EMPTY }, color }
+        Self::flat(Matter { opacity: 1.0, albedo: color, ..Matter::EMPTY }, color)
     }
 
     /// A solid that emits light and reflects none.
     pub const fn glow(radiance: Rgb) -> Self {
-        let matter = Matter { emission: radiance, opacity: 1.0, ..Matter::EMPTY };
-        Self { matter, color: [0.0; 3] }
+        Self::flat(Matter { emission: radiance, opacity: 1.0, ..Matter::EMPTY }, [0.0; 3])
     }
 
     /// Clear glass with a tint per px.
     pub const fn glass(tint: Rgb) -> Self {
-        Self { matter: Matter { tint, ..Matter::EMPTY }, color: tint }
+        Self::flat(Matter { tint, ..Matter::EMPTY }, tint)
     }
 
     /// Fog that loses a fraction of light per px and scatters its colour.
     pub const fn fog(opacity: f32, color: Rgb) -> Self {
-        Self { matter: Matter { opacity, albedo: color, ..Matter::EMPTY }, color }
+        Self::flat(Matter { opacity, albedo: color, ..Matter::EMPTY }, color)
     }
 
     /// The paint of a cell.
     pub fn of(cells: &Cells, index: usize) -> Self {
         let color = cells.color().map_or([1.0; 3], |all| all[index]);
-        Self { matter: cells.matter(index), color }
+        let normal = cells.normals().map_or(UP, |all| all[index]);
+        Self { matter: cells.matter(index), color, normal }
     }
 
     /// Adds emitted radiance.
@@ -71,6 +78,12 @@ impl Paint {
     #[must_use]
     pub const fn colored(self, color: Rgb) -> Self {
         Self { color, ..self }
+    }
+
+    /// Tilts its surface, which rises by this many px per px to the right and down.
+    #[must_use]
+    pub fn tilted(self, slope: [f32; 2]) -> Self {
+        Self { normal: normal_of_slope(slope), ..self }
     }
 
     /// Scales to a layout that is drawn with `unit` cells per px, with the same transmittance in total.
@@ -89,9 +102,13 @@ impl Paint {
     pub fn put(self, cells: &mut Cells, index: usize) {
         cells.set_matter(index, self.matter);
         cells.color_mut()[index] = self.color;
+        if cells.normals().is_some() || self.normal != UP {
+            cells.normals_mut()[index] = self.normal;
+        }
     }
 
-    /// Composites it over a cell with a coverage. Cells outside of the grid are ignored.
+    /// Composites it over a cell with a coverage. The normal is that of what covers more of it. Cells outside of the
+    /// grid are ignored.
     pub fn lay(self, cells: &mut Cells, x: i32, y: i32, coverage: f32) {
         let inside =
             (0..cells.width() as i32).contains(&x) && (0..cells.height() as i32).contains(&y);
@@ -101,6 +118,7 @@ impl Paint {
         let index = cells.index(x as u32, y as u32);
         let below = Self::of(cells, index);
         let color = mix(below.color, self.color, coverage.min(1.0));
-        Self { matter: self.matter.over(below.matter, coverage), color }.put(cells, index);
+        let normal = if coverage < 0.5 { below.normal } else { self.normal };
+        Self { matter: self.matter.over(below.matter, coverage), color, normal }.put(cells, index);
     }
 }

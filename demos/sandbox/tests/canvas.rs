@@ -6,7 +6,7 @@ mod common;
 use common::{hash, range, seeded};
 use fastrand::Rng;
 use image::{ImageFormat, RgbaImage};
-use lamplight::{Cells, Lamp, Scene, Sky};
+use lamplight::{Cells, Lamp, Scene, Sky, UP};
 use lamplight_sandbox::canvas::{As, Brush, Canvas, Stuff, Tool};
 use std::io::Cursor;
 
@@ -286,6 +286,57 @@ fn what_is_saved_and_read_again_is_the_same() {
         // And another canvas is not the same.
         assert!(cells != *saved[(i + 1) % saved.len()].cells(), "{i}");
     }
+}
+
+/// A scene with normals, masks and a sun, as its author wrote it.
+fn lit_by_a_sun() -> Canvas {
+    let map = RgbaImage::from_fn(6, 4, |x, y| {
+        image::Rgba([88 + x as u8 * 20, 128, 200, 255 - y as u8 % 2])
+    });
+    let masks = RgbaImage::from_fn(6, 4, |x, _| {
+        let mask = 1 + x as u8;
+        image::Rgba([mask, mask, mask, 255])
+    });
+    let text = "size = [6, 4]\n[layers]\nnormal = \"n.png\"\nmask = \"m.png\"\n[[sun]]\ndirection = \"30deg\"";
+    let files = [("n.png".to_owned(), png(&map)), ("m.png".to_owned(), png(&masks))];
+    Canvas::from_scene(text, &files).unwrap()
+}
+
+#[test]
+fn suns_masks_and_normals_are_saved() {
+    /// Rounding of the encoding in a file and of the length.
+    const ROUNDING: f32 = 1e-6;
+    let canvas = lit_by_a_sun();
+    let cells = canvas.cells();
+    let files = canvas.save("a").unwrap();
+    let again = Canvas::from_scene(str::from_utf8(&files[0].1).unwrap(), &files[1..]).unwrap();
+    assert_eq!((again.cells().suns(), again.cells().masks()), (cells.suns(), cells.masks()));
+    assert_eq!(cells.suns().len(), 1);
+    assert!(cells.masks().unwrap().contains(&6));
+    let apart = |canvas: &Canvas| {
+        let [a, b] = [canvas.cells(), cells].map(|cells| cells.normals().unwrap().as_flattened());
+        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    };
+    assert!(apart(&again) < ROUNDING, "{}", apart(&again));
+    let mut other = again.clone();
+    other.stroke(Brush { stuff: Stuff::Wall([0.5; 3]), radius: 0.5 }, &[[1.0, 1.0]]);
+    assert!(apart(&other) > ROUNDING, "a flat wall passes for a tilted one");
+}
+
+#[test]
+fn walls_are_flat_and_erasing_them_brings_the_normals_back() {
+    let mut canvas = lit_by_a_sun();
+    let before = canvas.cells().normals().unwrap().to_vec();
+    let paint =
+        |canvas: &mut Canvas, stuff| canvas.stroke(Brush { stuff, radius: 9.0 }, &[[3.0, 2.0]]);
+    paint(&mut canvas, Stuff::Wall([0.5; 3]));
+    assert_eq!(canvas.cells().normals().unwrap(), [UP; 24]);
+    for stuff in [Stuff::Erase, Stuff::Glass([0.5; 3]), Stuff::Fog(0.1, [0.5; 3])] {
+        paint(&mut canvas, stuff);
+        assert_eq!(canvas.cells().normals().unwrap(), before, "{stuff:?}");
+    }
+    (0..4).for_each(|_| assert!(canvas.undo()));
+    assert_eq!(canvas.cells().normals().unwrap(), before);
 }
 
 #[test]

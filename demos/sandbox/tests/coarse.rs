@@ -1,7 +1,7 @@
 //! Larger cells show about the same light, and slow frames select them.
 
 use lamplight::resample::{MAX_FACTOR, downsample, max_factor, upsample};
-use lamplight::{Cells, Lamp, Light, Matter, Method, Rgb, Settings, Solver};
+use lamplight::{Cells, Lamp, Light, Matter, Method, Rgb, Settings, Solver, normal_of_slope};
 use lamplight_sandbox::pace::{FRAME, Pace};
 
 const WALL: Matter = Matter { opacity: 1.0, ..Matter::EMPTY };
@@ -178,4 +178,36 @@ fn late_frames_that_light_is_not_to_blame_for_change_nothing() {
     let mut pace = Pace::default();
     let factor = (0..200).fold(1, |factor, _| pace.advise(0.05, Some(0.001), factor, MAX_FACTOR));
     assert_eq!(factor, 1);
+}
+
+#[test]
+fn normals_get_their_mean_and_the_moment_of_light_is_that_of_the_smaller_cells() {
+    /// Error of the moment of light on larger cells, relative to the light; measured: 0.045.
+    const COARSE: f32 = 0.1;
+    let mut cells = Cells::new(64, 48).unwrap();
+    cells.lamps_mut().push(Lamp { position: [20.0, 24.0], ..Lamp::default() });
+    let tilt = |x: usize| normal_of_slope([if x.is_multiple_of(2) { 0.5 } else { -0.5 }, 0.3]);
+    cells.normals_mut().iter_mut().enumerate().for_each(|(i, normal)| *normal = tilt(i % 64));
+    let mut larger = coarse(&cells, 2);
+    for &[x, y, z] in larger.normals().unwrap() {
+        // Slopes to the right and to the left are flat together.
+        assert!(x.abs() < 1e-6 && y < -0.2 && (y * y + z * z - 1.0).abs() < 1e-5, "{x} {y} {z}");
+    }
+    let fine = lit(&cells);
+    let spread = upsample(&lit(&larger), &larger, &cells).unwrap();
+    let off = |i: usize, axis: usize| {
+        let [a, b] = [&fine, &spread].map(|light| light.moment().unwrap()[i][axis][1]);
+        (a - b).abs() / fine.pixels()[i][1]
+    };
+    let far = (0..cells.len()).filter(|i| (i % 64) as f32 > 30.0);
+    let worst = far.flat_map(|i| [off(i, 0), off(i, 1)]).fold(0.0, f32::max);
+    println!("the moment is {worst:.3} off");
+    assert!(worst < COARSE, "{worst}");
+    // Light from the left, and not from above.
+    assert!(fine.moment().unwrap()[24 * 64 + 50][0][1] < -0.5 * fine.at(50, 24)[1]);
+    // Normals that are gone leave larger cells too.
+    cells.clear_normals();
+    downsample(&cells, 2, &mut larger).unwrap();
+    assert_eq!(larger.normals(), None);
+    assert_eq!(upsample(&lit(&larger), &larger, &cells).unwrap().moment(), None);
 }

@@ -273,6 +273,50 @@ fn on_the_gpu_two_methods_stand_side_by_side_and_the_divider_moves() {
 }
 
 #[test]
+fn on_the_gpu_normals_of_a_scene_give_relief_in_coarser_light_too() {
+    let display = Display::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let shot = |name: &str| folder.path().join(format!("{name}.png"));
+    let middle = |name: &str| {
+        let picture = open(&shot(name)).unwrap();
+        let (w, h) = picture.dimensions();
+        image::imageops::crop_imm(&picture, w / 4, h / 4, w / 2, h / 2).to_image()
+    };
+    let cellar = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cellar.toml");
+    let mut pictures = Vec::new();
+    for backend in ["gpu", "cpu"] {
+        let script = format!(
+            "drop {cellar}\nset method=polar\nset bounces=0\nfactor 1\nframes 3\nshot {}\nrelief off\n\
+             frames 2\nshot {}\nfactor 2\nframes 2\nshot {}\nrelief on\nframes 2\nshot {}\ntell\n",
+            shot("relief").display(),
+            shot("flat").display(),
+            shot("coarse-flat").display(),
+            shot("coarse-relief").display()
+        );
+        let mut said = Vec::new();
+        display
+            .play(&["--backend", backend], &script, |line, _| said.push(line.to_owned()))
+            .unwrap();
+        assert_eq!(said, ["all is well"]);
+        let [relief, flat] = ["relief", "flat"].map(middle);
+        let [coarse_relief, coarse_flat] = ["coarse-relief", "coarse-flat"].map(middle);
+        let lost = difference(&relief, &flat);
+        let kept = difference(&relief, &coarse_relief);
+        let coarse_lost = difference(&coarse_relief, &coarse_flat);
+        println!("{backend}: {lost:.2} flat, {kept:.2} coarser, {coarse_lost:.2} coarser and flat");
+        assert!(lost > 2.0, "{backend}: relief changes the picture by {lost:.2}");
+        assert!(
+            kept < 0.5 * lost && coarse_lost > 0.5 * lost,
+            "{backend}: {kept:.2}, {coarse_lost:.2}"
+        );
+        pictures.push([relief, coarse_relief]);
+    }
+    let [fine, coarse] = [0, 1].map(|i| difference(&pictures[0][i], &pictures[1][i]));
+    println!("the GPU and the CPU: {fine:.2} apart, {coarse:.2} in coarser light");
+    assert!(fine < 1.0 && coarse < 2.0, "{fine:.2}, {coarse:.2}");
+}
+
+#[test]
 fn on_the_gpu_the_benchmark_ends_with_a_table() {
     let display = Display::new().unwrap();
     let mut said = Vec::new();

@@ -5,7 +5,7 @@ mod common;
 
 use common::{hash, range, seeded};
 use fastrand::Rng;
-use lamplight::{Cells, Method, Settings, Solver};
+use lamplight::{Cells, Lamp, Method, Rgb, Settings, Solver};
 use lamplight_sandbox::clock::Clock;
 use lamplight_sandbox::worlds::bodies::Bodies;
 use lamplight_sandbox::worlds::room::Room;
@@ -424,4 +424,75 @@ fn the_meter_falls_when_the_lantern_is_put_out() {
     (0..45).for_each(|_| room.step(&walk([0.0, 1.0])));
     let away = lit(&room);
     assert!(away < beside, "{beside} beside it, {away} away");
+}
+
+/// The radiance of the room in the light of one lamp.
+fn lit_by_one(cells: &mut Cells, position: [f32; 2]) -> Vec<Rgb> {
+    let room = WorldKind::Room.make([cells.width(), cells.height()], 1).unwrap();
+    cells.lamps_mut().clear();
+    cells.lamps_mut().push(Lamp { position, ..Lamp::default() });
+    let mut solver = Solver::new(Settings::direct(Method::default())).unwrap();
+    solver.solve(cells).unwrap().radiance(cells, &room.look().display).unwrap()
+}
+
+#[test]
+fn edges_of_bricks_and_tiles_catch_the_light_of_a_lamp_beside_them() {
+    let size = [320, 180];
+    let mut tilted = cells(size);
+    WorldKind::Room.make(size, 1).unwrap().draw(&mut tilted);
+    let mut flat = tilted.clone();
+    flat.clear_normals();
+    // The left and the right edge of a tile, and of a brick of the wall above.
+    for edges in [[[160, 59], [167, 59]], [[185, 16], [189, 16]]] {
+        let [left, right] = edges.map(|[x, y]| tilted.index(x, y));
+        let beside = |dx: f32| [edges[0][0] as f32 + dx, 50.0];
+        for (position, [near, far]) in
+            [(beside(-20.0), [left, right]), (beside(20.0), [right, left])]
+        {
+            let ratio = |radiance: &[Rgb]| radiance[near][1] / radiance[far][1];
+            let with = ratio(&lit_by_one(&mut tilted, position));
+            let without = ratio(&lit_by_one(&mut flat, position));
+            println!("{position:?}, {edges:?}: {with:.2}, {without:.2} without relief");
+            assert!(with > 1.25 * without, "{position:?}, {edges:?}: {with} and {without}");
+        }
+    }
+}
+
+#[test]
+fn without_its_normals_the_room_is_lit_as_if_it_never_had_any() {
+    let size = [160, 90];
+    let mut tilted = cells(size);
+    WorldKind::Room.make(size, 1).unwrap().draw(&mut tilted);
+    let mut flat = tilted.clone();
+    flat.clear_normals();
+    let mut solver = Solver::new(Settings::default()).unwrap();
+    let with = solver.solve(&tilted).unwrap().clone();
+    let without = solver.solve(&flat).unwrap();
+    // Light does not know normals; only the picture does.
+    assert_eq!(with.pixels(), without.pixels());
+    assert_eq!((with.moment().is_some(), without.moment().is_some()), (true, false));
+    let display = Default::default();
+    assert_ne!(
+        with.radiance(&tilted, &display).unwrap(),
+        without.radiance(&flat, &display).unwrap()
+    );
+}
+
+#[test]
+fn what_moves_over_the_floor_is_flat() {
+    let mut room = Room::new([320, 180], 1);
+    let mut cells = cells([320, 180]);
+    let covered = |cells: &Cells, room: &Room| {
+        let [x, y] = room.walker().map(|v| v as u32);
+        (0..9).all(|i| {
+            cells.normals().unwrap()[cells.index(x + i % 3 - 1, y + i / 3 - 1)] == lamplight::UP
+        })
+    };
+    room.draw(&mut cells);
+    assert!(covered(&cells, &room));
+    let still = room.clone();
+    (0..30).for_each(|_| room.step(&Input { direction: [-1.0, 0.0], ..Input::default() }));
+    room.draw(&mut cells);
+    assert!(covered(&cells, &room));
+    assert!(!covered(&cells, &still), "the planks do not come back");
 }

@@ -24,8 +24,10 @@ impl MomentWalls {
     /// sunk in.
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
         let Self([x, y]) = self;
-        let [first, second] = [x.plan(planner, light)?, y.plan(planner, light)?];
-        Ok([x.turn_faces(planner, light)?].into_iter().chain(first).chain(second).collect())
+        let bound = x.bind(planner, light)?;
+        let turn = Dispatch::over(planner.size.into(), &x.0.entries[TURN_FACES], &bound, Some(0));
+        let x = x.sink(planner, &bound);
+        Ok([turn].into_iter().chain(x).chain(y.plan(planner, light)?).collect())
     }
 }
 
@@ -52,54 +54,53 @@ impl Walls {
         Self(ComputePipelines::new(device, &programs::WALLS, &constants))
     }
 
-    fn turn_faces(&self, planner: &FramePlanner, light: &Buffer) -> Result<Dispatch> {
-        let unused = planner.buffer::<[f32; 4]>("walls: unused", 1)?;
-        let bound = self.bind(planner, [&unused, &unused, &unused], light);
-        Ok(Dispatch::over(planner.size.into(), &self.0.entries[TURN_FACES], &bound, Some(0)))
-    }
-
-    fn bind(
-        &self,
-        planner: &FramePlanner,
-        [surface, irradiance, emission]: [&Buffer; 3],
-        light: &Buffer,
-    ) -> BoundResources {
-        let resources = [
-            view(&planner.textures.tint_opacity),
-            planner.shared.step(),
-            view(&planner.textures.emission),
-            whole(surface),
-            whole(irradiance),
-            whole(emission),
-            whole(light),
-        ];
-        planner.bind(&self.0, &resources)
-    }
-
     /// Plans the light of solid cells from that of their faces.
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
+        Ok(self.sink(planner, &self.bind(planner, light)?))
+    }
+
+    /// Binds the light, and buffers for what sinks in. Where nothing does, they are bound, but not used.
+    fn bind(&self, planner: &FramePlanner, light: &Buffer) -> Result<BoundResources> {
         let octaves = octaves(planner.settings.wall_depth);
-        let size = <[u32; 2]>::from(planner.size);
-        let level_size = |level: u32| size.map(|n| n.div_ceil(1 << level));
-        let level_cells = |level: u32| level_size(level).map(u64::from).iter().product::<u64>();
-        // Where nothing sinks in, the buffers are bound, but not used.
+        let level_cells =
+            |level: u32| level_size(planner, level).map(u64::from).iter().product::<u64>();
         let cells = if octaves == 0 { 1 } else { planner.cells() };
         let sums = (1..=octaves).map(level_cells).sum::<u64>().max(1);
         let surface = planner.buffer::<[f32; 4]>("walls: surface", cells)?;
         let irradiance = planner.buffer::<[f32; 4]>("walls: irradiance", sums)?;
         let emission = planner.buffer::<[f32; 4]>("walls: emission", sums)?;
-        let bound = self.bind(planner, [&surface, &irradiance, &emission], light);
+        let resources = [
+            view(&planner.textures.tint_opacity),
+            planner.shared.step(),
+            view(&planner.textures.emission),
+            whole(&surface),
+            whole(&irradiance),
+            whole(&emission),
+            whole(light),
+        ];
+        Ok(planner.bind(&self.0, &resources))
+    }
+
+    /// The dispatches by which light sinks in.
+    fn sink(&self, planner: &FramePlanner, bound: &BoundResources) -> Vec<Dispatch> {
         let over = |entry: usize, level: u32| {
-            Dispatch::over(level_size(level), &self.0.entries[entry], &bound, Some(level))
+            let pipeline = &self.0.entries[entry];
+            Dispatch::over(level_size(planner, level), pipeline, bound, Some(level))
         };
+        let octaves = octaves(planner.settings.wall_depth);
         if octaves == 0 {
-            return Ok(vec![over(SHOW_FACES, 0)]);
+            return vec![over(SHOW_FACES, 0)];
         }
         let blurs = (1..=octaves).map(|level| over(BLUR, level));
         let sums = (1..octaves).rev().map(|level| over(ADD_COARSER, level));
         let (flags, sink) = ([over(FIND_FLAGS, 0)], [over(SINK, 0)]);
-        Ok(flags.into_iter().chain(blurs).chain(sums).chain(sink).collect())
+        flags.into_iter().chain(blurs).chain(sums).chain(sink).collect()
     }
+}
+
+/// Columns and rows of a level of the pyramid; the cells are level 0.
+fn level_size(planner: &FramePlanner, level: u32) -> [u32; 2] {
+    <[u32; 2]>::from(planner.size).map(|side| side.div_ceil(1 << level))
 }
 
 /// Entries of [`programs::WALLS`].

@@ -1,7 +1,21 @@
 //! Brushes, and the tools that apply them.
 
 use crate::paint::{Paint, mix};
-use lamplight::Rgb;
+use lamplight::{Normal, Rgb};
+
+/// The surface behind open space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Backdrop {
+    pub color: Rgb,
+    pub normal: Normal,
+}
+
+impl Backdrop {
+    /// Matter through which it is seen, in a mixture of both colours.
+    fn behind(self, paint: Paint, color: Rgb) -> Paint {
+        Paint { color, normal: self.normal, ..paint }
+    }
+}
 
 /// Matter to paint. Values out of range are clamped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +28,7 @@ pub enum Stuff {
     Fog(f32, Rgb),
     /// A solid that emits this radiance, 0 to [`Stuff::MAX_RADIANCE`].
     Glow(Rgb),
-    /// The colour behind open space. Matter does not change.
+    /// The colour behind open space. Matter and normals do not change.
     Backdrop(Rgb),
     /// Open space.
     Erase,
@@ -25,21 +39,23 @@ impl Stuff {
     pub const MAX_RADIANCE: f32 = 1000.0;
 
     /// The paint in front of a backdrop; `None` if only the backdrop changes.
-    pub(super) fn paint(self, backdrop: Rgb) -> Option<Paint> {
+    pub(super) fn paint(self, backdrop: Backdrop) -> Option<Paint> {
+        let Backdrop { color: behind, .. } = backdrop;
         Some(match self {
             Self::Wall(color) => Paint::wall(unit(color)),
             Self::Glass(tint) => {
                 let tint = unit(tint);
-                Paint::glass(tint).colored(std::array::from_fn(|c| tint[c] * backdrop[c]))
+                let color = std::array::from_fn(|c| tint[c] * behind[c]);
+                backdrop.behind(Paint::glass(tint), color)
             }
             Self::Fog(opacity, color) => {
                 // An opacity of 1 would be a wall.
-                let opacity = within(opacity, 0.99);
-                Paint::fog(opacity, unit(color)).colored(mix(backdrop, unit(color), 0.5))
+                let fog = Paint::fog(within(opacity, 0.99), unit(color));
+                backdrop.behind(fog, mix(behind, unit(color), 0.5))
             }
             Self::Glow(radiance) => Paint::glow(radiance.map(|v| within(v, Self::MAX_RADIANCE))),
             Self::Backdrop(_) => return None,
-            Self::Erase => Paint::open(backdrop),
+            Self::Erase => backdrop.behind(Paint::open(behind), behind),
         })
     }
 }

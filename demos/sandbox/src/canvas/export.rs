@@ -1,11 +1,12 @@
-//! Export of a canvas as a scene file with images, from which the same cells can be loaded bit by bit.
+//! Export of a canvas as a scene file with images, from which the same cells can be loaded bit by bit; normals up to
+//! rounding.
 //!
 //! Each field of the cells is a layer. It is a PNG if 8 bits represent it exactly, so that any program can
 //! edit it, and otherwise an EXR.
 
 use super::{Canvas, Error, Result};
 use image::{DynamicImage, ImageBuffer, ImageFormat};
-use lamplight::{Rgb, Scene, srgb};
+use lamplight::{Normal, Rgb, Scene, srgb};
 use std::io::Cursor;
 
 /// The encoding of the bytes of a PNG in a layer.
@@ -35,6 +36,7 @@ impl Canvas {
         let cells = self.cells();
         let mut scene = Scene::new(cells.width(), cells.height()).sky(cells.sky().clone());
         scene.lamps = cells.lamps().to_vec();
+        scene.suns = cells.suns().to_vec();
         scene.display = self.look().display;
         scene.settings = self.look().table();
 
@@ -62,6 +64,15 @@ impl Canvas {
         }
         if let Some(color) = cells.color() {
             scene.layers.color = layer("color", color, Bytes::Color)?;
+        }
+        if let Some(normals) = cells.normals() {
+            let map = |&[x, y, z]: &Normal| [x, -y, z].map(|v| (127.0 * v + 128.0) / 255.0);
+            let map: Vec<Rgb> = normals.iter().map(map).collect();
+            scene.layers.normal = layer("normal", &map, Bytes::Value)?;
+        }
+        if let Some(masks) = cells.masks() {
+            let masks: Vec<Rgb> = masks.iter().map(|&mask| [f32::from(mask) / 255.0; 3]).collect();
+            scene.layers.mask = layer("mask", &masks, Bytes::Value)?;
         }
         files.insert(0, (format!("{name}.toml"), scene.to_toml()?.into_bytes()));
         Ok(files)

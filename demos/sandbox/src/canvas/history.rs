@@ -1,7 +1,8 @@
 //! Undo and redo with bounded memory. Former cells are run-length encoded.
 
+use super::brush::Backdrop;
 use crate::paint::Paint;
-use lamplight::{Lamp, Rgb, Sky};
+use lamplight::{Lamp, Sky};
 use std::collections::VecDeque;
 use std::mem::size_of;
 
@@ -9,7 +10,7 @@ use std::mem::size_of;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cell {
     pub paint: Paint,
-    pub backdrop: Rgb,
+    pub backdrop: Backdrop,
 }
 
 /// Consecutive cells with the same content.

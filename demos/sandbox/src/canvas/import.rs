@@ -64,7 +64,7 @@ impl Canvas {
 
     fn place_px(&mut self, index: usize, color: Rgb, alpha: f32, kind: As) {
         if kind == As::Backdrop {
-            let under = self.backdrop[index];
+            let under = self.backdrop[index].color;
             return self.touch(index, Stuff::Backdrop(mix(under, color, alpha)));
         }
         if alpha < HALF {

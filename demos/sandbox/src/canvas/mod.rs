@@ -20,8 +20,9 @@ pub use import::As;
 
 use crate::look::Look;
 use crate::paint::Paint;
+use brush::Backdrop;
 use history::{Beside, Cell, Entry, History};
-use lamplight::{Cells, Matter, Rgb};
+use lamplight::{Cells, Matter, UP};
 
 /// An edit in progress.
 #[derive(Clone, Debug, Default)]
@@ -45,8 +46,8 @@ struct Stroke {
 #[derive(Clone, Debug)]
 pub struct Canvas {
     cells: Cells,
-    /// Colours of open cells, which erasing restores.
-    backdrop: Vec<Rgb>,
+    /// The surface behind every cell, which erasing brings to light.
+    backdrop: Vec<Backdrop>,
     look: Look,
     history: History,
     open: Option<Open>,
@@ -63,7 +64,7 @@ impl Canvas {
     pub const MAX_PIXELS: u32 = limits::MAX_PIXELS;
     /// The default limit on the bytes of undo and redo; see [`Canvas::set_history_limit`]. An edit that
     /// changes every cell differently fits.
-    pub const HISTORY: usize = 160 << 20;
+    pub const HISTORY: usize = 224 << 20;
 
     /// An empty canvas of a grey backdrop.
     pub fn new(size: [u32; 2]) -> Result<Self> {
@@ -287,10 +288,10 @@ impl Canvas {
     fn touch(&mut self, index: usize, stuff: Stuff) {
         let mut cell = self.cell(index);
         if let Stuff::Backdrop(color) = stuff {
-            cell.backdrop = brush::unit(color);
+            cell.backdrop.color = brush::unit(color);
             // Only open space shows the backdrop.
             if cell.paint.matter == Matter::EMPTY {
-                cell.paint.color = cell.backdrop;
+                cell.paint.color = cell.backdrop.color;
             }
         } else if let Some(paint) = stuff.paint(cell.backdrop) {
             cell.paint = paint;
@@ -346,10 +347,12 @@ impl Canvas {
         }
         let start = at[1] as usize * w as usize + at[0] as usize;
         let first = self.cell(start);
-        let alike = |cell: Cell| match stuff {
-            Stuff::Backdrop(_) => cell == first,
-            _ => cell.paint.matter == first.paint.matter,
+        let look = |cell: &Cell| match stuff {
+            Stuff::Backdrop(_) => Some((cell.paint.color, cell.backdrop.color)),
+            _ => None,
         };
+        let alike =
+            |cell: Cell| cell.paint.matter == first.paint.matter && look(&cell) == look(&first);
         // Painted cells are touched, so each is visited once.
         let mut waiting = vec![start as u32];
         while let Some(i) = waiting.pop() {
@@ -370,15 +373,18 @@ impl Canvas {
     }
 }
 
-/// The backdrop of every cell: the picture at open cells, and the mean of those elsewhere.
-fn backdrop_of(cells: &mut Cells) -> Vec<Rgb> {
-    let open: Vec<bool> = (0..cells.len()).map(|i| cells.matter(i) == Matter::EMPTY).collect();
-    let color = cells.color_mut();
+/// The backdrop of every cell: the picture at open cells, and its mean colour elsewhere.
+fn backdrop_of(cells: &mut Cells) -> Vec<Backdrop> {
+    cells.color_mut();
+    let here = |i: usize| Some(Paint::of(cells, i)).filter(|paint| paint.matter == Matter::EMPTY);
     let (mut sum, mut count) = ([0.0f64; 3], 0.0f64);
-    for (color, _) in color.iter().zip(&open).filter(|(_, open)| **open) {
-        (0..3).for_each(|c| sum[c] += f64::from(color[c]));
+    for paint in (0..cells.len()).filter_map(here) {
+        (0..3).for_each(|c| sum[c] += f64::from(paint.color[c]));
         count += 1.0;
     }
-    let mean = if count > 0.0 { sum.map(|v| (v / count) as f32) } else { [0.5; 3] };
-    color.iter().zip(&open).map(|(color, open)| if *open { *color } else { mean }).collect()
+    let color = if count > 0.0 { sum.map(|v| (v / count) as f32) } else { [0.5; 3] };
+    let mean = Backdrop { color, normal: UP };
+    let behind =
+        |i: usize| here(i).map_or(mean, |Paint { color, normal, .. }| Backdrop { color, normal });
+    (0..cells.len()).map(behind).collect()
 }

@@ -11,6 +11,7 @@ mod inspect;
 pub mod light;
 mod panels;
 mod probe;
+mod relief;
 mod resolution;
 mod saving;
 pub mod script;

@@ -33,6 +33,8 @@ pub enum Line {
     Factor(u32),
     /// Splits the picture, with this method on the right.
     Split(Method),
+    /// Switches relief on or off.
+    Relief(bool),
     /// Moves the pointer to a position in the picture, in cells.
     Move([f32; 2]),
     Press,
@@ -130,6 +132,8 @@ fn read(words: &[&str]) -> Result<Line> {
         ["split", name] => Line::Split(
             Method::ALL.iter().copied().find(|m| m.name() == name).context("no such method")?,
         ),
+        ["relief", "on"] => Line::Relief(true),
+        ["relief", "off"] => Line::Relief(false),
         ["move", x, y] => Line::Move([x.parse()?, y.parse()?]),
         ["press"] => Line::Press,
         ["release"] => Line::Release,
@@ -144,8 +148,8 @@ fn read(words: &[&str]) -> Result<Line> {
         ["shot", path] => Line::Shot(path.into()),
         _ => bail!(
             "expected one of: frames N, world NAME, set key=value, view NAME, view inside N, split METHOD, \
-             factor N, benchmark, table, move X Y, press, release, lamp, clear, drop FILE, save KIND, size W H, \
-             lose, warn WORDS, say WORD, tell, place, shot FILE"
+             factor N, relief on, relief off, benchmark, table, move X Y, press, release, lamp, clear, drop FILE, \
+             save KIND, size W H, lose, warn WORDS, say WORD, tell, place, shot FILE"
         ),
     })
 }

@@ -97,5 +97,8 @@ pub(super) fn copy(from: &Cells, to: &mut Cells) {
     if let Some(color) = from.color() {
         to.color_mut().copy_from_slice(color);
     }
+    if let Some(normals) = from.normals() {
+        to.normals_mut().copy_from_slice(normals);
+    }
     to.set_sky(from.sky().clone());
 }

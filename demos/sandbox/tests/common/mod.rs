@@ -13,6 +13,7 @@ pub fn hash(cells: &Cells) -> u64 {
     add(cells.tint().as_flattened());
     add(cells.albedo().as_flattened());
     add(cells.color().map(<[_]>::as_flattened).unwrap_or_default());
+    add(cells.normals().map(<[_]>::as_flattened).unwrap_or_default());
     for lamp in cells.lamps() {
         add(&[lamp.position[0], lamp.position[1], lamp.intensity, lamp.size]);
         add(&lamp.color);

@@ -1,6 +1,7 @@
 //! A cellar of bricks, with a normal map: every brick has edges that catch the light of the lamp beside it.
 
 use super::canvas::{Art, Canvas, Color, Layer, Paint, hash, hex, ramp, rough};
+use lamplight::normal_of_slope;
 
 const W: i32 = 320;
 const H: i32 = 180;
@@ -114,7 +115,6 @@ fn tilted(paint: Paint, x: i32, y: i32, height: impl Fn(f32, f32) -> f32) -> Pai
     let (x, y) = (x as f32 + 0.5, y as f32 + 0.5);
     let slope =
         |dx: f32, dy: f32| (height(x + dx, y + dy) - height(x - dx, y - dy)) / (2.0 * BESIDE);
-    let normal = [-slope(BESIDE, 0.0), slope(0.0, BESIDE), 1.0];
-    let length = normal.iter().map(|v| v * v).sum::<f32>().sqrt();
-    Paint { normal: normal.map(|v| (127.0 * v / length + 128.0).round() as u8), ..paint }
+    let normal = normal_of_slope([slope(BESIDE, 0.0), -slope(0.0, BESIDE)]);
+    Paint { normal: normal.map(|v| (127.0 * v + 128.0).round() as u8), ..paint }
 }

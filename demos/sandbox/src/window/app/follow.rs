@@ -66,6 +66,7 @@ impl App {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(size.into()));
             }
             Line::Table => print!("{}", self.benchmark.markdown()),
+            Line::Relief(is_on) => self.relief.is_on = is_on,
             Line::Factor(factor) => self.resolution.choose(factor),
             Line::Split(method) => {
                 let settings = self.halves.left.settings.clone();

@@ -20,6 +20,7 @@ use crate::window::panels::timings::Timings;
 use crate::window::panels::tools::Tools;
 use crate::window::panels::{settings, settings::Panel, view};
 use crate::window::probe::Probe;
+use crate::window::relief::Relief;
 use crate::window::resolution::Resolution;
 use crate::window::saving::{SaveKind, Saving};
 use crate::window::script::Script;
@@ -46,6 +47,7 @@ pub struct App {
     benchmark: Benchmark,
     inspector: Inspector,
     shown: Shown,
+    relief: Relief,
     /// True if cells are drawn as a whole number of pixels.
     whole: bool,
     probe: Probe,
@@ -99,6 +101,7 @@ impl App {
             benchmark: Benchmark::default(),
             inspector: Inspector::new(&context.egui_ctx),
             shown: Shown { display: look.display, ..Shown::default() },
+            relief: Relief::new()?,
             whole: true,
             tools: Tools::default(),
             panel: Panel::new(),
@@ -192,11 +195,9 @@ impl App {
         self.panel.show(ui, &mut half.settings);
         CollapsingHeader::new("Picture").default_open(true).show(ui, |ui| {
             settings::display(ui, &mut self.shown.display);
-            ui.checkbox(&mut self.shown.smooth, "smooth")
-                .on_hover_text("Interpolates light between cells; off suits pixel art");
-            ui.checkbox(&mut self.whole, "whole pixels").on_hover_text(
-                "Each cell is a whole number of pixels, so that all cells have the same size",
-            );
+            let has_normals = self.subject.cells().normals().is_some();
+            let relief = has_normals.then_some(&mut self.relief.is_on);
+            view::picture(ui, &mut self.shown.smooth, &mut self.whole, relief);
         });
         CollapsingHeader::new("Save").default_open(true).show(ui, |ui| self.files(ui));
         CollapsingHeader::new("Times").default_open(true).show(ui, |ui| {
@@ -314,7 +315,7 @@ impl App {
             return platform::save(&files).map(Some);
         }
         // At full size in every view.
-        let cells = self.subject.cells();
+        let cells = self.relief.shown(self.subject.cells(), false);
         lit.find(cells, cells, settings, self.shown)?;
         self.saving.begin(kind, lit, cells)?;
         Ok(None)

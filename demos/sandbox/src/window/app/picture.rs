@@ -66,9 +66,10 @@ impl App {
 
     /// Computes the light of the frame, and the current view.
     fn light(&mut self, at: Option<[f32; 2]>, passed: f64) -> Result<()> {
-        let (cells, view) = (self.subject.cells(), self.inspector.view);
-        self.resolution.prepare(cells)?;
+        let view = self.inspector.view;
         self.shown.light_alone = view == PictureView::Light;
+        let cells = self.relief.shown(self.subject.cells(), self.shown.light_alone);
+        self.resolution.prepare(cells)?;
         if self.benchmark.settings().is_some() {
             return self.time(passed);
         }
@@ -98,10 +99,11 @@ impl App {
         }
         let Some(settings) = self.benchmark.settings() else { return Ok(()) };
         let settings = self.resolution.settings(settings);
-        let cells = self.resolution.cells(self.subject.cells());
+        let picture = self.relief.shown(self.subject.cells(), self.shown.light_alone);
+        let cells = self.resolution.cells(picture);
         let lit = &mut self.halves.left.lit;
         lit.forget();
-        match lit.find(cells, self.subject.cells(), &settings, self.shown) {
+        match lit.find(cells, picture, &settings, self.shown) {
             Ok(()) => self.benchmark.lit(lit.stages(), passed),
             // The next method may work.
             Err(_) => self.benchmark.refused(),

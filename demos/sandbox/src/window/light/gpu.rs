@@ -4,7 +4,7 @@ use super::shown::Shown;
 use anyhow::Result;
 use eframe::egui::{PaintCallbackInfo, Painter, Rect};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};
-use lamplight::{Cells, Light, Rgb, Settings};
+use lamplight::{Cells, Light, Settings};
 use lamplight_wgpu::read_back::FetchLight;
 use lamplight_wgpu::wgpu::{
     Device, Extent3d, Queue, RenderPass, TexelCopyBufferLayout, TextureDescriptor,
@@ -25,21 +25,22 @@ pub struct OnGpu {
     lighting: Lighting,
     compose: Arc<Mutex<Compose>>,
     timer: Option<Timer>,
-    colors: Option<Colors>,
+    colors: Option<Values>,
+    normals: Option<Values>,
 }
 
-/// The colours of cells as a texture.
-struct Colors {
+/// Three values per cell as a texture.
+struct Values {
     size: [u32; 2],
     view: TextureView,
     texels: Vec<[f32; 4]>,
 }
 
-impl Colors {
+impl Values {
     fn new(device: &Device, size: [u32; 2]) -> Self {
         let [width, height] = size;
         let texture = device.create_texture(&TextureDescriptor {
-            label: Some("colours"),
+            label: Some("values of the picture"),
             size: Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
@@ -51,9 +52,9 @@ impl Colors {
         Self { size, view: texture.create_view(&Default::default()), texels: Vec::new() }
     }
 
-    fn write(&mut self, queue: &Queue, colors: &[Rgb]) {
+    fn write(&mut self, queue: &Queue, values: &[[f32; 3]]) {
         self.texels.clear();
-        self.texels.extend(colors.iter().map(|&[r, g, b]| [r, g, b, 1.0]));
+        self.texels.extend(values.iter().map(|&[x, y, z]| [x, y, z, 1.0]));
         let [width, height] = self.size;
         let layout = TexelCopyBufferLayout {
             offset: 0,
@@ -109,6 +110,7 @@ impl OnGpu {
             compose: Arc::new(Mutex::new(Compose::new(&device, &queue)?)),
             timer: Timer::new(&device, &queue),
             colors: None,
+            normals: None,
             device,
             queue,
         })
@@ -138,27 +140,33 @@ impl OnGpu {
 
     /// Prepares the composition in the window.
     fn prepare(&mut self, cells: &Cells, picture: &Cells, shown: Shown) -> Result<()> {
+        let Self { device, queue, target, lighting, compose, colors, normals, .. } = self;
         let size = [picture.width(), picture.height()];
         let is_coarse = [cells.width(), cells.height()] != size;
-        let color = match picture.color().filter(|_| !shown.light_alone) {
-            None => Color::White,
-            Some(colors) => {
-                let known = self.colors.take().filter(|known| known.size == size);
-                let known =
-                    self.colors.insert(known.unwrap_or_else(|| Colors::new(&self.device, size)));
-                known.write(&self.queue, colors);
-                // Colours keep their own resolution.
-                if is_coarse { Color::View(&known.view) } else { Color::Cells(&known.view) }
-            }
+        let write = |kept: &mut Option<Values>, values: &[[f32; 3]]| {
+            let kept = kept.take().filter(|kept| kept.size == size);
+            let mut kept = kept.unwrap_or_else(|| Values::new(device, size));
+            kept.write(queue, values);
+            kept
         };
+        let of_picture = picture.color().filter(|_| !shown.light_alone);
+        *colors = of_picture.map(|values| write(colors, values));
+        // Colours and normals keep their own resolution.
+        let of_picture = picture.normals().filter(|_| is_coarse && colors.is_some());
+        *normals = of_picture.map(|values| write(normals, values));
         let params = ComposeParams {
             display: shown.display,
             filter: if shown.smooth || is_coarse { Filter::Linear } else { Filter::Nearest },
-            color,
+            color: match colors {
+                None => Color::White,
+                Some(colors) if is_coarse => Color::View(&colors.view),
+                Some(colors) => Color::Cells(&colors.view),
+            },
+            normals: normals.as_ref().map(|normals| &normals.view),
             ..ComposeParams::default()
         };
-        let mut compose = self.compose.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(compose.prepare(&self.lighting, self.target, &params)?)
+        let mut compose = compose.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(compose.prepare(lighting, *target, &params)?)
     }
 
     pub fn draw(&self, painter: &Painter, place: Rect) {

@@ -86,6 +86,20 @@ pub fn split(ui: &mut Ui, halves: &mut Halves) -> Result<(), String> {
     done
 }
 
+/// Selects how cells are drawn; the relief, if they have normals.
+pub fn picture(ui: &mut Ui, smooth: &mut bool, whole: &mut bool, relief: Option<&mut bool>) {
+    if let Some(relief) = relief {
+        ui.checkbox(relief, "relief").on_hover_text(
+            "Lights tilted surfaces by their normals. Light takes about a fifth more time",
+        );
+    }
+    ui.checkbox(smooth, "smooth")
+        .on_hover_text("Interpolates light between cells; off suits pixel art");
+    ui.checkbox(whole, "whole pixels").on_hover_text(
+        "Each cell is a whole number of pixels, so that all cells have the same size",
+    );
+}
+
 /// The settings with another method.
 fn other(settings: &Settings) -> Settings {
     let method = match settings.method() {

@@ -2,7 +2,7 @@
 
 use crate::paint::{Paint, hex, mix, scale};
 use crate::texture::{cloud, hash};
-use lamplight::{Cells, Rgb};
+use lamplight::Cells;
 
 /// Columns and rows of the plan.
 pub(super) const LAYOUT: [f32; 2] = [320.0, 180.0];
@@ -88,84 +88,154 @@ fn within(area: &Area, x: f32, y: f32) -> bool {
     (area[0]..area[2]).contains(&x) && (area[1]..area[3]).contains(&y)
 }
 
+/// Size of a brick, of a plank and of a tile.
+const BRICK: [f32; 2] = [5.0, 3.0];
+const PLANK: [f32; 2] = [28.0, 6.0];
+const TILE: f32 = 8.0;
+/// Height of bricks, planks, tiles and furniture above the joints between them.
+const HEIGHT: f32 = 0.6;
+/// The largest slope of a plank, to one of its sides.
+const ASKEW: f32 = 0.08;
+
 /// Draws everything static.
 pub(super) fn draw(cells: &mut Cells, seed: u32) {
     let by = [cells.width() as f32 / LAYOUT[0], cells.height() as f32 / LAYOUT[1]];
+    let half = by.map(|by| 0.5 / by);
     for cy in 0..cells.height() {
         for cx in 0..cells.width() {
             let (x, y) = ((cx as f32 + 0.5) / by[0], (cy as f32 + 0.5) / by[1]);
             let index = cells.index(cx, cy);
-            at(x, y, seed).at_scale(by[0].min(by[1])).put(cells, index);
+            Place { x, y, half, seed }.paint().at_scale(by[0].min(by[1])).put(cells, index);
         }
     }
 }
 
-fn at(x: f32, y: f32, seed: u32) -> Paint {
-    if let Some((_, color)) = WINDOWS.iter().find(|(area, _)| within(area, x, y)) {
-        let tint = mix([1.0; 3], hex(*color), 0.3);
-        return Paint::glass(tint).colored(hex(*color));
-    }
-    if within(&HEARTH, x, y) {
-        let ember = hash((x / 1.5) as i32, (y / 1.5) as i32, seed);
-        return Paint::wall(hex(0x301008)).glowing(scale([1.7, 0.85, 0.32], 0.5 + ember));
-    }
-    if WALLS.iter().any(|area| within(area, x, y)) {
-        let tone = 0.8 + 0.25 * hash((x / 5.0) as i32, (y / 3.0) as i32, seed);
-        return Paint::wall(scale(hex(0xb09a94), tone.min(1.0)));
-    }
-    if let Some((area, color)) = FURNITURE.iter().rev().find(|(area, _)| within(area, x, y)) {
-        let edge = (x - area[0]).min(area[2] - x).min(y - area[1]).min(area[3] - y) < 1.0;
-        let grain = 0.85 + 0.15 * hash(x as i32 / 6, y as i32, seed);
-        // Furniture is lit from above, so light penetrates it, unlike walls.
-        return Paint::fog(0.05, scale(hex(*color), if edge { 0.65 } else { grain }));
-    }
-    let crown = TREES.iter().find(|(middle, radius)| {
-        let rough = 0.75 + 0.5 * cloud(x / 3.0, y / 3.0, seed);
-        (x - middle[0]).hypot(y - middle[1]) < radius * rough
-    });
-    if crown.is_some() {
-        return Paint::fog(0.12, mix(hex(0x3f8a4a), hex(0x7fb050), cloud(x / 2.0, y / 2.0, seed)));
-    }
-    Paint::open(floor(x, y, seed))
+/// The place of a cell in the plan.
+struct Place {
+    x: f32,
+    y: f32,
+    /// Half of the cell's size.
+    half: [f32; 2],
+    seed: u32,
 }
 
-/// Floors: planks, tiles, carpet, flagstones, grass.
-fn floor(x: f32, y: f32, seed: u32) -> Rgb {
-    let planks = |dark: u32, light: u32, x: f32, y: f32| {
-        let row = (y / 6.0).floor();
-        let board = ((x + 17.0 * row) / 28.0).floor();
-        let seam = (y / 6.0).fract() < 0.14 || ((x + 17.0 * row) / 28.0).fract() < 0.04;
-        let tone =
-            0.35 * hash(board as i32, row as i32, seed) + 0.5 * cloud(x / 12.0, y / 2.0, seed);
-        scale(mix(hex(dark), hex(light), tone), if seam { 0.6 } else { 1.0 })
-    };
-    let house = [19.0, 17.0, 301.0, 168.0];
-    if !within(&house, x, y) {
-        let tuft = hash((x / 1.5) as i32, (y / 1.5) as i32, seed);
-        let path = (196.0..212.0).contains(&x) && y > 166.0;
-        let grass =
-            mix(hex(0x3c6a48), hex(0x6d9a5c), 0.6 * tuft + 0.4 * cloud(x / 9.0, y / 9.0, seed));
-        return if path { scale(hex(0xa89c90), 0.8 + 0.2 * tuft) } else { grass };
+impl Place {
+    /// Tilts a surface by its mean slope over the cell.
+    fn tilted(&self, paint: Paint, height: impl Fn(f32, f32) -> f32) -> Paint {
+        let Self { x, y, half: [dx, dy], .. } = *self;
+        let right = height(x + dx, y) - height(x - dx, y);
+        let down = height(x, y + dy) - height(x, y - dy);
+        paint.tilted([0.5 * right / dx, 0.5 * down / dy])
     }
-    match (x < 114.0, x < 210.0, y < 96.0) {
-        (true, ..) => {
-            let rug = within(&[36.0, 66.0, 84.0, 104.0], x, y);
-            let hem = rug && !within(&[38.5, 68.5, 81.5, 101.5], x, y);
-            match (rug, hem) {
-                (_, true) => hex(0xe0b870),
-                (true, _) => hex(0x9a5c68),
-                _ => planks(0x94745c, 0xd0ac84, x, y),
+
+    fn paint(&self) -> Paint {
+        let Self { x, y, seed, .. } = *self;
+        if let Some((_, color)) = WINDOWS.iter().find(|(area, _)| within(area, x, y)) {
+            let tint = mix([1.0; 3], hex(*color), 0.3);
+            return Paint::glass(tint).colored(hex(*color));
+        }
+        if within(&HEARTH, x, y) {
+            let ember = hash((x / 1.5) as i32, (y / 1.5) as i32, seed);
+            return Paint::wall(hex(0x301008)).glowing(scale([1.7, 0.85, 0.32], 0.5 + ember));
+        }
+        if WALLS.iter().any(|area| within(area, x, y)) {
+            let [w, h] = BRICK;
+            let tone = 0.8 + 0.25 * hash((x / w) as i32, (y / h) as i32, seed);
+            let brick = Paint::wall(scale(hex(0xb09a94), tone.min(1.0)));
+            return self.tilted(brick, |x, y| raised([x % w, y % h], BRICK));
+        }
+        if let Some((area, color)) = FURNITURE.iter().rev().find(|(area, _)| within(area, x, y)) {
+            let [left, top, right, bottom] = *area;
+            let edge = (x - left).min(right - x).min(y - top).min(bottom - y) < 1.0;
+            let grain = 0.85 + 0.15 * hash(x as i32 / 6, y as i32, seed);
+            // Furniture is lit from above, so light penetrates it, unlike walls.
+            let top_side = Paint::fog(0.05, scale(hex(*color), if edge { 0.65 } else { grain }));
+            let size = [right - left, bottom - top];
+            return self.tilted(top_side, |x, y| raised([x - left, y - top], size));
+        }
+        let crown = TREES.iter().find(|(middle, radius)| {
+            let rough = 0.75 + 0.5 * cloud(x / 3.0, y / 3.0, seed);
+            (x - middle[0]).hypot(y - middle[1]) < radius * rough
+        });
+        if crown.is_some() {
+            let leaves = mix(hex(0x3f8a4a), hex(0x7fb050), cloud(x / 2.0, y / 2.0, seed));
+            return Paint::fog(0.12, leaves);
+        }
+        self.floor()
+    }
+
+    /// Floors: planks, tiles, carpet, flagstones, grass.
+    fn floor(&self) -> Paint {
+        let Self { x, y, seed, .. } = *self;
+        let house = [19.0, 17.0, 301.0, 168.0];
+        if !within(&house, x, y) {
+            let tuft = hash((x / 1.5) as i32, (y / 1.5) as i32, seed);
+            let path = (196.0..212.0).contains(&x) && y > 166.0;
+            let grass =
+                mix(hex(0x3c6a48), hex(0x6d9a5c), 0.6 * tuft + 0.4 * cloud(x / 9.0, y / 9.0, seed));
+            return Paint::open(if path { scale(hex(0xa89c90), 0.8 + 0.2 * tuft) } else { grass });
+        }
+        match (x < 114.0, x < 210.0, y < 96.0) {
+            (true, ..) => {
+                let rug = within(&[36.0, 66.0, 84.0, 104.0], x, y);
+                let hem = rug && !within(&[38.5, 68.5, 81.5, 101.5], x, y);
+                match (rug, hem) {
+                    (_, true) => Paint::open(hex(0xe0b870)),
+                    (true, _) => Paint::open(hex(0x9a5c68)),
+                    _ => self.planks(0x94745c, 0xd0ac84, |x, y| [x, y]),
+                }
             }
+            (_, true, true) => {
+                let even = ((x / TILE).floor() as i32 + (y / TILE).floor() as i32) % 2 == 0;
+                let tone = 0.9 + 0.1 * hash((x / TILE) as i32, (y / TILE) as i32, seed);
+                let tile = scale(if even { hex(0xd8d0c8) } else { hex(0x8a94a8) }, tone);
+                self.tilted(Paint::open(tile), |x, y| raised([x % TILE, y % TILE], [TILE; 2]))
+            }
+            (_, false, true) => {
+                let weave = 0.85 + 0.15 * hash((x / 2.0) as i32, (y / 2.0) as i32, seed);
+                let carpet = mix(hex(0x6a6a9a), hex(0x8c88b8), cloud(x / 14.0, y / 14.0, seed));
+                Paint::open(scale(carpet, weave))
+            }
+            _ => self.planks(0x8a7a70, 0xc8b8a4, |x, y| [y, x]),
         }
-        (_, true, true) => {
-            let even = ((x / 8.0).floor() as i32 + (y / 8.0).floor() as i32) % 2 == 0;
-            let tone = 0.9 + 0.1 * hash((x / 8.0) as i32, (y / 8.0) as i32, seed);
-            scale(if even { hex(0xd8d0c8) } else { hex(0x8a94a8) }, tone)
-        }
-        (_, false, true) => {
-            let weave = 0.85 + 0.15 * hash((x / 2.0) as i32, (y / 2.0) as i32, seed);
-            scale(mix(hex(0x6a6a9a), hex(0x8c88b8), cloud(x / 14.0, y / 14.0, seed)), weave)
-        }
-        _ => planks(0x8a7a70, 0xc8b8a4, y, x),
     }
+
+    /// Planks between two tones. `turned` gives the place along and across them.
+    fn planks(&self, dark: u32, light: u32, turned: impl Fn(f32, f32) -> [f32; 2]) -> Paint {
+        let seed = self.seed;
+        let [x, y] = turned(self.x, self.y);
+        let Board { column, row, place: [u, v] } = Board::at(x, y);
+        let seam = v / PLANK[1] < 0.14 || u / PLANK[0] < 0.04;
+        let tone = 0.35 * hash(column, row, seed) + 0.5 * cloud(x / 12.0, y / 2.0, seed);
+        let color = scale(mix(hex(dark), hex(light), tone), if seam { 0.6 } else { 1.0 });
+        self.tilted(Paint::open(color), |x, y| {
+            let [x, y] = turned(x, y);
+            let Board { column, row, place } = Board::at(x, y);
+            let askew = ASKEW * (2.0 * hash(column, row, seed + 1) - 1.0);
+            raised(place, PLANK) + askew * (place[1] - 0.5 * PLANK[1])
+        })
+    }
+}
+
+/// A board of a floor of planks, and a place on it.
+struct Board {
+    column: i32,
+    row: i32,
+    place: [f32; 2],
+}
+
+impl Board {
+    fn at(x: f32, y: f32) -> Self {
+        let [length, width] = PLANK;
+        let row = (y / width).floor();
+        let along = (x + 17.0 * row) / length;
+        let place = [along.fract() * length, (y / width).fract() * width];
+        Self { column: along.floor() as i32, row: row as i32, place }
+    }
+}
+
+/// The height of a block of a size at a place on it. Its edges are round.
+fn raised([u, v]: [f32; 2], [w, h]: [f32; 2]) -> f32 {
+    let edge = u.min(w - u).min(v).min(h - v).clamp(0.0, 1.0);
+    HEIGHT * edge * (2.0 - edge)
 }
