@@ -103,12 +103,6 @@ impl Relief {
     }
 }
 
-/// Returns a vector of length 1.
-fn unit(v: [f32; 3]) -> [f32; 3] {
-    let length = v.iter().map(|v| v * v).sum::<f32>().sqrt();
-    v.map(|v| v / length)
-}
-
 /// Decodes a pixel of a normal map, `n·½ + ½` with y up: 128 of 255 is 0.
 pub(crate) fn decode(rgb: Rgb) -> Normal {
     let [x, y, z] = rgb.map(|v| ((v * 255.0 - 128.0) / 127.0).clamp(-1.0, 1.0));

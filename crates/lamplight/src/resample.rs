@@ -102,7 +102,7 @@ pub fn upsample(light: &Light, larger: &Cells, cells: &Cells) -> Result<Light> {
     let spread = Light::from_pixels(cells, (0..cells.len()).map(at).collect())?;
     let Some([x, y]) = light.components() else { return Ok(spread) };
     let moment = (0..cells.len()).map(|i| [source(i).of(&x), source(i).of(&y)]);
-    spread.with_moment(moment.collect())
+    spread.with_moment(moment.collect(), light.elevation())
 }
 
 /// The part of a larger light that a cell takes its value from.
