@@ -258,7 +258,7 @@ mod tests {
     fn the_cones_of_a_level_fill_the_quadrant() {
         for level in 0..10 {
             let sum: f64 = angles(level).iter().sum();
-            assert!((sum - std::f64::consts::FRAC_PI_2).abs() < 1e-12, "level {level}: {sum}");
+            assert!((sum - FRAC_PI_2).abs() < 1e-12, "level {level}: {sum}");
         }
     }
 
