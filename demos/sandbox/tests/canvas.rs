@@ -57,7 +57,12 @@ fn state(canvas: &Canvas) -> (u64, Sky, Vec<Lamp>, u64) {
     // Erasing all brings the backdrop to light.
     let mut bare = canvas.clone();
     bare.clear();
-    (hash(canvas.cells()), canvas.cells().sky().clone(), canvas.lamps().to_vec(), hash(bare.cells()))
+    (
+        hash(canvas.cells()),
+        canvas.cells().sky().clone(),
+        canvas.lamps().to_vec(),
+        hash(bare.cells()),
+    )
 }
 
 #[test]
