@@ -82,19 +82,23 @@ pub fn upsample(light: &Light, larger: &Cells, cells: &Cells) -> Result<Light> {
         let home = home as usize;
         let place = [x, y].map(|v| (v as f32 + 0.5) / factor as f32);
         if cells.is_solid(i) {
-            return Source::Cell(home);
+            return SampleRegion::Cell(home);
         }
         if !larger.is_solid(home) {
-            return Source::Point(place);
+            return SampleRegion::Point(place);
         }
         // Beside a wall that grew: the mean of the open cells around, or else the wall's irradiance.
         let [min, max] = [-1.0, 1.0].map(|by| place.map(|v| v + by));
-        if light.over(min, max) == [0.0; 3] { Source::Cell(home) } else { Source::Box(min, max) }
+        if light.over(min, max) == [0.0; 3] {
+            SampleRegion::Cell(home)
+        } else {
+            SampleRegion::Box(min, max)
+        }
     };
     let at = |i: usize| {
         let source = source(i);
         let found = source.of(light);
-        let Source::Cell(home) = source else { return found };
+        let SampleRegion::Cell(home) = source else { return found };
         let given = if larger.is_solid(home) { larger.emission()[home] } else { [0.0; 3] };
         let own = if cells.is_solid(i) { cells.emission()[i] } else { [0.0; 3] };
         std::array::from_fn(|c| (found[c] - given[c]).max(0.0) + own[c])
@@ -106,7 +110,7 @@ pub fn upsample(light: &Light, larger: &Cells, cells: &Cells) -> Result<Light> {
 }
 
 /// The part of a larger light that a cell takes its value from.
-enum Source {
+enum SampleRegion {
     /// A cell, by its index.
     Cell(usize),
     /// A point, with interpolation in open space.
@@ -115,7 +119,7 @@ enum Source {
     Box([f32; 2], [f32; 2]),
 }
 
-impl Source {
+impl SampleRegion {
     fn of(&self, light: &Light) -> Rgb {
         match *self {
             Self::Cell(index) => light.pixels()[index],
