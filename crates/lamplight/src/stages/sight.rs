@@ -18,10 +18,9 @@
 use super::faces::NORMALS;
 use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
-use crate::methods::polar::penumbra::{
-    LampDisc, SolidBits, through_media, through_media_to_wall, visible,
-};
+use crate::methods::polar::penumbra::{LampDisc, through_media, through_media_to_wall, visible};
 use crate::methods::polar::shadow_map::{OUTSIDE_OF_WALL, ShadowMap, ShadowScene};
+use crate::methods::polar::solid_bits::SolidBits;
 use crate::settings::Polar;
 use crate::srgb::luminance;
 use crate::{Cells, Result, Rgb, Sight, check};

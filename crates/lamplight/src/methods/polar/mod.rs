@@ -22,6 +22,7 @@ mod lit_ranges;
 pub mod penumbra;
 mod sampling;
 pub mod shadow_map;
+pub mod solid_bits;
 mod sun_map;
 mod transmittance_curve;
 
@@ -36,9 +37,10 @@ use crate::stages::faces::Faces;
 use crate::{Cells, Lamp, Light};
 use fearless_simd::Level;
 use gather::LightPlanes;
-use penumbra::SolidBits;
+
 use rayon::prelude::*;
 use shadow_map::{ShadowMap, ShadowScene};
+use solid_bits::SolidBits;
 use sun_map::SunMap;
 
 /// Memory for the shadow maps of a group of lamps, bytes.

@@ -9,14 +9,13 @@
 //! Parts of the segment of a lamp that the lamp's centre does not see lie behind a wall and are dark. Of a lamp that
 //! reaches over the border of the grid the part inside stands for the whole: no light goes round the walls.
 
+use super::solid_bits::{BLOCK, SolidBits};
 use crate::Rgb;
 use crate::grid::cast::RayHit;
 use crate::grid::class::CellClass;
 use crate::grid::medium_grid::MediumGrid;
 use crate::math::transmittance::transmittance;
 
-/// Bits of a word.
-const WORD: usize = u64::BITS as usize;
 /// Intervals that are this near in β belong to one wall: cells that touch share a corner, but for rounding.
 const TOUCHING: f32 = 1e-4;
 /// Distance ahead of the pixel from which on cells are in its way, px.
@@ -39,65 +38,6 @@ const DIFFERENT: f32 = 0.05;
 pub const EVEN: f32 = 0.003;
 /// Most gaps between walls that are told apart.
 const GAPS: usize = 16;
-
-/// Which cells are solid, a bit each, by columns and by rows.
-#[derive(Debug, Default)]
-pub struct SolidBits {
-    size: [usize; 2],
-    /// Columns of x, each along y; rows of y, each along x.
-    lines: [Vec<u64>; 2],
-}
-
-impl SolidBits {
-    /// Reads the grid.
-    pub fn read(&mut self, grid: &MediumGrid) {
-        self.size = grid.size.map(|n| n as usize);
-        let [w, h] = self.size;
-        let words = [h.div_ceil(WORD), w.div_ceil(WORD)];
-        for (lines, (count, words)) in self.lines.iter_mut().zip([w, h].into_iter().zip(words)) {
-            lines.clear();
-            lines.resize(count * words, 0);
-        }
-        for (y, row) in grid.classes.chunks(w).enumerate() {
-            for x in (0..w).filter(|&x| row[x] == CellClass::Solid) {
-                self.lines[0][x * words[0] + y / WORD] |= 1 << (y % WORD);
-                self.lines[1][y * words[1] + x / WORD] |= 1 << (x % WORD);
-            }
-        }
-    }
-
-    /// Calls `run` with each run of solid cells of a column (axis 0) or row (axis 1), within `from..to`. Runs end
-    /// at words.
-    #[inline(always)]
-    fn runs(
-        &self,
-        axis: usize,
-        line: usize,
-        from: usize,
-        to: usize,
-        mut run: impl FnMut(usize, usize),
-    ) {
-        let words = self.size[1 - axis].div_ceil(WORD);
-        let line = &self.lines[axis][line * words..][..words];
-        let mut at = from;
-        while at < to {
-            let start = at / WORD * WORD;
-            let end = to.min(start + WORD);
-            let mask = (u64::MAX >> (WORD - (end - start))) & (u64::MAX << (at - start));
-            let mut bits = line[at / WORD] & mask;
-            while bits != 0 {
-                let first = bits.trailing_zeros();
-                let length = (bits >> first).trailing_ones();
-                run(start + first as usize, start + (first + length) as usize);
-                if first + length == u64::BITS {
-                    break;
-                }
-                bits &= u64::MAX << (first + length);
-            }
-            at = end;
-        }
-    }
-}
 
 /// The hidden parts of a light, −1 to 1.
 #[derive(Default)]
@@ -318,11 +258,10 @@ pub fn hide_behind_walls(solid: &SolidBits, fan: &Fan, hidden: &mut Hidden) {
     let first = whole(lines[0]);
     let last = (whole(lines[1]) + 1).min(solid.size[axis]);
     let scale = 1.0 / slope;
-    for line in first..last {
-        // Between the sides of the triangle, within the line.
-        let edges = [line as f32, line as f32 + 1.0].map(|edge| edge.clamp(lines[0], lines[1]));
+    // Between the sides of the triangle, within some lines.
+    let span = |first: usize, end: usize| {
         let (mut from, mut to) = (f32::INFINITY, f32::NEG_INFINITY);
-        for edge in edges {
+        for edge in [first, end].map(|edge| (edge as f32).clamp(lines[0], lines[1])) {
             for slope in slopes {
                 let at = pixel[1] + slope * (edge - pixel[0]);
                 (from, to) = (from.min(at), to.max(at));
@@ -334,6 +273,21 @@ pub fn hide_behind_walls(solid: &SolidBits, fan: &Fan, hidden: &mut Hidden) {
         }
         let from = whole(from.clamp(bounds[0], bounds[1]));
         let to = (whole(to.clamp(bounds[0], bounds[1])) + 1).min(solid.size[1 - axis]);
+        (from, to)
+    };
+    let mut next = first;
+    while next < last {
+        let line = next;
+        if line == first || line % BLOCK == 0 {
+            let end = (line / BLOCK * BLOCK + BLOCK).min(last);
+            let (from, to) = span(line, end);
+            if solid.is_block_empty(axis, line / BLOCK, from, to) {
+                next = end;
+                continue;
+            }
+        }
+        next += 1;
+        let (from, to) = span(line, line + 1);
         solid.runs(axis, line, from, to, |from, to| {
             let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
             let mut hide = |at: f32| (least, most) = (least.min(at), most.max(at));

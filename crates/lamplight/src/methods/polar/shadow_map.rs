@@ -12,10 +12,9 @@
 //! penumbrae by all solid cells instead (`penumbra.rs`).
 
 use super::lit_ranges::{LitRanges, beside};
-use super::penumbra::{
-    EVEN, LampDisc, SeenPart, SolidBits, differ, mean_cosine, through_media, visible,
-};
+use super::penumbra::{EVEN, LampDisc, SeenPart, differ, mean_cosine, through_media, visible};
 use super::sampling::{clear_px, sample};
+use super::solid_bits::SolidBits;
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::{LANES, RayHit};
 use crate::grid::class::CellClass;
