@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// Alpha from which a sprite without antialiasing covers a cell, and coverage from which a cell is in the layers of a
-/// shape.
+/// shape, and a solid cell is replaced by what lets light through.
 const HALF: f32 = 0.5;
 
 /// Sprites' images, each read once; emptied when it has grown to a grid's size.
@@ -80,7 +80,8 @@ pub(crate) fn paint(
     let thin_wall = ThinWall::of(&corners);
     visit(shape, &window, |x, y, share| {
         let i = cells.index(x as u32, y as u32);
-        if !shape.only.takes(cells, i) {
+        let share = share_of(shape, cells, i, share);
+        if share == 0.0 {
             return;
         }
         let drawn = match thin_wall {
@@ -164,7 +165,8 @@ fn paint_sprite(
                 (rgb, f32::from(u8::from(alpha >= HALF)))
             };
             let at = cells.index(x as u32, y as u32);
-            if share == 0.0 || !shape.only.takes(cells, at) {
+            let share = share_of(shape, cells, at, share);
+            if share == 0.0 {
                 continue;
             }
             let texel = Texel { rgb, share, paint, strength };
@@ -173,6 +175,18 @@ fn paint_sprite(
         }
     }
     Ok(())
+}
+
+/// Returns the share of a cell that a shape draws on, of the share that it covers. What lets light through leaves a solid
+/// cell whole or takes its place: in part it would open a wall.
+fn share_of(shape: &Shape, cells: &Cells, index: usize, share: f32) -> f32 {
+    if !shape.only.takes(cells, index) {
+        0.0
+    } else if shape.opacity < 1.0 && cells.is_solid(index) {
+        f32::from(u8::from(share >= HALF))
+    } else {
+        share
+    }
 }
 
 /// Puts a cell, of which a shape covers a share, into the layers of the shape.

@@ -302,3 +302,14 @@ fn thin_walls_emit_by_their_area() {
         assert!((emitted - 48.0).abs() < 1e-3, "{at}: {emitted}");
     }
 }
+
+#[test]
+fn fog_does_not_open_walls_in_part() {
+    let wall = Shape::rect([0.0, 8.0], [24.0, 9.0]).albedo([0.5; 3]);
+    for (bottom, opacity) in [(8.4, 1.0), (8.6, 0.25)] {
+        let fog = Shape::rect([4.0, 2.0], [20.0, bottom]).opacity(0.25);
+        let cells = Scene::new(SIDE, SIDE).shape(wall.clone()).shape(fog).cells().unwrap();
+        assert_eq!(cells.get(10, 8).unwrap().opacity, opacity, "{bottom}");
+        assert_eq!(cells.get(22, 8).unwrap().opacity, 1.0);
+    }
+}
