@@ -278,7 +278,7 @@ pub fn hide_behind_walls(solid: &SolidBits, fan: &Fan, hidden: &mut Hidden) {
     let mut next = first;
     while next < last {
         let line = next;
-        if line == first || line % BLOCK == 0 {
+        if line == first || line.is_multiple_of(BLOCK) {
             let end = (line / BLOCK * BLOCK + BLOCK).min(last);
             let (from, to) = span(line, end);
             if solid.is_block_empty(axis, line / BLOCK, from, to) {
