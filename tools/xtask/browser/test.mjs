@@ -196,8 +196,6 @@ async function downloads(sandbox, kind, count) {
   }));
 }
 
-const SCENES = new URL("../../../scenes", import.meta.url).pathname;
-
 const PHONE = { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true };
 
 // A scene that stands still, by a method without noise that is quick in software: the GPU's light is the
@@ -259,11 +257,8 @@ const TESTS = {
       await look(world, `${LIGHT}world ${world}\n`);
       if (world === "room") pictures.room = await sandbox.picture();
     }
-    // Cells of the room have normals, for which passes of their own find the first moment of light.
-    for (const world of ["paint", "room"]) {
-      for (const method of ["holographic", "cascades", "flood"]) {
-        await look(`${method} in ${world}`, `world ${world}\nset method=${method}\n`);
-      }
+    for (const method of ["holographic", "cascades", "flood"]) {
+      await look(method, `set method=${method}\n`);
     }
     const refused = await sandbox.play("world sand\nset method=polar\nframes 3\ntell");
     check(refused.join().includes("lights lamps only"), `polar in sand says: ${refused}`);
@@ -283,38 +278,6 @@ const TESTS = {
     check(other > SAME, `another world would pass too: it is ${other.toFixed(1)} away`);
     await sandbox.close();
     return `${same.toFixed(1)} apart, another world ${other.toFixed(1)}`;
-  },
-
-  async "a scene with normals has relief, by WebGPU and on the CPU"({ gpu, plain }) {
-    const pictures = [];
-    const told = [];
-    for (const [browser, backend] of [[gpu, "gpu"], [plain, "cpu"]]) {
-      const sandbox = await Sandbox.open(browser, `backend=${backend}`);
-      const files = ["cellar.toml", ...["color", "albedo", "opacity", "normal"].map((n) => `cellar/${n}.png`)];
-      await drop(sandbox, await Promise.all(
-        files.map(async (name) => [name.split("/").at(-1), await readFile(`${SCENES}/${name}`)]),
-      ));
-      await sandbox.play(`frames 30\n${SCENE.replace("world paint\n", "")}`);
-      const relief = await sandbox.picture();
-      await lit(sandbox, `the cellar on the ${backend}`);
-      // Larger cells of light keep the normals of the picture.
-      await sandbox.play("factor 2\nframes 3");
-      const coarse = await sandbox.picture();
-      await sandbox.play("relief off\nframes 3");
-      const flat = await sandbox.picture();
-      const said = await sandbox.play("tell");
-      check(said.join() === "all is well", `the page says: ${said}`);
-      const [kept, lost] = [differs(relief, coarse), differs(relief, flat)];
-      check(lost > 2 * kept, `${backend}: coarser light is ${kept.toFixed(1)} away, no relief ${lost.toFixed(1)}`);
-      told.push(`${backend}: ${kept.toFixed(1)} coarser, ${lost.toFixed(1)} flat`);
-      pictures.push([relief, flat]);
-      await sandbox.close();
-    }
-    const [[gpuRelief, gpuFlat], [cpuRelief]] = pictures;
-    const [same, other] = [differs(gpuRelief, cpuRelief), differs(gpuFlat, cpuRelief)];
-    check(same <= SAME, `the CPU's picture is ${same.toFixed(1)} from the GPU's`);
-    check(other > SAME, `one without relief would pass too: it is ${other.toFixed(1)} away`);
-    return `${same.toFixed(1)} apart; ${told.join(", ")}`;
   },
 
   async "where WebGPU gives no device the CPU takes over"({ gpu }) {
