@@ -4,6 +4,8 @@ const CIRCLE: u32 = 1u;
 const CAPSULE: u32 = 2u;
 const TRIANGLE: u32 = 3u;
 const LAMP: u32 = 4u;
+// The bit of a shape that covers cells by the fraction of their area where its material lets light through.
+const BY_AREA: u32 = 8u;
 
 // `TargetTransform` in src/render/pipelines.rs: from cells to the render target.
 struct TargetTransform {
@@ -57,6 +59,14 @@ struct VertexOut {
     @location(2) @interpolate(flat) disc: vec3f,
 }
 
+fn shape_of(quad: Quad) -> u32 {
+    return quad.shape & (BY_AREA - 1u);
+}
+
+fn is_by_area(quad: Quad) -> bool {
+    return (quad.shape & BY_AREA) != 0u && materials[quad.material].opacity < 1.0;
+}
+
 fn clip(cell: vec2f) -> vec2f {
     let to = target_transform;
     return cell.x * to.x_axis + cell.y * to.y_axis + to.origin;
@@ -76,14 +86,21 @@ fn place(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u32
     let quad = quads[index];
     var unit = corners[vertex];
     var disc = vec3f(0.0);
-    if quad.shape == TRIANGLE && vertex >= 3u {
+    let shape = shape_of(quad);
+    if shape == TRIANGLE && vertex >= 3u {
         unit = vec2f(0.0);
     }
-    if quad.shape == LAMP {
+    if shape == LAMP {
         let middle = pixel(quad.origin + 0.5 * (quad.x_axis + quad.y_axis));
         disc = vec3f(middle, 0.5 * distance(pixel(quad.origin), pixel(quad.origin + quad.x_axis)));
         // Covers every pixel that the disc touches, not only those whose centre it contains.
         unit += (unit - 0.5) * 1.5 / max(disc.z, 1e-3);
+    }
+    if is_by_area(quad) {
+        let ends = mat2x2f(pixel(quad.x_axis) - pixel(vec2f(0.0)), pixel(quad.y_axis) - pixel(vec2f(0.0)));
+        // The distance between opposite sides; their pixels reach a px farther.
+        let area = abs(determinant(ends));
+        unit += (unit - 0.5) * 2.0 * vec2f(length(ends[1]), length(ends[0])) / max(area, 1e-3);
     }
     let at = quad.origin + unit.x * quad.x_axis + unit.y * quad.y_axis;
     return VertexOut(vec4f(clip(at), 0.0, 1.0), unit, index, disc);
@@ -109,6 +126,9 @@ fn corner_area(place: vec2f, r: f32) -> f32 {
     return select(0.0, 2.0 * (quarter + a.x), at.y >= 0.0);
 }
 
+// The last place of a side of the unit square.
+const LAST: f32 = 0.99999994;
+
 // Fractions closer to 0 or 1 than this are rounding errors.
 const ROUNDING: f32 = 1e-4;
 
@@ -121,24 +141,55 @@ fn disc_coverage(disc: vec3f, center: vec2f) -> f32 {
     return select(select(area, 1.0, area > 1.0 - ROUNDING), 0.0, area < ROUNDING);
 }
 
+// How far a point of the unit square is inside a circle or an upright capsule; below 0 outside. The unit is arbitrary.
+fn depth(quad: Quad, unit: vec2f) -> f32 {
+    if shape_of(quad) == CIRCLE {
+        return 0.5 - length(unit - 0.5);
+    }
+    let across = 2.0 * abs(unit - 0.5) * vec2f(quad.param, 1.0);
+    return quad.param - length(vec2f(across.x, max(across.y - (1.0 - quad.param), 0.0)));
+}
+
+// The fraction of a pixel that the unit square covers of one axis: `at` is the place of the pixel's middle, `width` its
+// width on the axis.
+fn overlap(at: f32, width: f32) -> f32 {
+    return max(min(at + 0.5 * width, 1.0) - max(at - 0.5 * width, 0.0), 0.0) / max(width, 1e-12);
+}
+
+// The fraction of a pixel that a quad covers by its area. `right` and `down` are the steps of a pixel in the unit square.
+// Exact for upright squares, elsewhere as if the edge were straight and faced the pixel.
+fn area(quad: Quad, unit: vec2f, right: vec2f, down: vec2f) -> f32 {
+    if shape_of(quad) == CIRCLE || shape_of(quad) == CAPSULE {
+        let slope = vec2f(
+            depth(quad, unit + 0.5 * right) - depth(quad, unit - 0.5 * right),
+            depth(quad, unit + 0.5 * down) - depth(quad, unit - 0.5 * down),
+        );
+        return saturate(0.5 + depth(quad, unit) / max(length(slope), 1e-12));
+    }
+    return overlap(unit.x, length(vec2f(right.x, down.x))) * overlap(unit.y, length(vec2f(right.y, down.y)));
+}
+
 // The colour of a quad; alpha is the fraction of the pixel that it covers.
 fn color_at(in: VertexOut) -> vec4f {
     let quad = quads[in.index];
-    let texel = quad.texels_origin + in.unit.x * quad.texels_x + in.unit.y * quad.texels_y;
+    let right = dpdx(in.unit);
+    let down = dpdy(in.unit);
+    let by_area = is_by_area(quad);
+    // Beyond the edge its nearest texel counts.
+    let unit = select(in.unit, clamp(in.unit, vec2f(0.0), vec2f(LAST)), by_area);
+    let texel = quad.texels_origin + unit.x * quad.texels_x + unit.y * quad.texels_y;
     var color = textureSampleLevel(image, image_sampler, texel, quad.layer, 0.0) * quad.color;
-    let from_center = in.unit - 0.5;
-    if quad.shape == CIRCLE {
-        color.a *= f32(dot(from_center, from_center) <= 0.25);
-    } else if quad.shape == CAPSULE {
-        let across = 2.0 * abs(from_center) * vec2f(quad.param, 1.0);
-        let past = vec2f(across.x, max(across.y - (1.0 - quad.param), 0.0));
-        color.a *= f32(length(past) <= quad.param);
-    } else if quad.shape == LAMP {
+    if shape_of(quad) == CIRCLE || shape_of(quad) == CAPSULE {
+        color.a *= f32(by_area || depth(quad, in.unit) >= 0.0);
+    } else if shape_of(quad) == LAMP {
         color.a *= disc_coverage(in.disc, in.position.xy);
     } else if quad.param < 0.0 {
         color.a = 1.0;
     } else if quad.param > 0.0 {
         color.a = f32(color.a >= quad.param);
+    }
+    if by_area {
+        color.a *= area(quad, in.unit, right, down);
     }
     return clamp(color, vec4f(0.0), vec4f(65504.0, 65504.0, 65504.0, 1.0));
 }

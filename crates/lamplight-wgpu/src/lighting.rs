@@ -26,6 +26,7 @@ use crate::stages::sight::{SightList, SightPass, SightPipelines};
 use crate::stages::walls::{MomentWalls, Walls};
 use crate::timing::Timer;
 use crate::uniforms::{FrameUniforms, GridPosition, History};
+use lamplight::internals::sky::SunGlow;
 use lamplight::{Settings, Sky};
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
@@ -61,6 +62,7 @@ pub struct Lighting {
     sight: Option<SightPipelines>,
     upload: Option<Upload>,
     lamps: LampList,
+    sun_glow: SunGlow,
     direct_lights: DirectLights,
     sights: SightList,
     /// The sky, if it is a panorama.
@@ -204,6 +206,7 @@ impl Lighting {
                 sight: None,
                 upload: None,
                 lamps: LampList::default(),
+                sun_glow: SunGlow::default(),
                 direct_lights: DirectLights::default(),
                 sights: SightList::default(),
                 panorama: None,
@@ -291,6 +294,8 @@ impl Lighting {
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
         let CheckedScene { grid, shown, normals, lights } = scene;
         let Lights { lamps, suns, sky } = *lights;
+        let draws = !input.settings.method().lights_lamps();
+        let sky = &if draws { self.sun_glow.draw(sky, suns) } else { sky.clone() };
         self.keep_panorama(sky)?;
         let Shared { device, queue, .. } = &self.shared;
         let method = self.pipelines.method::<PrepareError>(device, queue, input.settings)?;

@@ -127,10 +127,11 @@ pub mod seed {
     pub use crate::stages::seed::{NONE, pack, seed, unpack};
 }
 
-/// The sky.
+/// The sky, and the suns that are drawn into it.
 pub mod sky {
     pub use crate::panorama::place;
     pub use crate::sky::sines;
+    pub use crate::sun_glow::SunGlow;
 }
 
 /// The mean over frames.

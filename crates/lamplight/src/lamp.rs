@@ -48,15 +48,15 @@ impl Falloff {
     }
 }
 
-/// The way in which methods that draw lamps find a lamp's direct light.
+/// The way in which methods that draw lamps and suns find the direct light of one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Direct {
-    /// As a glowing disc: for nothing, and without a range.
+    /// As a glowing disc, or of a sun as part of the sky: for nothing, and without a range.
     #[default]
     Glow,
-    /// By a shadow map, as in `polar`: sharp edges, and a range and a falloff.
+    /// By a shadow map, as in `polar`: sharp edges, and of a lamp a range and a falloff.
     Exact,
 }
 

@@ -44,6 +44,7 @@ mod source_normalization;
 pub mod srgb;
 mod stages;
 mod sun;
+mod sun_glow;
 
 pub use cells::{Cells, Matter};
 pub use error::{Error, Result};

@@ -15,6 +15,7 @@ use crate::stages::glow::Glow;
 use crate::stages::gradient_moment::gradient_moment;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
+use crate::sun_glow::SunGlow;
 use crate::{Cells, Lamp, Light, Result, Settings, elevation};
 use std::time::Duration;
 
@@ -28,6 +29,7 @@ pub struct Solver {
     frame: u32,
     pub(crate) cells: Cells,
     direct: DirectLight,
+    sun_glow: SunGlow,
     glow: Glow,
     fields: Fields,
     pub(crate) raymarch: RaymarchSolver,
@@ -82,6 +84,7 @@ impl Solver {
             frame: 0,
             cells: Cells::new(1, 1)?,
             direct: DirectLight::default(),
+            sun_glow: SunGlow::default(),
             glow: Glow::default(),
             fields: Fields::default(),
             raymarch: RaymarchSolver::default(),
@@ -131,6 +134,11 @@ impl Solver {
         method.suits(cells)?;
         self.cells.clone_from(cells);
         self.settings.method.draw_lamps(&mut self.cells);
+        if !method.lights_lamps() {
+            let sky = self.sun_glow.draw(cells.sky(), cells.suns());
+            self.cells.set_sky(sky);
+            self.cells.suns_mut().retain(|sun| method.shines_exactly(sun));
+        }
         let with_moment = self.settings.moment || cells.normals().is_some();
         self.light.moment = with_moment.then(|| self.light.moment.take().unwrap_or_default());
         self.light.elevation = self.settings.elevation;

@@ -1,13 +1,13 @@
 //! Suns: parallel light from beyond the grid.
 
 use crate::mask::ALL_LAYERS;
-use crate::{Result, Rgb, check, mask, notation};
+use crate::{Direct, Result, Rgb, check, mask, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{FRAC_PI_2, TAU};
 use std::fmt::Display;
 
-/// A sun: a part of the sky so narrow that it throws shadows, lit exactly in every method.
+/// A sun: a part of the sky so narrow that it throws shadows, by default lit exactly in every method.
 ///
 /// Its radiance L is even over its apparent width w, so a face that it meets head on receives
 /// `E = ∫L cosθ dθ = 2L·sin(w/2)`, and an open cell the mean radiance `J = L·w/2π`.
@@ -37,10 +37,24 @@ pub struct Sun {
     #[serde(deserialize_with = "notation::optional_angle")]
     #[schemars(with = "Option<notation::Angle>")]
     pub elevation: Option<f32>,
-    /// The layers whose cells it lights, a bit each, 1 to 255. By default all.
+    /// The way in which its direct light is found. `exact`: by shadow lines to every cell, the same in all methods; it
+    /// takes about as long as all other light. `glow`: as part of the sky, for nothing, at the method's angular
+    /// resolution; suns with a mask or an elevation stay `exact`, and so do all suns in `polar` and `flood`.
+    #[serde(default = "exact", skip_serializing_if = "is_exact")]
+    #[schemars(default = "exact")]
+    pub direct: Direct,
+    /// The layers whose cells it lights, a bit each, 1 to 255. By default all; a sun that lights only some is `exact`.
     #[serde(default = "mask::all_layers", skip_serializing_if = "mask::is_all")]
     #[schemars(range(min = 1, max = 255))]
     pub mask: u8,
+}
+
+fn exact() -> Direct {
+    Direct::Exact
+}
+
+fn is_exact(direct: &Direct) -> bool {
+    *direct == Direct::Exact
 }
 
 fn default_angle() -> f32 {
@@ -63,6 +77,7 @@ impl Default for Sun {
             color: [1.0; 3],
             intensity: 3.0,
             elevation: None,
+            direct: Direct::Exact,
             mask: ALL_LAYERS,
         }
     }
@@ -79,6 +94,16 @@ impl Sun {
             check::number(format_args!("{key}.elevation"), elevation, 0.05..=FRAC_PI_2)?;
         }
         mask::check(format_args!("{key}.mask"), self.mask)
+    }
+
+    /// Returns whether its light is found by shadow lines in every method, not as part of the sky.
+    pub fn is_exact(&self) -> bool {
+        self.direct == Direct::Exact || self.mask != ALL_LAYERS || self.elevation.is_some()
+    }
+
+    /// Returns whether the sun emits no light.
+    pub(crate) fn is_off(&self) -> bool {
+        self.intensity == 0.0 || self.color == [0.0; 3]
     }
 
     /// Its radiance.

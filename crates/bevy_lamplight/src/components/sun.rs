@@ -2,7 +2,7 @@
 
 use super::lamps::radiance;
 use bevy::prelude::*;
-use lamplight::{ALL_LAYERS, Sun};
+use lamplight::{ALL_LAYERS, Direct, Sun};
 use std::f32::consts::FRAC_PI_2;
 
 /// A sun: parallel light from beyond the lit grid, which travels along the entity's own x axis; its place does not
@@ -29,12 +29,17 @@ pub struct SunLight2d {
     /// The elevation above the plane at which its light arrives, radians, 0.05 to π/2, for surfaces with a
     /// [`NormalMap2d`](crate::NormalMap2d). `None`: that of all light ([`Relief2d`](crate::Relief2d)).
     pub elevation: Option<f32>,
+    /// If true, its light is part of the sky: for nothing, at the angular resolution of the method. `false`: exact
+    /// shadows, which take about as long as all other light. Without effect in `polar` and `flood`, and for suns with a
+    /// mask or an elevation.
+    pub glow: bool,
 }
 
 impl Default for SunLight2d {
     fn default() -> Self {
         let Sun { intensity, angle, .. } = Sun::default();
-        Self { color: Color::WHITE, intensity, angle, mask: ALL_LAYERS, elevation: None }
+        let mask = ALL_LAYERS;
+        Self { color: Color::WHITE, intensity, angle, mask, elevation: None, glow: false }
     }
 }
 
@@ -48,6 +53,7 @@ impl SunLight2d {
             color: radiance(self.color, self.intensity),
             intensity: 1.0,
             elevation: self.elevation.map(|elevation| elevation.clamp(0.05, FRAC_PI_2)),
+            direct: if self.glow { Direct::Glow } else { Direct::Exact },
             mask: self.mask,
         };
         let is_on = sun.color != [0.0; 3] && travels != Vec2::ZERO;

@@ -14,15 +14,16 @@ impl QuadSource for &LightOccluder2d {
         let centered = |size: Vec2| QuadMap::of_box(-0.5 * size, size, &world);
         match &self.shape {
             OccluderShape::Rectangle { size } => {
-                to.push(Quad::shape(centered(*size), QuadShape::Square));
+                to.push(Quad::shape(centered(*size), QuadShape::Square).by_area());
             }
             OccluderShape::Circle { radius } => {
-                to.push(Quad::shape(centered(Vec2::splat(2.0 * radius)), QuadShape::Circle));
+                let map = centered(Vec2::splat(2.0 * radius));
+                to.push(Quad::shape(map, QuadShape::Circle).by_area());
             }
             OccluderShape::Capsule { radius, length } => {
                 let height = 2.0 * radius + length;
                 let map = centered(Vec2::new(2.0 * radius, height));
-                let quad = Quad::shape(map, QuadShape::Capsule);
+                let quad = Quad::shape(map, QuadShape::Capsule).by_area();
                 to.push(Quad { param: 2.0 * radius / height, ..quad });
             }
             OccluderShape::Polygon { points } => {

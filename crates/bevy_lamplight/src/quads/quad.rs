@@ -1,5 +1,6 @@
 //! The primitive that matter is drawn from.
 
+use super::material::QuadMaterial;
 use bevy::math::{Affine2, Affine3A, Rect, Vec2, Vec4};
 use bytemuck::{Pod, Zeroable};
 
@@ -18,6 +19,10 @@ pub enum QuadShape {
     /// The disc of a lamp, weighted by the fraction of each cell that it covers.
     Lamp = 4,
 }
+
+/// The bit of [`Quad::shape`] by which a square, circle or capsule covers cells by the fraction of their area, if its
+/// material lets light through: that of fog and glass then changes evenly as they move.
+const BY_AREA: u32 = 8;
 
 /// Conversion of an image's alpha to coverage; the [`Quad::param`] of squares and triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,7 +127,7 @@ pub struct Quad {
     pub color: [f32; 4],
     /// Index of its [`super::QuadMaterial`].
     pub material: u32,
-    /// A [`QuadShape`].
+    /// A [`QuadShape`], and bits.
     pub shape: u32,
     /// Layer of the image.
     pub layer: u32,
@@ -142,6 +147,23 @@ impl Quad {
         let white = Vec4::ONE.to_array();
         let quad = Self::image(world, QuadMap::whole(), white, AlphaCutoff::Blend);
         Self { shape: shape as u32, ..quad }
+    }
+
+    /// Covers cells by area if its material lets light through. Only for what lies side by side with no other quad: a
+    /// cell on the common edge of two would be covered by less than both together.
+    #[must_use]
+    pub fn by_area(self) -> Self {
+        Self { shape: self.shape | BY_AREA, ..self }
+    }
+
+    /// Returns whether cells are covered by area.
+    pub fn is_by_area(&self, material: &QuadMaterial) -> bool {
+        self.shape & BY_AREA != 0 && material.opacity < 1.0
+    }
+
+    /// Returns whether its shape is this one.
+    pub fn is(&self, shape: QuadShape) -> bool {
+        self.shape & !BY_AREA == shape as u32
     }
 
     /// Returns whether all of its numbers are finite.

@@ -52,7 +52,8 @@ impl QuadSource for SpriteMatterItem<'_, '_> {
                 max: texels.min + slice.texels.max * texels.size(),
             };
             let shown = QuadMap::of_texels(part, image).mirrored([sprite.flip_x, sprite.flip_y]);
-            to.push(Quad::image(map, shown, color, cutoff));
+            let quad = Quad::image(map, shown, color, cutoff);
+            to.push(if layout.slices.len() == 1 { quad.by_area() } else { quad });
         }
         to.finish_group(place, sprite.image.id(), true);
     }

@@ -5,8 +5,11 @@ use crate::quads::{ExtractedScene, Quad, QuadMap, QuadMaterial, QuadShape, Scene
 use bevy::camera::visibility::RenderLayers;
 use bevy::color::ColorToComponents;
 use bevy::image::Image;
-use bevy::math::{Vec2, Vec4};
+use bevy::math::{Mat2, Vec2, Vec4};
 use lamplight::{Cells, Matter};
+
+/// The last place of a side of the unit square.
+const LAST: f32 = 1.0 - 0.5 * f32::EPSILON;
 
 /// Clears the cells and draws all matter on the layers. Lamps are not drawn.
 pub fn rasterize(
@@ -20,7 +23,8 @@ pub fn rasterize(
     let cells = [to.width(), to.height()];
     for_each_quad(scene, grid, layers, assets, |quad, material, image| {
         let (opacity, tint) = material.over(grid.cell);
-        for_each_cell(quad, grid, image, cells, |x, y, color| {
+        let piece = Piece { quad, image, by_area: quad.is_by_area(material) };
+        for_each_cell(&piece, grid, cells, |x, y, color| {
             let rgb = color.truncate().to_array();
             let product =
                 |by: [f32; 3], max: f32| std::array::from_fn(|c| by[c] * rgb[c].clamp(0.0, max));
@@ -48,7 +52,8 @@ pub fn rasterize_masks(
     let cells @ [width, _] = [to.width(), to.height()];
     for_each_quad(scene, grid, layers, assets, |quad, material, image| {
         let masks = to.masks_mut();
-        for_each_cell(quad, grid, image, cells, |x, y, color| {
+        let piece = Piece { quad, image, by_area: quad.is_by_area(material) };
+        for_each_cell(&piece, grid, cells, |x, y, color| {
             if color.w >= 0.5 {
                 masks[(y * width + x) as usize] = material.bits as u8;
             }
@@ -74,24 +79,32 @@ fn for_each_quad(
     }
 }
 
+/// A quad to be drawn, and its image.
+struct Piece<'a> {
+    quad: &'a Quad,
+    image: Option<&'a Image>,
+    /// True if it covers cells by the fraction of their area.
+    by_area: bool,
+}
+
 /// Visits the cells that a quad covers, with its colour there; alpha is its coverage, above 0.
 fn for_each_cell(
-    quad: &Quad,
+    piece: &Piece,
     grid: &Placement,
-    image: Option<&Image>,
     [width, height]: [u32; 2],
     mut draw: impl FnMut(u32, u32, Vec4),
 ) {
-    let map = grid.on_grid(&quad.world);
+    let map = grid.on_grid(&piece.quad.world);
     let Some(back) = map.inverse() else { return };
-    let bounds = map.bounds();
+    let step = back.matrix2;
+    let bounds = map.bounds().inflate(if piece.by_area { 1.0 } else { 0.0 });
     // Casts saturate at the edges of the grid.
     let range = |low: f32, high: f32, end: u32| low.floor() as u32..(high.ceil() as u32).min(end);
     let columns = range(bounds.min.x, bounds.max.x, width);
     for y in range(bounds.min.y, bounds.max.y, height) {
         for x in columns.clone() {
             let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            let color = color_at(quad, back.transform_point2(center), image);
+            let color = piece.color_at(back.transform_point2(center), step);
             if color.w > 0.0 {
                 draw(x, y, color);
             }
@@ -99,35 +112,63 @@ fn for_each_cell(
     }
 }
 
-/// The colour of a quad at a point of its unit square; alpha is its coverage there.
-fn color_at(quad: &Quad, unit: Vec2, image: Option<&Image>) -> Vec4 {
-    if unit.min_element() < 0.0 || unit.max_element() >= 1.0 {
-        return Vec4::ZERO;
+impl Piece<'_> {
+    /// The colour at a point of the unit square; alpha is the coverage of the cell there, whose steps to the right and
+    /// down are the columns of `step`.
+    fn color_at(&self, unit: Vec2, step: Mat2) -> Vec4 {
+        let Self { quad, image, by_area } = *self;
+        let is_round = quad.is(QuadShape::Circle) || quad.is(QuadShape::Capsule);
+        let coverage = if by_area {
+            self.area(unit, step)
+        } else {
+            let is_inside = unit.min_element() >= 0.0
+                && unit.max_element() < 1.0
+                && (!is_round || self.depth(unit) >= 0.0)
+                && (!quad.is(QuadShape::Triangle) || unit.element_sum() < 1.0);
+            f32::from(u8::from(is_inside))
+        };
+        if coverage <= 0.0 {
+            return Vec4::ZERO;
+        }
+        // Beyond the edge its nearest texel counts.
+        let unit = unit.clamp(Vec2::ZERO, Vec2::splat(LAST));
+        let texel = image.map_or(Vec4::ONE, |image| texel(image, &quad.texels, unit, quad.layer));
+        let mut color = texel * Vec4::from(quad.color);
+        if !is_round && quad.param < 0.0 {
+            color.w = 1.0;
+        } else if !is_round && quad.param > 0.0 {
+            color.w = if color.w >= quad.param { 1.0 } else { 0.0 };
+        }
+        color.w *= coverage;
+        color
     }
-    let from_middle = unit - 0.5;
-    let is_inside = if quad.shape == QuadShape::Circle as u32 {
-        from_middle.length_squared() <= 0.25
-    } else if quad.shape == QuadShape::Capsule as u32 {
-        let across = 2.0 * from_middle.abs() * Vec2::new(quad.param, 1.0);
-        Vec2::new(across.x, (across.y - (1.0 - quad.param)).max(0.0)).length() <= quad.param
-    } else if quad.shape == QuadShape::Triangle as u32 {
-        unit.element_sum() < 1.0
-    } else {
-        true
-    };
-    if !is_inside {
-        return Vec4::ZERO;
+
+    /// How far a point of the unit square is inside a circle or an upright capsule; below 0 outside. The unit is
+    /// arbitrary.
+    fn depth(&self, unit: Vec2) -> f32 {
+        if self.quad.is(QuadShape::Circle) {
+            return 0.5 - (unit - 0.5).length();
+        }
+        let param = self.quad.param;
+        let across = 2.0 * (unit - 0.5).abs() * Vec2::new(param, 1.0);
+        param - Vec2::new(across.x, (across.y - (1.0 - param)).max(0.0)).length()
     }
-    let texel = image.map_or(Vec4::ONE, |image| texel(image, &quad.texels, unit, quad.layer));
-    let mut color = texel * Vec4::from(quad.color);
-    let is_shape =
-        quad.shape == QuadShape::Circle as u32 || quad.shape == QuadShape::Capsule as u32;
-    if !is_shape && quad.param < 0.0 {
-        color.w = 1.0;
-    } else if !is_shape && quad.param > 0.0 {
-        color.w = if color.w >= quad.param { 1.0 } else { 0.0 };
+
+    /// The fraction of a cell that the quad covers by its area: exact for upright squares, elsewhere as if the edge were
+    /// straight and faced the cell.
+    fn area(&self, unit: Vec2, step: Mat2) -> f32 {
+        if self.quad.is(QuadShape::Square) {
+            let overlap = |at: f32, width: f32| {
+                let covered = (at + 0.5 * width).min(1.0) - (at - 0.5 * width).max(0.0);
+                covered.max(0.0) / width.max(1e-12)
+            };
+            let width = [step.row(0).length(), step.row(1).length()];
+            return overlap(unit.x, width[0]) * overlap(unit.y, width[1]);
+        }
+        let slope = |step: Vec2| self.depth(unit + 0.5 * step) - self.depth(unit - 0.5 * step);
+        let slope = Vec2::new(slope(step.x_axis), slope(step.y_axis));
+        (0.5 + self.depth(unit) / slope.length().max(1e-12)).clamp(0.0, 1.0)
     }
-    color
 }
 
 /// The nearest texel; white if the image is compressed or not kept on the CPU.

@@ -336,3 +336,55 @@ fn every_shape_of_occluder_blocks_light() {
     let (with, without) = beyond(LightOccluder2d::circle(5.0), Transform::from_xyz(0.0, 25.0, 0.0));
     assert!(with > 0.9 * without, "beside it: {with} of {without}");
 }
+
+/// The largest unevenness of light, past which fog falls off exponentially; by centres it is 20 % and more.
+const EVEN: f32 = 0.04;
+
+#[test]
+fn the_light_of_glow_and_fog_changes_evenly_as_they_move_by_parts_of_a_px() {
+    type Spawn = fn(&mut App) -> Entity;
+    // Fog before a lamp, and two shapes that glow a little in every px.
+    let fog: Spawn = |app| {
+        app.world_mut().spawn((PointLight2d::default(), Transform::from_xyz(-40.0, 0.0, 0.0)));
+        let sprite = Sprite::from_color(Color::WHITE, Vec2::new(9.0, 24.0));
+        app.world_mut().spawn((sprite, Matter2d::fog(0.3))).id()
+    };
+    let fire: Spawn = |app| {
+        let matter = Matter2d { opacity: 0.05, ..Matter2d::glow(8.0) };
+        app.world_mut().spawn((LightOccluder2d::circle(4.0), matter)).id()
+    };
+    let coal: Spawn = |app| {
+        let matter = Matter2d { opacity: 0.05, ..Matter2d::glow(8.0) };
+        app.world_mut().spawn((LightOccluder2d::rectangle(7.0, 5.0), matter)).id()
+    };
+    for (name, spawn) in [("fog", fog), ("fire", fire), ("coal", coal)] {
+        let mut app = app();
+        let target = target(&mut app, SIZE);
+        camera(&mut app, &target, plain());
+        let entity = spawn(&mut app);
+        begin(&mut app);
+        let pictures: Vec<Picture> = (0..=4)
+            .map(|step| {
+                let place = Transform::from_xyz(0.25 * step as f32, 0.125 * step as f32, 0.0);
+                app.world_mut().entity_mut(entity).insert(place);
+                picture(&mut app, &target, 3)
+            })
+            .collect();
+        let (mut off, mut change) = (0f32, 0f32);
+        for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+            // Not what covers the shape, nor the lamp.
+            if (28..68).contains(&x) && (16..56).contains(&y) || x < 16 {
+                continue;
+            }
+            let [from, to] = [0, 4].map(|step| pictures[step].grey(x, y));
+            change = change.max((to / from - 1.0).abs());
+            for (step, picture) in pictures.iter().enumerate() {
+                let even = from + (to - from) * 0.25 * step as f32;
+                off = off.max((picture.grey(x, y) / even - 1.0).abs());
+            }
+        }
+        println!("{name}: {off:.4} off an even change of up to {change:.4}");
+        assert!(off < EVEN, "{name}: {off}");
+        assert!(change > 2.0 * off, "{name}: light hardly changes");
+    }
+}

@@ -49,7 +49,7 @@ pub struct DirectLights {
 }
 
 impl DirectLights {
-    /// Replaces the lights by all suns, and the lamps that the method of the settings lights exactly.
+    /// Replaces the lights by the suns and lamps that the method of the settings lights exactly.
     pub fn set(
         &mut self,
         settings: &Settings,
@@ -65,7 +65,8 @@ impl DirectLights {
         let exact = |lamp: &&Lamp| settings.method().lights_exactly(lamp);
         self.lamps.set(lamps.iter().filter(exact), rays)?;
         self.suns.clear();
-        self.suns.extend(suns.iter().map(|sun| Sun {
+        let exact = |sun: &&lamplight::Sun| settings.method().shines_exactly(sun);
+        self.suns.extend(suns.iter().filter(exact).map(|sun| Sun {
             travels: [sun.direction.cos(), sun.direction.sin()],
             slope: (0.5 * sun.angle).tan(),
             width: sun.angle,

@@ -2,8 +2,9 @@
 
 use crate::common::{cells, device, frame, lighting, raymarch_of, seeded};
 use crate::compare::{Both, TOLERANCE, agree, differences};
+use crate::direct::without_media;
 use lamplight::settings::{Cascades, Hit, Holographic, Merge};
-use lamplight::{Bounces, Cells, Gradient, Method, Panorama, Rgb, Settings, Sky};
+use lamplight::{Bounces, Cells, Direct, Gradient, Method, Panorama, Rgb, Settings, Sky, Sun};
 
 /// Every method that sees the sky, with its variants.
 fn variants() -> Vec<(&'static str, Settings)> {
@@ -73,6 +74,27 @@ fn a_sky_may_become_a_panorama_and_change() {
         let mut both = Both::new(&gpu, settings);
         for (i, sky) in skies.iter().enumerate() {
             both.agree(&gpu, &format!("{name}, sky {i}"), &under(sky.clone(), cells(61, 43, 9)));
+        }
+    }
+}
+
+#[test]
+fn suns_that_glow_agree_as_they_come_and_go() {
+    let gpu = device();
+    let sun = Sun { direction: 1.3, angle: 0.1, direct: Direct::Glow, ..Sun::default() };
+    let exact = Sun { direct: Direct::Exact, ..sun };
+    let suns = [&[][..], &[sun], &[Sun { direction: 1.5, ..sun }, sun], &[sun, exact], &[]];
+    for (name, settings) in variants() {
+        // Lights suns exactly, and its history of another sun fades.
+        if name == "flood" {
+            continue;
+        }
+        let mut both = Both::new(&gpu, settings);
+        for (i, suns) in suns.into_iter().enumerate() {
+            // Media between an exact sun and what it lights are looked at along other lines on the GPU.
+            let mut cells = without_media(under([0.2, 0.3, 0.4], cells(61, 43, 9)));
+            cells.suns_mut().extend_from_slice(suns);
+            both.agree(&gpu, &format!("{name}, suns {i}"), &cells);
         }
     }
 }

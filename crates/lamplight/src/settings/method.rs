@@ -3,7 +3,7 @@
 use super::preset::no_preset;
 use super::raymarch::Hit;
 use super::{Cascades, Flood, Holographic, Polar, Raymarch};
-use crate::{Cells, Error, Lamp, Result};
+use crate::{Cells, Error, Lamp, Result, Sun};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -68,6 +68,11 @@ impl Method {
             Self::Flood => !lamp.shines_as_matter(),
             Self::Raymarch | Self::Cascades | Self::Holographic => lamp.is_exact(),
         }
+    }
+
+    /// Returns whether the direct light of a sun is found exactly, not as part of the sky.
+    pub fn shines_exactly(self, sun: &Sun) -> bool {
+        self.lights_lamps() || sun.is_exact()
     }
 
     /// Returns whether all frames of a static scene are identical: no noise and no history.

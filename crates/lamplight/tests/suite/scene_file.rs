@@ -66,6 +66,7 @@ fn whole() -> Scene {
             color: [1.0, 0.9, 0.8],
             intensity: 2.0,
             elevation: Some(30f32.to_radians()),
+            direct: Direct::Glow,
             mask: 6,
         });
     scene.layers = Layers {
