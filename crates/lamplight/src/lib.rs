@@ -11,6 +11,7 @@
 mod cells;
 mod check;
 mod clock;
+mod cookie;
 pub mod debug_views;
 mod elevation;
 mod error;
@@ -46,6 +47,7 @@ mod stages;
 mod sun;
 
 pub use cells::{Cells, Matter};
+pub use cookie::{Cookie, CookiePicture, CookiePixels};
 pub use error::{Error, Result};
 pub use lamp::{Cone, Direct, Falloff, Lamp};
 pub use light::Light;
