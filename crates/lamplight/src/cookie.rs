@@ -38,7 +38,9 @@ use std::sync::Arc;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(description = "A picture on the plane around a lamp, which multiplies the lamp's direct light.")]
+#[schemars(
+    description = "A picture on the plane around a lamp, which multiplies the lamp's direct light."
+)]
 pub struct Cookie {
     /// The picture: a PNG, EXR, WebP or JPEG of up to 2048×2048 px, whose path starts at the scene file's folder, or rows of
     /// colours. An EXR is linear as it is, other images are sRGB-decoded; transparent pixels are black.
@@ -46,11 +48,7 @@ pub struct Cookie {
     /// The width of the picture on the plane, px, 0.1 to 100 000. Its height follows from its own proportions.
     pub size: f32,
     /// The angle by which the picture is turned around the lamp, radians from +x towards +y.
-    #[serde(
-        default,
-        deserialize_with = "notation::angle",
-        skip_serializing_if = "is_zero"
-    )]
+    #[serde(default, deserialize_with = "notation::angle", skip_serializing_if = "is_zero")]
     #[schemars(with = "notation::Angle")]
     pub turn: f32,
 }

@@ -53,8 +53,7 @@ fn pixels(source: Source, path: &Path, key: &str) -> Result<CookiePixels> {
         let texel = rgb.map(|v| v * alpha);
         if !texel.iter().all(|v| (0.0..=CookiePixels::BRIGHTEST).contains(v)) {
             let [r, g, b] = texel;
-            let found =
-                format!("an image with [{r}, {g}, {b}] at ({x}, {y}) ({})", path.display());
+            let found = format!("an image with [{r}, {g}, {b}] at ({x}, {y}) ({})", path.display());
             return Err(Error::value(key, found, "of values from 0 to 1e6"));
         }
         texels.push(texel);
