@@ -73,6 +73,12 @@ impl CookieAtlas {
         Ok(())
     }
 
+    /// The bytes of a texture of cookies.
+    pub fn bytes(view: &TextureView) -> u64 {
+        let texture = view.texture();
+        u64::from(texture.width()) * u64::from(texture.height()) * size_of::<[f32; 4]>() as u64
+    }
+
     /// The first texel of a picture, if it has a place.
     fn first(&self, pixels: &CookiePixels) -> Option<u64> {
         let placed = self.pictures.iter().find(|(placed, _)| placed.shares(pixels));

@@ -1,5 +1,6 @@
 //! The planner of a frame: makes the buffers for a grid and binds them to pipelines.
 
+use crate::cookies::CookieAtlas;
 use crate::error::Result;
 use crate::found_light::{FoundLight, TO_LIGHT, TO_SCATTERED};
 use crate::grid_size::GridSize;
@@ -178,6 +179,8 @@ impl<'a> FramePlanner<'a> {
 
     /// Has cookies, if any lamp has one.
     pub fn with_cookies(self, cookies: Option<&'a TextureView>) -> Self {
+        let bytes = cookies.map_or(0, CookieAtlas::bytes);
+        self.memory.set(self.memory.get() + bytes);
         Self { cookies, ..self }
     }
 

@@ -196,7 +196,9 @@ fn pictures_multiply_the_light_of_every_kind_of_lamp() {
         };
         let with = cells(Some(Lamp { cookie: Some(cookie.clone()), ..plain.clone() }));
         let (without, alone) = (cells(Some(plain)), cells(None));
-        for (name, method) in methods().into_iter().take(5) {
+        // `polar` has a cone by rays, of which a lamp that reaches less far has fewer.
+        let rays = if number % 2 == 0 { 4 } else { 5 };
+        for (name, method) in methods().into_iter().take(rays) {
             let [with, without, alone] =
                 [&with, &without, &alone].map(|c| light_with(&method, c, 0));
             let mut changed = 0;
