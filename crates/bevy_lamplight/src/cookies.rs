@@ -19,7 +19,7 @@ pub struct CookieImages(Mutex<HashMap<CookieKey, Option<CookiePixels>>>);
 /// An image, and whether it is flipped upside down.
 type CookieKey = (AssetId<Image>, bool);
 
-/// What a cookie makes of its lamp.
+/// The effect of a cookie on its lamp.
 #[derive(Debug, PartialEq)]
 pub enum LampCookie {
     /// The lamp is lit, with the cookie if it has one: its turn as grids see it, and its size in world units.

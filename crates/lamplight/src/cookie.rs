@@ -274,7 +274,7 @@ impl<'de> Deserialize<'de> for CookiePicture {
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<CookiePicture, A::Error> {
                 let (mut texels, mut width, mut height) = (Vec::new(), 0, 0u32);
-                while let Some(Row(row)) = list.next_element()? {
+                while let Some(PixelRow(row)) = list.next_element()? {
                     let fits = (1..=CookiePixels::MAX_SIDE as usize).contains(&row.len());
                     if !fits || height == CookiePixels::MAX_SIDE || height > 0 && row.len() != width
                     {
@@ -302,9 +302,9 @@ impl<'de> Deserialize<'de> for CookiePicture {
 }
 
 /// A row of colours.
-struct Row(Vec<Rgb>);
+struct PixelRow(Vec<Rgb>);
 
-impl<'de> Deserialize<'de> for Row {
+impl<'de> Deserialize<'de> for PixelRow {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         notation::colors(from).map(Self)
     }

@@ -2,7 +2,9 @@
 
 use bevy::log::warn_once;
 use bevy::prelude::*;
-use lamplight::{ALL_LAYERS, Cone, Cookie, Direct, Falloff, Gradient, Lamp, Panorama, Profile, Sky};
+use lamplight::{
+    ALL_LAYERS, Cone, Cookie, Direct, Falloff, Gradient, Lamp, Panorama, Profile, Sky,
+};
 use std::f32::consts::{FRAC_PI_3, PI};
 
 /// A lamp at an entity's position.

@@ -38,7 +38,10 @@ impl Plugin for LightQueryPlugin {
             .init_resource::<QueriedSight>()
             .init_resource::<CookieImages>()
             // What has changed in a frame is sent before its last systems.
-            .add_systems(Last, forget_changed.run_if(resource_exists::<Messages<AssetEvent<Image>>>))
+            .add_systems(
+                Last,
+                forget_changed.run_if(resource_exists::<Messages<AssetEvent<Image>>>),
+            )
             .add_systems(
                 PostUpdate,
                 solve

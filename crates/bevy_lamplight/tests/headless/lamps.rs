@@ -332,7 +332,9 @@ fn a_cookie_turns_flips_and_grows_with_its_lamp_and_changes_with_its_image() {
         app.world_mut().entity_mut(lamp).insert(transform);
         let seen = picture(&mut app, &image, 2);
         let away = 10.0 * transform.scale.x.abs();
-        for ([dx, dy], right) in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].into_iter().zip(right) {
+        for ([dx, dy], right) in
+            [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].into_iter().zip(right)
+        {
             let rgb = seen.at((80.0 + away * dx) as u32, (60.0 + away * dy) as u32);
             let most = rgb.into_iter().fold(0.0, f32::max);
             println!("{name}, ({dx}, {dy}): {rgb:?}");

@@ -79,7 +79,9 @@ impl Method {
             Self::Polar(polar) => {
                 // Those that take light away take it from all others, however these blend.
                 let some = |take: bool| lamps.iter().filter(move |lamp| lamp.takes_light() == take);
-                list.set(some(false).chain(some(true)), cookies, |lamp| Ok(polar.lamp_rays(lamp, size)))
+                list.set(some(false).chain(some(true)), cookies, |lamp| {
+                    Ok(polar.lamp_rays(lamp, size))
+                })
             }
             Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => {
                 list.clear();

@@ -5,7 +5,8 @@ use crate::compare::{Both, SIZES, agree_but_for, differences, wrong};
 use crate::lamps::{lamps, with_cookies};
 use lamplight::settings::{Blend, Cascades, Flood, Holographic, MethodSettings, Polar, Raymarch};
 use lamplight::{
-    ALL_LAYERS, Bounces, Cells, Cone, Cookie, CookiePixels, Direct, Matter, Profile, Rgb, Settings, Sun,
+    ALL_LAYERS, Bounces, Cells, Cone, Cookie, CookiePixels, Direct, Matter, Profile, Rgb, Settings,
+    Sun,
 };
 use lamplight_wgpu::FrameInput;
 use std::f32::consts::TAU;
@@ -275,7 +276,8 @@ fn cookies_come_and_go_and_change() {
 /// Texels of single pictures that are too much together for a texture of 2048×2048.
 #[test]
 fn cookies_beyond_the_largest_texture_are_refused_and_the_frame_before_stays() {
-    let (device, queue) = crate::common::device_with(|limits| limits.max_texture_dimension_2d = 2048);
+    let (device, queue) =
+        crate::common::device_with(|limits| limits.max_texture_dimension_2d = 2048);
     let mut lighting = crate::common::lighting(&device, &queue);
     let settings = Settings::direct(Polar::default());
     let plain = without_media(lit(41, 1, 300));
@@ -286,7 +288,8 @@ fn cookies_beyond_the_largest_texture_are_refused_and_the_frame_before_stays() {
     large.lamps_mut()[0].cookie = Some(Cookie::new(half, 90.0));
     large.lamps_mut()[1].cookie = Some(Cookie::new(other, 90.0));
     let error = lighting.prepare(&FrameInput::of_cells(&settings, &large)).unwrap_err().to_string();
-    let expected = "needs 2049 rows of 2048 texels for the cookies of its lamps, but this device allows 2048";
+    let expected =
+        "needs 2049 rows of 2048 texels for the cookies of its lamps, but this device allows 2048";
     assert!(error.contains(expected), "{error}");
     let after = crate::common::frame(&device, &queue, &mut lighting, &settings, &plain);
     assert_eq!(before, after);

@@ -181,8 +181,14 @@ fn invalid_lamps_are_rejected_by_key() {
             "`lamp[0].intensity` is -2000000, but must be a number from -1000000 to 1000000",
         ),
         (Lamp { range: 0.0, ..good.clone() }, "`lamp[0].range` is 0"),
-        (Lamp { mask: 0, ..good.clone() }, "`lamp[0].mask` is 0, but must be a whole number from 1 to 255"),
-        (Lamp { size: 0.0, ..good.clone() }, "`lamp[0].size` is 0, but must be a number from 0.05 to 512"),
+        (
+            Lamp { mask: 0, ..good.clone() },
+            "`lamp[0].mask` is 0, but must be a whole number from 1 to 255",
+        ),
+        (
+            Lamp { size: 0.0, ..good.clone() },
+            "`lamp[0].size` is 0, but must be a number from 0.05 to 512",
+        ),
         (Lamp { size: 513.0, ..good.clone() }, "`lamp[0].size` is 513"),
         (
             Lamp { height: Some(0.0), ..good.clone() },

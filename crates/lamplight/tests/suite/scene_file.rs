@@ -3,8 +3,8 @@
 use lamplight::Gradient;
 use lamplight::scene::{Layers, Material, NormalY, SkyPicture};
 use lamplight::{
-    Bounces, Cone, Cookie, Direct, Display, Falloff, Lamp, Matter, Method, Panorama, Profile, Relief,
-    Scene, Settings, SettingsTable, Shape, Sky, Sun, ToneMap,
+    Bounces, Cone, Cookie, Direct, Display, Falloff, Lamp, Matter, Method, Panorama, Profile,
+    Relief, Scene, Settings, SettingsTable, Shape, Sky, Sun, ToneMap,
 };
 use std::collections::BTreeSet;
 use std::path::Path;

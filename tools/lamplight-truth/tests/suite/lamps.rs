@@ -82,8 +82,9 @@ fn a_gliding_lamp_keeps_its_light() {
 fn the_comparison_rejects_a_lamp_that_is_two_percent_brighter() {
     let (_, method, error) = &methods()[0];
     let lamp = Lamp { position: [50.25, 50.5], intensity: 1.0, ..Lamp::default() };
-    let [right, wrong] = [1.0, 1.02]
-        .map(|intensity| against_closed_form(method, Lamp { intensity, ..lamp.clone() }, lamp.clone()) - 1.0);
+    let [right, wrong] = [1.0, 1.02].map(|intensity| {
+        against_closed_form(method, Lamp { intensity, ..lamp.clone() }, lamp.clone()) - 1.0
+    });
     assert!(right.abs() < *error && wrong > *error && wrong - right > STEADY, "{right} {wrong}");
 }
 
