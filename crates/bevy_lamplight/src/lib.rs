@@ -21,7 +21,7 @@
 //! ```
 //!
 //! [`Lighting2d`] lights a camera. [`Matter2d`] makes anything that is drawn emit, block, filter or
-//! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, [`SunLight2d`] is a sun, and [`LightOccluder2d`] is an invisible
+//! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, which [`LightCookie2d`] gives a pattern, [`SunLight2d`] is a sun, and [`LightOccluder2d`] is an invisible
 //! shape that blocks light. [`LightMask2d`] chooses which lamps light an entity. Entities with [`Unlit2d`] are drawn unlit, over the lit picture. [`NormalMap2d`] lights flat
 //! pictures as if their surface were tilted.
 //! [`LightQuery`] returns the light at a place, for game rules, and [`SightQuery`] whether a [`Viewer2d`] sees it.
@@ -30,6 +30,7 @@
 //! world units: opacity and tint are per world unit.
 
 mod components;
+mod cookies;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 mod lit_camera;
@@ -65,6 +66,7 @@ impl Plugin for LamplightPlugin {
             .register_type::<LightOccluder2d>()
             .register_type::<Unlit2d>()
             .register_type::<NormalMap2d>()
+            .register_type::<LightCookie2d>()
             .register_type::<Relief2d>()
             .register_type::<PointLight2d>()
             .register_type::<SpotLight2d>()

@@ -1,5 +1,6 @@
 //! The lamps of a frame, as shaders/shared/lamps.wgsl reads them.
 
+use crate::cookies::{CookieAtlas, PlacedCookie};
 use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
 use lamplight::{Cone, Falloff};
@@ -30,6 +31,9 @@ gpu_struct! {
         number: u32,
         profile_count: u32,
         height: f32,
+        cookie_axis: [f32; 2],
+        cookie_size: u32,
+        cookie_first: u32,
         profile: [[f32; 4]; 4],
     }
 }
@@ -118,10 +122,11 @@ impl LampList {
         self.needed = Capacity::default();
     }
 
-    /// Replaces the lamps, each lit by the rays that `rays` returns.
+    /// Replaces the lamps, each lit by the rays that `rays` returns; their cookies have places already.
     pub fn set<'a>(
         &mut self,
         lamps: impl IntoIterator<Item = &'a lamplight::Lamp>,
+        cookies: &CookieAtlas,
         rays: impl Fn(&lamplight::Lamp) -> Result<LampRays, lamplight::Error>,
     ) -> Result<(), lamplight::Error> {
         self.clear();
@@ -130,6 +135,8 @@ impl LampList {
             let per_radian = count as f32 / std::f32::consts::TAU;
             let profile = lamp.cone.as_ref().and_then(|cone| cone.profile.as_ref());
             let profile = profile.map_or(&[][..], |profile| profile.values());
+            let PlacedCookie { axis: cookie_axis, size: cookie_size, first: cookie_first } =
+                cookies.placed(lamp.cookie.as_ref());
             self.lamps.push(Lamp {
                 position: lamp.position,
                 reach,
@@ -154,6 +161,9 @@ impl LampList {
                 number: self.needed.lamps as u32,
                 profile_count: profile.len() as u32,
                 height: lamp.height.unwrap_or_default(),
+                cookie_axis,
+                cookie_size,
+                cookie_first,
                 profile: std::array::from_fn(|row| {
                     std::array::from_fn(|k| profile.get(4 * row + k).copied().unwrap_or_default())
                 }),

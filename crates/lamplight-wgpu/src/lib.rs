@@ -29,6 +29,7 @@
 
 mod camera;
 mod compose;
+mod cookies;
 mod cost;
 pub mod error;
 mod error_scope;

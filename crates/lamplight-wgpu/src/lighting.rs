@@ -1,5 +1,6 @@
 //! The middleware: a host creates it once, and prepares and records it every frame.
 
+use crate::cookies::CookieAtlas;
 use crate::cost::Cost;
 use crate::error::{CreateError, PrepareError, RecordError, Result};
 use crate::error_scope::with_error_scope;
@@ -67,6 +68,7 @@ pub struct Lighting {
     sights: SightList,
     /// The sky, if it is a panorama.
     panorama: Option<PanoramaTexture>,
+    cookies: CookieAtlas,
     frame: Option<PreparedFrame>,
     /// Frames prepared since the last reset.
     number: u32,
@@ -106,6 +108,8 @@ struct PreparedFrame {
     normals: Option<TextureView>,
     /// The sky, if it is a panorama.
     panorama: Option<TextureView>,
+    /// The cookies of lamps, if there are any.
+    cookies: Option<TextureView>,
     hints: SceneHints,
     capacity: Capacity,
     light: Buffer,
@@ -210,6 +214,7 @@ impl Lighting {
                 direct_lights: DirectLights::default(),
                 sights: SightList::default(),
                 panorama: None,
+                cookies: CookieAtlas::default(),
                 frame: None,
                 number: 0,
                 before: None,
@@ -229,7 +234,8 @@ impl Lighting {
     /// Prepares the next frame, to be recorded and submitted: noise advances, history and feedback accumulate.
     ///
     /// Changing the seed, the sky, lamps, the elevation of light, or the contents of cells or textures is free. (A
-    /// panorama is uploaded when it has changed, and planned for if it has another number of columns.) Other texture
+    /// panorama is uploaded when it has changed, and planned for if it has another number of columns; cookies are
+    /// uploaded when there is one that no lamp had before, and planned for when they need more room.) Other texture
     /// views of the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers;
     /// any other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
     ///
@@ -309,8 +315,9 @@ impl Lighting {
             self.sight = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         let size = grid.size.into();
-        method.set_lamps(lamps, size, &mut self.lamps)?;
-        self.direct_lights.set(input.settings, lamps, suns, size)?;
+        self.cookies.set(device, grid.size, lamps)?;
+        method.set_lamps(lamps, &self.cookies, size, &mut self.lamps)?;
+        self.direct_lights.set(input.settings, lamps, &self.cookies, suns, size)?;
         let needed = self.needed();
         self.lamps.more_follows = needed.has_direct();
         let moment = input.settings.moment;
@@ -325,7 +332,9 @@ impl Lighting {
         }
         let panorama = self.panorama.as_ref().map(|panorama| &panorama.view);
         let serves = |frame: &PreparedFrame| {
-            frame.serves(grid, input.settings, needed) && frame.panorama.as_ref() == panorama
+            frame.serves(grid, input.settings, needed)
+                && frame.panorama.as_ref() == panorama
+                && frame.cookies == self.cookies.view
         };
         let fresh = if self.frame.as_ref().is_some_and(serves) {
             None
@@ -367,6 +376,7 @@ impl Lighting {
         if let Some(panorama) = &mut self.panorama {
             panorama.write(queue, sky);
         }
+        self.cookies.write(queue);
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
         let sky = Sky::clone(sky);
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky });
@@ -417,6 +427,7 @@ impl Lighting {
             let planner = FramePlanner::new(&self.shared, settings, self.options, *grid)
                 .with_capacity(capacity, self.needed())?
                 .with_panorama(panorama)
+                .with_cookies(self.cookies.view.as_ref())
                 .after(before.map_or(&[], |frame| &frame.history));
             let light = match before {
                 Some(frame) if frame.settings.moment == settings.moment => {
@@ -461,6 +472,7 @@ impl Lighting {
                 shown: None,
                 normals: None,
                 panorama: panorama.cloned(),
+                cookies: self.cookies.view.clone(),
                 hints: grid.hints,
                 capacity: planner.capacity,
                 memory: planner.memory(),

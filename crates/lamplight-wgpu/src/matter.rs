@@ -239,6 +239,11 @@ pub fn panorama_texture(device: &Device, columns: u32) -> TextureView {
     texture_of(device, "panorama", [columns, 1], TextureFormat::Rgba32Float, UPLOADED)
 }
 
+/// Creates a texture of four floats per texel of cookies.
+pub fn cookies_texture(device: &Device, size: [u32; 2]) -> TextureView {
+    texture_of(device, "cookies", size, TextureFormat::Rgba32Float, UPLOADED)
+}
+
 /// Writes a texture of four floats.
 pub fn write_texels(queue: &Queue, view: &TextureView, texels: &[[f32; 4]]) {
     write_bytes(queue, view.texture(), bytemuck::cast_slice(texels), TEXEL);

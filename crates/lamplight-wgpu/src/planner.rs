@@ -1,5 +1,6 @@
 //! The planner of a frame: makes the buffers for a grid and binds them to pipelines.
 
+use crate::cookies::CookieAtlas;
 use crate::error::Result;
 use crate::found_light::{FoundLight, TO_LIGHT, TO_SCATTERED};
 use crate::grid_size::GridSize;
@@ -34,6 +35,8 @@ pub struct FramePlanner<'a> {
     pub capacity: Capacity,
     /// The sky, if it is a panorama.
     panorama: Option<&'a TextureView>,
+    /// The cookies of lamps, if there are any.
+    cookies: Option<&'a TextureView>,
     /// The direct light of suns and exact lamps, if there are any.
     direct: Option<FoundLight<'a>>,
     /// Bytes of the buffers and textures made so far.
@@ -68,6 +71,7 @@ impl<'a> FramePlanner<'a> {
             hints,
             capacity: Capacity::default(),
             panorama: None,
+            cookies: None,
             direct: None,
             memory: Cell::default(),
             before: &[],
@@ -171,6 +175,18 @@ impl<'a> FramePlanner<'a> {
     /// Returns whether the sky is a panorama.
     pub fn has_panorama(&self) -> bool {
         self.panorama.is_some()
+    }
+
+    /// Has cookies, if any lamp has one.
+    pub fn with_cookies(self, cookies: Option<&'a TextureView>) -> Self {
+        let bytes = cookies.map_or(0, CookieAtlas::bytes);
+        self.memory.set(self.memory.get() + bytes);
+        Self { cookies, ..self }
+    }
+
+    /// The cookies of lamps, or a single texel without any.
+    pub fn cookies(&self) -> BindingResource<'_> {
+        view(self.cookies.unwrap_or(&self.shared.no_cookies))
     }
 
     /// Has direct light, which methods add to theirs.

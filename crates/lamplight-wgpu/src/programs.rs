@@ -99,6 +99,7 @@ programs! {
     CLASS: "stages/class", ["main"], { matter: Texture, classes: Write, used: Write }
     DIRECT: "stages/direct", ["shine_lamps", "shine_suns"], {
         lamps: Read, matter: Texture, classes: Read, suns: Read, found: Write, masks: Texture,
+        cookies: Texture,
     }
     ADD_DIRECT: "stages/add_direct", ["add", "scatter"], {
         found: Read, albedo: Texture, light: Write,
@@ -186,6 +187,7 @@ programs! {
     POLAR_GATHER: "methods/polar/gather", ["main"], {
         lamps: Read, matter: Texture, classes: Read, distance_field: Read, bounds: Read,
         curves: Read, corners: Read, used: Read, light: Write, masks: Texture,
+        cookies: Texture,
     }
 
     HOLOGRAPHIC_SLABS: "methods/holographic/slabs", ["main"], {

@@ -57,6 +57,7 @@ const FILES: &[(&str, &str)] = files! {
     "shared/class"
     "shared/class_at"
     "shared/cone"
+    "shared/cookie"
     "shared/hit"
     "shared/interval"
     "shared/lamps"

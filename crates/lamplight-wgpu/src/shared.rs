@@ -1,6 +1,6 @@
 //! The host's device, and buffers that are the same for every grid.
 
-use crate::matter::{masks_texture, panorama_texture, write_masks};
+use crate::matter::{cookies_texture, masks_texture, panorama_texture, write_masks};
 use crate::pipeline::STEP_BYTES;
 use crate::uniforms::FrameUniforms;
 use lamplight::ALL_LAYERS;
@@ -23,6 +23,8 @@ pub struct Shared {
     pub all_layers: TextureView,
     /// One texel, for skies that are no panorama.
     pub no_panorama: TextureView,
+    /// One texel, for lamps without cookies.
+    pub no_cookies: TextureView,
     steps: Buffer,
 }
 
@@ -41,6 +43,7 @@ impl Shared {
             frame: filled(device, queue, "frame", BufferUsages::UNIFORM, &frame),
             all_layers,
             no_panorama: panorama_texture(device, 1),
+            no_cookies: cookies_texture(device, [1, 1]),
             steps: filled(device, queue, "steps", BufferUsages::UNIFORM, &steps),
         }
     }

@@ -23,6 +23,11 @@ pub mod circle {
     pub use crate::math::circle::direction;
 }
 
+/// The cookies of lamps.
+pub mod cookie {
+    pub use crate::cookie::axis;
+}
+
 /// The edge-aware blur.
 pub mod denoise {
     pub use crate::filters::denoise::{DEVIATIONS, Denoiser, KERNEL, OPACITY};

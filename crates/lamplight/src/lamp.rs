@@ -2,12 +2,15 @@
 //!
 //! `polar` and `flood` light lamps by rule, with range, falloff and cone. The other methods read matter, into
 //! which lamps are drawn as glowing discs (`lamp_discs.rs`): light falls off as in the plane, without a range.
-//! Matter cannot emit in a cone, choose whom it lights, take light away, or hang above the plane. So lamps with a cone, a
-//! mask or a height, those of negative intensity, and others that ask for it ([`Direct::Exact`]), are lit by their shadow
-//! map instead, as in `polar`, and what they light reflects and scatters as all light does (`stages/direct.rs`).
+//! Matter cannot emit in a cone or a picture, choose whom it lights, take light away, or hang above the plane. So lamps
+//! with a cone, a cookie, a mask or a height, those of negative intensity, and others that ask for it ([`Direct::Exact`]),
+//! are lit by their shadow map instead, as in `polar`, and what they light reflects and scatters as all light does
+//! (`stages/direct.rs`).
+//!
+//! A cone's profile multiplies light by its angle, a cookie (`cookie.rs`) by its place on the plane.
 
 use crate::mask::ALL_LAYERS;
-use crate::{Profile, Result, Rgb, check, exact, mask, notation};
+use crate::{Cookie, Profile, Result, Rgb, check, exact, mask, notation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
@@ -120,7 +123,7 @@ impl Cone {
 }
 
 /// A point, spot or disc light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Lamp {
     /// The centre, px.
@@ -136,7 +139,7 @@ pub struct Lamp {
     #[serde(default = "default_intensity")]
     pub intensity: f32,
     /// The range in px, 1 to 100 000, of lamps that are lit by rule: all of them in `polar` and `flood`,
-    /// elsewhere those with a cone, a height or `direct = "exact"`.
+    /// elsewhere those with a cone, a cookie, a height or `direct = "exact"`.
     #[serde(default = "default_range")]
     pub range: f32,
     /// The radius of the disc in px, 0.05 to 512. Higher: more light and softer shadows.
@@ -149,13 +152,17 @@ pub struct Lamp {
     /// it the lamp shines in all directions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cone: Option<Cone>,
+    /// A picture on the plane around it, which multiplies its direct light, such as
+    /// `{ picture = "leaves.png", size = 120, turn = "30deg" }`. A lamp with a cookie is `exact`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cookie: Option<Cookie>,
     /// Its height above the plane in px, 0.05 to 100 000, for surfaces with normals: at distance d its light arrives at
     /// the elevation `atan(height/d)`, steep nearby and grazing far away. Without it, at the elevation of all light. A
     /// lamp with a height is `exact`. Light itself and its shadows do not depend on it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<f32>,
-    /// The way in which its direct light is found. Lamps with a cone, a mask or a height, and those that take light away,
-    /// are always `exact`. `glow` costs nothing; `exact` has sharper edges, and costs as much as a lamp of `polar`: time in
+    /// The way in which its direct light is found. Lamps with a cone, a cookie, a mask or a height, and those that
+    /// take light away, are always `exact`. `glow` costs nothing; `exact` has sharper edges, and costs as much as a lamp of `polar`: time in
     /// proportion to the square of the range.
     #[serde(default, skip_serializing_if = "is_glow")]
     pub direct: Direct,
@@ -207,6 +214,7 @@ impl Default for Lamp {
             size: 3.0,
             falloff: Falloff::Inverse,
             cone: None,
+            cookie: None,
             height: None,
             direct: Direct::Glow,
             mask: ALL_LAYERS,
@@ -219,6 +227,13 @@ impl Default for Lamp {
 impl Lamp {
     /// Validates the lamp; `key` names it in the error.
     pub fn check(&self, key: &dyn Display) -> Result<()> {
+        let cookie = self.cookie.as_ref();
+        cookie.map_or(Ok(()), |cookie| cookie.check(&format_args!("{key}.cookie")))?;
+        self.check_in_scene(key)
+    }
+
+    /// Validates the lamp of a scene, whose cookie has not been read yet.
+    pub(crate) fn check_in_scene(&self, key: &dyn Display) -> Result<()> {
         check::point(format_args!("{key}.position"), self.position)?;
         check::radiance(format_args!("{key}.color"), self.color)?;
         check::number(format_args!("{key}.intensity"), self.intensity, -1e6..=1e6)?;
@@ -228,6 +243,9 @@ impl Lamp {
             check::number(format_args!("{key}.height"), height, 0.05..=1e5)?;
         }
         mask::check(format_args!("{key}.mask"), self.mask)?;
+        if let Some(cookie) = &self.cookie {
+            cookie.check_in_scene(&format_args!("{key}.cookie"))?;
+        }
         self.cone.map_or(Ok(()), |cone| cone.check(&format_args!("{key}.cone")))
     }
 
@@ -241,9 +259,11 @@ impl Lamp {
         self.cone.is_some() || self.direct == Direct::Exact || !self.shines_as_matter()
     }
 
-    /// Returns whether the lamp lights all layers, takes no light away and lies in the plane: as glowing matter does.
+    /// Returns whether the lamp lights all layers, has no cookie, takes no light away and lies in the plane: as glowing
+    /// matter does.
     pub fn shines_as_matter(&self) -> bool {
-        self.mask == ALL_LAYERS && !self.takes_light() && self.height.is_none()
+        let is_plain = self.cookie.is_none() && self.height.is_none();
+        is_plain && self.mask == ALL_LAYERS && !self.takes_light()
     }
 
     /// Returns whether the lamp takes light away.

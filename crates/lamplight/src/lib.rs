@@ -11,6 +11,7 @@
 mod cells;
 mod check;
 mod clock;
+mod cookie;
 pub mod debug_views;
 mod elevation;
 mod error;
@@ -47,6 +48,7 @@ mod sun;
 mod sun_glow;
 
 pub use cells::{Cells, Matter};
+pub use cookie::{Cookie, CookiePicture, CookiePixels};
 pub use error::{Error, Result};
 pub use lamp::{Cone, Direct, Falloff, Lamp};
 pub use light::Light;

@@ -1,4 +1,4 @@
-//! The profile of a cone: how bright its beam is from edge to edge, as a cookie does it for other spotlights.
+//! The profile of a cone: how bright its beam is from edge to edge, by angle; a cookie is a picture by place.
 
 use crate::{Error, Result};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

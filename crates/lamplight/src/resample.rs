@@ -11,7 +11,7 @@
 use crate::mask::ALL_LAYERS;
 use crate::math::transmittance::extinction;
 use crate::relief::unit;
-use crate::{Cells, Error, Lamp, Light, Matter, Result, Rgb};
+use crate::{Cells, Cookie, Error, Lamp, Light, Matter, Result, Rgb};
 
 /// The largest downsampling factor of acceptable quality.
 pub const MAX_FACTOR: u32 = 4;
@@ -162,7 +162,11 @@ fn shrunk(lamp: &Lamp, factor: u32) -> Lamp {
         range: (lamp.range / f).max(1.0),
         size: (lamp.size / f).max(0.05),
         height: lamp.height.map(|height| (height / f).max(0.05)),
-        ..*lamp
+        cookie: lamp
+            .cookie
+            .clone()
+            .map(|cookie| Cookie { size: (cookie.size / f).max(0.1), ..cookie }),
+        ..lamp.clone()
     }
 }
 

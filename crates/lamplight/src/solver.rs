@@ -146,7 +146,7 @@ impl Solver {
         self.direct.clear();
         let Self { polar, cells, direct, clock, settings, .. } = self;
         let exact = |lamp: &&Lamp| method.lights_exactly(lamp);
-        direct.lamps.extend(cells.lamps().iter().filter(exact));
+        direct.lamps.extend(cells.lamps().iter().filter(exact).cloned());
         // `polar` finds the light of suns by itself.
         if method != Method::Polar && !(direct.lamps.is_empty() && cells.suns().is_empty()) {
             polar.solve_direct(cells, with_moment.then_some(settings.elevation), direct);

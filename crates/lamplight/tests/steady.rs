@@ -8,7 +8,8 @@ mod common;
 use common::*;
 use lamplight::settings::{BounceMode, Cascades, Flood, Hit, Holographic, Merge, Noise, Temporal};
 use lamplight::{
-    Bounces, Cells, Lamp, Matter, Method, Panorama, Settings, Sight, SightSolver, Solver,
+    Bounces, Cells, Cookie, CookiePixels, Lamp, Matter, Method, Panorama, Settings, Sight,
+    SightSolver, Solver,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -75,6 +76,8 @@ fn scene(fog: bool, frame: u32) -> Cells {
         let position = [10.0 + 17.0 * lamp as f32, 18.0 + 0.7 * (frame % 4) as f32];
         cells.lamps_mut().push(Lamp { position, size: 2.2, ..Lamp::default() });
     }
+    let pixels = CookiePixels::new([2, 1], &[[0.5, 1.0, 0.2], [1.0; 3]]).unwrap();
+    cells.lamps_mut()[1].cookie = Some(Cookie::new(pixels, 20.0));
     // Clones share its columns.
     cells.set_sky(Panorama::new(&[[0.1, 0.2, 0.3], [0.3, 0.2, 0.1]]).unwrap().into());
     cells

@@ -3,7 +3,7 @@
 //!
 //! A lamp of radius R is a disc of radiance L that is seen under the angle 2·asin(R/d). Its falloff f(d) says what
 //! of L is mean radiance at distance d where nothing is in between, and its cone how much of that goes where the
-//! receiver is, seen from the lamp's centre. A point at β·R beside the centre, across the line of sight, with β even
+//! receiver is, seen from the lamp's centre; a cookie multiplies it by the picture at the receiver. A point at β·R beside the centre, across the line of sight, with β even
 //! from −1 to 1, stands for the disc:
 //!
 //! `J = L·f(d)·cone(φ)·⟨T(β)⟩`, and on a face `E/2 = ½∫L cosθ dω = π·L·f(d)·cone(φ)·⟨cosθ(β)·T(β)⟩`
@@ -68,7 +68,8 @@ pub fn direct(
         let beside = (2.0 * point - 1.0) * f64::from(lamp.size);
         let share = lamp.cone.map_or(1.0, |cone| cone.share(off[1].atan2(off[0]) as f32));
         let falls = f64::from(share * lamp.falloff.at(distance as f32, lamp));
-        if falls == 0.0 || distance == 0.0 {
+        let picture = lamp.cookie.as_ref().map(|cookie| cookie.at(off.map(|v| v as f32)));
+        if falls == 0.0 || picture == Some([0.0; 3]) || distance == 0.0 {
             continue;
         }
         let part = [centre[0] - beside * off[1] / distance, centre[1] + beside * off[0] / distance];
@@ -85,7 +86,8 @@ pub fn direct(
         let behind = around || transmittance(grid, middle, centre, aside).is_none();
         if let (Some(through), false) = (transmittance(grid, at.cell, at.point, to), behind) {
             let radiance = lamp.color.map(|c| f64::from(c) * f64::from(lamp.intensity));
-            let light = [0, 1, 2].map(|c| weight * through[c] * radiance[c]);
+            let factors = picture.unwrap_or([1.0; 3]).map(f64::from);
+            let light = [0, 1, 2].map(|c| weight * through[c] * radiance[c] * factors[c]);
             let own = lamp.height.map(|height| (distance / f64::from(height)).min(MAX_COTANGENT));
             receive(light, to.map(|v| v / length), own);
         }

@@ -2,7 +2,9 @@
 
 use bevy::log::warn_once;
 use bevy::prelude::*;
-use lamplight::{ALL_LAYERS, Cone, Direct, Falloff, Gradient, Lamp, Panorama, Profile, Sky};
+use lamplight::{
+    ALL_LAYERS, Cone, Cookie, Direct, Falloff, Gradient, Lamp, Panorama, Profile, Sky,
+};
 use std::f32::consts::{FRAC_PI_3, PI};
 
 /// A lamp at an entity's position.
@@ -19,7 +21,7 @@ use std::f32::consts::{FRAC_PI_3, PI};
 /// lamp blocks its light, and a lamp inside a wall gives none. The lamp itself blocks nothing.
 ///
 /// A lamp of negative intensity takes light away where it would add it, down to black. Such lamps, and those with a
-/// [`mask`](Self::mask) or a [`height`](Self::height), are as bright as others and end at their range. They cost as
+/// [`mask`](Self::mask), a [`height`](Self::height) or a [`LightCookie2d`](crate::LightCookie2d), are as bright as others and end at their range. They cost as
 /// much time as a spot, and cannot be `solid` or `visible`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
@@ -256,7 +258,7 @@ pub(super) fn radiance(color: Color, brightness: f32) -> [f32; 3] {
 }
 
 /// A lamp of either kind, in world units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct WorldLamp {
     pub position: Vec2,
     pub color: [f32; 3],
@@ -269,6 +271,8 @@ pub(crate) struct WorldLamp {
     pub cone: Option<[f32; 3]>,
     /// The profile of a spot, as grids see it.
     pub profile: Option<Profile>,
+    /// A cookie, turned as grids see it.
+    pub cookie: Option<Cookie>,
     pub mask: u8,
     pub height: Option<f32>,
     pub solid: bool,
@@ -293,6 +297,7 @@ impl WorldLamp {
             falloff,
             cone: None,
             profile: None,
+            cookie: None,
             mask,
             height: height.filter(|height| height.is_finite()),
             solid,
@@ -344,6 +349,10 @@ impl WorldLamp {
                 angle: angle.clamp(0.001, 2.0 * PI),
                 softness: softness.clamp(0.0, 1.0),
                 profile: self.profile,
+            }),
+            cookie: self.cookie.as_ref().map(|cookie| Cookie {
+                size: (cookie.size / cell).clamp(0.1, 1e5),
+                ..cookie.clone()
             }),
             height: self.height.map(|height| (height / cell).clamp(0.05, 1e5)),
             direct: Direct::Glow,

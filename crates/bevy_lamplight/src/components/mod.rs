@@ -1,5 +1,6 @@
 //! Components that users add to entities.
 
+mod cookie;
 mod lamps;
 mod lighting;
 mod mask;
@@ -8,6 +9,7 @@ mod normals;
 mod sun;
 mod viewer;
 
+pub use cookie::LightCookie2d;
 pub use lamps::{AmbientLight2d, Falloff2d, Panorama2d, PointLight2d, Sky2d, SpotLight2d};
 pub(crate) use lamps::{BRIGHTEST, WorldLamp};
 pub use lighting::{

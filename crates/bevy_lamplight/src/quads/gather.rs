@@ -9,11 +9,12 @@ use super::sprites::SpriteMatter;
 use super::texts::TextMatter;
 use super::tiles::TileMatter;
 use crate::components::{
-    LightOccluder2d, Matter2d, PointLight2d, SpotLight2d, SunLight2d, WorldLamp,
+    LightCookie2d, LightOccluder2d, Matter2d, PointLight2d, SpotLight2d, SunLight2d, WorldLamp,
 };
+use crate::cookies::{CookieImages, LampCookie};
 use bevy::ecs::system::SystemParam;
 use bevy::math::Rect;
-use bevy::prelude::{Query, Res};
+use bevy::prelude::{GlobalTransform, Query, Res};
 
 /// All entities that take part in light.
 #[derive(SystemParam)]
@@ -23,9 +24,10 @@ pub struct Gather<'w, 's> {
     meshes: Query<'w, 's, (&'static Matter2d, EntityPlace, MeshMatter)>,
     tiles: Query<'w, 's, (&'static Matter2d, EntityPlace, TileMatter)>,
     occluders: Query<'w, 's, (Option<&'static Matter2d>, EntityPlace, &'static LightOccluder2d)>,
-    points: Query<'w, 's, (&'static PointLight2d, EntityPlace)>,
-    spots: Query<'w, 's, (&'static SpotLight2d, EntityPlace)>,
+    points: Query<'w, 's, (&'static PointLight2d, EntityPlace, Option<&'static LightCookie2d>)>,
+    spots: Query<'w, 's, (&'static SpotLight2d, EntityPlace, Option<&'static LightCookie2d>)>,
     suns: Query<'w, 's, (&'static SunLight2d, EntityPlace)>,
+    cookies: Option<Res<'w, CookieImages>>,
     assets: SceneAssets<'w, 's>,
     propagates: Option<Res<'w, VisibilityPropagates>>,
 }
@@ -45,11 +47,17 @@ impl Gather<'_, '_> {
         let occluders = self.occluders.iter();
         let of_wall = occluders.map(|(own, place, shape)| (own.unwrap_or(&wall), place, shape));
         self.add(areas, scene, of_wall);
-        let points = self.points.iter().filter(|(_, place)| self.is_visible(place)).filter_map(
-            |(lamp, place)| Some((WorldLamp::point(lamp, place.transform)?, place.layers())),
+        let points = self.points.iter().filter(|(_, place, _)| self.is_visible(place)).filter_map(
+            |(lamp, place, cookie)| {
+                let lamp = WorldLamp::point(lamp, place.transform)?;
+                Some((self.with_cookie(lamp, cookie, place.transform)?, place.layers()))
+            },
         );
-        let spots = self.spots.iter().filter(|(_, place)| self.is_visible(place)).filter_map(
-            |(lamp, place)| Some((WorldLamp::spot(lamp, place.transform)?, place.layers())),
+        let spots = self.spots.iter().filter(|(_, place, _)| self.is_visible(place)).filter_map(
+            |(lamp, place, cookie)| {
+                let lamp = WorldLamp::spot(lamp, place.transform)?;
+                Some((self.with_cookie(lamp, cookie, place.transform)?, place.layers()))
+            },
         );
         scene.lamps.extend(points.chain(spots));
         let suns = self.suns.iter().filter(|(_, place)| self.is_visible(place));
@@ -57,6 +65,20 @@ impl Gather<'_, '_> {
             suns.filter_map(|(sun, place)| Some((sun.sun(place.transform)?, place.layers())));
         scene.suns.extend(suns);
         scene.sort();
+    }
+
+    /// Returns a lamp with its cookie; `None` if it is dark.
+    fn with_cookie(
+        &self,
+        lamp: WorldLamp,
+        cookie: Option<&LightCookie2d>,
+        transform: &GlobalTransform,
+    ) -> Option<WorldLamp> {
+        let (Some(cookie), Some(cookies)) = (cookie, &self.cookies) else { return Some(lamp) };
+        match cookies.cookie(cookie, transform, self.assets.images.as_deref()) {
+            LampCookie::Lit(cookie) => Some(WorldLamp { cookie, ..lamp }),
+            LampCookie::Dark => None,
+        }
     }
 
     fn is_visible(&self, place: &EntityPlaceItem) -> bool {

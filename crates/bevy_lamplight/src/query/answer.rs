@@ -3,13 +3,18 @@
 use super::raster::{rasterize, rasterize_masks};
 use super::sight::QueriedSight;
 use crate::components::{LightMethod, LightQuality, Lighting2d, Viewer2d};
+use crate::cookies::{CookieImages, forget_changed};
 use crate::lit_camera::LitCamera;
 use crate::placement::{LATTICE, Placement, doubled};
 use crate::quads::{ExtractedScene, Gather, GatherMasks, SceneAssets, VisibilityPropagates};
-use bevy::app::{App, Plugin, PostUpdate};
+use bevy::app::{App, Last, Plugin, PostUpdate};
+use bevy::asset::AssetEvent;
 use bevy::camera::visibility::{RenderLayers, VisibilityPlugin, VisibilitySystems};
 use bevy::color::LinearRgba;
+use bevy::ecs::message::Messages;
+use bevy::ecs::schedule::common_conditions::resource_exists;
 use bevy::ecs::system::SystemParam;
+use bevy::image::Image;
 use bevy::log::{error, warn};
 use bevy::math::{Rect, Vec2};
 use bevy::prelude::{
@@ -31,6 +36,12 @@ impl Plugin for LightQueryPlugin {
         app.init_resource::<LightQuerySettings>()
             .init_resource::<QueriedLight>()
             .init_resource::<QueriedSight>()
+            .init_resource::<CookieImages>()
+            // What has changed in a frame is sent before its last systems.
+            .add_systems(
+                Last,
+                forget_changed.run_if(resource_exists::<Messages<AssetEvent<Image>>>),
+            )
             .add_systems(
                 PostUpdate,
                 solve

@@ -308,3 +308,59 @@ fn a_panorama_lights_the_side_that_it_is_bright_on() {
     let (left, right) = (seen.grey(20, 60), seen.grey(140, 60));
     assert!(right > 0.1 && left < 0.1 * right, "{left}, {right}");
 }
+
+#[test]
+fn a_cookie_turns_flips_and_grows_with_its_lamp_and_changes_with_its_image() {
+    const RED: [u8; 4] = [255, 0, 0, 255];
+    const GREEN: [u8; 4] = [0, 255, 0, 255];
+    const BLUE: [u8; 4] = [0, 0, 255, 255];
+    const WHITE: [u8; 4] = [255; 4];
+    let drawn = [RED, GREEN, BLUE, WHITE];
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    camera(&mut app, &image, plain());
+    let texel = move |x: u32, y: u32| drawn[(2 * y + x) as usize];
+    let picture_of_four = crate::common::image(&mut app, [2, 2], texel);
+    let cookie = LightCookie2d { image: picture_of_four.clone(), size: 40.0 };
+    let light = PointLight2d { range: 100.0, ..default() };
+    let lamp = app.world_mut().spawn((light, cookie)).id();
+    begin(&mut app);
+    // The colours at the upper left, upper right, lower left and lower right.
+    let mut check = |transform: Transform, right: [[u8; 4]; 4], name: &str| {
+        // The middle of a pixel.
+        let transform = transform.with_translation(Vec3::new(0.5, -0.5, 0.0));
+        app.world_mut().entity_mut(lamp).insert(transform);
+        let seen = picture(&mut app, &image, 2);
+        let away = 10.0 * transform.scale.x.abs();
+        for ([dx, dy], right) in
+            [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].into_iter().zip(right)
+        {
+            let rgb = seen.at((80.0 + away * dx) as u32, (60.0 + away * dy) as u32);
+            let most = rgb.into_iter().fold(0.0, f32::max);
+            println!("{name}, ({dx}, {dy}): {rgb:?}");
+            let near = |c: usize| (rgb[c] / most - f32::from(right[c]) / 255.0).abs() < 5e-3;
+            assert!(most > 0.1 && (0..3).all(near), "{name}, ({dx}, {dy}): {rgb:?}, not {right:?}");
+        }
+        // Outside the picture.
+        assert_eq!(seen.at((80.0 + 3.5 * away) as u32, 60), [0.0; 3], "{name}");
+    };
+    let turned = Transform::from_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+    check(Transform::default(), [RED, GREEN, BLUE, WHITE], "as it is");
+    check(turned, [GREEN, WHITE, RED, BLUE], "a quarter turn counterclockwise");
+    let scaled = |x, y| Transform::from_scale(Vec3::new(x, y, 1.0));
+    check(scaled(-1.0, 1.0), [GREEN, RED, WHITE, BLUE], "mirrored");
+    check(scaled(1.0, -1.0), [BLUE, WHITE, RED, GREEN], "upside down");
+    check(scaled(1.5, 1.5), [RED, GREEN, BLUE, WHITE], "larger");
+    let data = [BLUE, BLUE, GREEN, GREEN].concat();
+    let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+    images.get_mut(&picture_of_four).unwrap().data = Some(data);
+    // The change is sent at the end of a frame.
+    app.update();
+    let seen = picture(&mut app, &image, 2);
+    let rgb = seen.at(65, 45);
+    assert!(rgb[2] > 0.1 && rgb[0] < 5e-3 * rgb[2], "the changed image: {rgb:?}");
+    // Dark while there is no image.
+    app.world_mut().resource_mut::<Assets<Image>>().remove(&picture_of_four);
+    app.update();
+    assert_eq!(picture(&mut app, &image, 2).at(65, 45), [0.0; 3]);
+}

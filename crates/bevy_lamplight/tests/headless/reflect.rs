@@ -56,6 +56,7 @@ fn components_round_trip_through_reflection() {
     round_trip(&Relief2d { specular: 0.5, ..default() }, &registry);
     // A handle is not text, but editors show it.
     assert!(registry.get_type_data::<ReflectComponent>(TypeId::of::<NormalMap2d>()).is_some());
+    assert!(registry.get_type_data::<ReflectComponent>(TypeId::of::<LightCookie2d>()).is_some());
 }
 
 #[test]

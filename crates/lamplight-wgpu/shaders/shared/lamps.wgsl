@@ -28,6 +28,12 @@ struct Lamp {
     profile_count: u32,
     // Height above the plane, px; 0 if its light has the elevation of all light.
     height: f32,
+    // The direction of its cookie's rows, as long as there are texels per px.
+    cookie_axis: vec2f,
+    // Columns of the cookie, and rows times 2¹⁶; 0 without one.
+    cookie_size: u32,
+    // Its first texel among those of all cookies.
+    cookie_first: u32,
     profile: array<vec4f, 4>,
 }
 

@@ -7,6 +7,7 @@
 #import shared/class
 #import shared/class_at
 #import shared/cone
+#import shared/cookie
 #import shared/lamps
 #import shared/layers
 #import shared/moment
@@ -36,6 +37,7 @@ struct Suns {
 @group(0) @binding(4) var<storage, read> suns: Suns;
 @group(0) @binding(5) var<storage, read_write> found: array<vec4f>;
 @group(0) @binding(6) var masks: texture_2d<f32>;
+@group(0) @binding(7) var cookies: texture_2d<f32>;
 
 const PI: f32 = 3.1415927;
 // Points across a lamp at which cosines are taken.
@@ -107,7 +109,8 @@ fn add_to_moment(light: vec3f, direction: vec2f) {
 fn light_of(lamp: Lamp, off: vec2f, place: Place) -> vec3f {
     let is_near = length(off) < NEAR;
     let points = select(1u, select(ALONG_FACE, ALONG_NEAR_FACE, is_near), place.is_face);
-    var arrives = 0.0;
+    // Of the lamp's light, per channel.
+    var arrives = vec3f(0.0);
     var through_medium = false;
     for (var i = 0u; i < points; i++) {
         var at = off;
@@ -117,22 +120,27 @@ fn light_of(lamp: Lamp, off: vec2f, place: Place) -> vec3f {
         let falls = lamp_share(lamp, angle(at)) * falloff(lamp, length(at));
         // Behind the face no part of the lamp is seen.
         if falls > 0.0 && (!place.is_face || dot(place.normal, at) < lamp.size) {
+            let picture = in_cookie(lamp, at);
+            if all(picture == vec3f(0.0)) {
+                continue;
+            }
             hide_from(disc_of(lamp), at);
             through_medium = through_medium || meets_media;
             if place.is_face {
-                arrives += falls * PI * mean_cosine(lamp, at, place.normal);
+                arrives += falls * PI * mean_cosine(lamp, at, place.normal) * picture;
             } else {
-                arrives += falls * seen();
+                arrives += falls * seen() * picture;
             }
         }
     }
     var light = lamp.strength * arrives / f32(points);
     let before = off + place.normal;
     var direction = vec2f(0.0);
-    if MOMENT && arrives > 0.0 && !place.is_face && any(off != vec2f(0.0)) {
+    let is_lit = any(arrives > vec3f(0.0));
+    if MOMENT && is_lit && !place.is_face && any(off != vec2f(0.0)) {
         direction = towards(lamp, off, seen_middle());
     }
-    if arrives > 0.0 && through_medium && any(before != vec2f(0.0)) {
+    if is_lit && through_medium && any(before != vec2f(0.0)) {
         light *= through_media(fan_of(disc_of(lamp), before));
     }
     if MOMENT {

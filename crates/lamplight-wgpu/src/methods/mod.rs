@@ -6,6 +6,7 @@ pub mod holographic;
 pub mod polar;
 pub mod raymarch;
 
+use crate::cookies::CookieAtlas;
 use crate::error::{Result, unsupported};
 use crate::lamps::LampList;
 use crate::pass_list::PassList;
@@ -66,18 +67,21 @@ impl Method {
     pub fn set_lamps(
         &self,
         lamps: &[Lamp],
+        cookies: &CookieAtlas,
         size: [u32; 2],
         list: &mut LampList,
     ) -> lamplight::Result<()> {
         match self {
             Self::Flood(flood) => {
                 let by_rule = |lamp: &&Lamp| !lamplight::Method::Flood.lights_exactly(lamp);
-                list.set(lamps.iter().filter(by_rule), |lamp| flood.lamp_rays(lamp, size))
+                list.set(lamps.iter().filter(by_rule), cookies, |lamp| flood.lamp_rays(lamp, size))
             }
             Self::Polar(polar) => {
                 // Those that take light away take it from all others, however these blend.
                 let some = |take: bool| lamps.iter().filter(move |lamp| lamp.takes_light() == take);
-                list.set(some(false).chain(some(true)), |lamp| Ok(polar.lamp_rays(lamp, size)))
+                list.set(some(false).chain(some(true)), cookies, |lamp| {
+                    Ok(polar.lamp_rays(lamp, size))
+                })
             }
             Self::Cascades(_) | Self::Holographic(_) | Self::Paper(_) | Self::Raymarch(_) => {
                 list.clear();

@@ -125,7 +125,7 @@ impl Polar {
         let traced = planner.bind(&self.shadow_map, &traced);
         let bounded = [whole(&lamps), whole(&hits), whole(&bounds)];
         let bounded = planner.bind(&self.shadow_bounds, &bounded);
-        let last = [whole(light), planner.masks()];
+        let last = [whole(light), planner.masks(), planner.cookies()];
         let gathered = [&grid[..], &[whole(&bounds)], &store, &last].concat();
         let gathered = planner.bind(&self.gather, &gathered);
         let tiles = <[u32; 2]>::from(planner.size).map(|side| side.div_ceil(TILE));

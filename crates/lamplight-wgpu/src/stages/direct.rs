@@ -6,6 +6,7 @@
 //! a cell goes through the blocks of cells in the triangle between itself and the light. Cost: about
 //! `d/4 · (1 + s/4)` words of classes per cell and light at distance d and of size s.
 
+use crate::cookies::CookieAtlas;
 use crate::error::Result;
 use crate::found_light::FoundLight;
 use crate::gpu_struct::gpu_struct;
@@ -54,6 +55,7 @@ impl DirectLights {
         &mut self,
         settings: &Settings,
         lamps: &[Lamp],
+        cookies: &CookieAtlas,
         suns: &[lamplight::Sun],
         size: [u32; 2],
     ) -> lamplight::Result<()> {
@@ -63,7 +65,7 @@ impl DirectLights {
             Ok(LampRays { reach, count: 0, soft: 0.0, falloff: Some(lamp.falloff) })
         };
         let exact = |lamp: &&Lamp| settings.method().lights_exactly(lamp);
-        self.lamps.set(lamps.iter().filter(exact), rays)?;
+        self.lamps.set(lamps.iter().filter(exact), cookies, rays)?;
         self.suns.clear();
         let exact = |sun: &&lamplight::Sun| settings.method().shines_exactly(sun);
         self.suns.extend(suns.iter().filter(exact).map(|sun| Sun {
@@ -144,6 +146,7 @@ impl Direct {
             whole(&buffers.suns),
             whole(&found),
             planner.masks(),
+            planner.cookies(),
         ];
         let bound = planner.bind(&self.shine, &resources);
         let [columns, rows] = <[u32; 2]>::from(planner.size).map(|side| side.div_ceil(TILE));

@@ -2,9 +2,13 @@
 
 use crate::common::{cells, device, seeded};
 use crate::compare::{Both, SIZES, agree_but_for, differences, wrong};
-use crate::lamps::lamps;
+use crate::lamps::{lamps, with_cookies};
 use lamplight::settings::{Blend, Cascades, Flood, Holographic, MethodSettings, Polar, Raymarch};
-use lamplight::{ALL_LAYERS, Bounces, Cells, Cone, Direct, Matter, Profile, Rgb, Settings, Sun};
+use lamplight::{
+    ALL_LAYERS, Bounces, Cells, Cone, Cookie, CookiePixels, Direct, Matter, Profile, Rgb, Settings,
+    Sun,
+};
+use lamplight_wgpu::FrameInput;
 use std::f32::consts::TAU;
 
 pub fn methods() -> [(&'static str, MethodSettings); 7] {
@@ -220,4 +224,75 @@ fn profiles_agree_with_every_method() {
         let [even, _] = both.light(&gpu, &even);
         assert!(wrong(&seen, &even) > seen.len() / 10, "{name}: an even cone passes");
     }
+}
+
+#[test]
+fn cookies_agree_with_every_method() {
+    let gpu = device();
+    let mut cells = without_media(lit(61, 43, 280));
+    with_cookies(&mut cells, 285);
+    cells.lamps_mut().iter_mut().for_each(|lamp| lamp.range += 30.0);
+    let mut turned = cells.clone();
+    for cookie in turned.lamps_mut().iter_mut().flat_map(|lamp| &mut lamp.cookie) {
+        cookie.turn += 0.5;
+    }
+    for (name, method) in methods() {
+        let settings = Settings { bounces: Bounces::Count(2), ..Settings::direct(method) };
+        let mut both = Both::new(&gpu, settings);
+        both.agree_but_for(TIES, &gpu, name, &cells);
+        let [seen, _] = both.light(&gpu, &cells);
+        let [turned, _] = both.light(&gpu, &turned);
+        assert!(wrong(&seen, &turned) > seen.len() / 10, "{name}: turned pictures pass");
+    }
+}
+
+#[test]
+fn cookies_come_and_go_and_change() {
+    let gpu = device();
+    for method in [MethodSettings::from(Raymarch::default()), Polar::default().into()] {
+        let mut both = Both::new(&gpu, Settings::direct(method));
+        let plain = without_media(lit(61, 43, 290));
+        let [mut few, mut other, mut many] = [0; 3].map(|_| plain.clone());
+        with_cookies(&mut few, 291);
+        with_cookies(&mut other, 292);
+        // More than a row of the texture holds.
+        with_cookies(&mut many, 293);
+        let pixels: Vec<Rgb> = (0..150 * 70).map(|i| [(i % 97) as f32 / 97.0; 3]).collect();
+        let picture = CookiePixels::new([150, 70], &pixels).unwrap();
+        many.lamps_mut()[0].cookie = Some(Cookie::new(picture, 90.0));
+        for (number, cells) in
+            [&plain, &few, &many, &few, &other, &plain, &other, &many].into_iter().enumerate()
+        {
+            both.agree_but_for(TIES, &gpu, &format!("frame {number}"), cells);
+        }
+        // Lamps move with their pictures.
+        let before = both.light(&gpu, &many)[0].clone();
+        many.lamps_mut().iter_mut().for_each(|lamp| lamp.position[0] += 4.0);
+        both.agree_but_for(TIES, &gpu, "moved", &many);
+        assert!(wrong(&before, &both.light(&gpu, &many)[0]) > before.len() / 10);
+    }
+}
+
+/// Texels of single pictures that are too much together for a texture of 2048×2048.
+#[test]
+fn cookies_beyond_the_largest_texture_are_refused_and_the_frame_before_stays() {
+    let (device, queue) =
+        crate::common::device_with(|limits| limits.max_texture_dimension_2d = 2048);
+    let mut lighting = crate::common::lighting(&device, &queue);
+    let settings = Settings::direct(Polar::default());
+    let plain = without_media(lit(41, 1, 300));
+    let before = crate::common::frame(&device, &queue, &mut lighting, &settings, &plain);
+    let mut large = plain.clone();
+    let half = CookiePixels::new([2048, 1025], &vec![[1.0; 3]; 2048 * 1025]).unwrap();
+    let other = CookiePixels::new([2048, 1024], &vec![[1.0; 3]; 2048 * 1024]).unwrap();
+    large.lamps_mut()[0].cookie = Some(Cookie::new(half, 90.0));
+    large.lamps_mut()[1].cookie = Some(Cookie::new(other, 90.0));
+    let error = lighting.prepare(&FrameInput::of_cells(&settings, &large)).unwrap_err().to_string();
+    let expected =
+        "needs 2049 rows of 2048 texels for the cookies of its lamps, but this device allows 2048";
+    assert!(error.contains(expected), "{error}");
+    let after = crate::common::frame(&device, &queue, &mut lighting, &settings, &plain);
+    assert_eq!(before, after);
+    large.lamps_mut()[1].cookie = None;
+    crate::common::frame(&device, &queue, &mut lighting, &settings, &large);
 }

@@ -78,7 +78,7 @@ fn light_stays_as_lamps_move_come_and_go_until_the_size_changes() {
     for number in 0..20 {
         let count = [2, 90, 0, 30][number / 5];
         cells.lamps_mut().clear();
-        cells.lamps_mut().extend(all[..count].iter().copied().map(|mut lamp| {
+        cells.lamps_mut().extend(all[..count].iter().cloned().map(|mut lamp| {
             lamp.position[0] += number as f32;
             lamp
         }));

@@ -3,7 +3,7 @@
 use crate::common::{cells, device, frame, seeded};
 use crate::compare::{Both, TOLERANCE, differences};
 use crate::direct::{methods, without_media};
-use crate::lamps::lamps;
+use crate::lamps::{lamps, with_cookies};
 use lamplight::settings::{MethodSettings, Raymarch};
 use lamplight::{Bounces, Cells, Direct, Lamp, Light, Matter, Moment, Rgb, Settings, Sun};
 use lamplight_wgpu::read_back::light;
@@ -139,6 +139,25 @@ fn moments_of_light_that_lamps_take_away_agree() {
         for (name, method) in all() {
             let settings = Settings { moment: true, ..Settings::direct(method) };
             agree(&gpu, &mut Both::new(&gpu, settings), &format!("{name}{kind}"), &cells);
+        }
+    }
+}
+
+#[test]
+fn moments_of_light_through_pictures_agree() {
+    let gpu = device();
+    for (kind, mut cells) in [("", lit(61, 43, 370)), (", with heights", hung(61, 43, 370))] {
+        let plain = cells.clone();
+        with_cookies(&mut cells, 371);
+        for (name, method) in all() {
+            let settings = Settings { moment: true, ..Settings::direct(method) };
+            let mut both = Both::new(&gpu, settings);
+            agree(&gpu, &mut both, &format!("{name}{kind}"), &cells);
+            let right = both.solver.solve(&plain).unwrap().clone();
+            let seen = light(&both.lighting, &cells).unwrap();
+            let lights = differences(seen.pixels(), right.pixels());
+            let differ = lights.into_iter().filter(|&d| d > TOLERANCE).count();
+            assert!(differ > cells.len() / 10, "{name}{kind}: light without pictures passes");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Scenes as authors write them: layers, shapes, lamps and a sky, in a file or in code.
 
+mod cookie;
 pub(crate) mod coverage;
 mod file;
 mod geometry;
@@ -136,7 +137,7 @@ impl Scene {
         for (i, shape) in self.shapes.iter().enumerate() {
             raster::paint(shape, &format!("shape[{i}]"), source, &mut images, &mut cells)?;
         }
-        cells.lamps_mut().clone_from(&self.lamps);
+        *cells.lamps_mut() = cookie::with_pixels(&self.lamps, source)?;
         cells.suns_mut().clone_from(&self.suns);
         Ok(cells)
     }
@@ -149,7 +150,9 @@ impl Scene {
             Geometry::Sprite(sprite) => Some(&sprite.image),
             _ => None,
         });
+        let cookies = self.lamps.iter().filter_map(cookie::image);
         let images = self.sky.image().into_iter().chain(self.layers.images()).chain(sprites);
+        let images = images.chain(cookies);
         let images = images.map(|image| folder.join(image));
         own.cloned().into_iter().chain(images).collect()
     }
@@ -176,7 +179,7 @@ impl Scene {
             shape.check(&format!("shape[{i}]"))?;
         }
         for (i, lamp) in self.lamps.iter().enumerate() {
-            lamp.check(&format_args!("lamp[{i}]"))?;
+            lamp.check_in_scene(&format_args!("lamp[{i}]"))?;
         }
         for (i, sun) in self.suns.iter().enumerate() {
             sun.check(&format_args!("sun[{i}]"))?;

@@ -22,6 +22,7 @@ pub const LAMP: Lamp = Lamp {
     size: 2.0,
     falloff: Falloff::Linear,
     cone: None,
+    cookie: None,
     height: None,
     direct: lamplight::Direct::Glow,
     mask: lamplight::ALL_LAYERS,

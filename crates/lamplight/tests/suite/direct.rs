@@ -85,16 +85,16 @@ fn a_lamp_of_negative_intensity_takes_what_another_gives() {
             solve(&settings, &cells)
         };
         let of = |light: &Light| light.pixels().as_flattened().iter().sum::<f32>();
-        let one = light(&[lamp]);
-        let takes = |intensity| Lamp { intensity, ..lamp };
-        let none = light(&[takes(-20.0), lamp, takes(-20.0)]);
+        let one = light(&[lamp.clone()]);
+        let takes = |intensity| Lamp { intensity, ..lamp.clone() };
+        let none = light(&[takes(-20.0), lamp.clone(), takes(-20.0)]);
         assert!(none.pixels().as_flattened().iter().all(|&v| v == 0.0) || !same_rule, "{name}");
         assert!(of(&none) < 0.2 * of(&one), "{name}");
         assert!(none.pixels().as_flattened().iter().all(|&v| v >= 0.0), "{name}");
         if !same_rule {
             continue;
         }
-        let half = light(&[takes(-0.5 * lamp.intensity), lamp]);
+        let half = light(&[takes(-0.5 * lamp.intensity), lamp.clone()]);
         for (half, one) in half.pixels().iter().zip(one.pixels()) {
             let off = (0..3).map(|c| (half[c] - 0.5 * one[c]).abs() - ROUNDING * one[c]);
             assert!(off.fold(0.0, f32::max) <= ROUNDING, "{name}: {half:?}, whole {one:?}");
@@ -218,11 +218,11 @@ fn lamps_and_suns_light_the_layers_of_their_mask_and_shadows_are_of_all() {
         let settings = Settings { moment: true, wall_depth: 0.0, ..Settings::direct(method) };
         let light = |cells: &mut Cells, mask: u8| {
             // Those of a single layer are lit by the same rule in `flood`.
-            cells.lamps_mut().push(Lamp { mask, ..lamp });
+            cells.lamps_mut().push(Lamp { mask, ..lamp.clone() });
             cells.suns_mut().push(Sun { mask, direction: 1.0, ..Sun::default() });
             solve(&settings, cells)
         };
-        let (whole, cells) = (light(&mut room(), 4), layered_room());
+        let (whole, cells) = (light.clone()(&mut room(), 4), layered_room());
         for mask in [1, 2, 3] {
             let seen = light(&mut cells.clone(), mask);
             let lit = |i: usize| cells.masks().unwrap()[i] & mask != 0;

@@ -217,8 +217,10 @@ fn rays_follow_the_sources_attenuation() {
 fn lamps_fade_by_their_falloff_and_range() {
     for falloff in [Falloff::Linear, Falloff::Smooth, Falloff::Inverse] {
         let lamp = Lamp { falloff, range: 30.0, intensity: 3.0, ..lamp(10.5, 8.5) };
-        let light =
-            solve(&rays_only(|s| s.rays = 4), &with_lamp(Cells::new(64, 17).unwrap(), lamp));
+        let light = solve(
+            &rays_only(|s| s.rays = 4),
+            &with_lamp(Cells::new(64, 17).unwrap(), lamp.clone()),
+        );
         for x in 13..64 {
             let d = (x - 10) as f32;
             // A ray stands for all light between it and the next one.

@@ -16,7 +16,7 @@ const CENTRE: f64 = 0.03;
 fn light_against_ideal(lamp: Lamp, directions: usize, offsets: usize) -> f64 {
     let side = (2.0 * lamp.position[0]) as u32;
     let mut cells = Cells::new(side, side).unwrap();
-    cells.lamps_mut().push(lamp);
+    cells.lamps_mut().push(lamp.clone());
     let drawn = cells.drawn();
     let lit: Vec<_> = (0..side * side)
         .map(|i| (i % side, i / side))
@@ -71,7 +71,7 @@ fn a_lamp_glows_as_much_as_its_ideal_disc_at_every_tenth_of_a_px() {
             let lamp = Lamp { solid: false, ..lamp(size, i as f32 / 10.0, j as f32 / 10.0) };
             let side = (2.0 * lamp.position[0]) as u32 + 2;
             let mut cells = Cells::new(side, side).unwrap();
-            cells.lamps_mut().push(lamp);
+            cells.lamps_mut().push(lamp.clone());
             let drawn = cells.drawn();
             let glow = |i: usize| f64::from(drawn.glow().unwrap()[i][0]);
             let total: f64 = (0..drawn.len()).map(glow).sum();
@@ -170,25 +170,31 @@ fn invalid_lamps_are_rejected_by_key() {
     let good = Lamp { position: [1.0, 1.0], ..LAMP };
     let cone = |direction, angle, softness| Lamp {
         cone: Some(Cone { direction, angle, softness, profile: None }),
-        ..good
+        ..good.clone()
     };
     let bad = [
-        (Lamp { position: [f32::NAN, 1.0], ..good }, "`lamp[0].position` is [NaN, 1]"),
-        (Lamp { color: [-1.0, 0.0, 0.0], ..good }, "`lamp[0].color` is [-1, 0, 0]"),
-        (Lamp { intensity: f32::INFINITY, ..good }, "`lamp[0].intensity` is inf"),
+        (Lamp { position: [f32::NAN, 1.0], ..good.clone() }, "`lamp[0].position` is [NaN, 1]"),
+        (Lamp { color: [-1.0, 0.0, 0.0], ..good.clone() }, "`lamp[0].color` is [-1, 0, 0]"),
+        (Lamp { intensity: f32::INFINITY, ..good.clone() }, "`lamp[0].intensity` is inf"),
         (
-            Lamp { intensity: -2e6, ..good },
+            Lamp { intensity: -2e6, ..good.clone() },
             "`lamp[0].intensity` is -2000000, but must be a number from -1000000 to 1000000",
         ),
-        (Lamp { range: 0.0, ..good }, "`lamp[0].range` is 0"),
-        (Lamp { mask: 0, ..good }, "`lamp[0].mask` is 0, but must be a whole number from 1 to 255"),
-        (Lamp { size: 0.0, ..good }, "`lamp[0].size` is 0, but must be a number from 0.05 to 512"),
-        (Lamp { size: 513.0, ..good }, "`lamp[0].size` is 513"),
+        (Lamp { range: 0.0, ..good.clone() }, "`lamp[0].range` is 0"),
         (
-            Lamp { height: Some(0.0), ..good },
+            Lamp { mask: 0, ..good.clone() },
+            "`lamp[0].mask` is 0, but must be a whole number from 1 to 255",
+        ),
+        (
+            Lamp { size: 0.0, ..good.clone() },
+            "`lamp[0].size` is 0, but must be a number from 0.05 to 512",
+        ),
+        (Lamp { size: 513.0, ..good.clone() }, "`lamp[0].size` is 513"),
+        (
+            Lamp { height: Some(0.0), ..good.clone() },
             "`lamp[0].height` is 0, but must be a number from 0.05 to 100000",
         ),
-        (Lamp { height: Some(f32::NAN), ..good }, "`lamp[0].height` is NaN"),
+        (Lamp { height: Some(f32::NAN), ..good.clone() }, "`lamp[0].height` is NaN"),
         (cone(90.0, 1.0, 0.0), "`lamp[0].cone.direction` is 90, but must be a number from -6.2832"),
         (cone(f32::NAN, 1.0, 0.0), "`lamp[0].cone.direction` is NaN"),
         (
@@ -259,7 +265,7 @@ fn scene_files_have_cones_and_lamps_with_one_are_not_drawn() {
     let text = "size = [32, 32]\n[[lamp]]\nposition = [16.0, 16.0]\n\
                 cone = { direction = 1.57, angle = 0.8, softness = 0.25 }\n";
     let scene = Scene::from_toml(text).unwrap();
-    let lamp = scene.lamps[0];
+    let lamp = scene.lamps[0].clone();
     assert_eq!(
         lamp.cone,
         Some(Cone { direction: 1.57, angle: 0.8, softness: 0.25, profile: None })

@@ -6,6 +6,7 @@
 mod common;
 
 mod cascades;
+mod cookie;
 mod debug_views;
 mod denoise;
 mod direct;

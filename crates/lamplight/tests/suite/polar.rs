@@ -72,11 +72,11 @@ fn off_the_curve(light: &Light, lamp: &Lamp) -> f64 {
 fn in_the_open_light_is_the_falloff() {
     for falloff in [Falloff::Linear, Falloff::Smooth, Falloff::Inverse] {
         let lamp = Lamp { falloff, intensity: 3.0, color: [0.5; 3], ..lamp(50.25, 49.5, 45.5) };
-        let light = solve(&polar(|_| ()), &with_lamp(Cells::new(100, 97).unwrap(), lamp));
+        let light = solve(&polar(|_| ()), &with_lamp(Cells::new(100, 97).unwrap(), lamp.clone()));
         let off = off_the_curve(&light, &lamp);
         assert!(off < ROUNDING, "{falloff:?}: {off}");
         // And the comparison sees a range that is 1 % off.
-        let other = Lamp { range: 46.0, ..lamp };
+        let other = Lamp { range: 46.0, ..lamp.clone() };
         assert!(off_the_curve(&light, &other) > 2.0 * ROUNDING, "{falloff:?}");
     }
 }
@@ -100,7 +100,7 @@ fn with_the_inverse_falloff_a_lamp_gives_the_light_of_its_disc() {
     let lamp = lamp(64.0, 64.0, 400.0);
     let light = solve(
         &polar(|s| s.falloff = Some(Falloff::Inverse)),
-        &with_lamp(Cells::new(128, 128).unwrap(), lamp),
+        &with_lamp(Cells::new(128, 128).unwrap(), lamp.clone()),
     );
     for (i, _, d) in
         around_lamp(&light, &lamp).into_iter().filter(|(.., d)| (3.0..60.0).contains(d))
@@ -170,12 +170,12 @@ fn wrong_edges(light: &Light, cells: &Cells, lamp: &Lamp) -> f64 {
 fn shadow_edges_are_within_half_a_ray_of_the_truth() {
     for seed in 0..3 {
         let lamp = lamp(48.3, 50.6, 45.0);
-        let cells = with_lamp(blocks(seed), lamp);
+        let cells = with_lamp(blocks(seed), lamp.clone());
         let light = solve(&polar(|s| s.shadow_filter = ShadowFilter::Nearest), &cells);
         let wrong = wrong_edges(&light, &cells, &lamp);
         assert!(wrong < ON_THE_EDGE, "seed {seed}: {wrong}");
         // A lamp that stands a px farther to the right throws other shadows.
-        let moved = Lamp { position: [49.3, 50.6], ..lamp };
+        let moved = Lamp { position: [49.3, 50.6], ..lamp.clone() };
         assert!(wrong_edges(&light, &cells, &moved) > 4.0 * ON_THE_EDGE, "seed {seed}");
     }
 }
@@ -221,13 +221,13 @@ fn penumbra_errors(light: &Light, cells: &Cells, lamp: &Lamp) -> (f64, f64) {
 fn penumbrae_are_as_wide_as_the_lamp_makes_them() {
     for size in [2.0, 5.0, 9.0] {
         let lamp = Lamp { size, ..lamp(64.2, 64.4, 90.0) };
-        let cells = with_lamp(bar(), lamp);
+        let cells = with_lamp(bar(), lamp.clone());
         let light = solve(&polar(|_| ()), &cells);
         let (mean, worst) = penumbra_errors(&light, &cells, &lamp);
         println!("size {size}: mean {mean:.4}, worst {worst:.4}");
         assert!(mean < PENUMBRA && worst < PENUMBRA_WORST, "size {size}: {mean}, {worst}");
         // A lamp a third larger is rejected.
-        let other = Lamp { size: size * 1.33, ..lamp };
+        let other = Lamp { size: size * 1.33, ..lamp.clone() };
         assert!(penumbra_errors(&light, &cells, &other).0 > 1.5 * PENUMBRA, "size {size}");
     }
 }
@@ -279,7 +279,7 @@ fn fog_darkens_and_glass_tints_what_passes() {
     let fog = Matter { opacity: 0.03, tint: [1.0, 0.9, 0.5], ..Matter::EMPTY };
     for (traversal, shadow_filter) in variants() {
         let lamp = lamp(32.5, 30.5, 60.0);
-        let cells = with_lamp(grid(64, 64, |_, _| fog), lamp);
+        let cells = with_lamp(grid(64, 64, |_, _| fog), lamp.clone());
         let light =
             solve(&polar(|s| (s.traversal, s.shadow_filter) = (traversal, shadow_filter)), &cells);
         for (i, off, d) in around_lamp(&light, &lamp) {
@@ -322,7 +322,7 @@ fn lamps_blend_by_the_setting() {
         Lamp { color: [1.0, 0.5, 0.25], ..lamp(14.5, 16.5, 30.0) },
         Lamp { color: [0.25, 0.5, 3.0], ..lamp(20.5, 16.5, 30.0) },
     ];
-    let alone = lamps.map(|lamp| solve(&polar(|_| ()), &with_lamp(blocks(5), lamp)));
+    let alone = lamps.clone().map(|lamp| solve(&polar(|_| ()), &with_lamp(blocks(5), lamp)));
     let mut both = blocks(5);
     both.lamps_mut().extend(lamps);
     for (blend, rule) in [
@@ -348,7 +348,7 @@ fn faces_of_walls_receive_light_by_their_angle() {
     // A wall two cells thick: the face towards the lamp is one of one, the other side is black.
     let cells = grid(64, 64, |x, _| if (40..42).contains(&x) { WALL } else { Matter::EMPTY });
     let lamp = lamp(20.5, 32.5, 100.0);
-    let light = solve(&polar(|_| ()), &with_lamp(cells, lamp));
+    let light = solve(&polar(|_| ()), &with_lamp(cells, lamp.clone()));
     for y in [32, 40, 60, 2] {
         let (dx, dy) = (40.0 - 20.5f64, f64::from(y) + 0.5 - 32.5);
         let d = dx.hypot(dy);
@@ -375,12 +375,12 @@ fn cones_light_their_part_of_the_circle() {
     let cone = Cone { direction: FRAC_PI_2, angle: 1.0, softness: 0.0, profile: None };
     let bare = lamp(32.5, 32.5, 40.0);
     let open = || Cells::new(65, 65).unwrap();
-    let whole = solve(&polar(|_| ()), &with_lamp(open(), bare));
+    let whole = solve(&polar(|_| ()), &with_lamp(open(), bare.clone()));
     for shadow_filter in [ShadowFilter::Soft, ShadowFilter::Linear, ShadowFilter::Nearest] {
         let lit = |cone: Cone| {
             solve(
                 &polar(|s| s.shadow_filter = shadow_filter),
-                &with_lamp(open(), Lamp { cone: Some(cone), ..bare }),
+                &with_lamp(open(), Lamp { cone: Some(cone), ..bare.clone() }),
             )
         };
         let (hard, soft) = (lit(cone), lit(Cone { softness: 0.5, ..cone }));
@@ -500,7 +500,7 @@ fn every_size_place_and_range_is_lit() {
 fn lamps_whose_rays_do_not_fit_into_memory_at_once_add_up_all_the_same() {
     // Each of them has 2^18 rays, most of which miss.
     let far = Lamp { position: [-5e4, 8.5], range: 1e5, ..LAMP };
-    let mut cells = with_lamp(Cells::new(16, 16).unwrap(), far);
+    let mut cells = with_lamp(Cells::new(16, 16).unwrap(), far.clone());
     let one = solve(&polar(|_| ()), &cells);
     *cells.lamps_mut() = vec![far; 14];
     let many = solve(&polar(|_| ()), &cells);

@@ -3,8 +3,8 @@
 use lamplight::Gradient;
 use lamplight::scene::{Layers, Material, NormalY, SkyPicture};
 use lamplight::{
-    Bounces, Cone, Direct, Display, Falloff, Lamp, Matter, Method, Panorama, Profile, Relief,
-    Scene, Settings, SettingsTable, Shape, Sky, Sun, ToneMap,
+    Bounces, Cone, Cookie, Direct, Display, Falloff, Lamp, Matter, Method, Panorama, Profile,
+    Relief, Scene, Settings, SettingsTable, Shape, Sky, Sun, ToneMap,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -54,6 +54,7 @@ fn whole() -> Scene {
                 softness: 0.25,
                 profile: Some(Profile::new(&[0.25, 1.0, 0.5]).unwrap()),
             }),
+            cookie: Some(Cookie { turn: 0.5, ..Cookie::new("leaves.png", 24.0) }),
             height: Some(18.0),
             direct: Direct::Exact,
             mask: 5,

@@ -139,7 +139,7 @@ fn a_lamp_that_goes_out_leaves_no_trail() {
             [(0.5, [20.3, 20.6]), (1.0, [5.5, 6.0]), (1.5, [33.1, 30.0]), (3.0, [20.0, 12.0])]
         {
             let lamp = lamp(position, size);
-            let left = left_behind(&settings, &with_lamp(&dark, lamp), &dark, &lamp);
+            let left = left_behind(&settings, &with_lamp(&dark, lamp.clone()), &dark, &lamp);
             worst = [worst[0].max(left[0]), worst[1].max(left[1])];
         }
         let hit = settings.method.as_raymarch().unwrap().hit;
@@ -170,7 +170,7 @@ fn without_rejection_a_trail_is_left() {
     let (dark, lamp) = (rooms(), lamp([20.0, 12.0], 2.0));
     for (name, mut settings) in variants() {
         raymarch_of(&mut settings).temporal.reject = false;
-        let left = left_behind(&settings, &with_lamp(&dark, lamp), &dark, &lamp);
+        let left = left_behind(&settings, &with_lamp(&dark, lamp.clone()), &dark, &lamp);
         assert!(left.iter().all(|&left| left > 10.0 * LEFT), "{name}: {left:?}");
     }
 }

@@ -40,8 +40,8 @@ impl Canvas {
 
     /// Moves a lamp. A drag between [`Canvas::begin`] and [`Canvas::end`] is one edit.
     pub fn move_lamp(&mut self, number: usize, position: [f32; 2]) -> Result<()> {
-        let lamp = *self.lamps().get(number).ok_or(Error::NoLamp(number))?;
-        self.set_lamp(number, Lamp { position, ..lamp })
+        let lamp = self.lamps().get(number).ok_or(Error::NoLamp(number))?;
+        self.set_lamp(number, Lamp { position, ..lamp.clone() })
     }
 
     /// Removes a lamp. The indices of later lamps decrease by one.

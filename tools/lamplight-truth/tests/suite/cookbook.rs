@@ -6,12 +6,13 @@ use lamplight::{Light, Rgb, Scene, Shape, Sky, Solver};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const RECIPES: [&str; 13] = [
+const RECIPES: [&str; 14] = [
     "dusk",
     "fireflies",
     "flashlight",
     "fog",
     "forest",
+    "lantern",
     "lava",
     "leaves",
     "neon",
@@ -156,6 +157,27 @@ fn in_a_skyline_walls_to_the_west_are_warm_and_walls_to_the_east_blue() {
     });
     // Turned from the west to above, the glow reaches the street between the houses.
     assert!(sum(dawn.at(74, 76)) > 2.0 * sum(dusk.at(74, 76)));
+}
+
+#[test]
+fn a_lantern_lays_its_panes_on_the_floor() {
+    let lantern = light("lantern", |_| ());
+    let plain = light("lantern", |scene| scene.lamps[0].cookie = None);
+    // The middles of a red, a blue and a green pane.
+    let [red, blue, green] = [[124, 51], [118, 20], [103, 26]].map(|[x, y]| lantern.at(x, y));
+    assert!(red[0] > 4.0 * red[1] && red[0] > 4.0 * red[2], "{red:?}");
+    assert!(blue[2] > 4.0 * blue[0] && blue[2] > 4.0 * blue[1], "{blue:?}");
+    assert!(green[1] > 2.0 * green[0] && green[1] > 2.0 * green[2], "{green:?}");
+    // Of the lead between the panes only what walls send on is seen.
+    let (lead, without) = (lantern.at(95, 47), plain.at(95, 47));
+    assert!(sum(lead) < 0.4 * sum(without), "{lead:?} {without:?}");
+    // Turned by half of the angle between two petals, red and blue change places.
+    let turned = light("lantern", |scene| {
+        let cookie = scene.lamps[0].cookie.as_mut().unwrap();
+        cookie.turn += 0.25 * std::f32::consts::PI;
+    });
+    let [x, y] = [124, 51];
+    assert!(turned.at(x, y)[2] > turned.at(x, y)[0], "{:?}", turned.at(x, y));
 }
 
 #[test]

@@ -335,7 +335,7 @@ fn view(scene: &Cells, corner: [u32; 2]) -> Cells {
     }
     let moved = |lamp: &Lamp| Lamp {
         position: [0, 1].map(|a| lamp.position[a] - corner[a] as f32),
-        ..*lamp
+        ..lamp.clone()
     };
     cells.lamps_mut().extend(scene.lamps().iter().map(moved));
     cells

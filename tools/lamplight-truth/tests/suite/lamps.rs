@@ -59,8 +59,8 @@ fn over_positions(method: &MethodSettings, lamp: Lamp) -> [f64; 2] {
     let positions = (0..5).flat_map(|i| (0..=i).map(move |j| [i, j]));
     let light = positions.map(|shift| {
         let position = shift.map(|v| 50.0 + v as f32 / 8.0);
-        let lamp = Lamp { position, ..lamp };
-        against_closed_form(method, lamp, lamp)
+        let lamp = Lamp { position, ..lamp.clone() };
+        against_closed_form(method, lamp.clone(), lamp)
     });
     light.fold([f64::MAX, f64::MIN], |[least, most], v| [least.min(v), most.max(v)])
 }
@@ -82,8 +82,9 @@ fn a_gliding_lamp_keeps_its_light() {
 fn the_comparison_rejects_a_lamp_that_is_two_percent_brighter() {
     let (_, method, error) = &methods()[0];
     let lamp = Lamp { position: [50.25, 50.5], intensity: 1.0, ..Lamp::default() };
-    let [right, wrong] = [1.0, 1.02]
-        .map(|intensity| against_closed_form(method, Lamp { intensity, ..lamp }, lamp) - 1.0);
+    let [right, wrong] = [1.0, 1.02].map(|intensity| {
+        against_closed_form(method, Lamp { intensity, ..lamp.clone() }, lamp.clone()) - 1.0
+    });
     assert!(right.abs() < *error && wrong > *error && wrong - right > STEADY, "{right} {wrong}");
 }
 
@@ -97,7 +98,7 @@ fn shading(light: impl Fn(&Cells) -> Vec<f32>, solid: bool) -> f64 {
         cells.lamps_mut().extend_from_slice(lamps);
         light(&cells)
     };
-    let [both, far, near] = [&[far, near][..], &[far], &[near]].map(of);
+    let [both, far, near] = [&[far.clone(), near.clone()][..], &[far], &[near]].map(of);
     let ratio = |i: usize| f64::from(both[i] / (far[i] + near[i]));
     (0..both.len()).map(ratio).max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs())).unwrap()
 }

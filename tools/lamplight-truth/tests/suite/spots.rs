@@ -3,7 +3,7 @@
 use crate::common::{WALL, grid, inside, seeded, tracer};
 use fastrand::Rng;
 use lamplight::settings::{Holographic, MethodSettings, Raymarch};
-use lamplight::{Bounces, Cells, Cone, Direct, Lamp, Light, Matter, Method};
+use lamplight::{Bounces, Cells, Cone, Cookie, CookiePixels, Direct, Lamp, Light, Matter, Method};
 use lamplight::{Profile, Rgb, Settings, Solver, Sun};
 use lamplight_truth::{Estimate, Measures};
 use std::f32::consts::TAU;
@@ -127,6 +127,27 @@ fn profiles_shape_beams_as_in_the_path_tracer() {
 }
 
 #[test]
+fn pictures_lie_on_the_plane_as_in_the_path_tracer() {
+    let random = &mut seeded(5);
+    let mut cells = room(random);
+    for lamp in cells.lamps_mut() {
+        let pixels: Vec<Rgb> = (0..7 * 5).map(|_| [0; 3].map(|_| 2.0 * random.f32())).collect();
+        let cookie = Cookie::new(CookiePixels::new([7, 5], &pixels).unwrap(), 90.0);
+        lamp.cookie = Some(Cookie { turn: random.f32() * TAU, ..cookie });
+    }
+    // A lamp with a picture, and a spot with one.
+    cells.lamps_mut()[0].cone = None;
+    assert_right(&cells, "pictures");
+    let mut turned = cells.clone();
+    let cookies = turned.lamps_mut().iter_mut().flat_map(|lamp| &mut lamp.cookie);
+    cookies.for_each(|cookie| cookie.turn += 0.3);
+    let truth = tracer(512, Bounces::Count(0)).render(&cells, &|_| ()).unwrap();
+    let light = solve(&Method::Holographic.into(), &turned, 0);
+    let off = error(light.pixels(), &truth, light.solid());
+    assert!(off > 5.0 * DIRECT, "turned pictures pass: {off}");
+}
+
+#[test]
 fn lamps_light_their_layers_as_in_the_path_tracer() {
     let random = &mut seeded(3);
     let mut cells = room(random);
@@ -151,7 +172,7 @@ fn lamps_take_light_as_in_the_path_tracer() {
     let lamps = cells.lamps().to_vec();
     cells.lamps_mut().extend(lamps.iter().map(|lamp| {
         let cone = lamp.cone.map(|cone| Cone { angle: 0.4, ..cone });
-        Lamp { cone, intensity: -0.5 * lamp.intensity, ..*lamp }
+        Lamp { cone, intensity: -0.5 * lamp.intensity, ..lamp.clone() }
     }));
     assert_right(&cells, "half of each beam");
     cells.lamps_mut().truncate(2);

@@ -3,6 +3,7 @@
 #import methods/polar/lookup
 #import shared/class
 #import shared/class_at
+#import shared/cookie
 #import shared/layers
 #import shared/moment
 #import shared/normal
@@ -17,6 +18,7 @@ const PI: f32 = 3.1415927;
 
 @group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
 @group(0) @binding(10) var masks: texture_2d<f32>;
+@group(0) @binding(11) var cookies: texture_2d<f32>;
 
 fn blend(sum: vec3f, more: vec3f) -> vec3f {
     // What takes light away takes it from the sum, whatever that is made of.
@@ -59,6 +61,7 @@ fn light_of(lamp: Lamp, off: vec2f, faces: u32) -> vec3f {
     var sum = vec3f(0.0);
     for (var face = 0u; face < select(4u, 1u, faces == 0u); face++) {
         var place = off;
+        var receives = off;
         var weight = 0.0;
         if faces == 0u {
             weight = falloff(lamp, length_of(off));
@@ -67,10 +70,14 @@ fn light_of(lamp: Lamp, off: vec2f, faces: u32) -> vec3f {
             let on_face = off + 0.5 * normal;
             let away = length_of(on_face);
             weight = PI * -dot(normal, on_face) / max(away, MIN_POSITIVE) * falloff(lamp, away);
+            receives = on_face;
             place += normal;
         }
         if weight > 0.0 {
-            sum += weight * arriving(lamp, place, length_of(place));
+            let picture = weight * in_cookie(lamp, receives);
+            if any(picture > vec3f(0.0)) {
+                sum += picture * arriving(lamp, place, length_of(place));
+            }
         }
     }
     return lamp.strength * sum / f32(max(countOneBits(faces), 1u));

@@ -260,6 +260,16 @@ impl Band<'_> {
                 return;
             }
         }
+        let cookie = shadow_map.in_cookie_lanes([dx, dy], weight);
+        if let Some([red, green, blue]) = cookie {
+            // What the lamp is seen of where the picture is black is not worth finding.
+            let weights = weight.to_array();
+            let lit = |l: usize| red[l] > 0.0 || green[l] > 0.0 || blue[l] > 0.0;
+            weight = f32x16::from_fn(simd, |l| if lit(l) { weights[l] } else { 0.0 });
+            if weight.simd_gt(0.0).to_bitmask() == 0 {
+                return;
+            }
+        }
         let nearest = (at + 0.5).to_int::<i32x16<S>>().to_array();
         let mut bounds = [[0.0; LANES]; 2];
         for l in 0..LANES {
@@ -294,6 +304,11 @@ impl Band<'_> {
                 (0..3).for_each(|c| lanes[c][l] *= t[c]);
             }
             through = lanes.map(|v| f32x16::load_array(simd, v));
+        }
+        if let Some(cookie) = cookie {
+            for (through, factors) in through.iter_mut().zip(cookie) {
+                *through *= f32x16::load_array(simd, factors);
+            }
         }
         let color = shadow_map.lamp.radiance();
         let blend = blend_of(&shadow_map.lamp, settings);
@@ -391,7 +406,7 @@ fn on_face(
 ) -> Rgb {
     let normal = NORMALS[face].map(|n| n as f32);
     let weight = shadow_map.on_face(scene, off, normal, shadow_filter);
-    if weight <= 0.0 {
+    if weight.iter().all(|&v| v <= 0.0) {
         return [0.0; 3];
     }
     let (lamp, before) = (&shadow_map.lamp, std::array::from_fn(|a| off[a] + normal[a]));
@@ -401,7 +416,7 @@ fn on_face(
     } else {
         shadow_map.transmittance(scene, before, at, shadow_filter)
     };
-    std::array::from_fn(|c| weight * through[c] * lamp.intensity * lamp.color[c])
+    std::array::from_fn(|c| weight[c] * through[c] * lamp.intensity * lamp.color[c])
 }
 
 /// Returns the way in which the light of a lamp combines with that of those before.

@@ -22,7 +22,7 @@ use crate::grid::medium_grid::MediumGrid;
 use crate::math::circle;
 use crate::settings::{Polar, ShadowFilter, Traversal};
 use crate::simd::dispatch;
-use crate::{Lamp, Rgb, elevation};
+use crate::{Cookie, Lamp, Rgb, cookie, elevation};
 use fearless_simd::{Level, f32x16, prelude::*};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -71,6 +71,8 @@ pub struct ShadowMap {
     pub ranges: LitRanges,
     /// Intensity of the lamp's cone at each ray, with two rays more; empty without a cone.
     pub cone: Vec<f32>,
+    /// The axis of the lamp's cookie.
+    axis: [f32; 2],
     pub curves: TransmittanceCurves,
     /// Rays per radian.
     per_radian: f32,
@@ -103,8 +105,9 @@ pub fn rays(lamp: &Lamp, [width, height]: [u32; 2], settings: &Polar) -> (f32, u
     let [x, y] = lamp.position;
     let farthest =
         x.abs().max((width as f32 - x).abs()).hypot(y.abs().max((height as f32 - y).abs()));
+    let range = lamp.cookie.as_ref().map_or(lamp.range, |cookie| cookie.reach().min(lamp.range));
     // A px more: the circle has to reach past the farthest corner's centre.
-    let reach = lamp.range.min(farthest + 1.0);
+    let reach = range.min(farthest + 1.0);
     let count = (TAU * reach * settings.density).ceil().clamp(FEWEST, MOST);
     (reach, count as usize)
 }
@@ -137,7 +140,8 @@ impl ShadowMap {
     ) {
         let ShadowScene { grid, solid, .. } = scene;
         self.exact = solid.is_some();
-        self.lamp = Lamp { falloff: settings.falloff.unwrap_or(lamp.falloff), ..*lamp };
+        self.lamp = Lamp { falloff: settings.falloff.unwrap_or(lamp.falloff), ..lamp.clone() };
+        self.axis = lamp.cookie.as_ref().map_or([0.0; 2], cookie::axis);
         (self.reach, self.count) = rays(lamp, grid.size.map(|side| side as u32), settings);
         self.per_radian = self.count as f32 / TAU;
         let size = if settings.shadow_filter == ShadowFilter::Soft { lamp.size } else { 0.0 };
@@ -257,15 +261,15 @@ impl ShadowMap {
         }
     }
 
-    /// Returns the light that arrives at a face of a wall at `off`, as a fraction of the lamp's radiance and without
-    /// media: irradiance ÷ 2.
+    /// Returns the light that arrives at a face of a wall at `off`, as fractions of the lamp's radiance and without
+    /// media: irradiance ÷ 2. It is the same in all channels unless the lamp has a cookie.
     pub fn on_face(
         &self,
         scene: ShadowScene,
         off: [f32; 2],
         normal: [f32; 2],
         shadow_filter: ShadowFilter,
-    ) -> f32 {
+    ) -> Rgb {
         let lamp = &self.lamp;
         let place = |out: f32, along: f32| -> [f32; 2] {
             std::array::from_fn(|a| off[a] + out * normal[a] + along * normal[1 - a])
@@ -277,15 +281,18 @@ impl ShadowMap {
                 -(normal[0] * face[0] + normal[1] * face[1]) / distance.max(f32::MIN_POSITIVE);
             let arrives = PI * cosine * lamp.falloff.at(distance, lamp);
             if arrives <= 0.0 {
-                return 0.0;
+                return [0.0; 3];
             }
             let at = self.at(before);
-            return arrives * self.seen(scene, before, at) * self.in_cone(at, shadow_filter);
+            let arrives = arrives * self.seen(scene, before, at) * self.in_cone(at, shadow_filter);
+            return self.in_cookie(face).map_or([arrives; 3], |rgb| rgb.map(|v| v * arrives));
         };
         let parts = ALONG_FACE[usize::from(off[0].hypot(off[1]) < FAR)];
-        let arrives = (0..parts).map(|part| {
+        let point = |part| {
             let along = (part as f32 + 0.5) / parts as f32 - 0.5;
-            let at = place(0.5 + OUTSIDE_OF_WALL, along);
+            place(0.5 + OUTSIDE_OF_WALL, along)
+        };
+        let arrives_at = |at: [f32; 2]| {
             let angle = self.at(at);
             let share = self.in_cone(angle, shadow_filter);
             let falls = share * lamp.falloff.at(at[0].hypot(at[1]), lamp);
@@ -294,8 +301,42 @@ impl ShadowMap {
             } else {
                 0.0
             }
-        });
-        PI / parts as f32 * arrives.sum::<f32>()
+        };
+        let per_part = PI / parts as f32;
+        if lamp.cookie.is_none() {
+            return [per_part * (0..parts).map(|part| arrives_at(point(part))).sum::<f32>(); 3];
+        }
+        let mut sum = [0.0; 3];
+        for at in (0..parts).map(point) {
+            let factors = self.in_cookie(at).filter(|rgb| *rgb != [0.0; 3]);
+            if let Some(rgb) = factors {
+                let arrives = arrives_at(at);
+                (0..3).for_each(|c| sum[c] += arrives * rgb[c]);
+            }
+        }
+        sum.map(|v| per_part * v)
+    }
+
+    /// Returns the factors of the lamp's cookie at a place at `off`, if it has one.
+    fn in_cookie(&self, off: [f32; 2]) -> Option<Rgb> {
+        Some(self.lamp.cookie.as_ref()?.pixels()?.at(off, self.axis))
+    }
+
+    /// Returns the factors of the lamp's cookie at sixteen places, by channel, if it has one; 0 where `weight` is 0.
+    #[inline(always)]
+    pub fn in_cookie_lanes<S: Simd>(
+        &self,
+        off: [f32x16<S>; 2],
+        weight: f32x16<S>,
+    ) -> Option<[[f32; LANES]; 3]> {
+        let pixels = self.lamp.cookie.as_ref().and_then(Cookie::pixels)?;
+        let ([dx, dy], weight) = (off.map(|v| v.to_array()), weight.to_array());
+        let mut lanes = [[0.0; LANES]; 3];
+        for l in (0..LANES).filter(|&l| weight[l] > 0.0) {
+            let rgb = pixels.at([dx[l], dy[l]], self.axis);
+            (0..3).for_each(|c| lanes[c][l] = rgb[c]);
+        }
+        Some(lanes)
     }
 
     /// Returns the lamp as a pixel at the angle `at` sees it.
