@@ -194,11 +194,13 @@ programs! {
     }
     HOLOGRAPHIC_TRACE: "methods/holographic/trace", ["main"], {
         sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
-        scattered: Read, intervals: Write,
+        scattered: Read, intervals: Write, tints: Write,
     }
-    HOLOGRAPHIC_EXTEND: "methods/holographic/extend", ["main"], { sweep: Step, intervals: Write }
+    HOLOGRAPHIC_EXTEND: "methods/holographic/extend", ["main"], {
+        sweep: Step, intervals: Write, tints: Write,
+    }
     HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "finish"], {
-        sweep: Step, cones: Read, intervals: Read, radiance: Write,
+        sweep: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
     }
     HOLOGRAPHIC_GATHER: "methods/holographic/gather", ["main"], {
         sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,

@@ -24,7 +24,10 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("cpu holographic published", "the solver around the published cascades"),
     ("cpu polar lit_ranges", "bounds of shadow_bounds.wgsl; direct.wgsl has no shadow map"),
     ("cpu polar sun_map", "suns are in direct.wgsl, without a shadow map"),
-    ("cpu polar solid_bits", "runs of empty columns that shadows skip; shadow_ray.wgsl steps through them"),
+    (
+        "cpu polar solid_bits",
+        "runs of empty columns that shadows skip; shadow_ray.wgsl steps through them",
+    ),
     ("cpu polar sampling", "SIMD sampling; shaders/methods/polar/shadow_ray.wgsl"),
     ("cpu polar angle", "mathematics; shaders/shared/angle.wgsl"),
     // The host side of a method is its `mod.rs`; these files plan it.
@@ -49,9 +52,14 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("wgsl polar lookup", "part of shadow_map.rs"),
     ("wgsl polar shadow_bounds", "part of shadow_map.rs: needs all rays"),
     ("wgsl polar shadow_ray", "part of shadow_map.rs, imported by it and by lookup"),
+    (
+        "wgsl holographic fetch_interval",
+        "part of interval.rs; shaders that write have store_interval too",
+    ),
     ("wgsl holographic footprint", "part of trace.rs, imported by trace and gather"),
     ("wgsl holographic packed_rgb", "how buffers store radiance"),
     ("wgsl holographic sky", "part of merge.rs"),
+    ("wgsl holographic store_interval", "part of interval.rs, for shaders that write"),
     ("wgsl holographic sweep", "parameters of a dispatch"),
 ];
 

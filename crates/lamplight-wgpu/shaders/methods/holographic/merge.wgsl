@@ -8,7 +8,7 @@
 //
 // crates/lamplight/src/methods/holographic/merge.rs says why.
 
-#import methods/holographic/interval
+#import methods/holographic/fetch_interval
 #import methods/holographic/packed_rgb
 #import methods/holographic/sky
 #import methods/holographic/sweep
@@ -17,19 +17,15 @@
 override RUN: u32;
 
 @group(0) @binding(2) var<storage, read> cones: array<vec4f>;
-@group(0) @binding(3) var<storage, read> intervals: array<u32>;
-@group(0) @binding(4) var<storage, read_write> radiance: array<vec2u>;
+@group(0) @binding(3) var<storage, read> intervals: array<vec2u>;
+@group(0) @binding(4) var<storage, read> tints: array<u32>;
+@group(0) @binding(5) var<storage, read_write> radiance: array<vec2u>;
 
 // An interval from a row of the plane p, whose index is odd.
 fn interval(p: u32, ray: u32, row: u32) -> Interval {
     let rays = (2u << sweep.level) + 1u;
     let slot = p / 2u - sweep.odd_first.x;
-    let at = sweep.odd.x + (slot * rays + ray) * WORDS * sweep.rows + row;
-    var words = vec3u(intervals[at], intervals[at + sweep.rows], 0u);
-    if WORDS == 3u {
-        words.z = intervals[at + 2u * sweep.rows];
-    }
-    return unpack(words);
+    return unpack(fetch_words(sweep.odd.x + (slot * rays + ray) * sweep.rows + row));
 }
 
 // The light of a cone, or of a half, of the level above.

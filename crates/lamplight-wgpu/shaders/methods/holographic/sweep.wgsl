@@ -19,7 +19,7 @@ struct Sweep {
     first: u32,
     // The plane of the level above that is stored first.
     far: u32,
-    // The first word of planes of odd index, of the four lowest levels and of the topmost, and half the index
+    // The first interval of planes of odd index, of the four lowest levels and of the topmost, and half the index
     // of the first of them.
     odd: vec4u,
     odd_first: vec4u,

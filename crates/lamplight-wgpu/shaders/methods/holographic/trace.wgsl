@@ -2,13 +2,14 @@
 // that lie 2^level slabs apart, and filters the light of small sources across rows (prefilter.wgsl).
 
 #import methods/holographic/footprint
-#import methods/holographic/interval
 #import methods/holographic/prefilter
+#import methods/holographic/store_interval
 
 // Rows that a workgroup stores. It traces one more to each side.
 const STORED: u32 = TILE - 2u;
 
-@group(0) @binding(7) var<storage, read_write> intervals: array<u32>;
+@group(0) @binding(7) var<storage, read_write> intervals: array<vec2u>;
+@group(0) @binding(8) var<storage, read_write> tints: array<u32>;
 
 // By lane.
 var<workgroup> traced: array<Traced, 4u * TILE>;
@@ -72,12 +73,7 @@ fn main(
                 interval.light += light;
                 words = pack(interval);
             }
-            let at = base + (place * rays + ray) * WORDS * sweep.rows + u32(row);
-            intervals[at] = words.x;
-            intervals[at + sweep.rows] = words.y;
-            if WORDS == 3u {
-                intervals[at + 2u * sweep.rows] = words.z;
-            }
+            store_words(base + (place * rays + ray) * sweep.rows + u32(row), words);
         }
         workgroupBarrier();
     }
