@@ -184,8 +184,23 @@ fn main(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: v
     let slant = ((1i << sweep.levels) - 2i) * max(shift, 0i);
     let row = i32(id.x * TILE) - (slant + i32(TILE) - 1i) / i32(TILE) * i32(TILE);
     let g = Group(sweep.first + id.z, i32(id.y), row, shift, i32(local.x) - i32(BEFORE));
-    for (var up = 0u; up < sweep.levels; up++) {
-        make(g, up, local.y);
-        workgroupBarrier();
+    // Rays less steep than the steepest need fewer tiles.
+    var reaches = false;
+    for (var plane = 0; plane < 1i << sweep.levels; plane += 2) {
+        let first = row + plane * shift;
+        reaches = reaches || (first < i32(sweep.rows) && first + i32(TILE) > 0);
+    }
+    if !reaches {
+        return;
+    }
+    // Levels are constants, so that each only has the code that it needs.
+    make(g, 0u, local.y);
+    workgroupBarrier();
+    if sweep.levels > 1u {
+        make(g, 1u, local.y);
+    }
+    workgroupBarrier();
+    if sweep.levels > 2u {
+        make(g, 2u, local.y);
     }
 }

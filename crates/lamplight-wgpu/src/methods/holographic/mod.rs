@@ -22,7 +22,7 @@ use crate::stages::convergence::Convergence;
 use crate::{programs, shaders};
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
-use lamplight::internals::holographic::lattice::{BENT, GatherGeometry};
+use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, cones, rays};
 use lamplight::internals::holographic::{
     EMISSIVE, EXCHANGED, MATTER, MEDIUM, REACH, SMALL, WEIGHT_EPSILON,
 };
@@ -71,11 +71,12 @@ struct IntervalPipelines {
 }
 
 impl IntervalPipelines {
-    fn new(device: &Device, words: u32) -> Self {
+    fn new(device: &Device, level: u32, words: u32) -> Self {
         let stored = ("WORDS", f64::from(words));
         let tiles = Tiles::new(device.limits().max_compute_workgroup_storage_size, words);
         let exchanged = ("EXCHANGED", EXCHANGED.into());
-        let trace = [CELLS, MARCH, &[stored, exchanged]].concat();
+        let bundles = ("BUNDLES", rays(level) as f64);
+        let trace = [CELLS, MARCH, &[stored, exchanged, bundles]].concat();
         let extend = [
             stored,
             ("BENT", BENT.into()),
@@ -166,12 +167,15 @@ struct Bindings {
 
 impl Holographic {
     pub fn new(device: &Device, settings: &Settings, bounces: Bounces, moment: bool) -> Self {
-        let gather = |faces: bool| {
+        let geometry = GatherGeometry::new(settings);
+        let gather = |pixels: bool| {
             let own = [
                 ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
-                ("FACES", f64::from(faces)),
-                shaders::moment(moment && !faces),
+                ("PIXELS", f64::from(pixels)),
+                // The outermost have no light.
+                ("CONES", (cones(geometry.level + 1) - 2) as f64),
+                shaders::moment(moment && pixels),
             ];
             let constants = [CELLS, MARCH, &own].concat();
             ComputePipelines::new(device, &programs::HOLOGRAPHIC_GATHER, &constants)
@@ -181,9 +185,9 @@ impl Holographic {
         Self {
             settings: settings.clone(),
             slabs: ComputePipelines::new(device, &programs::HOLOGRAPHIC_SLABS, CELLS),
-            intervals: [2, 3].map(|words| IntervalPipelines::new(device, words)),
-            gather: gather(false),
-            gather_faces: gather(true),
+            intervals: [2, 3].map(|words| IntervalPipelines::new(device, geometry.level, words)),
+            gather: gather(true),
+            gather_faces: gather(false),
             faces: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES, &[]),
             convergence: converges.then(|| (Convergence::new(device), compared())),
         }
@@ -213,7 +217,7 @@ impl Holographic {
             footprints: planner.filled(
                 "footprints",
                 storage,
-                bytemuck::cast_slice(&footprints.words),
+                bytemuck::cast_slice(&footprints.entries),
             )?,
             cones: cones.buffer(planner)?,
             cell_bits: planner.buffer::<u32>("cell bits", cell_bits.into())?,

@@ -278,10 +278,7 @@ impl Quadrant {
         let to = if last { lattice.depth } else { near(chunk + 1) };
         let sweep = Sweep { first: from as u32, ..self.gathered(axis, sweep, chunk) };
         let groups = [lattice.rows.div_ceil(TILE as usize), to - from, 1];
-        if all {
-            self.push(Work::Gather, sweep, groups);
-        }
-        self.push(Work::Faces, sweep, groups);
+        self.push(if all { Work::Gather } else { Work::Faces }, sweep, groups);
     }
 }
 
