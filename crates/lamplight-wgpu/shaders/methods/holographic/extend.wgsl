@@ -2,7 +2,7 @@
 // `T_{n+1}(p, 2k) = T_n(p, k) ⊕ T_n(p + v_n(k), k)`, and a ray between two others is the mean of the two
 // bent paths. From level BENT on, even rays are bent a little too (`extend.rs` of the library). A workgroup
 // makes, from the planes of the lowest level that one plane of the topmost spans, all rays between two rays
-// k and k + 1 of the lowest. Levels between are held in workgroup memory, with a ray more to both sides where
+// k and k + 1 of the lowest; if it makes only one level, each wave has such a pair of its own. Levels between are held in workgroup memory, with a ray more to both sides where
 // paths bend; of them only the planes of odd index are needed later and written.
 //
 // A lane is a row of a tile, or beside it: rays that spread and bend lead there. Waves share the rays of a
@@ -20,6 +20,8 @@ override BEFORE: u32;
 // Lanes: rows of a tile and beside it.
 override LANES: u32;
 const WAVES_LOG2: u32 = 2u;
+// True if levels are fused, false if there is one.
+override FUSED: bool;
 // Rays of a plane in workgroup memory, from ray −1 on: of the first level above the lowest, and of the second.
 override RAYS_1: u32;
 override RAYS_2: u32;
@@ -136,9 +138,9 @@ fn make(g: Group, up: u32, wave: u32) {
     let above = up + 1u;
     let n = sweep.level + above;
     let planes_log2 = sweep.levels - above;
-    let plane = wave & ((1u << planes_log2) - 1u);
-    let part = i32(wave >> planes_log2);
-    let parts_log2 = WAVES_LOG2 - planes_log2;
+    let plane = select(0u, wave & ((1u << planes_log2) - 1u), FUSED);
+    let part = select(0i, i32(wave >> planes_log2), FUSED);
+    let parts_log2 = select(0u, WAVES_LOG2 - planes_log2, FUSED);
     let rays = rays_made(g, above);
     // Pairs of the rays 2k and 2k + 1.
     let begin = rays.x >> 1u;
@@ -179,11 +181,18 @@ fn make(g: Group, up: u32, wave: u32) {
 
 @compute @workgroup_size(LANES, 4)
 fn main(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let plane = sweep.first + id.z;
+    let place = i32(local.x) - i32(BEFORE);
+    if !FUSED {
+        let ray = i32((id.y << WAVES_LOG2) + local.y);
+        make(Group(plane, ray, i32(id.x * TILE), ray - (1i << sweep.level), place), 0u, local.y);
+        return;
+    }
     let shift = i32(id.y) - (1i << sweep.level);
     // Planes are slanted; `slant` is the offset in rows of the last one that is written.
     let slant = ((1i << sweep.levels) - 2i) * max(shift, 0i);
     let row = i32(id.x * TILE) - (slant + i32(TILE) - 1i) / i32(TILE) * i32(TILE);
-    let g = Group(sweep.first + id.z, i32(id.y), row, shift, i32(local.x) - i32(BEFORE));
+    let g = Group(plane, i32(id.y), row, shift, place);
     // Rays less steep than the steepest need fewer tiles.
     var reaches = false;
     for (var plane = 0; plane < 1i << sweep.levels; plane += 2) {

@@ -70,6 +70,16 @@ fn is_solid(lane: u32, slabs: i32, rows: i32) -> bool {
     return is(OCCUPIED, lane, slabs, rows) && !is(MEDIUM, lane, slabs, rows);
 }
 
+// Returns whether a row of the tile is among those with a bit.
+fn has(rows: vec2u, lane: u32) -> bool {
+    return ((select(rows.x, rows.y, lane >= 32u) >> (lane % 32u)) & 1u) == 1u;
+}
+
+// The rows of the tile whose cell in its slab is solid.
+fn solid_rows() -> vec2u {
+    return near[OCCUPIED * SLABS + 1u].yz & ~near[MEDIUM * SLABS + 1u].yz;
+}
+
 // The bits of all rows of the tile, if `words` are those of rows from 32 before the tile on, shifted by `rows`.
 fn shifted(words: vec4u, rows: u32) -> vec2u {
     let from_word = select(words.xyz, words.yzw, rows >= 32u);
@@ -112,19 +122,36 @@ fn radiance_of(at: vec2u, solid: bool, face: u32) -> vec3f {
     return light;
 }
 
-// The interval of a ray from a lane's row. `crossings` are the first of them and their number.
+// Slabs and rows from the start of a ray to a cell that it crosses.
+fn slabs_to(crossing: u32) -> u32 {
+    return crossing & 255u;
+}
+
+fn rows_to(crossing: u32) -> i32 {
+    return i32((crossing >> 8u) & 255u) - 128;
+}
+
+// Returns whether a cell that a ray crosses has a bit.
+fn is_crossed(bit: u32, lane: u32, crossing: u32) -> bool {
+    return is(bit, lane, i32(slabs_to(crossing)), rows_to(crossing));
+}
+
+// The interval of a ray from a lane's row. `crossings` are the first of them and their number. Lanes search for their
+// next cell together and then read it together, since to read a cell takes much longer than to pass it.
 fn march(slab: u32, row: u32, lane: u32, crossings: vec2u) -> Interval {
     var interval = nothing();
-    for (var i = crossings.x; i < crossings.x + crossings.y; i++) {
-        let entry = footprints[i];
-        let crossing = entry.x;
-        let slabs = i32(crossing & 255u);
-        let rows = i32((crossing >> 8u) & 255u) - 128;
-        if !is(OCCUPIED, lane, slabs, rows) {
-            continue;
+    let end = crossings.x + crossings.y;
+    for (var i = crossings.x; i < end; i++) {
+        var entry = footprints[i];
+        while !is_crossed(OCCUPIED, lane, entry.x) {
+            i++;
+            if i == end {
+                return interval;
+            }
+            entry = footprints[i];
         }
-        let at = cell_of(slab + u32(slabs), u32(i32(row) + rows));
-        let solid = !is(MEDIUM, lane, slabs, rows);
+        let at = cell_of(slab + slabs_to(entry.x), u32(i32(row) + rows_to(entry.x)));
+        let solid = !is_crossed(MEDIUM, lane, entry.x);
         var transmittance = vec3f(0.0);
         var absorbed = vec3f(1.0);
         if !solid {
@@ -132,9 +159,9 @@ fn march(slab: u32, row: u32, lane: u32, crossings: vec2u) -> Interval {
             transmittance = exp(-depth);
             absorbed = absorptance(depth);
         }
-        if is(EMITTING, lane, slabs, rows) {
+        if is_crossed(EMITTING, lane, entry.x) {
             interval.light +=
-                interval.transmittance * absorbed * radiance_of(at, solid, crossing >> 16u);
+                interval.transmittance * absorbed * radiance_of(at, solid, entry.x >> 16u);
         }
         interval.transmittance *= transmittance;
         if all(interval.transmittance == vec3f(0.0)) {

@@ -1,8 +1,8 @@
 // The final gather: pixels trace the few px to the plane ahead themselves, with one ray through the middle of
 // each cone or, if the cone contains an emitter, several, and take the light of the plane where those end.
 //
-// Most rays meet nothing, and those of all cones are summed first. A lane per cone finds the rows of the tile from
-// which its rays meet matter; cones that any row meets are traced afterwards.
+// Most rays meet nothing, and are summed first. A lane per cone finds the rows of the tile from which its rays meet
+// matter; each pixel traces those that it has left afterwards, so that none waits for the cones of another.
 //
 // The same light is the irradiance of faces, and without PIXELS only that is found. Faces are shaded by the
 // steps of their own wall: of light that comes down s px along the face for each px that it comes nearer, a
@@ -33,8 +33,6 @@ const TAU: f32 = 6.2831855;
 
 // By cone and 32 rows of the tile: the rows from which its rays meet matter, and from which they meet an emitter.
 var<workgroup> meets: array<vec2u, 2u * CONES>;
-// The cones whose rays meet matter from any row.
-var<workgroup> any_meets: array<atomic<u32>, (CONES + 31u) / 32u>;
 
 struct Pixel {
     slab: u32,
@@ -78,19 +76,6 @@ fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
     return sum;
 }
 
-// The transmittance of the cell at the end of a ray.
-fn end_transmittance(pixel: Pixel, rows: i32) -> f32 {
-    if !is(OCCUPIED, pixel.lane, i32(pixel.ahead), rows) {
-        return 1.0;
-    }
-    if !is(MEDIUM, pixel.lane, i32(pixel.ahead), rows) {
-        return 0.0;
-    }
-    let at = cell_of(pixel.slab + pixel.ahead, u32(i32(pixel.row) + rows));
-    let tint_opacity = textureLoad(matter, at, 0);
-    return (1.0 - tint_opacity.a) * tint_opacity.r;
-}
-
 // A quadratic B-spline over the rows before, at and after the one nearest to a ray's end. A ray that has left the
 // grid, perhaps over the end of a wall, takes no light from inside.
 fn weights_at(end: i32, past: f32) -> vec3f {
@@ -98,6 +83,28 @@ fn weights_at(end: i32, past: f32) -> vec3f {
     let low = select(0.5 * sides.x * sides.x, 0.0, end == i32(sweep.rows));
     let high = select(0.5 * sides.y * sides.y, 0.0, end == -1);
     return vec3f(low, 0.75 - past * past, high);
+}
+
+// Those weights times the transmittance of the cells there.
+fn weights_behind(pixel: Pixel, rows: i32, past: f32) -> vec3f {
+    var weights = weights_at(i32(pixel.row) + rows, past);
+    var in_media = 0u;
+    for (var i = 0; i < 3; i++) {
+        if is(OCCUPIED, pixel.lane, i32(pixel.ahead), rows + i - 1) {
+            let medium = is(MEDIUM, pixel.lane, i32(pixel.ahead), rows + i - 1);
+            weights[i] = select(0.0, weights[i], medium);
+            in_media |= u32(medium) << u32(i);
+        }
+    }
+    // Cells are read only where there is a medium.
+    while in_media != 0u {
+        let i = firstTrailingBit(in_media);
+        let row = i32(pixel.row) + rows + i32(i) - 1;
+        let tint_opacity = textureLoad(matter, cell_of(pixel.slab + pixel.ahead, u32(row)), 0);
+        weights[i] *= (1.0 - tint_opacity.a) * tint_opacity.r;
+        in_media &= in_media - 1u;
+    }
+    return weights;
 }
 
 // The entry of a cone: its cosines to the axis and to higher rows; its angle; rays of two entries: crossings;
@@ -125,13 +132,9 @@ fn through(pixel: Pixel, cone: u32, emits: bool) -> vec3f {
         let end_past = footprints[entry + RAYS + 2u * ray + 1u];
         let row = bitcast<i32>(end_past.x);
         let near = march(pixel.slab, pixel.row, pixel.lane, crossings);
-        let end = i32(pixel.row) + row;
-        var weights = weights_at(end, bitcast<f32>(end_past.y));
-        weights.x *= end_transmittance(pixel, row - 1);
-        weights.y *= end_transmittance(pixel, row);
-        weights.z *= end_transmittance(pixel, row + 1);
+        let weights = weights_behind(pixel, row, bitcast<f32>(end_past.y));
         let all = WEIGHT_EPSILON + weights.x + weights.y + weights.z;
-        sum += near.light * angle + near.transmittance * (far(pixel, cone + 1u, end, weights) / all);
+        sum += near.light * angle + near.transmittance * (far(pixel, cone + 1u, i32(pixel.row) + row, weights) / all);
     }
     return sum / f32(count);
 }
@@ -217,15 +220,12 @@ fn add(gathered: ptr<function, Gathered>, pixel: Pixel, cone: u32, found: vec3f,
 // Finds the cones whose rays meet matter: a lane per cone, for all rows of the tile.
 fn find_met(pixel: Pixel) {
     // Solid cells gather nothing.
-    let solid = near[OCCUPIED * SLABS + 1u].yz & ~near[MEDIUM * SLABS + 1u].yz;
+    let solid = solid_rows();
     for (var cone = pixel.lane; cone < CONES; cone += TILE) {
         let mask = pixel.view + cone * pixel.size + RAYS + 2u * (sweep.rays + 1u);
         let met = meeting(OCCUPIED, EMITTING, mask, pixel.ahead + 1u) & ~solid.xyxy;
         meets[2u * cone] = met.xz;
         meets[2u * cone + 1u] = met.yw;
-        if any(met.xy != vec2u(0u)) {
-            atomicOr(&any_meets[cone / 32u], 1u << (cone % 32u));
-        }
     }
 }
 
@@ -239,9 +239,6 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let stored = plane < planes(sweep.level);
     let pixel = Pixel(slab, TILE * group.x + lane, lane, ahead, far_of(plane), stored, view, size);
     fetch(lane, TILE, slab, i32(TILE * group.x), max(ahead, REACH));
-    if lane < (CONES + 31u) / 32u {
-        atomicStore(&any_meets[lane], 0u);
-    }
     workgroupBarrier();
     find_met(pixel);
     workgroupBarrier();
@@ -274,19 +271,19 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     }
     let half = lane / 32u;
     let shift = lane % 32u;
-    for (var cone = 0u; cone < CONES; cone++) {
-        if ((meets[2u * cone + half].x >> shift) & 1u) == 0u {
-            add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
-        }
-    }
-    for (var word = 0u; word < (CONES + 31u) / 32u; word++) {
-        var left = atomicLoad(&any_meets[word]);
-        while left != 0u {
-            let cone = 32u * word + firstTrailingBit(left);
-            let met = (meets[2u * cone + half] >> vec2u(shift)) & vec2u(1u);
-            if met.x == 1u {
-                add(&gathered, pixel, cone, through(pixel, cone, met.y == 1u), faces, steps);
+    for (var first = 0u; first < CONES; first += 32u) {
+        var left = 0u;
+        for (var cone = first; cone < min(first + 32u, CONES); cone++) {
+            if ((meets[2u * cone + half].x >> shift) & 1u) == 0u {
+                add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
+            } else {
+                left |= 1u << (cone - first);
             }
+        }
+        while left != 0u {
+            let cone = first + firstTrailingBit(left);
+            let emits = ((meets[2u * cone + half].y >> shift) & 1u) == 1u;
+            add(&gathered, pixel, cone, through(pixel, cone, emits), faces, steps);
             left &= left - 1u;
         }
     }

@@ -2,6 +2,7 @@
 // that lie 2^level slabs apart, and filters the light of small sources across rows (prefilter.wgsl).
 
 #import methods/holographic/footprint
+#import methods/holographic/interval
 #import methods/holographic/prefilter
 #import methods/holographic/store_interval
 
@@ -13,10 +14,10 @@ override BUNDLES: u32;
 @group(0) @binding(7) var<storage, read_write> intervals: array<vec2u>;
 @group(0) @binding(8) var<storage, read_write> tints: array<u32>;
 
-// By lane.
-var<workgroup> traced: array<Traced, 4u * TILE>;
 // Rows of the tile from which each bundle meets matter, and a small source.
 var<workgroup> meets: array<vec4u, BUNDLES>;
+// The light of a bundle from each row: of even bundles, and of odd ones.
+var<workgroup> traced: array<vec2u, 2u * TILE>;
 
 // The interval of a bundle from a lane's row. Its footprint is a mask with an entry per slab, then the crossings
 // of each ray.
@@ -30,48 +31,45 @@ fn bundle_of(bundle: u32, slab: u32, row: u32, lane: u32, length: u32) -> Interv
     return Interval(sum.light / f32(sweep.rays), sum.transmittance / f32(sweep.rays));
 }
 
-@compute @workgroup_size(64, 4)
-fn main(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(local_invocation_id) local: vec3u,
-    @builtin(local_invocation_index) index: u32,
-) {
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let plane = sweep.first + group.y;
     let length = 1u << sweep.level;
     let slab = plane << sweep.level;
     let first_row = i32(STORED * group.x) - 1;
-    fetch(index, 4u * TILE, slab, first_row, length);
+    fetch(lane, TILE, slab, first_row, length);
     workgroupBarrier();
     let size = length + 1u + sweep.rays;
-    if index < BUNDLES {
-        meets[index] = meeting(OCCUPIED, SMALL, sweep.footprints + index * size, length + 1u);
+    for (var ray = lane; ray < BUNDLES; ray += TILE) {
+        meets[ray] = meeting(OCCUPIED, SMALL, sweep.footprints + ray * size, length + 1u);
     }
-    workgroupBarrier();
-    let row = first_row + i32(local.x);
+    let row = first_row + i32(lane);
     let inside = row >= 0 && row < i32(sweep.rows);
-    let stores = inside && local.x > 0u && local.x <= STORED;
-    let is_open = inside && !is_solid(local.x, 0, 0);
+    let stores = inside && lane > 0u && lane <= STORED;
+    let open = ~solid_rows();
     let odd = (plane & 1u) == 1u;
     let place = select(plane / 2u - sweep.even_first, plane / 2u - sweep.odd_first.x, odd);
     let base = select(sweep.even, sweep.odd.x, odd);
-    for (var first = 0u; first < BUNDLES; first += 4u) {
-        let ray = first + local.y;
-        let bundle = sweep.footprints + ray * size;
+    workgroupBarrier();
+    for (var ray = 0u; ray < BUNDLES; ray++) {
+        let met = meets[ray];
         var words = pack(nothing());
-        var small = false;
-        if inside && ray < BUNDLES {
-            let word = select(meets[ray].xz, meets[ray].yw, local.x >= 32u);
-            let met = (word >> vec2u(local.x % 32u)) & vec2u(1u);
-            if met.x == 1u {
-                words = pack(bundle_of(bundle, slab, u32(row), local.x, length));
-            }
-            small = met.y == 1u;
+        if inside && has(met.xy, lane) {
+            words = pack(bundle_of(sweep.footprints + ray * size, slab, u32(row), lane, length));
         }
-        let own = Traced(words.xy, is_open, small);
-        traced[index] = own;
+        let side = TILE * (ray % 2u);
+        traced[side + lane] = words.xy;
         workgroupBarrier();
-        if stores && ray < BUNDLES {
-            let light = gained(own, traced[index - 1u]) + gained(own, traced[index + 1u]);
+        if stores {
+            // Bits of rows that exchange light with the row after them.
+            let exchange = exchanging(open, met.zw);
+            var light = vec3f(0.0);
+            if row > 0 && has(exchange, lane - 1u) {
+                light += gained(words.xy, traced[side + lane - 1u]);
+            }
+            if row + 1 < i32(sweep.rows) && has(exchange, lane) {
+                light += gained(words.xy, traced[side + lane + 1u]);
+            }
             if any(light != vec3f(0.0)) {
                 var interval = unpack(words);
                 interval.light += light;
@@ -79,6 +77,5 @@ fn main(
             }
             store_words(base + (place * BUNDLES + ray) * sweep.rows + u32(row), words);
         }
-        workgroupBarrier();
     }
 }

@@ -66,7 +66,8 @@ struct IntervalPipelines {
     /// Rows of a tile that extends them.
     tile: u32,
     trace: ComputePipelines,
-    extend: ComputePipelines,
+    /// For a single level, and for fused ones.
+    extend: [ComputePipelines; 2],
     merge: ComputePipelines,
 }
 
@@ -77,24 +78,29 @@ impl IntervalPipelines {
         let exchanged = ("EXCHANGED", EXCHANGED.into());
         let bundles = ("BUNDLES", rays(level) as f64);
         let trace = [CELLS, MARCH, &[stored, exchanged, bundles]].concat();
-        let extend = [
-            stored,
-            ("BENT", BENT.into()),
-            ("TILE", tiles.rows().into()),
-            ("BEFORE", tiles::BEFORE.into()),
-            ("LANES", tiles.lanes.into()),
-            ("RAYS_1", tiles::RAYS[0].into()),
-            ("RAYS_2", tiles::RAYS[1].into()),
-            ("PLANES_1", tiles::PLANES[0].into()),
-            ("HELD", tiles.held().into()),
-            ("HELD_TINTS", if words == 3 { tiles.held() } else { 1 }.into()),
-        ];
+        let extend = |fused: bool| {
+            let held = if fused { tiles.held() } else { 1 };
+            let constants = [
+                stored,
+                ("FUSED", f64::from(fused)),
+                ("BENT", BENT.into()),
+                ("TILE", tiles.rows().into()),
+                ("BEFORE", tiles::BEFORE.into()),
+                ("LANES", tiles.lanes.into()),
+                ("RAYS_1", tiles::RAYS[0].into()),
+                ("RAYS_2", tiles::RAYS[1].into()),
+                ("PLANES_1", tiles::PLANES[0].into()),
+                ("HELD", held.into()),
+                ("HELD_TINTS", if words == 3 { held } else { 1 }.into()),
+            ];
+            ComputePipelines::new(device, &programs::HOLOGRAPHIC_EXTEND, &constants)
+        };
         let merge = [stored, ("RUN", RUN.into())];
         Self {
             words,
             tile: tiles.rows(),
             trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
-            extend: ComputePipelines::new(device, &programs::HOLOGRAPHIC_EXTEND, &extend),
+            extend: [false, true].map(extend),
             merge: ComputePipelines::new(device, &programs::HOLOGRAPHIC_MERGE, &merge),
         }
     }
@@ -325,7 +331,8 @@ impl Holographic {
             slabs: planner.bind(&self.slabs, &slabs),
             trace: planner
                 .bind(&intervals.trace, &[&rays[..], &[whole(held), whole(tints)]].concat()),
-            extend: planner.bind(&intervals.extend, &[sweeps.binding(), whole(held), whole(tints)]),
+            extend: planner
+                .bind(&intervals.extend[0], &[sweeps.binding(), whole(held), whole(tints)]),
             merge: planner.bind(&intervals.merge, &merge),
             gather: planner.bind(&self.gather, &[&rays[..], &gather].concat()),
         }
@@ -340,7 +347,8 @@ impl Holographic {
         let (pipelines, entry, bound) = match planned.work {
             Work::Slabs => (&self.slabs, 0, &bindings.slabs),
             Work::Trace => (&intervals.trace, 0, &bindings.trace),
-            Work::Extend => (&intervals.extend, 0, &bindings.extend),
+            Work::ExtendOnce => (&intervals.extend[0], 0, &bindings.extend),
+            Work::Extend => (&intervals.extend[1], 0, &bindings.extend),
             Work::Merge => (&intervals.merge, 0, &bindings.merge),
             Work::Finish => (&intervals.merge, 1, &bindings.merge),
             Work::Gather => (&self.gather, 0, &bindings.gather),

@@ -4,6 +4,7 @@ use super::lattice::{Lattice, TILE, TRACED};
 use super::sky::ConeTable;
 use super::sweep::Sweep;
 use super::tables::Footprints;
+use super::tiles::WAVES;
 use super::traffic::traffic;
 use super::work::Work;
 use crate::traffic::Traffic;
@@ -190,7 +191,12 @@ impl Quadrant {
         };
         let slant = ((1usize << levels) - 2) << level;
         let tiles = tiles(lattice.rows, slant, self.tile as usize);
-        self.push(Work::Extend, sweep, [tiles, 2 << level, planes.len()]);
+        let rays = 2 << level;
+        if levels == 1 {
+            self.push(Work::ExtendOnce, sweep, [tiles, rays / WAVES, planes.len()]);
+        } else {
+            self.push(Work::Extend, sweep, [tiles, rays, planes.len()]);
+        }
     }
 
     /// Plans light at the far end of the chunk, from that at the planes of higher levels behind it.
@@ -228,7 +234,7 @@ impl Quadrant {
         let sources = range(chunk * all + 1, all, planes(depth, first) / 2 + 1, 1);
         let sweep = Sweep { first: sources.start as u32, ..self.gathered(axis, sweep, chunk) };
         let rows = lattice.rows.div_ceil(TILE as usize);
-        self.push(Work::Finish, sweep, [rows, cones(first + 1) - 2, sources.len()]);
+        self.push(Work::Finish, sweep, [rows, cones(first + 1) / 2, sources.len()]);
     }
 
     /// Plans light at some planes of a level, from that of the level above.

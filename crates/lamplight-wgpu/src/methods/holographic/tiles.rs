@@ -7,6 +7,8 @@ use crate::options::LightingOptions;
 
 /// The most lanes of a row of invocations: as many as waves of most GPUs have.
 const MOST_LANES: u32 = 64;
+/// Rows of invocations. They share the rays of a group, or each has a pair of its own if a dispatch makes one level.
+pub const WAVES: usize = 4;
 /// Rows before a tile, for paths that bend away from it: one for each level that is held.
 pub const BEFORE: u32 = LightingOptions::MAX_FUSED_LEVELS - 1;
 /// Rows after it: as far as the rays from the first plane to the last spread, and one for a path that bends.

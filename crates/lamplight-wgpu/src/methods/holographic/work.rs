@@ -5,6 +5,9 @@
 pub enum Work {
     Slabs,
     Trace,
+    /// The next level of intervals.
+    ExtendOnce,
+    /// The next levels, fused.
     Extend,
     Merge,
     /// The last merge, down to the level that pixels gather from.
