@@ -191,7 +191,7 @@ fn main(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: v
     let shift = i32(id.y) - (1i << sweep.level);
     // Planes are slanted; `slant` is the offset in rows of the last one that is written.
     let slant = ((1i << sweep.levels) - 2i) * max(shift, 0i);
-    let row = i32(id.x * TILE) - (slant + i32(TILE) - 1i) / i32(TILE) * i32(TILE);
+    let row = i32(id.x * TILE) - slant;
     let g = Group(plane, i32(id.y), row, shift, place);
     // Rays less steep than the steepest need fewer tiles.
     var reaches = false;

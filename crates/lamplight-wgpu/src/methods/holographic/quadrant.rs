@@ -190,7 +190,8 @@ impl Quadrant {
             ..sweep
         };
         let slant = ((1usize << levels) - 2) << level;
-        let tiles = tiles(lattice.rows, slant, self.tile as usize);
+        // Planes are slanted by up to so many rows.
+        let tiles = (lattice.rows + slant).div_ceil(self.tile as usize);
         let rays = 2 << level;
         if levels == 1 {
             self.push(Work::ExtendOnce, sweep, [tiles, rays / WAVES, planes.len()]);
@@ -322,12 +323,4 @@ impl Chain {
 fn range(from: usize, count: usize, end: usize, low: usize) -> std::ops::Range<usize> {
     let first = from.max(low);
     first..(from + count).min(end).max(first)
-}
-
-/// The number of tiles that cover all rows of planes that are slanted by up to `slant` rows.
-fn tiles(rows: usize, slant: usize, tile: usize) -> usize {
-    if slant == 0 {
-        return rows.div_ceil(tile);
-    }
-    (rows + slant).div_ceil(tile) + 1
 }
