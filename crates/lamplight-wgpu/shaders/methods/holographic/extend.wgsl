@@ -14,7 +14,7 @@
 
 // The lowest level whose intervals are extended to even rays over bent paths too.
 override BENT: u32;
-// Rows of a tile, and rows before it.
+// Rows of a tile, and lanes before it.
 override TILE: u32;
 override BEFORE: u32;
 // Lanes: rows of a tile and beside it.

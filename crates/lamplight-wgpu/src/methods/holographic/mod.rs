@@ -63,8 +63,8 @@ pub struct Holographic {
 struct IntervalPipelines {
     /// Words of an interval.
     words: u32,
-    /// Rows of a tile that extends them.
-    tile: u32,
+    /// Workgroups that extend them.
+    tiles: Tiles,
     trace: ComputePipelines,
     /// For a single level, and for fused ones.
     extend: [ComputePipelines; 2],
@@ -79,13 +79,17 @@ impl IntervalPipelines {
         let bundles = ("BUNDLES", rays(level) as f64);
         let trace = [CELLS, MARCH, &[stored, exchanged, bundles]].concat();
         let extend = |fused: bool| {
-            let held = if fused { tiles.held() } else { 1 };
+            let (rows, before, held) = if fused {
+                (tiles.rows(), tiles::BEFORE, tiles.held())
+            } else {
+                (tiles.lanes, 0, 1)
+            };
             let constants = [
                 stored,
                 ("FUSED", f64::from(fused)),
                 ("BENT", BENT.into()),
-                ("TILE", tiles.rows().into()),
-                ("BEFORE", tiles::BEFORE.into()),
+                ("TILE", rows.into()),
+                ("BEFORE", before.into()),
                 ("LANES", tiles.lanes.into()),
                 ("RAYS_1", tiles::RAYS[0].into()),
                 ("RAYS_2", tiles::RAYS[1].into()),
@@ -98,7 +102,7 @@ impl IntervalPipelines {
         let merge = [stored, ("RUN", RUN.into())];
         Self {
             words,
-            tile: tiles.rows(),
+            tiles,
             trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
             extend: [false, true].map(extend),
             merge: ComputePipelines::new(device, &programs::HOLOGRAPHIC_MERGE, &merge),
@@ -240,7 +244,7 @@ impl Holographic {
             &footprints,
             &cones,
             settings.bundle_rays,
-            intervals.tile,
+            intervals.tiles,
             intervals.words,
         );
         let sky = planner.has_panorama().then(|| ConeSky::new(cones, buffers.cones.clone()));

@@ -4,7 +4,7 @@ use super::lattice::{Lattice, TILE, TRACED};
 use super::sky::ConeTable;
 use super::sweep::Sweep;
 use super::tables::Footprints;
-use super::tiles::WAVES;
+use super::tiles::{Tiles, WAVES};
 use super::traffic::traffic;
 use super::work::Work;
 use crate::traffic::Traffic;
@@ -46,8 +46,8 @@ pub struct Quadrant {
     cones: u32,
     /// Rays of a bundle.
     width: u32,
-    /// Rows of a tile that extends intervals.
-    tile: u32,
+    /// Workgroups that extend intervals.
+    tiles: Tiles,
     /// Words of an interval.
     words: u32,
     sweeps: Vec<Sweep>,
@@ -60,12 +60,12 @@ impl Quadrant {
         footprints: &Footprints,
         cones: &ConeTable,
         width: u32,
-        tile: u32,
+        tiles: Tiles,
         words: u32,
     ) -> Self {
         let Footprints { bundles, views, .. } = *footprints;
         let (cones, sweeps, planned) = (cones.entries(), Vec::new(), Vec::new());
-        Self { geometry, bundles, views, cones, width, tile, words, sweeps, planned }
+        Self { geometry, bundles, views, cones, width, tiles, words, sweeps, planned }
     }
 
     /// The sweeps of all dispatches planned so far.
@@ -189,13 +189,14 @@ impl Quadrant {
             even_top_first: first(level + levels),
             ..sweep
         };
-        let slant = ((1usize << levels) - 2) << level;
-        // Planes are slanted by up to so many rows.
-        let tiles = (lattice.rows + slant).div_ceil(self.tile as usize);
         let rays = 2 << level;
         if levels == 1 {
+            let tiles = lattice.rows.div_ceil(self.tiles.lanes as usize);
             self.push(Work::ExtendOnce, sweep, [tiles, rays / WAVES, planes.len()]);
         } else {
+            // Planes are slanted by up to so many rows.
+            let slant = ((1usize << levels) - 2) << level;
+            let tiles = (lattice.rows + slant).div_ceil(self.tiles.rows() as usize);
             self.push(Work::Extend, sweep, [tiles, rays, planes.len()]);
         }
     }
