@@ -2,11 +2,11 @@
 // `T_{n+1}(p, 2k) = T_n(p, k) ⊕ T_n(p + v_n(k), k)`, and a ray between two others is the mean of the two
 // bent paths. From level BENT on, even rays are bent a little too (`extend.rs` of the library). A workgroup
 // makes, from the planes of the lowest level that one plane of the topmost spans, all rays between two rays
-// k and k + 1 of the lowest; if it makes only one level, each wave has such a pair of its own. Levels between are held in workgroup memory, with a ray more to both sides where
+// k and k + 1 of the lowest. Levels between are held in workgroup memory, with a ray more to both sides where
 // paths bend; of them only the planes of odd index are needed later and written.
 //
-// A lane is a row of a tile, or beside it: rays that spread and bend lead there. Waves share the rays of a
-// plane, so all lanes of one take the same branches.
+// A lane is a row of a tile, or beside it: rays that spread and bend lead there. Waves share the rays between
+// k and k + 1 or, if there is one level, each has its own k; so all lanes of one take the same branches.
 
 #import methods/holographic/fetch_interval
 #import methods/holographic/store_interval

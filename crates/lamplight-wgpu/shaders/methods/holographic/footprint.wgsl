@@ -40,22 +40,25 @@ fn word_of(bit: u32, slab: u32, word: u32) -> u32 {
     return cell_bits[sweep.cell_bits + (bit * sweep.depth + place) * words + word];
 }
 
-// Fetches the bits around 64 rows, from the slab behind `slab` to the one `ahead` of it.
+// Fetches the bits around 64 rows, from the slab behind `slab` to the one `ahead` of it. A lane fetches a bit of a slab,
+// since parts of a vector must not be written by several.
 fn fetch(local: u32, lanes: u32, slab: u32, row: i32, ahead: u32) {
-    // Words are shared out to lanes: four of a slab, of four bits.
-    let across = local % ACROSS;
-    let bit = local / ACROSS % 4u;
-    let first = row + 32 * (i32(across) - 1);
     // Rounded down, below 0 too.
-    let word = u32(first >> 5u);
-    let shift = u32(first) & 31u;
-    for (var away = local / 16u; away < ahead + 2u; away += lanes / 16u) {
+    let word = u32((row - ASIDE) >> 5u);
+    let shift = u32(row) & 31u;
+    for (var i = local; i < 4u * (ahead + 2u); i += lanes) {
+        let bit = i % 4u;
+        let away = i / 4u;
         let at = slab + away - 1u;
-        var found = word_of(bit, at, word) >> shift;
-        if shift != 0u {
-            found |= word_of(bit, at, word + 1u) << (32u - shift);
+        var words: array<u32, 5>;
+        for (var across = 0u; across <= ACROSS; across++) {
+            words[across] = word_of(bit, at, word + across);
         }
-        near[bit * SLABS + away][across] = found;
+        let own = vec4u(words[0], words[1], words[2], words[3]);
+        let next = vec4u(words[1], words[2], words[3], words[4]);
+        // WGSL has no shift by 32.
+        let rest = select(next << vec4u(32u - shift), vec4u(0u), shift == 0u);
+        near[bit * SLABS + away] = (own >> vec4u(shift)) | rest;
     }
 }
 

@@ -39,7 +39,7 @@ pub struct PlannedWork {
 #[derive(Debug)]
 pub struct Quadrant {
     geometry: GatherGeometry,
-    /// The first words of the footprints of bundles, and of views.
+    /// The first entries of the footprints of bundles, and of views.
     bundles: u32,
     views: u32,
     /// Entries of the table of cones.
