@@ -48,6 +48,8 @@ mod pass_list;
 mod pipeline;
 mod pipeline_cache;
 mod planner;
+#[cfg(test)]
+mod poison;
 mod programs;
 pub mod read_back;
 mod shaders;

@@ -50,9 +50,13 @@ impl ComputePipelines {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
+        #[cfg(not(test))]
+        let text = shaders::text(program.shader);
+        #[cfg(test)]
+        let text = crate::poison::text(program);
         let module = device.create_shader_module(ShaderModuleDescriptor {
             label: Some(label),
-            source: ShaderSource::Wgsl(shaders::text(program.shader).into()),
+            source: ShaderSource::Wgsl(text.into()),
         });
         let compile = |&entry: &&'static str| ComputePipeline {
             label,
@@ -64,7 +68,7 @@ impl ComputePipelines {
                 entry_point: Some(entry),
                 compilation_options: PipelineCompilationOptions {
                     constants,
-                    ..PipelineCompilationOptions::default()
+                    zero_initialize_workgroup_memory: !program.writes_first(),
                 },
                 cache: None,
             }),

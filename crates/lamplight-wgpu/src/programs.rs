@@ -71,6 +71,16 @@ pub struct Program {
     pub bindings: &'static [(&'static str, Binding)],
 }
 
+impl Program {
+    /// Returns whether the program writes all workgroup memory before it reads it (a test poisons it), so that it
+    /// need not be cleared. On Metal and DirectX a single thread of each workgroup would do that.
+    pub fn writes_first(&self) -> bool {
+        [&HOLOGRAPHIC_TRACE, &HOLOGRAPHIC_EXTEND, &HOLOGRAPHIC_GATHER]
+            .iter()
+            .any(|program| program.shader == self.shader)
+    }
+}
+
 /// Declares programs. Slot 0 of each is `frame`; the others follow in order.
 macro_rules! programs {
     ($($name:ident: $shader:literal, $entries:expr, { $($variable:ident: $binding:ident),* $(,)? })*) => {
@@ -196,11 +206,13 @@ programs! {
     }
     HOLOGRAPHIC_TRACE: "methods/holographic/trace", ["main"], {
         sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
-        scattered: Read, intervals: Write,
+        scattered: Read, intervals: Write, tints: Write,
     }
-    HOLOGRAPHIC_EXTEND: "methods/holographic/extend", ["main"], { sweep: Step, intervals: Write }
+    HOLOGRAPHIC_EXTEND: "methods/holographic/extend", ["main"], {
+        sweep: Step, intervals: Write, tints: Write,
+    }
     HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "finish"], {
-        sweep: Step, cones: Read, intervals: Read, radiance: Write,
+        sweep: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
     }
     HOLOGRAPHIC_GATHER: "methods/holographic/gather", ["main"], {
         sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,

@@ -11,7 +11,7 @@ pub enum Tier {
     #[default]
     Web,
     /// Grids as large as the adapter supports; workgroups with as much memory as it has, which save
-    /// `holographic` some work (9 to 24 % on a software GPU) and change no bit of the light; times of
+    /// `holographic` some work under coloured tint (6 % on a software GPU) and change no bit of the light; times of
     /// stages ([`crate::Timer`]) if it can measure them.
     ///
     /// It does not request half floats: stored values are packed tighter already, and light of 65504 and more,

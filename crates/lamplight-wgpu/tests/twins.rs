@@ -52,9 +52,14 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("wgsl polar lookup", "part of shadow_map.rs"),
     ("wgsl polar shadow_bounds", "part of shadow_map.rs: needs all rays"),
     ("wgsl polar shadow_ray", "part of shadow_map.rs, imported by it and by lookup"),
+    (
+        "wgsl holographic fetch_interval",
+        "part of interval.rs; shaders that write have store_interval too",
+    ),
     ("wgsl holographic footprint", "part of trace.rs, imported by trace and gather"),
     ("wgsl holographic packed_rgb", "how buffers store radiance"),
     ("wgsl holographic sky", "part of merge.rs"),
+    ("wgsl holographic store_interval", "part of interval.rs, for shaders that write"),
     ("wgsl holographic sweep", "parameters of a dispatch"),
 ];
 

@@ -20,15 +20,15 @@ const SLABS: u32 = 33u;
 const ACROSS: u32 = 4u;
 const ASIDE: i32 = 32;
 
-@group(0) @binding(2) var<storage, read> footprints: array<u32>;
+// In entries of two words, as tables.rs makes them.
+@group(0) @binding(2) var<storage, read> footprints: array<vec2u>;
 @group(0) @binding(3) var<storage, read> cell_bits: array<u32>;
 @group(0) @binding(4) var emission: texture_2d<f32>;
 @group(0) @binding(5) var matter: texture_2d<f32>;
 @group(0) @binding(6) var<storage, read> scattered: array<vec2u>;
 
-// By bit, slab and word.
-var<workgroup> near: array<u32, 4u * SLABS * ACROSS>;
-var<workgroup> any_near: atomic<u32>;
+// By bit and slab, ACROSS words.
+var<workgroup> near: array<vec4u, 4u * SLABS>;
 
 // The bits of 32 rows of a slab from a multiple of 32 on.
 fn word_of(bit: u32, slab: u32, word: u32) -> u32 {
@@ -40,31 +40,32 @@ fn word_of(bit: u32, slab: u32, word: u32) -> u32 {
     return cell_bits[sweep.cell_bits + (bit * sweep.depth + place) * words + word];
 }
 
-// Fetches the bits around 64 rows, from the slab behind `slab` to the one `ahead` of it.
+// Fetches the bits around 64 rows, from the slab behind `slab` to the one `ahead` of it. A lane fetches a bit of a slab,
+// since parts of a vector must not be written by several.
 fn fetch(local: u32, lanes: u32, slab: u32, row: i32, ahead: u32) {
-    for (var i = local; i < 4u * (ahead + 2u) * ACROSS; i += lanes) {
-        let bit = i / ((ahead + 2u) * ACROSS);
-        let away = i / ACROSS % (ahead + 2u);
-        let first = row + 32 * (i32(i % ACROSS) - 1);
+    // Rounded down, below 0 too.
+    let word = u32((row - ASIDE) >> 5u);
+    let shift = u32(row) & 31u;
+    for (var i = local; i < 4u * (ahead + 2u); i += lanes) {
+        let bit = i % 4u;
+        let away = i / 4u;
         let at = slab + away - 1u;
-        // Rounded down, below 0 too.
-        let word = u32(first >> 5u);
-        let shift = u32(first) & 31u;
-        var found = word_of(bit, at, word) >> shift;
-        if shift != 0u {
-            found |= word_of(bit, at, word + 1u) << (32u - shift);
+        var words: array<u32, 5>;
+        for (var across = 0u; across <= ACROSS; across++) {
+            words[across] = word_of(bit, at, word + across);
         }
-        near[(bit * SLABS + away) * ACROSS + i % ACROSS] = found;
-        if found != 0u {
-            atomicOr(&any_near, 1u);
-        }
+        let own = vec4u(words[0], words[1], words[2], words[3]);
+        let next = vec4u(words[1], words[2], words[3], words[4]);
+        // WGSL has no shift by 32.
+        let rest = select(next << vec4u(32u - shift), vec4u(0u), shift == 0u);
+        near[bit * SLABS + away] = (own >> vec4u(shift)) | rest;
     }
 }
 
 // Returns whether the cell `slabs` and `rows` from a lane's has a bit.
 fn is(bit: u32, lane: u32, slabs: i32, rows: i32) -> bool {
     let row = u32(i32(lane) + rows + ASIDE);
-    let word = near[(bit * SLABS + u32(slabs + 1)) * ACROSS + row / 32u];
+    let word = near[bit * SLABS + u32(slabs + 1)][row / 32u];
     return ((word >> (row % 32u)) & 1u) == 1u;
 }
 
@@ -72,20 +73,43 @@ fn is_solid(lane: u32, slabs: i32, rows: i32) -> bool {
     return is(OCCUPIED, lane, slabs, rows) && !is(MEDIUM, lane, slabs, rows);
 }
 
-// Returns whether any cell of a mask has a bit. The mask begins at `mask`, with two words per slab.
-fn any_of(bit: u32, lane: u32, mask: u32, slabs: u32) -> bool {
-    let word = lane / 32u;
-    let shift = lane % 32u;
-    var met = 0u;
+// Returns whether a row of the tile is among those with a bit.
+fn has(rows: vec2u, lane: u32) -> bool {
+    return ((select(rows.x, rows.y, lane >= 32u) >> (lane % 32u)) & 1u) == 1u;
+}
+
+// The rows of the tile whose cell in its slab is solid.
+fn solid_rows() -> vec2u {
+    return near[OCCUPIED * SLABS + 1u].yz & ~near[MEDIUM * SLABS + 1u].yz;
+}
+
+// The bits of all rows of the tile, if `words` are those of rows from 32 before the tile on, shifted by `rows`.
+fn shifted(words: vec4u, rows: u32) -> vec2u {
+    let from_word = select(words.xyz, words.yzw, rows >= 32u);
+    let shift = rows & 31u;
+    // WGSL has no shift by 32.
+    let rest = select(from_word.yz << vec2u(32u - shift), vec2u(0u), shift == 0u);
+    return (from_word.xy >> vec2u(shift)) | rest;
+}
+
+// The rows of the tile from which any cell of a mask has one of two bits: the rows of the first bit, then those
+// of the second. The mask begins at `mask`, with an entry per slab: rows from −32 to −1, and from 0 to 31.
+fn meeting(first: u32, second: u32, mask: u32, slabs: u32) -> vec4u {
+    var met = vec4u(0u);
     for (var slab = 0u; slab < slabs; slab++) {
-        let at = (bit * SLABS + slab + 1u) * ACROSS + word;
-        // Rows from 32 below the lane's to 31 above it. WGSL has no shift by 32.
-        let high = select(near[at + 1u] << (32u - shift), 0u, shift == 0u);
-        let higher = select(near[at + 2u] << (32u - shift), 0u, shift == 0u);
-        met |= ((near[at] >> shift) | high) & footprints[mask + 2u * slab];
-        met |= ((near[at + 1u] >> shift) | higher) & footprints[mask + 2u * slab + 1u];
+        let ones = near[first * SLABS + slab + 1u];
+        let others = near[second * SLABS + slab + 1u];
+        let cells = footprints[mask + slab];
+        for (var side = 0u; side < 2u; side++) {
+            var left = select(cells.x, cells.y, side == 1u);
+            while left != 0u {
+                let rows = 32u * side + firstTrailingBit(left);
+                met |= vec4u(shifted(ones, rows), shifted(others, rows));
+                left &= left - 1u;
+            }
+        }
     }
-    return met != 0u;
+    return met;
 }
 
 // The radiance that leaves a cell by the face that a ray meets: 0 ahead, 1 from lower rows, 2 from higher
@@ -101,28 +125,46 @@ fn radiance_of(at: vec2u, solid: bool, face: u32) -> vec3f {
     return light;
 }
 
-// The interval of a ray from a lane's row, over `count` crossings of two words from `first` on.
-fn march(slab: u32, row: u32, lane: u32, first: u32, count: u32) -> Interval {
+// Slabs and rows from the start of a ray to a cell that it crosses.
+fn slabs_to(crossing: u32) -> u32 {
+    return crossing & 255u;
+}
+
+fn rows_to(crossing: u32) -> i32 {
+    return i32((crossing >> 8u) & 255u) - 128;
+}
+
+// Returns whether a cell that a ray crosses has a bit.
+fn is_crossed(bit: u32, lane: u32, crossing: u32) -> bool {
+    return is(bit, lane, i32(slabs_to(crossing)), rows_to(crossing));
+}
+
+// The interval of a ray from a lane's row. `crossings` are the first of them and their number. Lanes search for their
+// next cell together and then read it together, since to read a cell takes much longer than to pass it.
+fn march(slab: u32, row: u32, lane: u32, crossings: vec2u) -> Interval {
     var interval = nothing();
-    for (var i = first; i < first + 2u * count; i += 2u) {
-        let crossing = footprints[i];
-        let slabs = i32(crossing & 255u);
-        let rows = i32((crossing >> 8u) & 255u) - 128;
-        if !is(OCCUPIED, lane, slabs, rows) {
-            continue;
+    let end = crossings.x + crossings.y;
+    for (var i = crossings.x; i < end; i++) {
+        var entry = footprints[i];
+        while !is_crossed(OCCUPIED, lane, entry.x) {
+            i++;
+            if i == end {
+                return interval;
+            }
+            entry = footprints[i];
         }
-        let at = cell_of(slab + u32(slabs), u32(i32(row) + rows));
-        let solid = !is(MEDIUM, lane, slabs, rows);
+        let at = cell_of(slab + slabs_to(entry.x), u32(i32(row) + rows_to(entry.x)));
+        let solid = !is_crossed(MEDIUM, lane, entry.x);
         var transmittance = vec3f(0.0);
         var absorbed = vec3f(1.0);
         if !solid {
-            let depth = extinction_of(textureLoad(matter, at, 0)) * bitcast<f32>(footprints[i + 1u]);
+            let depth = extinction_of(textureLoad(matter, at, 0)) * bitcast<f32>(entry.y);
             transmittance = exp(-depth);
             absorbed = absorptance(depth);
         }
-        if is(EMITTING, lane, slabs, rows) {
+        if is_crossed(EMITTING, lane, entry.x) {
             interval.light +=
-                interval.transmittance * absorbed * radiance_of(at, solid, crossing >> 16u);
+                interval.transmittance * absorbed * radiance_of(at, solid, entry.x >> 16u);
         }
         interval.transmittance *= transmittance;
         if all(interval.transmittance == vec3f(0.0)) {

@@ -1,7 +1,10 @@
 // The final gather: pixels trace the few px to the plane ahead themselves, with one ray through the middle of
 // each cone or, if the cone contains an emitter, several, and take the light of the plane where those end.
 //
-// With FACES the kernel finds the irradiance of faces instead of the light of pixels. Faces are shaded by the
+// Most rays meet nothing, and are summed first. A lane per cone finds the rows of the tile from which its rays meet
+// matter; each pixel traces those that it has left afterwards, so that none waits for the cones of another.
+//
+// The same light is the irradiance of faces, and without PIXELS only that is found. Faces are shaded by the
 // steps of their own wall: of light that comes down s px along the face for each px that it comes nearer, a
 // step that begins k px beside the cell in front blocks the fraction `clamp(s − k, 0, 1)`.
 
@@ -13,8 +16,10 @@
 override WEIGHT_EPSILON: f32;
 // Cells beside the one in front of a face that are searched for a step.
 override REACH: u32;
-// True if the faces of solid cells, and media that scatter, are lit instead of pixels.
-override FACES: bool;
+// False if only the faces of solid cells, and media that scatter, are lit.
+override PIXELS: bool;
+// Cones of a pixel.
+override CONES: u32;
 
 @group(0) @binding(7) var<storage, read> cones: array<vec4f>;
 @group(0) @binding(8) var<storage, read> radiance: array<vec2u>;
@@ -26,76 +31,110 @@ override FACES: bool;
 const FAR_AWAY: f32 = 1e9;
 const TAU: f32 = 6.2831855;
 
+// By cone and 32 rows of the tile: the rows from which its rays meet matter, and from which they meet an emitter.
+var<workgroup> meets: array<vec2u, 2u * CONES>;
+
 struct Pixel {
     slab: u32,
     row: u32,
     lane: u32,
-    // Slabs to the plane, and the plane's index.
+    // Slabs to the plane.
     ahead: u32,
-    plane: u32,
+    // The first entry of the light on the plane, and whether there is any: beyond the grid is sky.
+    far: u32,
+    stored: bool,
+    // The first cone's entry in the table, and the entries of each.
+    view: u32,
+    size: u32,
 }
 
-// The light of a cone on the plane ahead.
-fn far(pixel: Pixel, cone: u32, row: i32) -> vec3f {
-    if row < 0 || row >= i32(sweep.rows) || pixel.plane >= planes(sweep.level) {
-        return sky_in(cone);
-    }
+// The first entry of the light of a plane.
+fn far_of(plane: u32) -> u32 {
     // A plane of even index is a plane of the level above.
-    let odd = (pixel.plane & 1u) == 1u;
-    let slot = select(sweep.far - pixel.plane / 2u, sweep.far - (pixel.plane + 1u) / 2u, odd);
+    let odd = (plane & 1u) == 1u;
+    let slot = select(sweep.far - plane / 2u, sweep.far - (plane + 1u) / 2u, odd);
     let base = select(sweep.above, sweep.below, odd);
-    let at = (slot * cone_count(sweep.level + 1u) + cone) * sweep.rows + u32(row);
-    return unpack_rgb(radiance[base + at]);
+    return base + slot * cone_count(sweep.level + 1u) * sweep.rows;
 }
 
-// The transmittance of the cell at the end of a ray.
-fn end_transmittance(pixel: Pixel, rows: i32) -> f32 {
-    if !is(OCCUPIED, pixel.lane, i32(pixel.ahead), rows) {
-        return 1.0;
+// The light of a cone on the plane ahead, in the rows before, at and after one, times their weights.
+fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
+    let at = pixel.far + cone * sweep.rows;
+    var sum = vec3f(0.0);
+    var beyond = 0.0;
+    for (var i = 0; i < 3; i++) {
+        let end = u32(row + i - 1);
+        if pixel.stored && end < sweep.rows {
+            sum += weights[i] * unpack_rgb(radiance[at + end]);
+        } else {
+            beyond += weights[i];
+        }
     }
-    if !is(MEDIUM, pixel.lane, i32(pixel.ahead), rows) {
-        return 0.0;
+    if beyond > 0.0 {
+        sum += beyond * sky_in(cone);
     }
-    let at = cell_of(pixel.slab + pixel.ahead, u32(i32(pixel.row) + rows));
-    let tint_opacity = textureLoad(matter, at, 0);
-    return (1.0 - tint_opacity.a) * tint_opacity.r;
+    return sum;
 }
 
-// The light through a cone, whose entry begins at `at`: its angle and its cosines to the axis and to higher
-// rows; rays of four words: first crossing, number of crossings, the row nearest to the end, and how far past
-// its middle that is; a mask of two words per slab.
-fn through(pixel: Pixel, cone: u32, at: u32, empty: bool) -> vec3f {
-    let rays = at + 4u;
-    let mask = rays + 4u * (sweep.rays + 1u);
-    let meets = !empty && any_of(OCCUPIED, pixel.lane, mask, pixel.ahead + 1u);
-    let emits = meets && any_of(EMITTING, pixel.lane, mask, pixel.ahead + 1u);
+// A quadratic B-spline over the rows before, at and after the one nearest to a ray's end. A ray that has left the
+// grid, perhaps over the end of a wall, takes no light from inside.
+fn weights_at(end: i32, past: f32) -> vec3f {
+    let sides = vec2f(0.5 - past, 0.5 + past);
+    let low = select(0.5 * sides.x * sides.x, 0.0, end == i32(sweep.rows));
+    let high = select(0.5 * sides.y * sides.y, 0.0, end == -1);
+    return vec3f(low, 0.75 - past * past, high);
+}
+
+// Those weights times the transmittance of the cells there.
+fn weights_behind(pixel: Pixel, rows: i32, past: f32) -> vec3f {
+    var weights = weights_at(i32(pixel.row) + rows, past);
+    var in_media = 0u;
+    for (var i = 0; i < 3; i++) {
+        if is(OCCUPIED, pixel.lane, i32(pixel.ahead), rows + i - 1) {
+            let medium = is(MEDIUM, pixel.lane, i32(pixel.ahead), rows + i - 1);
+            weights[i] = select(0.0, weights[i], medium);
+            in_media |= u32(medium) << u32(i);
+        }
+    }
+    // Cells are read only where there is a medium.
+    while in_media != 0u {
+        let i = firstTrailingBit(in_media);
+        let row = i32(pixel.row) + rows + i32(i) - 1;
+        let tint_opacity = textureLoad(matter, cell_of(pixel.slab + pixel.ahead, u32(row)), 0);
+        weights[i] *= (1.0 - tint_opacity.a) * tint_opacity.r;
+        in_media &= in_media - 1u;
+    }
+    return weights;
+}
+
+// The entry of a cone: its cosines to the axis and to higher rows; its angle; rays of two entries: crossings;
+// the row nearest to the end, and how far past its middle that is; a mask with an entry per slab.
+const RAYS: u32 = 2u;
+
+// The light through a cone in which there is nothing.
+fn through_nothing(pixel: Pixel, cone: u32) -> vec3f {
+    let end_past = footprints[pixel.view + cone * pixel.size + RAYS + 1u];
+    let end = i32(pixel.row) + bitcast<i32>(end_past.x);
+    let weights = weights_at(end, bitcast<f32>(end_past.y));
+    // The outermost cones have no light.
+    return far(pixel, cone + 1u, end, weights) / (WEIGHT_EPSILON + weights.x + weights.y + weights.z);
+}
+
+// The light through a cone in which there is matter.
+fn through(pixel: Pixel, cone: u32, emits: bool) -> vec3f {
+    let entry = pixel.view + cone * pixel.size;
+    let angle = bitcast<f32>(footprints[entry + 1u].x);
     let first = select(0u, 1u, emits);
     let count = select(1u, sweep.rays, emits);
     var sum = vec3f(0.0);
     for (var ray = first; ray < first + count; ray++) {
-        let footprint = rays + 4u * ray;
-        let row = bitcast<i32>(footprints[footprint + 2u]);
-        let past = bitcast<f32>(footprints[footprint + 3u]);
-        var near = nothing();
-        // A quadratic B-spline over the rows before, at and after the nearest one.
-        let sides = vec2f(0.5 - past, 0.5 + past);
-        var weights = vec3f(0.5 * sides.x * sides.x, 0.75 - past * past, 0.5 * sides.y * sides.y);
-        if meets {
-            let crossings = footprints[footprint];
-            near = march(pixel.slab, pixel.row, pixel.lane, crossings, footprints[footprint + 1u]);
-            weights.x *= end_transmittance(pixel, row - 1);
-            weights.y *= end_transmittance(pixel, row);
-            weights.z *= end_transmittance(pixel, row + 1);
-        }
-        // A ray that has left the grid, perhaps over the end of a wall, takes no light from inside.
-        let end = i32(pixel.row) + row;
-        weights.x = select(weights.x, 0.0, end == i32(sweep.rows));
-        weights.z = select(weights.z, 0.0, end == -1);
-        var beyond = weights.x * far(pixel, cone, end - 1);
-        beyond += weights.y * far(pixel, cone, end);
-        beyond += weights.z * far(pixel, cone, end + 1);
+        let crossings = footprints[entry + RAYS + 2u * ray];
+        let end_past = footprints[entry + RAYS + 2u * ray + 1u];
+        let row = bitcast<i32>(end_past.x);
+        let near = march(pixel.slab, pixel.row, pixel.lane, crossings);
+        let weights = weights_behind(pixel, row, bitcast<f32>(end_past.y));
         let all = WEIGHT_EPSILON + weights.x + weights.y + weights.z;
-        sum += near.light * bitcast<f32>(footprints[at]) + near.transmittance * (beyond / all);
+        sum += near.light * angle + near.transmittance * (far(pixel, cone + 1u, i32(pixel.row) + row, weights) / all);
     }
     return sum / f32(count);
 }
@@ -133,21 +172,82 @@ fn add_moment(component: u32, i: u32, integral: vec3f) {
     light[at] = vec4f(before + integral * (1.0 / TAU), 1.0);
 }
 
+// The light that a pixel gathers.
+struct Gathered {
+    sum: vec3f,
+    // ∫ L ω dω along the axis, and across it.
+    along: vec3f,
+    across: vec3f,
+    // The irradiance of faces ahead, and towards higher and lower rows.
+    on_front: vec3f,
+    on_high: vec3f,
+    on_low: vec3f,
+}
+
+// The steps of walls beside the faces that a pixel is in front of.
+struct Steps {
+    in_front: vec4f,
+    above: vec4f,
+    below: vec4f,
+}
+
+// Adds the light through a cone. `faces`: the pixel is in front of faces.
+fn add(gathered: ptr<function, Gathered>, pixel: Pixel, cone: u32, found: vec3f, faces: bool, steps: Steps) {
+    (*gathered).sum += found;
+    if MOMENT || faces {
+        let entry = pixel.view + cone * pixel.size;
+        let cosines = bitcast<vec2f>(footprints[entry]);
+        if MOMENT {
+            (*gathered).along += cosines.x * found;
+            (*gathered).across += cosines.y * found;
+        }
+        if faces {
+            let angle = bitcast<f32>(footprints[entry + 1u].x);
+            let along = cosines.x;
+            let aside = abs(cosines.y);
+            let to_side = aside * shade(found, angle, along / aside, steps.in_front);
+            if cosines.y > 0.0 {
+                (*gathered).on_high += to_side;
+                (*gathered).on_front += along * shade(found, angle, aside / along, steps.above);
+            } else {
+                (*gathered).on_low += to_side;
+                (*gathered).on_front += along * shade(found, angle, aside / along, steps.below);
+            }
+        }
+    }
+}
+
+// Finds the cones whose rays meet matter: a lane per cone, for all rows of the tile.
+fn find_met(pixel: Pixel) {
+    // Solid cells gather nothing.
+    let solid = solid_rows();
+    for (var cone = pixel.lane; cone < CONES; cone += TILE) {
+        let mask = pixel.view + cone * pixel.size + RAYS + 2u * (sweep.rays + 1u);
+        let met = meeting(OCCUPIED, EMITTING, mask, pixel.ahead + 1u) & ~solid.xyxy;
+        meets[2u * cone] = met.xz;
+        meets[2u * cone + 1u] = met.yw;
+    }
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let slab = sweep.first + group.y;
     let plane = (slab + sweep.gather_length + (1u << sweep.level) - 1u) >> sweep.level;
     let ahead = (plane << sweep.level) - slab;
-    let pixel = Pixel(slab, TILE * group.x + lane, lane, ahead, plane);
+    let view = footprints[sweep.footprints + ahead - sweep.gather_length].x;
+    let size = RAYS + 2u * (sweep.rays + 1u) + ahead + 1u;
+    let stored = plane < planes(sweep.level);
+    let pixel = Pixel(slab, TILE * group.x + lane, lane, ahead, far_of(plane), stored, view, size);
     fetch(lane, TILE, slab, i32(TILE * group.x), max(ahead, REACH));
     workgroupBarrier();
-    let empty = atomicLoad(&any_near) == 0u;
-    if pixel.row >= sweep.rows || (FACES && empty) {
+    find_met(pixel);
+    workgroupBarrier();
+    if pixel.row >= sweep.rows {
         return;
     }
     let i = index(cell_of(slab, pixel.row));
     if is_solid(lane, 0, 0) {
-        if !FACES && sweep.first_quadrant == 1u {
+        if PIXELS && sweep.first_quadrant == 1u {
             light[i] = vec4f(0.0, 0.0, 0.0, 1.0);
             if MOMENT {
                 light[moment_index(0u, i)] = vec4f(0.0);
@@ -156,76 +256,57 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         }
         return;
     }
-    var scatters = false;
-    if FACES {
-        let front = is_solid(lane, -1, 0) || is_solid(lane, 0, -1) || is_solid(lane, 0, 1);
-        scatters = is(MEDIUM, lane, 0, 0)
-            && any(textureLoad(albedo, cell_of(slab, pixel.row), 0).rgb != vec3f(0.0));
-        if !front && !scatters {
-            return;
-        }
-    }
-    let count = cone_count(sweep.level + 1u) - 2u;
-    let size = 4u + 4u * (sweep.rays + 1u) + 2u * (ahead + 1u);
-    let view = footprints[sweep.footprints + ahead - sweep.gather_length];
-    var sum = vec3f(0.0);
-    // ∫ L ω dω along the axis, and across it.
-    var moment_along = vec3f(0.0);
-    var moment_across = vec3f(0.0);
-    var on_front = vec3f(0.0);
-    var on_high = vec3f(0.0);
-    var on_low = vec3f(0.0);
-    var in_front = vec4f(0.0);
-    var above = vec4f(0.0);
-    var below = vec4f(0.0);
-    if FACES {
-        in_front = step(pixel, 1, 0, REACH, 0u);
-        above = step(pixel, 0, 1, 1u, 1u);
-        below = step(pixel, 0, -1, 1u, 2u);
-    }
-    for (var cone = 0u; cone < count; cone++) {
-        let at = view + cone * size;
-        // The outermost cones have no light.
-        let found = through(pixel, cone + 1u, at, empty);
-        sum += found;
-        if MOMENT {
-            moment_along += bitcast<f32>(footprints[at + 1u]) * found;
-            moment_across += bitcast<f32>(footprints[at + 2u]) * found;
-        }
-        if FACES {
-            let angle = bitcast<f32>(footprints[at]);
-            let along = bitcast<f32>(footprints[at + 1u]);
-            let across = bitcast<f32>(footprints[at + 2u]);
-            let aside = abs(across);
-            let to_side = aside * shade(found, angle, along / aside, in_front);
-            if across > 0.0 {
-                on_high += to_side;
-                on_front += along * shade(found, angle, aside / along, above);
-            } else {
-                on_low += to_side;
-                on_front += along * shade(found, angle, aside / along, below);
-            }
-        }
-    }
-    if !FACES {
-        let before = select(light[i].rgb, vec3f(0.0), sweep.first_quadrant == 1u);
-        light[i] = vec4f(before + sum * (1.0 / TAU), 1.0);
-        if MOMENT {
-            // Ahead is the other way where light comes from lower slabs; rows are the same.
-            let along = select(1.0, -1.0, sweep.reversed == 1u) * moment_along;
-            add_moment(0u, i, select(moment_across, along, sweep.axis == 0u));
-            add_moment(1u, i, select(along, moment_across, sweep.axis == 0u));
-        }
+    let faces = is_solid(lane, -1, 0) || is_solid(lane, 0, -1) || is_solid(lane, 0, 1);
+    let scatters = is(MEDIUM, lane, 0, 0)
+        && any(textureLoad(albedo, cell_of(slab, pixel.row), 0).rgb != vec3f(0.0));
+    if !PIXELS && !faces && !scatters {
         return;
     }
-    // Faces are left, right, top, bottom; each looks towards the light.
-    let back = sweep.reversed == 1u;
-    let front_face = 2u * sweep.axis + select(1u, 0u, back);
-    let side_face = 2u * (1u - sweep.axis);
-    receive(pixel, -1, 0, front_face, on_front);
-    receive(pixel, 0, -1, side_face + 1u, on_high);
-    receive(pixel, 0, 1, side_face, on_low);
+    var gathered: Gathered;
+    var steps: Steps;
+    if faces {
+        steps.in_front = step(pixel, 1, 0, REACH, 0u);
+        steps.above = step(pixel, 0, 1, 1u, 1u);
+        steps.below = step(pixel, 0, -1, 1u, 2u);
+    }
+    let half = lane / 32u;
+    let shift = lane % 32u;
+    for (var first = 0u; first < CONES; first += 32u) {
+        var left = 0u;
+        for (var cone = first; cone < min(first + 32u, CONES); cone++) {
+            if ((meets[2u * cone + half].x >> shift) & 1u) == 0u {
+                add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
+            } else {
+                left |= 1u << (cone - first);
+            }
+        }
+        while left != 0u {
+            let cone = first + firstTrailingBit(left);
+            let emits = ((meets[2u * cone + half].y >> shift) & 1u) == 1u;
+            add(&gathered, pixel, cone, through(pixel, cone, emits), faces, steps);
+            left &= left - 1u;
+        }
+    }
+    if PIXELS {
+        let before = select(light[i].rgb, vec3f(0.0), sweep.first_quadrant == 1u);
+        light[i] = vec4f(before + gathered.sum * (1.0 / TAU), 1.0);
+        if MOMENT {
+            // Ahead is the other way where light comes from lower slabs; rows are the same.
+            let along = select(1.0, -1.0, sweep.reversed == 1u) * gathered.along;
+            add_moment(0u, i, select(gathered.across, along, sweep.axis == 0u));
+            add_moment(1u, i, select(along, gathered.across, sweep.axis == 0u));
+        }
+    }
+    if faces {
+        // Faces are left, right, top, bottom; each looks towards the light.
+        let back = sweep.reversed == 1u;
+        let front_face = 2u * sweep.axis + select(1u, 0u, back);
+        let side_face = 2u * (1u - sweep.axis);
+        receive(pixel, -1, 0, front_face, gathered.on_front);
+        receive(pixel, 0, -1, side_face + 1u, gathered.on_high);
+        receive(pixel, 0, 1, side_face, gathered.on_low);
+    }
     if scatters {
-        irradiance[4u * i] = pack_rgb(unpack_rgb(irradiance[4u * i]) + sum * (1.0 / TAU));
+        irradiance[4u * i] = pack_rgb(unpack_rgb(irradiance[4u * i]) + gathered.sum * (1.0 / TAU));
     }
 }

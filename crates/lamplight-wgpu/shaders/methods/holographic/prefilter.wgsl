@@ -6,20 +6,20 @@
 // Fraction of the difference between two rows that they exchange.
 override EXCHANGED: f32;
 
-struct Traced {
-    // The words of an interval that hold its radiance.
-    words: vec2u,
-    // Whether the row is open at the plane, and whether its bundle may meet a small source.
-    open: bool,
-    small: bool,
+// The rows of a tile that exchange light with the row after them: both are open at the plane, and the bundle of one
+// may meet a small source.
+fn exchanging(open: vec2u, small: vec2u) -> vec2u {
+    return open & row_after(open) & (small | row_after(small));
 }
 
-// The light that one lane gains from another.
-fn gained(own: Traced, other: Traced) -> vec3f {
-    if !own.open || !other.open || !(own.small || other.small) {
-        return vec3f(0.0);
-    }
-    return EXCHANGED * (light_of(other.words) - light_of(own.words));
+// Bits of rows as those of the rows before them.
+fn row_after(rows: vec2u) -> vec2u {
+    return (rows >> vec2u(1u)) | vec2u(rows.y << 31u, 0u);
+}
+
+// The light that a bundle gains from one of another row, by the words of their intervals that hold it.
+fn gained(own: vec2u, other: vec2u) -> vec3f {
+    return EXCHANGED * (light_of(other) - light_of(own));
 }
 
 fn light_of(words: vec2u) -> vec3f {

@@ -6,11 +6,11 @@
 
 // The light of the sky in a cone of the level above.
 fn sky_in(cone: u32) -> vec3f {
-    let at = sweep.cones_above + cone;
-    if frame.sky_columns > 0u {
-        return cones[at + sweep.sky].rgb;
+    let is_panorama = frame.sky_columns > 0u;
+    let part = cones[sweep.cones_above + cone + select(0u, sweep.sky, is_panorama)];
+    if is_panorama {
+        return part.rgb;
     }
-    let part = cones[at];
     if sweep.axis == 0u {
         return frame.horizon * (part.x - part.y - part.z) + frame.zenith * part.y + frame.ground * part.z;
     }

@@ -19,7 +19,7 @@ struct Sweep {
     first: u32,
     // The plane of the level above that is stored first.
     far: u32,
-    // The first word of planes of odd index, of the four lowest levels and of the topmost, and half the index
+    // The first interval of planes of odd index, of the four lowest levels and of the topmost, and half the index
     // of the first of them.
     odd: vec4u,
     odd_first: vec4u,
@@ -46,7 +46,7 @@ struct Sweep {
     indirect: u32,
     // Minimum distance in px from a pixel to the plane that it gathers from. Planes lie 2^level px apart.
     gather_length: u32,
-    // The first word of the footprints.
+    // The first entry of the footprints.
     footprints: u32,
     // Rays of a bundle, or through a cone that contains an emitter.
     rays: u32,

@@ -4,81 +4,78 @@
 #import methods/holographic/footprint
 #import methods/holographic/interval
 #import methods/holographic/prefilter
+#import methods/holographic/store_interval
 
 // Rows that a workgroup stores. It traces one more to each side.
 const STORED: u32 = TILE - 2u;
+// Bundles from a row.
+override BUNDLES: u32;
 
-@group(0) @binding(7) var<storage, read_write> intervals: array<u32>;
+@group(0) @binding(7) var<storage, read_write> intervals: array<vec2u>;
+@group(0) @binding(8) var<storage, read_write> tints: array<u32>;
 
-// By lane.
-var<workgroup> traced: array<Traced, 4u * TILE>;
+// Rows of the tile from which each bundle meets matter, and a small source.
+var<workgroup> meets: array<vec4u, BUNDLES>;
+// The light of a bundle from each row: of even bundles, and of odd ones.
+var<workgroup> traced: array<vec2u, 2u * TILE>;
 
-// The interval of a bundle from a lane's row.
+// The interval of a bundle from a lane's row. Its footprint is a mask with an entry per slab, then the crossings
+// of each ray.
 fn bundle_of(bundle: u32, slab: u32, row: u32, lane: u32, length: u32) -> Interval {
-    // The footprint of a bundle: a mask of two words per slab, then the first crossing of each ray and the
-    // number of its crossings.
-    let masks = 2u * (length + 1u);
-    if !any_of(OCCUPIED, lane, bundle, length + 1u) {
-        return nothing();
-    }
     var sum = Interval(vec3f(0.0), vec3f(0.0));
     for (var i = 0u; i < sweep.rays; i++) {
-        let footprint = bundle + masks + 2u * i;
-        let one = march(slab, row, lane, footprints[footprint], footprints[footprint + 1u]);
+        let one = march(slab, row, lane, footprints[bundle + length + 1u + i]);
         sum.light += one.light;
         sum.transmittance += one.transmittance;
     }
     return Interval(sum.light / f32(sweep.rays), sum.transmittance / f32(sweep.rays));
 }
 
-@compute @workgroup_size(64, 4)
-fn main(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(local_invocation_id) local: vec3u,
-    @builtin(local_invocation_index) index: u32,
-) {
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let plane = sweep.first + group.y;
     let length = 1u << sweep.level;
     let slab = plane << sweep.level;
     let first_row = i32(STORED * group.x) - 1;
-    fetch(index, 4u * TILE, slab, first_row, length);
+    fetch(lane, TILE, slab, first_row, length);
     workgroupBarrier();
-    let empty = atomicLoad(&any_near) == 0u;
-    let row = first_row + i32(local.x);
+    let size = length + 1u + sweep.rays;
+    for (var ray = lane; ray < BUNDLES; ray += TILE) {
+        meets[ray] = meeting(OCCUPIED, SMALL, sweep.footprints + ray * size, length + 1u);
+    }
+    let row = first_row + i32(lane);
     let inside = row >= 0 && row < i32(sweep.rows);
-    let stores = inside && local.x > 0u && local.x <= STORED;
-    let is_open = inside && !is_solid(local.x, 0, 0);
-    let rays = 2u * length + 1u;
+    let stores = inside && lane > 0u && lane <= STORED;
+    let open = ~solid_rows();
     let odd = (plane & 1u) == 1u;
     let place = select(plane / 2u - sweep.even_first, plane / 2u - sweep.odd_first.x, odd);
     let base = select(sweep.even, sweep.odd.x, odd);
-    let size = 2u * (length + 1u) + 2u * sweep.rays;
-    for (var first = 0u; first < rays; first += 4u) {
-        let ray = first + local.y;
-        let bundle = sweep.footprints + ray * size;
+    workgroupBarrier();
+    for (var ray = 0u; ray < BUNDLES; ray++) {
+        let met = meets[ray];
         var words = pack(nothing());
-        var small = false;
-        if inside && ray < rays && !empty {
-            words = pack(bundle_of(bundle, slab, u32(row), local.x, length));
-            small = any_of(SMALL, local.x, bundle, length + 1u);
+        if inside && has(met.xy, lane) {
+            words = pack(bundle_of(sweep.footprints + ray * size, slab, u32(row), lane, length));
         }
-        let own = Traced(words.xy, is_open, small);
-        traced[index] = own;
+        let side = TILE * (ray % 2u);
+        traced[side + lane] = words.xy;
         workgroupBarrier();
-        if stores && ray < rays {
-            let light = gained(own, traced[index - 1u]) + gained(own, traced[index + 1u]);
+        if stores {
+            // Bits of rows that exchange light with the row after them.
+            let exchange = exchanging(open, met.zw);
+            var light = vec3f(0.0);
+            if row > 0 && has(exchange, lane - 1u) {
+                light += gained(words.xy, traced[side + lane - 1u]);
+            }
+            if row + 1 < i32(sweep.rows) && has(exchange, lane) {
+                light += gained(words.xy, traced[side + lane + 1u]);
+            }
             if any(light != vec3f(0.0)) {
                 var interval = unpack(words);
                 interval.light += light;
                 words = pack(interval);
             }
-            let at = base + (place * rays + ray) * WORDS * sweep.rows + u32(row);
-            intervals[at] = words.x;
-            intervals[at + sweep.rows] = words.y;
-            if WORDS == 3u {
-                intervals[at + 2u * sweep.rows] = words.z;
-            }
+            store_words(base + (place * BUNDLES + ray) * sweep.rows + u32(row), words);
         }
-        workgroupBarrier();
     }
 }

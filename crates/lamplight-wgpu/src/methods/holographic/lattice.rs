@@ -24,13 +24,11 @@ pub struct Lattice {
     pub end: u32,
     /// A chunk is 2^chunk slabs.
     pub chunk: u32,
-    /// Words of an interval.
-    words: u64,
     /// Levels in a group.
     fused: u32,
     odd: Vec<u64>,
     even: [u64; 2],
-    /// Words of all intervals.
+    /// The number of all intervals.
     pub intervals: u64,
     /// The places of the light of levels in a chunk, in turns, and of each level from `chunk` on.
     turns: [u64; 2],
@@ -41,13 +39,7 @@ pub struct Lattice {
 
 impl Lattice {
     /// Lays out a grid of `depth` slabs. Chunks are halved `halvings` times.
-    pub fn new(
-        [depth, rows]: [usize; 2],
-        first: u32,
-        words: u64,
-        fused: u32,
-        halvings: u32,
-    ) -> Self {
+    pub fn new([depth, rows]: [usize; 2], first: u32, fused: u32, halvings: u32) -> Self {
         let end = levels(depth, first);
         let chunk = end.saturating_sub(halvings).max(first + 1);
         let mut lattice = Self {
@@ -56,7 +48,6 @@ impl Lattice {
             first,
             end,
             chunk,
-            words,
             fused,
             odd: Vec::new(),
             even: [0; 2],
@@ -72,13 +63,13 @@ impl Lattice {
     fn lay_out(&mut self) {
         let mut even = [0; 2];
         for level in self.first..self.end {
-            let words = self.held(level) * self.plane(level);
+            let held = self.held(level) * self.plane(level);
             self.odd.push(self.intervals);
-            self.intervals += words;
+            self.intervals += held;
             // The first plane is only needed by its pixels.
             if planes(self.depth, level) > 2 {
                 let even = &mut even[self.turn(level)];
-                *even = words.max(*even);
+                *even = held.max(*even);
             }
         }
         self.even = [self.intervals, self.intervals + even[0]];
@@ -104,9 +95,9 @@ impl Lattice {
         groups as usize % 2
     }
 
-    /// Words of the intervals of a plane.
+    /// Intervals of a plane.
     fn plane(&self, level: u32) -> u64 {
-        rays(level) as u64 * self.words * self.rows as u64
+        rays(level) as u64 * self.rows as u64
     }
 
     /// The number of planes of odd index, or of even index, of a level that are stored at a time.
@@ -127,12 +118,12 @@ impl Lattice {
         (0..count).map(move |i| [from + i * fused, fused.min(top - from - i * fused)])
     }
 
-    /// The first word of planes of odd index of a level; 0 above the last level.
+    /// The first interval of planes of odd index of a level; 0 above the last level.
     pub fn odd(&self, level: u32) -> u32 {
         self.odd.get((level - self.first) as usize).map_or(0, |&at| at as u32)
     }
 
-    /// The first word of planes of even index of a level.
+    /// The first interval of planes of even index of a level.
     pub fn even(&self, level: u32) -> u32 {
         self.even[self.turn(level)] as u32
     }

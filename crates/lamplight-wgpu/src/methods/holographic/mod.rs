@@ -22,7 +22,7 @@ use crate::stages::convergence::Convergence;
 use crate::{programs, shaders};
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
-use lamplight::internals::holographic::lattice::{BENT, GatherGeometry};
+use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, cones, rays};
 use lamplight::internals::holographic::{
     EMISSIVE, EXCHANGED, MATTER, MEDIUM, REACH, SMALL, WEIGHT_EPSILON,
 };
@@ -32,6 +32,7 @@ use quadrant::{Axis, PlannedWork, Quadrant, RUN};
 use sky::{ConeSky, ConeTable};
 use sweep::Sweeps;
 use tables::Footprints;
+use tiles::Tiles;
 use wgpu::{Buffer, BufferUsages, Device};
 use work::Work;
 
@@ -62,33 +63,48 @@ pub struct Holographic {
 struct IntervalPipelines {
     /// Words of an interval.
     words: u32,
-    /// Rows of a tile that extends them.
-    tile: u32,
+    /// Workgroups that extend them.
+    tiles: Tiles,
     trace: ComputePipelines,
-    extend: ComputePipelines,
+    /// For a single level, and for fused ones.
+    extend: [ComputePipelines; 2],
     merge: ComputePipelines,
 }
 
 impl IntervalPipelines {
-    fn new(device: &Device, words: u32) -> Self {
+    fn new(device: &Device, level: u32, words: u32) -> Self {
         let stored = ("WORDS", f64::from(words));
-        let tile = tiles::tile(device.limits().max_compute_workgroup_storage_size, words);
-        let held = tiles::intervals(tile) * words;
+        let tiles = Tiles::new(device.limits().max_compute_workgroup_storage_size, words);
         let exchanged = ("EXCHANGED", EXCHANGED.into());
-        let trace = [CELLS, MARCH, &[stored, exchanged]].concat();
-        let extend = [
-            stored,
-            ("BENT", BENT.into()),
-            ("TILE", tile.into()),
-            ("BESIDE", tiles::BESIDE.into()),
-            ("HELD", held.into()),
-        ];
+        let bundles = ("BUNDLES", rays(level) as f64);
+        let trace = [CELLS, MARCH, &[stored, exchanged, bundles]].concat();
+        let extend = |fused: bool| {
+            let (rows, before, held) = if fused {
+                (tiles.rows(), tiles::BEFORE, tiles.held())
+            } else {
+                (tiles.lanes, 0, 1)
+            };
+            let constants = [
+                stored,
+                ("FUSED", f64::from(fused)),
+                ("BENT", BENT.into()),
+                ("TILE", rows.into()),
+                ("BEFORE", before.into()),
+                ("LANES", tiles.lanes.into()),
+                ("RAYS_1", tiles::RAYS[0].into()),
+                ("RAYS_2", tiles::RAYS[1].into()),
+                ("PLANES_1", tiles::PLANES[0].into()),
+                ("HELD", held.into()),
+                ("HELD_TINTS", if words == 3 { held } else { 1 }.into()),
+            ];
+            ComputePipelines::new(device, &programs::HOLOGRAPHIC_EXTEND, &constants)
+        };
         let merge = [stored, ("RUN", RUN.into())];
         Self {
             words,
-            tile,
+            tiles,
             trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
-            extend: ComputePipelines::new(device, &programs::HOLOGRAPHIC_EXTEND, &extend),
+            extend: [false, true].map(extend),
             merge: ComputePipelines::new(device, &programs::HOLOGRAPHIC_MERGE, &merge),
         }
     }
@@ -97,9 +113,11 @@ impl IntervalPipelines {
 /// The lattices of both axes, as large as memory allows.
 struct MemoryLayout {
     lattices: [Lattice; 2],
-    /// The most words of intervals, and values of light, of an axis.
+    /// The most intervals, and values of light, of an axis.
     intervals: u64,
     radiance: u64,
+    /// Third words of intervals: one if matter does not tint.
+    tints: u64,
 }
 
 impl MemoryLayout {
@@ -110,10 +128,11 @@ impl MemoryLayout {
         let words = u64::from(words);
         let lay_out = |halvings| {
             let fused = planner.options.fused_levels;
-            let lattices = sides.map(|sides| Lattice::new(sides, level, words, fused, halvings));
+            let lattices = sides.map(|sides| Lattice::new(sides, level, fused, halvings));
             let most = |of: fn(&Lattice) -> u64| of(&lattices[0]).max(of(&lattices[1]));
             let (intervals, radiance) = (most(|l| l.intervals), most(|l| l.radiance));
-            Self { lattices, intervals, radiance }
+            let tints = if words == 3 { intervals } else { 1 };
+            Self { lattices, intervals, radiance, tints }
         };
         // Chunks are smaller if much memory would be needed, or more than the device can bind.
         let padded = sides.map(|[depth, rows]| (depth.next_power_of_two() * rows) as u64);
@@ -128,10 +147,10 @@ impl MemoryLayout {
         found.unwrap_or_else(|| lay_out(u32::BITS))
     }
 
-    /// Bytes of intervals and of light.
-    fn bytes(&self) -> [u64; 2] {
-        let (word, light) = (size_of::<u32>() as u64, size_of::<Packed>() as u64);
-        [self.intervals * word, self.radiance * light]
+    /// Bytes of intervals, of their third words, and of light.
+    fn bytes(&self) -> [u64; 3] {
+        let (word, two) = (size_of::<u32>() as u64, size_of::<Packed>() as u64);
+        [self.intervals * two, self.tints * word, self.radiance * two]
     }
 }
 
@@ -141,6 +160,7 @@ struct Buffers {
     cones: Buffer,
     cell_bits: Buffer,
     intervals: Buffer,
+    tints: Buffer,
     radiance: Buffer,
     irradiance: Buffer,
     scattered: Buffer,
@@ -157,12 +177,15 @@ struct Bindings {
 
 impl Holographic {
     pub fn new(device: &Device, settings: &Settings, bounces: Bounces, moment: bool) -> Self {
-        let gather = |faces: bool| {
+        let geometry = GatherGeometry::new(settings);
+        let gather = |pixels: bool| {
             let own = [
                 ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
-                ("FACES", f64::from(faces)),
-                shaders::moment(moment && !faces),
+                ("PIXELS", f64::from(pixels)),
+                // The outermost have no light.
+                ("CONES", (cones(geometry.level + 1) - 2) as f64),
+                shaders::moment(moment && pixels),
             ];
             let constants = [CELLS, MARCH, &own].concat();
             ComputePipelines::new(device, &programs::HOLOGRAPHIC_GATHER, &constants)
@@ -172,9 +195,9 @@ impl Holographic {
         Self {
             settings: settings.clone(),
             slabs: ComputePipelines::new(device, &programs::HOLOGRAPHIC_SLABS, CELLS),
-            intervals: [2, 3].map(|words| IntervalPipelines::new(device, words)),
-            gather: gather(false),
-            gather_faces: gather(true),
+            intervals: [2, 3].map(|words| IntervalPipelines::new(device, geometry.level, words)),
+            gather: gather(true),
+            gather_faces: gather(false),
             faces: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES, &[]),
             convergence: converges.then(|| (Convergence::new(device), compared())),
         }
@@ -185,7 +208,7 @@ impl Holographic {
         let geometry = GatherGeometry::new(settings);
         let intervals = &self.intervals[usize::from(planner.hints.tinted)];
         let layout = MemoryLayout::new(planner, geometry.level, intervals.words);
-        let (interval_words, radiance) = (layout.intervals, layout.radiance);
+        let MemoryLayout { intervals: held, tints, radiance, .. } = layout;
 
         let footprints = Footprints::new(geometry, settings.bundle_rays);
         let ends = layout.lattices.each_ref().map(|lattice| lattice.end);
@@ -204,11 +227,12 @@ impl Holographic {
             footprints: planner.filled(
                 "footprints",
                 storage,
-                bytemuck::cast_slice(&footprints.words),
+                bytemuck::cast_slice(&footprints.entries),
             )?,
             cones: cones.buffer(planner)?,
             cell_bits: planner.buffer::<u32>("cell bits", cell_bits.into())?,
-            intervals: planner.buffer::<u32>("intervals", interval_words)?,
+            intervals: planner.buffer::<Packed>("intervals", held)?,
+            tints: planner.buffer::<u32>("tints of intervals", tints)?,
             radiance: planner.buffer::<Packed>("light of cones", radiance)?,
             irradiance: planner.buffer::<Packed>("irradiance", faces)?,
             scattered: planner
@@ -220,7 +244,7 @@ impl Holographic {
             &footprints,
             &cones,
             settings.bundle_rays,
-            intervals.tile,
+            intervals.tiles,
             intervals.words,
         );
         let sky = planner.has_panorama().then(|| ConeSky::new(cones, buffers.cones.clone()));
@@ -279,7 +303,7 @@ impl Holographic {
         sweeps: &Sweeps,
         light: &Buffer,
     ) -> Bindings {
-        let Buffers { footprints, cones, cell_bits, intervals: held, .. } = buffers;
+        let Buffers { footprints, cones, cell_bits, intervals: held, tints, .. } = buffers;
         let Buffers { radiance, irradiance, scattered, .. } = buffers;
         let emission = view(&planner.textures.emission);
         let matter = view(&planner.textures.tint_opacity);
@@ -299,7 +323,7 @@ impl Holographic {
             matter,
             whole(scattered),
         ];
-        let merge = [sweeps.binding(), whole(cones), whole(held), whole(radiance)];
+        let merge = [sweeps.binding(), whole(cones), whole(held), whole(tints), whole(radiance)];
         let gather = [
             whole(cones),
             whole(radiance),
@@ -309,8 +333,10 @@ impl Holographic {
         ];
         Bindings {
             slabs: planner.bind(&self.slabs, &slabs),
-            trace: planner.bind(&intervals.trace, &[&rays[..], &[whole(held)]].concat()),
-            extend: planner.bind(&intervals.extend, &[sweeps.binding(), whole(held)]),
+            trace: planner
+                .bind(&intervals.trace, &[&rays[..], &[whole(held), whole(tints)]].concat()),
+            extend: planner
+                .bind(&intervals.extend[0], &[sweeps.binding(), whole(held), whole(tints)]),
             merge: planner.bind(&intervals.merge, &merge),
             gather: planner.bind(&self.gather, &[&rays[..], &gather].concat()),
         }
@@ -325,7 +351,8 @@ impl Holographic {
         let (pipelines, entry, bound) = match planned.work {
             Work::Slabs => (&self.slabs, 0, &bindings.slabs),
             Work::Trace => (&intervals.trace, 0, &bindings.trace),
-            Work::Extend => (&intervals.extend, 0, &bindings.extend),
+            Work::ExtendOnce => (&intervals.extend[0], 0, &bindings.extend),
+            Work::Extend => (&intervals.extend[1], 0, &bindings.extend),
             Work::Merge => (&intervals.merge, 0, &bindings.merge),
             Work::Finish => (&intervals.merge, 1, &bindings.merge),
             Work::Gather => (&self.gather, 0, &bindings.gather),

@@ -4,6 +4,7 @@ use super::lattice::{Lattice, TILE, TRACED};
 use super::sky::ConeTable;
 use super::sweep::Sweep;
 use super::tables::Footprints;
+use super::tiles::{Tiles, WAVES};
 use super::traffic::traffic;
 use super::work::Work;
 use crate::traffic::Traffic;
@@ -38,15 +39,15 @@ pub struct PlannedWork {
 #[derive(Debug)]
 pub struct Quadrant {
     geometry: GatherGeometry,
-    /// The first words of the footprints of bundles, and of views.
+    /// The first entries of the footprints of bundles, and of views.
     bundles: u32,
     views: u32,
     /// Entries of the table of cones.
     cones: u32,
     /// Rays of a bundle.
     width: u32,
-    /// Rows of a tile that extends intervals.
-    tile: u32,
+    /// Workgroups that extend intervals.
+    tiles: Tiles,
     /// Words of an interval.
     words: u32,
     sweeps: Vec<Sweep>,
@@ -59,12 +60,12 @@ impl Quadrant {
         footprints: &Footprints,
         cones: &ConeTable,
         width: u32,
-        tile: u32,
+        tiles: Tiles,
         words: u32,
     ) -> Self {
         let Footprints { bundles, views, .. } = *footprints;
         let (cones, sweeps, planned) = (cones.entries(), Vec::new(), Vec::new());
-        Self { geometry, bundles, views, cones, width, tile, words, sweeps, planned }
+        Self { geometry, bundles, views, cones, width, tiles, words, sweeps, planned }
     }
 
     /// The sweeps of all dispatches planned so far.
@@ -188,9 +189,16 @@ impl Quadrant {
             even_top_first: first(level + levels),
             ..sweep
         };
-        let slant = ((1usize << levels) - 2) << level;
-        let tiles = tiles(lattice.rows, slant, self.tile as usize);
-        self.push(Work::Extend, sweep, [tiles, 2 << level, planes.len()]);
+        let rays = 2 << level;
+        if levels == 1 {
+            let tiles = lattice.rows.div_ceil(self.tiles.lanes as usize);
+            self.push(Work::ExtendOnce, sweep, [tiles, rays / WAVES, planes.len()]);
+        } else {
+            // Planes are slanted by up to so many rows.
+            let slant = ((1usize << levels) - 2) << level;
+            let tiles = (lattice.rows + slant).div_ceil(self.tiles.rows() as usize);
+            self.push(Work::Extend, sweep, [tiles, rays, planes.len()]);
+        }
     }
 
     /// Plans light at the far end of the chunk, from that at the planes of higher levels behind it.
@@ -228,7 +236,7 @@ impl Quadrant {
         let sources = range(chunk * all + 1, all, planes(depth, first) / 2 + 1, 1);
         let sweep = Sweep { first: sources.start as u32, ..self.gathered(axis, sweep, chunk) };
         let rows = lattice.rows.div_ceil(TILE as usize);
-        self.push(Work::Finish, sweep, [rows, cones(first + 1) - 2, sources.len()]);
+        self.push(Work::Finish, sweep, [rows, cones(first + 1) / 2, sources.len()]);
     }
 
     /// Plans light at some planes of a level, from that of the level above.
@@ -278,10 +286,7 @@ impl Quadrant {
         let to = if last { lattice.depth } else { near(chunk + 1) };
         let sweep = Sweep { first: from as u32, ..self.gathered(axis, sweep, chunk) };
         let groups = [lattice.rows.div_ceil(TILE as usize), to - from, 1];
-        if all {
-            self.push(Work::Gather, sweep, groups);
-        }
-        self.push(Work::Faces, sweep, groups);
+        self.push(if all { Work::Gather } else { Work::Faces }, sweep, groups);
     }
 }
 
@@ -319,12 +324,4 @@ impl Chain {
 fn range(from: usize, count: usize, end: usize, low: usize) -> std::ops::Range<usize> {
     let first = from.max(low);
     first..(from + count).min(end).max(first)
-}
-
-/// The number of tiles that cover all rows of planes that are slanted by up to `slant` rows.
-fn tiles(rows: usize, slant: usize, tile: usize) -> usize {
-    if slant == 0 {
-        return rows.div_ceil(tile);
-    }
-    (rows + slant).div_ceil(tile) + 1
 }

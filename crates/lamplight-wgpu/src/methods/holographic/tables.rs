@@ -5,11 +5,14 @@ use lamplight::internals::holographic::lattice::{Crossing, GatherGeometry, bundl
 /// Rows to either side that a mask covers.
 const ASIDE: isize = 32;
 
+/// An entry of the table.
+type Entry = [u32; 2];
+
 /// The footprints of bundles and of the final gather, as footprint.wgsl reads them.
 #[derive(Debug, Default)]
 pub struct Footprints {
-    pub words: Vec<u32>,
-    /// The first words of bundles, and of the list of views.
+    pub entries: Vec<Entry>,
+    /// The first entries of bundles, and of the list of views.
     pub bundles: u32,
     pub views: u32,
 }
@@ -22,33 +25,29 @@ impl Footprints {
         footprints
     }
 
-    /// Appends the bundles. Each has a mask, then the first crossing of each ray and the number of crossings.
+    /// Appends the bundles. Each has a mask, then the crossings of each ray.
     fn bundles(&mut self, level: u32, width: u32) {
         let bundles: Vec<_> = (0..rays(level)).map(|ray| bundle(level, ray, width)).collect();
         let mut records = Vec::new();
         for rays in &bundles {
             let cells = rays.iter().flatten().map(|crossing| (crossing.slab, crossing.row));
             records.extend(mask((1 << level) + 1, cells));
-            for ray in rays {
-                records.extend([self.crossings(ray), ray.len() as u32]);
-            }
+            records.extend(rays.iter().map(|ray| self.crossings(ray)));
         }
-        self.bundles = self.words.len() as u32;
-        self.words.extend(records);
+        self.bundles = self.entries.len() as u32;
+        self.entries.extend(records);
     }
 
-    /// Appends, for every distance to the plane, its cones: angle, cosines; rays: crossings, end; a mask.
+    /// Appends, for every distance to the plane, its cones: cosines; angle; rays: crossings, end; a mask.
     fn views(&mut self, geometry: GatherGeometry) {
         let mut begins = Vec::new();
         for ahead in geometry.min_length..=geometry.max_length() {
             let mut records = Vec::new();
             for cone in geometry.cones(ahead) {
-                let [along, across] = cone.cosines;
-                records.extend([cone.angle, along, across, 0.0].map(f32::to_bits));
+                records.extend([cone.cosines.map(f32::to_bits), [cone.angle.to_bits(), 0]]);
                 for ray in &cone.rays {
-                    let first = self.crossings(&ray.crossings);
-                    let count = ray.crossings.len() as u32;
-                    records.extend([first, count, ray.row as i32 as u32, ray.past.to_bits()]);
+                    records.push(self.crossings(&ray.crossings));
+                    records.push([ray.row as i32 as u32, ray.past.to_bits()]);
                 }
                 let crossed = cone.rays.iter().flat_map(|ray| &ray.crossings);
                 let crossed = crossed.map(|crossing| (crossing.slab, crossing.row));
@@ -56,31 +55,31 @@ impl Footprints {
                     cone.rays.iter().flat_map(|ray| [-1, 0, 1].map(|side| (ahead, ray.row + side)));
                 records.extend(mask(ahead + 1, crossed.chain(ends)));
             }
-            begins.push(self.words.len() as u32);
-            self.words.extend(records);
+            begins.push([self.entries.len() as u32, 0]);
+            self.entries.extend(records);
         }
-        self.views = self.words.len() as u32;
-        self.words.extend(begins);
+        self.views = self.entries.len() as u32;
+        self.entries.extend(begins);
     }
 
-    /// Appends crossings. Returns where they begin.
-    fn crossings(&mut self, crossings: &[Crossing]) -> u32 {
-        let first = self.words.len() as u32;
-        for crossing in crossings {
+    /// Appends crossings. Returns where they begin, and their number.
+    fn crossings(&mut self, crossings: &[Crossing]) -> Entry {
+        let first = self.entries.len() as u32;
+        self.entries.extend(crossings.iter().map(|crossing| {
             let row = (crossing.row + 128) as u32;
             let cell = crossing.slab as u32 | row << 8 | (crossing.face as u32) << 16;
-            self.words.extend([cell, crossing.length.to_bits()]);
-        }
-        first
+            [cell, crossing.length.to_bits()]
+        }));
+        [first, crossings.len() as u32]
     }
 }
 
 /// The mask of cells by slab: rows from −32 to −1, and from 0 to 31.
-fn mask(slabs: usize, cells: impl Iterator<Item = (usize, isize)>) -> Vec<u32> {
-    let mut words = vec![0; 2 * slabs];
+fn mask(slabs: usize, cells: impl Iterator<Item = (usize, isize)>) -> Vec<Entry> {
+    let mut entries = vec![[0; 2]; slabs];
     for (slab, row) in cells {
         let bit = (row + ASIDE) as usize;
-        words[2 * slab + bit / 32] |= 1 << (bit % 32);
+        entries[slab][bit / 32] |= 1 << (bit % 32);
     }
-    words
+    entries
 }

@@ -1,32 +1,50 @@
-//! Rows of a workgroup that fuses levels of intervals: as many as its memory holds.
+//! Workgroups that fuse levels of intervals: their lanes, and what they hold in workgroup memory (extend.wgsl).
 //!
-//! Rays that spread need rows beside the tile, which the next tile makes again: taller tiles repeat less.
+//! A lane is a row. Rays that spread and bend need rows beside the tile, which the next tile makes again: more
+//! lanes repeat less.
 
 use crate::options::LightingOptions;
 
-/// Rows of the tallest tile.
-const TALLEST: u32 = 64;
-/// Rows to each side of a tile, for paths that bend away from it: one for each level that is held.
-pub const BESIDE: u32 = LightingOptions::MAX_FUSED_LEVELS - 1;
+/// The most lanes of a row of invocations: as many as waves of most GPUs have.
+const MOST_LANES: u32 = 64;
+/// Rows of invocations. They share the rays of a group, or each has a pair of its own if a dispatch makes one level.
+pub const WAVES: usize = 4;
+/// Rows before a tile, for paths that bend away from it: one for each level that is held.
+pub const BEFORE: u32 = LightingOptions::MAX_FUSED_LEVELS - 1;
+/// Rows after it: as far as the rays from the first plane to the last spread, and one for a path that bends.
+const AFTER: u32 = (1 << LightingOptions::MAX_FUSED_LEVELS) - 1;
+/// Planes of the first and the second level above the lowest that are held, of the most fused levels.
+pub const PLANES: [u32; 2] = [4, 2];
+/// Rays of each of their planes: those of the group, and the ones beside it that bent paths need.
+pub const RAYS: [u32; 2] = [5, 6];
 /// Bytes of a word of an interval.
 const WORD: u32 = 4;
 
-/// Chooses the rows of a tile for a workgroup memory of `bytes`, and intervals of `words`.
-pub fn tile(bytes: u32, words: u32) -> u32 {
-    let mut tile = TALLEST;
-    while tile > 1 && intervals(tile) * words * WORD > bytes {
-        tile /= 2;
-    }
-    tile
+/// A workgroup's share of the grid.
+#[derive(Clone, Copy, Debug)]
+pub struct Tiles {
+    pub lanes: u32,
 }
 
-/// The most intervals in workgroup memory: of the first and the second level above the lowest (extend.wgsl).
-pub fn intervals(tile: u32) -> u32 {
-    let level = |up: u32| {
-        let planes = 1 << (LightingOptions::MAX_FUSED_LEVELS - up);
-        ((1 << up) + 3) * (planes * (tile + 2 * BESIDE) + ((planes * (planes - 1) / 2) << up))
-    };
-    level(1) + level(2)
+impl Tiles {
+    /// Chooses the lanes for a workgroup memory of `bytes`, and intervals of `words`.
+    pub fn new(bytes: u32, words: u32) -> Self {
+        let mut tiles = Self { lanes: MOST_LANES };
+        while tiles.rows() > 1 && tiles.held() * words * WORD > bytes {
+            tiles.lanes /= 2;
+        }
+        tiles
+    }
+
+    /// Rows of a tile.
+    pub fn rows(self) -> u32 {
+        self.lanes.saturating_sub(BEFORE + AFTER).max(1)
+    }
+
+    /// Intervals in workgroup memory.
+    pub fn held(self) -> u32 {
+        self.lanes * (PLANES[0] * RAYS[0] + PLANES[1] * RAYS[1])
+    }
 }
 
 #[cfg(test)]
@@ -36,10 +54,11 @@ mod tests {
     #[test]
     fn tiles_fit_into_the_memory_of_workgroups() {
         for (bytes, words, rows) in
-            [(16 << 10, 2, 32), (16 << 10, 3, 32), (32 << 10, 2, 64), (32 << 10, 3, 64)]
+            [(16 << 10, 2, 55), (16 << 10, 3, 23), (32 << 10, 2, 55), (32 << 10, 3, 55)]
         {
-            assert_eq!(tile(bytes, words), rows, "{bytes} bytes, {words} words");
-            assert!(intervals(rows) * words * WORD <= bytes);
+            let tiles = Tiles::new(bytes, words);
+            assert_eq!(tiles.rows(), rows, "{bytes} bytes, {words} words");
+            assert!(tiles.held() * words * WORD <= bytes);
         }
     }
 }

@@ -25,13 +25,13 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
             read: across * bits(level_size + 2),
             written: across * (2 * level_size + 1) * rows * interval,
         },
-        Work::Extend => {
+        Work::ExtendOnce | Work::Extend => {
             // All planes of the lowest level; of those above the ones of odd index, of the topmost all.
             // A ray of the lowest level is as many of a higher one as that is levels up.
             let written: u64 =
                 (1..=levels).map(|up| (1u64 << (levels - up)).div_ceil(2) << up).sum();
             let [read, written] =
-                [1 << levels, written].map(|rays| across * deep * rays * rows * interval);
+                [1 << levels, written].map(|rays| 2 * level_size * deep * rays * rows * interval);
             Traffic { read, written }
         }
         Work::Merge => {
@@ -45,11 +45,14 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
             let light = |level: u32, planes: u64| planes * cones(level) as u64 * rows * PACKED;
             Traffic { read: near + light(level + 1, stored), written: light(level, deep) }
         }
-        // Each ray serves two cones.
-        Work::Finish => Traffic {
-            read: across * deep * rows * (PACKED + interval / 2),
-            written: across * deep * rows * PACKED,
-        },
+        Work::Finish => {
+            // Each ray serves two cones; the outermost have no light.
+            let cones = cones(level + 1) as u64 - 2;
+            Traffic {
+                read: deep * rows * (cones * PACKED + across * interval),
+                written: deep * rows * cones * PACKED,
+            }
+        }
         Work::Gather => {
             let cones = cones(level + 1) as u64;
             Traffic {

@@ -5,12 +5,15 @@
 pub enum Work {
     Slabs,
     Trace,
+    /// The next level of intervals.
+    ExtendOnce,
+    /// The next levels, fused.
     Extend,
     Merge,
     /// The last merge, down to the level that pixels gather from.
     Finish,
-    /// The final gather of the light of pixels.
+    /// The final gather of the light of pixels and the irradiance of faces.
     Gather,
-    /// The final gather of the irradiance of faces.
+    /// That of the irradiance of faces alone, for a bounce.
     Faces,
 }
