@@ -141,7 +141,7 @@ fn disc_coverage(disc: vec3f, center: vec2f) -> f32 {
     return select(select(area, 1.0, area > 1.0 - ROUNDING), 0.0, area < ROUNDING);
 }
 
-// How far a point of the unit square is inside a circle or an upright capsule; below 0 outside. The unit is arbitrary.
+// The depth of a point of the unit square inside a circle or an upright capsule; below 0 outside. The unit is arbitrary.
 fn depth(quad: Quad, unit: vec2f) -> f32 {
     if shape_of(quad) == CIRCLE {
         return 0.5 - length(unit - 0.5);

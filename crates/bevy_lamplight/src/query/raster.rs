@@ -143,7 +143,7 @@ impl Piece<'_> {
         color
     }
 
-    /// How far a point of the unit square is inside a circle or an upright capsule; below 0 outside. The unit is
+    /// The depth of a point of the unit square inside a circle or an upright capsule; below 0 outside. The unit is
     /// arbitrary.
     fn depth(&self, unit: Vec2) -> f32 {
         if self.quad.is(QuadShape::Circle) {
