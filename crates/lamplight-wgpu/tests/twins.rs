@@ -24,7 +24,10 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("cpu holographic published", "the solver around the published cascades"),
     ("cpu polar lit_ranges", "bounds of shadow_bounds.wgsl; direct.wgsl has no shadow map"),
     ("cpu polar sun_map", "suns are in direct.wgsl, without a shadow map"),
-    ("cpu polar solid_bits", "runs of empty columns that shadows skip; shadow_ray.wgsl steps through them"),
+    (
+        "cpu polar solid_bits",
+        "runs of empty columns that shadows skip; shadow_ray.wgsl steps through them",
+    ),
     ("cpu polar sampling", "SIMD sampling; shaders/methods/polar/shadow_ray.wgsl"),
     ("cpu polar angle", "mathematics; shaders/shared/angle.wgsl"),
     // The host side of a method is its `mod.rs`; these files plan it.
