@@ -2,7 +2,7 @@
 //! recipe promises.
 
 use lamplight::scene::{Material, SceneSky};
-use lamplight::{Light, Rgb, Scene, Shape, Sky, Solver};
+use lamplight::{Direct, Light, Rgb, Scene, Shape, Sky, Solver};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -162,7 +162,9 @@ fn in_a_skyline_walls_to_the_west_are_warm_and_walls_to_the_east_blue() {
 #[test]
 fn a_lantern_lays_its_panes_on_the_floor() {
     let lantern = light("lantern", |_| ());
-    let plain = light("lantern", |scene| scene.lamps[0].cookie = None);
+    let plain = light("lantern", |scene| {
+        (scene.lamps[0].cookie, scene.lamps[0].direct) = (None, Direct::Exact);
+    });
     // The middles of a red, a blue and a green pane.
     let [red, blue, green] = [[124, 51], [118, 20], [103, 26]].map(|[x, y]| lantern.at(x, y));
     assert!(red[0] > 4.0 * red[1] && red[0] > 4.0 * red[2], "{red:?}");
