@@ -85,7 +85,7 @@ fn a_lamp_of_negative_intensity_takes_what_another_gives() {
             solve(&settings, &cells)
         };
         let of = |light: &Light| light.pixels().as_flattened().iter().sum::<f32>();
-        let one = light(&[lamp.clone()]);
+        let one = light(std::slice::from_ref(&lamp));
         let takes = |intensity| Lamp { intensity, ..lamp.clone() };
         let none = light(&[takes(-20.0), lamp.clone(), takes(-20.0)]);
         assert!(none.pixels().as_flattened().iter().all(|&v| v == 0.0) || !same_rule, "{name}");
@@ -222,7 +222,7 @@ fn lamps_and_suns_light_the_layers_of_their_mask_and_shadows_are_of_all() {
             cells.suns_mut().push(Sun { mask, direction: 1.0, ..Sun::default() });
             solve(&settings, cells)
         };
-        let (whole, cells) = (light.clone()(&mut room(), 4), layered_room());
+        let (whole, cells) = (light(&mut room(), 4), layered_room());
         for mask in [1, 2, 3] {
             let seen = light(&mut cells.clone(), mask);
             let lit = |i: usize| cells.masks().unwrap()[i] & mask != 0;
