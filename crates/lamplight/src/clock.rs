@@ -18,10 +18,12 @@ impl Clock {
         self.last = Some(Instant::now());
     }
 
-    /// Ends a stage. Laps of a stage that runs several times per frame are added.
+    /// Ends a stage. Laps of a stage that runs several times per frame are added. A clock that was not started keeps none,
+    /// and allocates nothing.
     pub fn lap(&mut self, stage: &'static str) {
-        let now = Instant::now();
-        if let Some(last) = self.last.replace(now) {
+        if let Some(last) = &mut self.last {
+            let now = Instant::now();
+            let last = std::mem::replace(last, now);
             match self.laps.iter_mut().find(|(known, _)| *known == stage) {
                 Some((_, time)) => *time += now - last,
                 None => self.laps.push((stage, now - last)),
