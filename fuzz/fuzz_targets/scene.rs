@@ -12,8 +12,8 @@
 
 #![no_main]
 
-use lamplight::Scene;
 use lamplight::scene::{Geometry, SceneSky};
+use lamplight::{Cookie, CookiePicture, Scene};
 use libfuzzer_sys::fuzz_target;
 
 /// Largest grid that is made of what was read.
@@ -28,6 +28,10 @@ fuzz_target!(|text: &str| {
         scene.layers = Default::default();
         if matches!(scene.sky, SceneSky::Picture(_)) {
             scene.sky = SceneSky::default();
+        }
+        for lamp in &mut scene.lamps {
+            let is_file = |cookie: &Cookie| matches!(cookie.picture, CookiePicture::File(_));
+            lamp.cookie = lamp.cookie.take().filter(|cookie| !is_file(cookie));
         }
         scene.shapes.retain(|shape| !matches!(shape.geometry, Geometry::Sprite(_)));
         scene.size = scene.size.map(|side| side.min(SMALL));

@@ -293,12 +293,12 @@ fn a_panorama_lights_the_side_that_it_is_bright_on() {
     // A wall that divides the picture.
     let wall = LightOccluder2d::rectangle(8.0, 400.0);
     app.world_mut().spawn((wall, Transform::default()));
-    begin(&mut app);
     // Light from the left, at most 34° up or down: what passes above the wall has left the grid.
     let columns =
         (0..16).map(|k| if k == 3 || k == 4 { Color::WHITE } else { Color::BLACK }).collect();
     let sky = Panorama2d { columns, brightness: 2.0, ..Panorama2d::default() };
     app.world_mut().entity_mut(eye).insert(sky.clone());
+    begin(&mut app);
     let seen = picture(&mut app, &image, 2);
     let (left, right) = (seen.grey(20, 60), seen.grey(140, 60));
     assert!(left > 0.1 && right < 0.1 * left, "{left}, {right}");
