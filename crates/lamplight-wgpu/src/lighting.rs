@@ -302,6 +302,7 @@ impl Lighting {
         let Lights { lamps, suns, sky } = *lights;
         let draws = !input.settings.method().lights_lamps();
         let sky = &if draws { self.sun_glow.draw(sky, suns) } else { sky.clone() };
+        let lights = Lights { lamps, suns, sky };
         self.keep_panorama(sky)?;
         let Shared { device, queue, .. } = &self.shared;
         let method = self.pipelines.method::<PrepareError>(device, queue, input.settings)?;
@@ -345,7 +346,7 @@ impl Lighting {
         let (history, moved) = self.history(input, grid.size, sky);
         let extras = self.plan_extras(frame, input, moved)?;
         let position = GridPosition { size: grid.size.into(), origin: input.origin, moved };
-        let uniforms = FrameUniforms::new(position, *lights, input.settings, self.number, history)?;
+        let uniforms = FrameUniforms::new(position, lights, input.settings, self.number, history)?;
 
         // Nothing fails from here on.
         self.frame = fresh.or(self.frame.take());
