@@ -27,16 +27,15 @@ override RAYS_1: u32;
 override RAYS_2: u32;
 // Planes of the first level in workgroup memory.
 override PLANES_1: u32;
-// Intervals in workgroup memory, and those with a third word.
+// Pairs of words in workgroup memory, and the first of those that hold a third word.
 override HELD: u32;
-override HELD_TINTS: u32;
+override FIRST_TINT: u32;
 
 @group(0) @binding(2) var<storage, read_write> intervals: array<vec2u>;
 @group(0) @binding(3) var<storage, read_write> tints: array<u32>;
 
-// By level, plane, ray and lane.
+// By level, plane, ray and lane; after all, their third words in the same order.
 var<workgroup> held: array<vec2u, HELD>;
-var<workgroup> held_tints: array<u32, HELD_TINTS>;
 
 struct Group {
     // The plane of the topmost level, the ray of the lowest, the first row of the tile.
@@ -83,7 +82,7 @@ fn load(g: Group, up: u32, plane: u32, ray: i32, place: i32) -> Interval {
     let at = held_at(up, plane, ray, place);
     var words = vec3u(held[at], 0u);
     if WORDS == 3u {
-        words.z = held_tints[at];
+        words.z = held[FIRST_TINT + at].x;
     }
     return unpack(words);
 }
@@ -116,7 +115,7 @@ fn put(g: Group, above: u32, plane: u32, ray: i32, made: Interval) {
         let at = held_at(above, plane, ray, g.place);
         held[at] = words.xy;
         if WORDS == 3u {
-            held_tints[at] = words.z;
+            held[FIRST_TINT + at] = vec2u(words.z, 0u);
         }
     }
     // Rows beside the tile and rays beside the group are those of others.

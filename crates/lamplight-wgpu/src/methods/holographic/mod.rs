@@ -79,8 +79,8 @@ impl IntervalPipelines {
         let bundles = ("BUNDLES", rays(level) as f64);
         let trace = [CELLS, MARCH, &[stored, exchanged, bundles]].concat();
         let extend = |fused: bool| {
-            let (rows, before, held) = if fused {
-                (tiles.rows(), tiles::BEFORE, tiles.held())
+            let (rows, before, pairs) = if fused {
+                (tiles.rows(), tiles::BEFORE, tiles.held_pairs(words))
             } else {
                 (tiles.lanes, 0, 1)
             };
@@ -94,8 +94,8 @@ impl IntervalPipelines {
                 ("RAYS_1", tiles::RAYS[0].into()),
                 ("RAYS_2", tiles::RAYS[1].into()),
                 ("PLANES_1", tiles::PLANES[0].into()),
-                ("HELD", held.into()),
-                ("HELD_TINTS", if words == 3 { held } else { 1 }.into()),
+                ("HELD", pairs.into()),
+                ("FIRST_TINT", tiles.held().into()),
             ];
             ComputePipelines::new(device, &programs::HOLOGRAPHIC_EXTEND, &constants)
         };

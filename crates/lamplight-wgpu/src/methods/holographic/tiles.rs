@@ -17,8 +17,8 @@ const AFTER: u32 = (1 << LightingOptions::MAX_FUSED_LEVELS) - 1;
 pub const PLANES: [u32; 2] = [4, 2];
 /// Rays of each of their planes: those of the group, and the ones beside it that bent paths need.
 pub const RAYS: [u32; 2] = [5, 6];
-/// Bytes of a word of an interval.
-const WORD: u32 = 4;
+/// Bytes of two words of an interval, which are held together.
+const PAIR: u32 = 8;
 
 /// A workgroup's share of the grid.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,7 @@ impl Tiles {
     /// Chooses the lanes for a workgroup memory of `bytes`, and intervals of `words`.
     pub fn new(bytes: u32, words: u32) -> Self {
         let mut tiles = Self { lanes: MOST_LANES };
-        while tiles.rows() > 1 && tiles.held() * words * WORD > bytes {
+        while tiles.rows() > 1 && tiles.held_pairs(words) * PAIR > bytes {
             tiles.lanes /= 2;
         }
         tiles
@@ -45,6 +45,12 @@ impl Tiles {
     pub fn held(self) -> u32 {
         self.lanes * (PLANES[0] * RAYS[0] + PLANES[1] * RAYS[1])
     }
+
+    /// Pairs of words in workgroup memory, of intervals of `words`: one array, because browsers count each array as up
+    /// to 16 bytes more.
+    pub fn held_pairs(self, words: u32) -> u32 {
+        self.held() * words.div_ceil(2)
+    }
 }
 
 #[cfg(test)]
@@ -58,7 +64,7 @@ mod tests {
         {
             let tiles = Tiles::new(bytes, words);
             assert_eq!(tiles.rows(), rows, "{bytes} bytes, {words} words");
-            assert!(tiles.held() * words * WORD <= bytes);
+            assert!(tiles.held_pairs(words) * PAIR <= bytes);
         }
     }
 }
