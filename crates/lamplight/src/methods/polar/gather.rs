@@ -20,6 +20,8 @@ use std::ops::Range;
 
 /// Rows of a band.
 const BAND: usize = 16;
+/// Walls whose faces are lit together. Lamps that reach none of their rows are passed over.
+const WALLS: usize = 64;
 
 /// The light found so far: one plane per channel, rows padded to whole vectors. Open cells hold their
 /// mean radiance, solid cells the mean over their faces.
@@ -118,16 +120,23 @@ impl LightPlanes {
         settings: &Polar,
         faces: &mut [Faces],
     ) {
-        let walls = &self.surfaces.walls;
-        faces.par_iter_mut().zip(walls).for_each(|(faces, wall)| {
-            let cell = wall.cell as usize;
-            let center = [cell % self.width, cell / self.width].map(|v| v as f32 + 0.5);
-            let lights = |map: &&ShadowMap| scene.lights(map.lamp.mask, cell);
-            for shadow_map in shadow_maps.iter().filter(lights) {
-                let Some(off) = shadow_map.reaches(center) else { continue };
-                for (face, sum) in faces.iter_mut().enumerate().filter(|(f, _)| wall.exposed[*f]) {
-                    let arrives = on_face(shadow_map, scene, off, face, settings.shadow_filter);
-                    (0..3).for_each(|c| sum[c] += arrives[c]);
+        let groups = faces.par_chunks_mut(WALLS).zip(self.surfaces.walls.par_chunks(WALLS));
+        groups.for_each(|(faces, walls)| {
+            let row = |wall: Option<&Wall>| wall.map_or(0, |wall| wall.cell as usize / self.width);
+            let rows = row(walls.first())..row(walls.last()) + 1;
+            for shadow_map in shadow_maps.iter().filter(|map| map.reaches_rows(&rows)) {
+                for (faces, wall) in faces.iter_mut().zip(walls) {
+                    let cell = wall.cell as usize;
+                    let center = [cell % self.width, cell / self.width].map(|v| v as f32 + 0.5);
+                    let Some(off) = shadow_map.reaches(center) else { continue };
+                    if !scene.lights(shadow_map.lamp.mask, cell) {
+                        continue;
+                    }
+                    let exposed = faces.iter_mut().enumerate().filter(|(f, _)| wall.exposed[*f]);
+                    for (face, sum) in exposed {
+                        let arrives = on_face(shadow_map, scene, off, face, settings.shadow_filter);
+                        (0..3).for_each(|c| sum[c] += arrives[c]);
+                    }
                 }
             }
         });
@@ -248,6 +257,9 @@ impl Band<'_> {
         open: f32x16<S>,
     ) {
         let distance = (dx * dx + dy * dy).sqrt();
+        if shadow_map.has_cone() && !shadow_map.may_be_in_cone([dx, dy], distance) {
+            return;
+        }
         let mut weight = falloff(&shadow_map.lamp, distance) * open;
         if weight.simd_gt(0.0).to_bitmask() == 0 {
             return;

@@ -36,12 +36,13 @@ impl LitRanges {
         self.ends.push(self.ends[0]);
     }
 
-    /// Finds the ranges. The wall of a ray shades pixels on up to `shades(ray)` rays to either side, and those
-    /// behind it are dark if there is no gap on `covers(ray)` rays.
+    /// Finds the ranges of the rays that `is_used` says. The wall of a ray, used or not, shades pixels on up to
+    /// `shades(ray)` rays to either side, and those behind it are dark if there is no gap on `covers(ray)` rays.
     pub fn find(
         &mut self,
         grid: &MediumGrid,
         hits: &[RayHit],
+        is_used: impl Fn(usize) -> bool,
         shades: impl Fn(usize) -> f32,
         covers: impl Fn(usize) -> f32,
     ) {
@@ -56,7 +57,9 @@ impl LitRanges {
             if *hit != RayHit::NONE {
                 self.shade(ray, hit.length, shades(ray));
             }
-            self.ends[ray][1] = self.dark_from(hits, ray, &covers);
+            if is_used(ray) {
+                self.ends[ray][1] = self.dark_from(hits, ray, &covers);
+            }
         }
         self.ends[n] = self.ends[0];
     }
@@ -65,11 +68,15 @@ impl LitRanges {
     fn shade(&mut self, ray: usize, length: f32, rays: f32) {
         let n = self.window.len();
         let reach = (rays as usize).min((n - 1) / 2);
-        let mut i = (ray + n - reach) % n;
-        for k in 0..=2 * reach {
-            self.ends[i][0] = self.ends[i][0].min(length);
-            self.window[i] = self.window[i].max(k.abs_diff(reach).min(u8::MAX.into()) as u8);
-            i = beside(i, n, true);
+        // Runs of rays, counted from one turn before the first.
+        let (from, middle, to) = (ray + n - reach, ray + n, ray + n + reach + 1);
+        for turn in [0, n, 2 * n] {
+            for i in from.max(turn)..to.min(turn + n) {
+                let [lit, _] = &mut self.ends[i - turn];
+                *lit = lit.min(length);
+                let window = &mut self.window[i - turn];
+                *window = (*window).max(i.abs_diff(middle).min(u8::MAX.into()) as u8);
+            }
         }
     }
 

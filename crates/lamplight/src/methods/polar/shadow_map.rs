@@ -26,6 +26,7 @@ use crate::{Cookie, Lamp, Rgb, cookie, elevation};
 use fearless_simd::{Level, f32x16, prelude::*};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::Range;
 
 /// Fewest rays of a lamp.
 const FEWEST: f32 = 8.0;
@@ -53,6 +54,8 @@ const PARTS: [f32; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 const FARTHEST: f32 = 1.5;
 /// Size of a lamp up to which it is as far from a pixel as its centre, as a fraction of that distance.
 const SMALL: f32 = 0.1;
+/// Rays beside a cone up to which pixels may still be in it: they look up the nearest, or the two beside them.
+const BESIDE: f32 = 1.5;
 /// Rays that a thread casts at a time.
 const TOGETHER: usize = 128;
 
@@ -71,6 +74,8 @@ pub struct ShadowMap {
     pub ranges: LitRanges,
     /// Intensity of the lamp's cone at each ray, with two rays more; empty without a cone.
     pub cone: Vec<f32>,
+    /// The direction of the lamp's cone, and the cosine of the angle beside it from which on nothing is in it.
+    beam: ([f32; 2], f32),
     /// The axis of the lamp's cookie.
     axis: [f32; 2],
     pub curves: TransmittanceCurves,
@@ -146,6 +151,11 @@ impl ShadowMap {
         self.per_radian = self.count as f32 / TAU;
         let size = if settings.shadow_filter == ShadowFilter::Soft { lamp.size } else { 0.0 };
         self.spread = size * self.per_radian;
+        self.beam = lamp.cone.map_or(([0.0; 2], -1.0), |cone| {
+            let beside = (0.5 * cone.angle + BESIDE / self.per_radian).min(PI);
+            let (sine, cosine) = cone.direction.sin_cos();
+            ([cosine, sine], beside.cos())
+        });
         let (count, reach) = (self.count, self.reach);
         let angle = |ray: usize| circle::angle(ray as u32, count as u32);
         let direction = |ray: usize| circle::direction(ray as u32, count as u32);
@@ -212,7 +222,11 @@ impl ShadowMap {
             ranges.sharp(&self.hits);
         } else {
             let covers = |ray| if self.exact { self.shaded(ray) } else { self.widest(ray) };
-            ranges.find(grid, &self.hits, |ray| self.shaded(ray), covers);
+            // Pixels look up the ray nearest to them.
+            let is_used = |ray| {
+                lamp.cone.is_none_or(|cone| cone.outside(angle(ray)) * self.per_radian < BESIDE)
+            };
+            ranges.find(grid, &self.hits, is_used, |ray| self.shaded(ray), covers);
             // A wall within the lamp hides a part of it from pixels in front of that wall, too.
             let nearest = self.hits.iter().fold(reach, |nearest, hit| nearest.min(hit.length));
             if self.exact && nearest < lamp.size {
@@ -489,6 +503,14 @@ impl ShadowMap {
         self.lamp.cone.is_some()
     }
 
+    /// Returns whether one of sixteen pixels may be in the cone.
+    #[inline(always)]
+    pub fn may_be_in_cone<S: Simd>(&self, [dx, dy]: [f32x16<S>; 2], distance: f32x16<S>) -> bool {
+        let ([x, y], cosine) = self.beam;
+        let along = dx * x + dy * y;
+        along.simd_ge(distance * cosine).to_bitmask() != 0
+    }
+
     /// Returns the intensity of the cone at a pixel.
     pub fn in_cone(&self, at: f32, shadow_filter: ShadowFilter) -> f32 {
         let Some(cone) = self.lamp.cone else { return 1.0 };
@@ -521,6 +543,12 @@ impl ShadowMap {
         let soft = (cone.softness * half).max(f32::EPSILON);
         let t = (inside * (1.0 / soft)).max(0.0).min(1.0);
         t * t * (t * -2.0 + 3.0)
+    }
+
+    /// Returns whether a wall in one of these rows may be in reach.
+    pub fn reaches_rows(&self, rows: &Range<usize>) -> bool {
+        let (y, reach) = (self.lamp.position[1], self.reach + 1.0);
+        y + reach >= rows.start as f32 && y - reach <= rows.end as f32
     }
 
     /// Returns the offset of a wall from the lamp; `None` if no face of it is in reach.

@@ -92,7 +92,7 @@ impl SunMap {
         self.curves.next_ray();
         let (reach, slope, hits) = (self.reach, self.slope, &self.hits);
         let shades = |ray: usize| (reach - hits[ray].length).max(0.0) * slope * DENSITY + 1.5;
-        self.ranges.find(grid, hits, shades, shades);
+        self.ranges.find(grid, hits, |_| true, shades, shades);
     }
 
     /// The layers that it lights.
