@@ -21,8 +21,9 @@
 //! ```
 //!
 //! [`Lighting2d`] lights a camera. [`Matter2d`] makes anything that is drawn emit, block, filter or
-//! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, which [`LightCookie2d`] gives a pattern, [`SunLight2d`] is a sun, and [`LightOccluder2d`] is an invisible
-//! shape that blocks light. [`LightMask2d`] chooses which lamps light an entity. Entities with [`Unlit2d`] are drawn unlit, over the lit picture. [`NormalMap2d`] lights flat
+//! reflect light. [`PointLight2d`] and [`SpotLight2d`] are lamps, which [`LightCookie2d`] gives a pattern,
+//! [`SunLight2d`] is a sun, and [`LightOccluder2d`] is an invisible shape that blocks light. [`LightMask2d`] chooses which
+//! lamps light an entity. Entities with [`Unlit2d`] are drawn unlit, over the lit picture. [`NormalMap2d`] lights flat
 //! pictures as if their surface were tilted.
 //! [`LightQuery`] returns the light at a place, for game rules, and [`SightQuery`] whether a [`Viewer2d`] sees it.
 //!

@@ -300,8 +300,7 @@ impl Lighting {
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
         let CheckedScene { grid, shown, normals, lights } = scene;
         let Lights { lamps, suns, sky } = *lights;
-        let draws = !input.settings.method().lights_lamps();
-        let sky = &if draws { self.sun_glow.draw(sky, suns) } else { sky.clone() };
+        let sky = &self.sun_glow.draw(input.settings.method(), sky, suns);
         let lights = Lights { lamps, suns, sky };
         self.keep_panorama(sky)?;
         let Shared { device, queue, .. } = &self.shared;

@@ -48,14 +48,13 @@ pub struct Cookie {
     /// The width of the picture on the plane, px, 0.1 to 100 000. Its height follows from its own proportions.
     pub size: f32,
     /// The angle by which the picture is turned around the lamp, radians from +x towards +y.
-    #[serde(default, deserialize_with = "notation::angle", skip_serializing_if = "is_zero")]
+    #[serde(
+        default,
+        deserialize_with = "notation::angle",
+        skip_serializing_if = "notation::is_zero"
+    )]
     #[schemars(with = "notation::Angle")]
     pub turn: f32,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-fn is_zero(turn: &f32) -> bool {
-    *turn == 0.0
 }
 
 /// The picture of a [`Cookie`].

@@ -162,8 +162,8 @@ pub struct Lamp {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<f32>,
     /// The way in which its direct light is found. Lamps with a cone, a cookie, a mask or a height, and those that
-    /// take light away, are always `exact`. `glow` costs nothing; `exact` has sharper edges, and costs as much as a lamp of `polar`: time in
-    /// proportion to the square of the range.
+    /// take light away, are always `exact`. `glow` costs nothing; `exact` has sharper edges, and costs as much as a lamp of
+    /// `polar`: time in proportion to the square of the range.
     #[serde(default, skip_serializing_if = "is_glow")]
     pub direct: Direct,
     /// The layers whose cells it lights, a bit each, 1 to 255. By default all; a lamp that lights only some is

@@ -32,6 +32,12 @@ pub(crate) enum Angle {
     Degrees(#[schemars(regex(pattern = "deg$"))] String),
 }
 
+/// Returns whether an angle is the one that files leave out.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+pub(crate) fn is_zero(angle: &f32) -> bool {
+    *angle == 0.0
+}
+
 /// A colour that is read in either notation.
 struct Read(Rgb);
 

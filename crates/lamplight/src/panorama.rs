@@ -34,18 +34,13 @@ pub struct Panorama {
     #[schemars(with = "Vec<notation::Color>", length(min = 1, max = 8192))]
     columns: Arc<[Rgb]>,
     /// The angle by which the sky is turned, radians from +x towards +y.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(skip_serializing_if = "notation::is_zero")]
     #[schemars(default, with = "notation::Angle")]
     turn: f32,
 }
 
 fn list<S: Serializer>(columns: &Arc<[Rgb]>, to: S) -> Result<S::Ok, S::Error> {
     columns[..].serialize(to)
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-fn is_zero(turn: &f32) -> bool {
-    *turn == 0.0
 }
 
 impl Panorama {

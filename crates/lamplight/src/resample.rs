@@ -37,7 +37,7 @@ pub fn downsample(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
     }
     to.set_sky(from.sky().clone());
     to.lamps_mut().clear();
-    to.lamps_mut().extend(from.lamps().iter().map(|lamp| shrunk(lamp, factor)));
+    to.lamps_mut().extend(from.lamps().iter().cloned().map(|lamp| shrunk(lamp, factor)));
     to.suns_mut().clear();
     to.suns_mut().extend_from_slice(from.suns());
     for y in 0..size[1] {
@@ -155,18 +155,15 @@ fn unite_masks(from: &Cells, factor: u32, [columns, _]: [u32; 2], to: &mut [u8])
 }
 
 /// Returns a lamp in larger cells, its lengths clamped to what a lamp may have.
-fn shrunk(lamp: &Lamp, factor: u32) -> Lamp {
+fn shrunk(lamp: Lamp, factor: u32) -> Lamp {
     let f = factor as f32;
     Lamp {
         position: lamp.position.map(|v| v / f),
         range: (lamp.range / f).max(1.0),
         size: (lamp.size / f).max(0.05),
         height: lamp.height.map(|height| (height / f).max(0.05)),
-        cookie: lamp
-            .cookie
-            .clone()
-            .map(|cookie| Cookie { size: (cookie.size / f).max(0.1), ..cookie }),
-        ..lamp.clone()
+        cookie: lamp.cookie.map(|cookie| Cookie { size: (cookie.size / f).max(0.1), ..cookie }),
+        ..lamp
     }
 }
 

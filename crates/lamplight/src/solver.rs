@@ -134,11 +134,8 @@ impl Solver {
         method.suits(cells)?;
         self.cells.clone_from(cells);
         self.settings.method.draw_lamps(&mut self.cells);
-        if !method.lights_lamps() {
-            let sky = self.sun_glow.draw(cells.sky(), cells.suns());
-            self.cells.set_sky(sky);
-            self.cells.suns_mut().retain(|sun| method.shines_exactly(sun));
-        }
+        self.cells.set_sky(self.sun_glow.draw(method, cells.sky(), cells.suns()));
+        self.cells.suns_mut().retain(|sun| method.shines_exactly(sun));
         let with_moment = self.settings.moment || cells.normals().is_some();
         self.light.moment = with_moment.then(|| self.light.moment.take().unwrap_or_default());
         self.light.elevation = self.settings.elevation;

@@ -5,7 +5,7 @@
 //! panorama whose columns hold the mean radiance of sky and suns, so no light is lost of a sun that is narrower than
 //! a column (0.044°).
 
-use crate::{Panorama, Rgb, Sky, Sun};
+use crate::{Method, Panorama, Rgb, Sky, Sun};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// The sky with its suns, kept until one of them changes.
@@ -17,9 +17,10 @@ pub struct SunGlow {
 }
 
 impl SunGlow {
-    /// Returns the sky with all suns drawn in that are not lit exactly ([`Sun::is_exact`]).
-    pub fn draw(&mut self, sky: &Sky, suns: &[Sun]) -> Sky {
-        let glowing = || suns.iter().filter(|sun| !sun.is_exact() && !sun.is_off());
+    /// Returns the sky with all suns drawn in that the method does not light exactly ([`Method::shines_exactly`]).
+    pub fn draw(&mut self, method: Method, sky: &Sky, suns: &[Sun]) -> Sky {
+        let is_drawn = |sun: &&Sun| !method.shines_exactly(sun) && !sun.is_off();
+        let glowing = || suns.iter().filter(is_drawn);
         if glowing().next().is_none() {
             return sky.clone();
         }
@@ -68,6 +69,8 @@ mod tests {
     use super::*;
     use crate::Direct;
 
+    const METHOD: Method = Method::Holographic;
+
     fn glowing(direction: f32, angle: f32) -> Sun {
         Sun { direction, angle, direct: Direct::Glow, ..Sun::default() }
     }
@@ -79,7 +82,7 @@ mod tests {
         {
             let sun = glowing(direction, angle);
             let night = Sky::Uniform([0.0, 0.25, 0.0]);
-            let sky = glow.draw(&night, &[sun]);
+            let sky = glow.draw(METHOD, &night, &[sun]);
             let mean = sky.mean(0.0, TAU);
             let expected = f64::from(sun.radiance()[0]) * f64::from(angle) / TAU;
             let found = f64::from(mean[0]);
@@ -102,10 +105,14 @@ mod tests {
         let exact = Sun::default();
         let masked = Sun { mask: 1, ..glowing(1.0, 0.1) };
         let dark = Sun { intensity: 0.0, ..glowing(1.0, 0.1) };
-        assert_eq!(glow.draw(&sky, &[exact, masked, dark]), sky);
-        assert_ne!(glow.draw(&sky, &[glowing(1.0, 0.1)]), sky);
+        assert_eq!(glow.draw(METHOD, &sky, &[exact, masked, dark]), sky);
+        assert_ne!(glow.draw(METHOD, &sky, &[glowing(1.0, 0.1)]), sky);
+        // These light all suns exactly.
+        for method in [Method::Polar, Method::Flood] {
+            assert_eq!(glow.draw(method, &sky, &[glowing(1.0, 0.1)]), sky);
+        }
         // What was kept is not returned after a change.
-        let [first, second] = [1.0, 1.1].map(|at| glow.draw(&sky, &[glowing(at, 0.1)]));
+        let [first, second] = [1.0, 1.1].map(|at| glow.draw(METHOD, &sky, &[glowing(at, 0.1)]));
         assert_ne!(first, second);
     }
 }

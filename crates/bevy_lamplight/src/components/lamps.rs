@@ -21,8 +21,8 @@ use std::f32::consts::{FRAC_PI_3, PI};
 /// lamp blocks its light, and a lamp inside a wall gives none. The lamp itself blocks nothing.
 ///
 /// A lamp of negative intensity takes light away where it would add it, down to black. Such lamps, and those with a
-/// [`mask`](Self::mask), a [`height`](Self::height) or a [`LightCookie2d`](crate::LightCookie2d), are as bright as others and end at their range. They cost as
-/// much time as a spot, and cannot be `solid` or `visible`.
+/// [`mask`](Self::mask), a [`height`](Self::height) or a [`LightCookie2d`](crate::LightCookie2d), are as bright as others
+/// and end at their range. They cost as much time as a spot, and cannot be `solid` or `visible`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]

@@ -42,10 +42,7 @@ fn pixels(source: Source, path: &Path, key: &str) -> Result<CookiePixels> {
         let found = format!("an image of {width}×{height} px ({})", path.display());
         Err(Error::value(key, found, format!("of at most {most}×{most} px")))
     };
-    let picture = Picture::open(source, path, fits).map_err(|e| match e {
-        e @ Error::Value { .. } => e,
-        e => e.under(key),
-    })?;
+    let picture = Picture::open(source, path, key, fits)?;
     let [width, height] = picture.size();
     let mut texels = Vec::with_capacity(width as usize * height as usize);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {

@@ -189,10 +189,7 @@ impl Layer {
             let found = format!("an image of {width}×{height} px ({})", path.display());
             Err(Error::value(&key, found, expected))
         };
-        let picture = Picture::open(source, &path, exact).map_err(|e| match e {
-            e @ Error::Value { .. } => e,
-            e => e.under(&key),
-        })?;
+        let picture = Picture::open(source, &path, &key, exact)?;
         Ok(Self { picture, key, path })
     }
 

@@ -23,8 +23,21 @@ pub(crate) enum Picture {
 }
 
 impl Picture {
-    /// Reads an image whose size `accept` does not reject; `path` is resolved already.
+    /// Reads an image whose size `accept` does not reject; `path` is resolved already. Errors are about the scene's
+    /// `key`, under which `accept` reports its own.
     pub fn open(
+        source: Source,
+        path: &Path,
+        key: &str,
+        accept: impl FnMut(u32, u32) -> Result<()>,
+    ) -> Result<Self> {
+        Self::read(source, path, accept).map_err(|e| match e {
+            e @ Error::Value { .. } => e,
+            e => e.under(key),
+        })
+    }
+
+    fn read(
         source: Source,
         path: &Path,
         accept: impl FnMut(u32, u32) -> Result<()>,

@@ -38,10 +38,7 @@ impl Images {
                     Error::value(key, found, most)
                 })
             };
-            let picture = Picture::open(source, &path, fits).map_err(|e| match e {
-                e @ Error::Value { .. } => e,
-                e => e.under(key),
-            })?;
+            let picture = Picture::open(source, &path, key, fits)?;
             let pixels = picture.size().into_iter().map(u64::from).product::<u64>();
             if self.pixels + pixels > Cells::MAX_CELLS {
                 self.read.clear();

@@ -43,7 +43,7 @@ pub struct SkyPicture {
     #[schemars(default = "one")]
     pub intensity: f32,
     /// The angle by which the sky is turned, radians from +x towards +y.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(skip_serializing_if = "notation::is_zero")]
     #[schemars(default, with = "notation::Angle")]
     pub turn: f32,
 }
@@ -54,10 +54,6 @@ fn one() -> f32 {
 
 fn is_one(value: &f32) -> bool {
     *value == 1.0
-}
-
-fn is_zero(value: &f32) -> bool {
-    *value == 0.0
 }
 
 impl SkyPicture {
@@ -80,10 +76,7 @@ impl SkyPicture {
             let expected = format!("of at most {most} columns and {} px", Cells::MAX_CELLS);
             Err(Error::value(KEY, found, expected))
         };
-        let picture = Picture::open(source, &path, fits).map_err(|e| match e {
-            e @ Error::Value { .. } => e,
-            e => e.under(KEY),
-        })?;
+        let picture = Picture::open(source, &path, KEY, fits)?;
         let [width, height] = picture.size();
         let scale = f64::from(self.intensity) / f64::from(height);
         let column = |x| {
