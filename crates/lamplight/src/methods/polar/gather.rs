@@ -122,24 +122,35 @@ impl LightPlanes {
     ) {
         let groups = faces.par_chunks_mut(WALLS).zip(self.surfaces.walls.par_chunks(WALLS));
         groups.for_each(|(faces, walls)| {
-            let row = |wall: Option<&Wall>| wall.map_or(0, |wall| wall.cell as usize / self.width);
-            let rows = row(walls.first())..row(walls.last()) + 1;
+            let row = |wall: usize| walls[wall].cell as usize / self.width;
+            let rows = row(0)..row(walls.len() - 1) + 1;
             for shadow_map in shadow_maps.iter().filter(|map| map.reaches_rows(&rows)) {
                 for (faces, wall) in faces.iter_mut().zip(walls) {
-                    let cell = wall.cell as usize;
-                    let center = [cell % self.width, cell / self.width].map(|v| v as f32 + 0.5);
-                    let Some(off) = shadow_map.reaches(center) else { continue };
-                    if !scene.lights(shadow_map.lamp.mask, cell) {
-                        continue;
-                    }
-                    let exposed = faces.iter_mut().enumerate().filter(|(f, _)| wall.exposed[*f]);
-                    for (face, sum) in exposed {
-                        let arrives = on_face(shadow_map, scene, off, face, settings.shadow_filter);
-                        (0..3).for_each(|c| sum[c] += arrives[c]);
-                    }
+                    self.light_wall(scene, shadow_map, settings, wall, faces);
                 }
             }
         });
+    }
+
+    /// Adds a lamp to the irradiance ÷ 2 of the exposed faces of a wall.
+    fn light_wall(
+        &self,
+        scene: ShadowScene,
+        shadow_map: &ShadowMap,
+        settings: &Polar,
+        wall: &Wall,
+        faces: &mut Faces,
+    ) {
+        let cell = wall.cell as usize;
+        let center = [cell % self.width, cell / self.width].map(|v| v as f32 + 0.5);
+        let Some(off) = shadow_map.reaches(center) else { return };
+        if !scene.lights(shadow_map.lamp.mask, cell) {
+            return;
+        }
+        for (face, sum) in faces.iter_mut().enumerate().filter(|(f, _)| wall.exposed[*f]) {
+            let arrives = on_face(shadow_map, scene, off, face, settings.shadow_filter);
+            (0..3).for_each(|c| sum[c] += arrives[c]);
+        }
     }
 
     /// The number of solid cells with a face in the open.

@@ -56,6 +56,8 @@ const FARTHEST: f32 = 1.5;
 const SMALL: f32 = 0.1;
 /// Rays beside a cone up to which pixels may still be in it: they look up the nearest, or the two beside them.
 const BESIDE: f32 = 1.5;
+/// A bound of the rounding of a cosine.
+const ROUNDING: f32 = 1e-6;
 /// Rays that a thread casts at a time.
 const TOGETHER: usize = 128;
 
@@ -74,7 +76,8 @@ pub struct ShadowMap {
     pub ranges: LitRanges,
     /// Intensity of the lamp's cone at each ray, with two rays more; empty without a cone.
     pub cone: Vec<f32>,
-    /// The direction of the lamp's cone, and the cosine of the angle beside it from which on nothing is in it.
+    /// The direction of the lamp's cone, and the cosine of the angle beside it from which on nothing is in it; without
+    /// a cone, nothing is beside it.
     beam: ([f32; 2], f32),
     /// The axis of the lamp's cookie.
     axis: [f32; 2],
@@ -154,7 +157,7 @@ impl ShadowMap {
         self.beam = lamp.cone.map_or(([0.0; 2], -1.0), |cone| {
             let beside = (0.5 * cone.angle + BESIDE / self.per_radian).min(PI);
             let (sine, cosine) = cone.direction.sin_cos();
-            ([cosine, sine], beside.cos())
+            ([cosine, sine], beside.cos() - ROUNDING)
         });
         let (count, reach) = (self.count, self.reach);
         let angle = |ray: usize| circle::angle(ray as u32, count as u32);
@@ -224,7 +227,9 @@ impl ShadowMap {
             let covers = |ray| if self.exact { self.shaded(ray) } else { self.widest(ray) };
             // Pixels look up the ray nearest to them.
             let is_used = |ray| {
-                lamp.cone.is_none_or(|cone| cone.outside(angle(ray)) * self.per_radian < BESIDE)
+                let ([x, y], cosine) = self.beam;
+                let [dx, dy] = direction(ray);
+                dx * x + dy * y >= cosine
             };
             ranges.find(grid, &self.hits, is_used, |ray| self.shaded(ray), covers);
             // A wall within the lamp hides a part of it from pixels in front of that wall, too.
@@ -568,5 +573,52 @@ impl ShadowMap {
     /// Returns the number of rays per radian.
     pub fn per_radian(&self) -> f32 {
         self.per_radian
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::medium_grid::Reading;
+    use crate::{Cells, Cone};
+
+    #[test]
+    fn no_pixel_of_a_cone_is_passed_over() {
+        let seed = fastrand::u64(..);
+        println!("seed {seed}");
+        let mut random = fastrand::Rng::with_seed(seed);
+        let mut grid = MediumGrid::default();
+        grid.read(&Cells::new(2048, 8).unwrap(), Reading::default());
+        let mut solid = SolidBits::default();
+        solid.read(&grid);
+        for _ in 0..200 {
+            let angle = random.choice([1e-3, 0.02, 1.0, 3.0, 6.0, 6.25, TAU]).unwrap();
+            let any = random.f32() * TAU;
+            let direction = random.choice([0.0, 1e-4, PI, any]).unwrap();
+            let cone = Some(Cone { direction, angle, softness: 0.0, profile: None });
+            let lamp = Lamp { position: [4.5, 4.5], range: 2048.0, cone, ..Lamp::default() };
+            let exact = random.bool().then_some(&solid);
+            let scene = ShadowScene { grid: &grid, solid: exact, masks: None };
+            let mut map = ShadowMap::default();
+            let level = Level::new();
+            map.trace(level, &lamp, scene, &[], &Polar::default());
+            for _ in 0..200 {
+                let any = random.f32() - 0.5;
+                let beside = random.choice([0.0, 0.499, 0.5, 0.501, any]).unwrap();
+                let (sine, cosine) = (direction + beside * angle).sin_cos();
+                let off: [_; LANES] = std::array::from_fn(|_| {
+                    let distance = 2000.0 * random.f32();
+                    [distance * cosine, distance * sine]
+                });
+                let [lights, passes] = dispatch!(level, simd => {
+                    let offs = [0, 1].map(|a| f32x16::from_fn(simd, |l| off[l][a]));
+                    let distance = (offs[0] * offs[0] + offs[1] * offs[1]).sqrt();
+                    let at = f32x16::from_fn(simd, |l| map.at(off[l]));
+                    let share = map.in_cone_lanes(simd, at, ShadowFilter::Soft);
+                    [share.simd_gt(0.0).to_bitmask() != 0, !map.may_be_in_cone(offs, distance)]
+                });
+                assert!(!(lights && passes), "{cone:?} is passed over at {off:?}");
+            }
+        }
     }
 }
