@@ -152,10 +152,7 @@ impl SettingArgs {
                 .map_err(|error| CliError::bad_input(format_args!("--set: {error}")))?;
         }
         if let Some(bounces) = self.bounces {
-            match bounces {
-                Bounces::Count(k) => flags.set("bounces", k),
-                Bounces::Converged => flags.set("bounces", "converged"),
-            }
+            flags.set("bounces", bounces);
         }
         if let Some(seed) = self.seed {
             flags.set("seed", seed);

@@ -28,6 +28,8 @@ const DENOISE_PASSES: u32 = 4;
 const FRAMES: [u32; 3] = [1, 8, 64];
 /// Frames after which `flood` is measured: it comes to rest over some.
 const FLOOD_FRAMES: u32 = 32;
+/// Frames after which bounces by feedback are measured: each frame adds one.
+pub const FEEDBACK_FRAMES: u32 = 16;
 
 /// Settings to compare.
 pub struct Entry {
@@ -218,15 +220,11 @@ impl Entry {
     }
 
     fn new(label: String, settings: Settings) -> Self {
-        // With feedback each frame adds a bounce, so as many frames are needed.
-        let raymarch = settings.method.as_raymarch();
-        let feedback = raymarch.is_some_and(|raymarch| raymarch.feeds_back(settings.bounces));
-        let bounces = match settings.bounces {
-            Bounces::Count(k) if feedback => k,
-            Bounces::Converged if feedback => 16,
-            _ => 0,
+        let frames = match settings.method() {
+            Method::Flood => FLOOD_FRAMES,
+            _ if settings.bounces == Bounces::Feedback => FEEDBACK_FRAMES,
+            _ => 1,
         };
-        let frames = if settings.method() == Method::Flood { FLOOD_FRAMES } else { bounces + 1 };
         Self { label, preset: None, settings, after: vec![frames] }
     }
 }

@@ -10,7 +10,7 @@ use crate::solve;
 use crate::stage::{Fields, check_scale};
 use crate::warnings;
 use lamplight::settings::MethodSettings;
-use lamplight::{Cells, Display, Scene, Settings};
+use lamplight::{Bounces, Cells, Display, Scene, Settings};
 use std::path::Path;
 
 /// Paths per pixel of the reference, unless a flag sets them.
@@ -130,14 +130,17 @@ fn warn_of_what_is_ignored(
     if let (Some(text), true) = (warnings::left_out(renderer, cells, settings), suited) {
         warn(&text);
     }
-    warnings::idle_lighting_flags(flags, renderer).iter().for_each(|text| warn(text));
+    if let Some(text) = warnings::missing_bounces(renderer, settings, flags.frames) {
+        warn(&text);
+    }
+    warnings::idle_lighting_flags(flags, renderer, settings).iter().for_each(|text| warn(text));
 }
 
 /// Lets the last of some frames be their mean, if they show the same light with other noise.
 fn average(settings: &mut Settings, frames: u32) {
     let MethodSettings::Raymarch(raymarch) = &mut settings.method else { return };
     // Frames that each add a bounce are not to be averaged: the first ones are darker.
-    let growing = raymarch.feeds_back(settings.bounces);
+    let growing = settings.bounces == Bounces::Feedback;
     if frames > 1 && raymarch.temporal.history_length <= 1 && !growing {
         raymarch.temporal.history_length = frames;
     }

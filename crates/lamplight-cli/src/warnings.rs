@@ -1,12 +1,17 @@
 //! Warnings about valid input that has no effect or is ignored.
 
 use crate::args::{DisplayArgs, LightingArgs, Renderer};
+use crate::comparison::FEEDBACK_FRAMES;
 use crate::output::Format;
 use crate::stage::Stage;
 use lamplight::{Bounces, Cells, Method, Settings};
 
 /// Flags that have no effect on `renderer`, one sentence each.
-pub fn idle_lighting_flags(flags: &LightingArgs, renderer: Renderer) -> Vec<String> {
+pub fn idle_lighting_flags(
+    flags: &LightingArgs,
+    renderer: Renderer,
+    settings: &Settings,
+) -> Vec<String> {
     let name = renderer.name();
     let mut idle = Vec::new();
     for text in &flags.settings.set {
@@ -23,7 +28,7 @@ pub fn idle_lighting_flags(flags: &LightingArgs, renderer: Renderer) -> Vec<Stri
     if flags.samples.is_some() && renderer != Renderer::Reference {
         idle.push(format!("`--samples` changes nothing: it is for the reference, not {name}"));
     }
-    if flags.frames > 1 && !has_history(renderer) {
+    if flags.frames > 1 && !has_history(renderer, settings) {
         let why = "every frame is the same as the first";
         idle.push(format!("`--frames` changes nothing: with {name} {why}"));
     }
@@ -41,9 +46,22 @@ pub fn idle_lighting_flags(flags: &LightingArgs, renderer: Renderer) -> Vec<Stri
     idle
 }
 
+/// The bounces that a picture lacks because they come over frames, as one sentence.
+pub fn missing_bounces(renderer: Renderer, settings: &Settings, frames: u32) -> Option<String> {
+    let Renderer::Method(method) = renderer else { return None };
+    let bounces = !matches!(method, Method::Polar | Method::Flood);
+    let feeds_back = settings.method.bounces(settings.bounces) == Bounces::Feedback;
+    (bounces && feeds_back && frames < FEEDBACK_FRAMES).then(|| {
+        format!(
+            "`bounces = \"feedback\"` adds one bounce per frame, and this is frame {frames}; use \
+             `--frames {FEEDBACK_FRAMES}` or `--bounces converged` for all of them"
+        )
+    })
+}
+
 /// Returns true if frames after the first may differ from it.
-fn has_history(renderer: Renderer) -> bool {
-    matches!(renderer, Renderer::Method(method) if !method.repeats())
+fn has_history(renderer: Renderer, settings: &Settings) -> bool {
+    matches!(renderer, Renderer::Method(_)) && !settings.repeats()
 }
 
 /// Returns true if the seed changes the result.
@@ -95,7 +113,7 @@ pub fn left_out(renderer: Renderer, cells: &Cells, settings: &Settings) -> Optio
         Bounces::Count(0) => {}
         Bounces::Count(1) => parts.push("the bounce".to_owned()),
         Bounces::Count(count) => parts.push(format!("the {count} bounces")),
-        Bounces::Converged => parts.push("all bounces".to_owned()),
+        Bounces::Converged | Bounces::Feedback => parts.push("all bounces".to_owned()),
     }
     let (last, others) = parts.split_last()?;
     let parts = match others {

@@ -123,6 +123,8 @@ struct PreparedFrame {
     reproject: Option<Vec<Dispatch>>,
     /// True if the grid has moved since the frame before.
     moved: bool,
+    /// Takes scattered radiance over from a grid of another size; recorded in the first frame only.
+    resize: Option<Dispatch>,
     /// The distance field that the input asks for.
     fields: Option<PassList>,
     /// True if it is recorded in this frame.
@@ -170,7 +172,13 @@ impl PreparedFrame {
         let sight = self.sight.iter().filter(|_| self.records_sight);
         let sight = sight.flat_map(|sight| &sight.dispatches);
         let output = self.output.iter().map(|output| &output.dispatch);
-        reproject.chain(fields).chain(sight).chain(&self.passes.dispatches).chain(output)
+        self.resize
+            .iter()
+            .chain(reproject)
+            .chain(fields)
+            .chain(sight)
+            .chain(&self.passes.dispatches)
+            .chain(output)
     }
 
     /// Returns whether the plan serves a grid under these settings.
@@ -274,7 +282,8 @@ impl Lighting {
                 };
                 let upload = upload.insert(uploaded);
                 upload.write(device, queue, cells, &input.settings.method);
-                let hints = SceneHints::of(cells, input.settings.bounces);
+                let hints =
+                    SceneHints::of(cells, input.settings.method.bounces(input.settings.bounces));
                 let grid = Grid { size, textures: &upload.textures, hints };
                 let (shown, normals) = (upload.shown.as_ref(), upload.normals.as_ref());
                 let (lamps, suns, sky) = (cells.lamps(), cells.suns(), cells.sky());
@@ -343,17 +352,29 @@ impl Lighting {
         };
         let Some(frame) = fresh.as_ref().or(self.frame.as_ref()) else { return Ok(()) };
         let (history, moved) = self.history(input, grid.size, sky);
-        let extras = self.plan_extras(frame, input, moved)?;
-        let position = GridPosition { size: grid.size.into(), origin: input.origin, moved };
+        let size_before = self.before.as_ref().map_or(grid.size, |before| before.size);
+        // History of another size has been moved with the plan.
+        let moves = moved != [0; 2] && size_before == grid.size;
+        let extras = self.plan_extras(frame, input, moves)?;
+        let position = GridPosition {
+            size: grid.size.into(),
+            origin: input.origin,
+            moved,
+            size_before: size_before.into(),
+        };
         let uniforms = FrameUniforms::new(position, lights, input.settings, self.number, history)?;
 
         // Nothing fails from here on.
+        let is_fresh = fresh.is_some();
         self.frame = fresh.or(self.frame.take());
         let Some(frame) = &mut self.frame else { return Ok(()) };
+        if !is_fresh {
+            frame.resize = None;
+        }
         frame.settings.clone_from(input.settings);
         frame.shown = shown.cloned();
         frame.normals = normals.cloned();
-        frame.moved = moved != [0; 2];
+        frame.moved = moves;
         frame.records_fields = input.distance_field;
         frame.output = extras.output;
         frame.fields = extras.fields.or(frame.fields.take());
@@ -406,13 +427,12 @@ impl Lighting {
 
     /// Returns the history of the next frame, and by how many cells the grid has moved.
     fn history(&self, input: &FrameInput, size: GridSize, sky: &Sky) -> (History, [i32; 2]) {
-        let Some(before) = self.before.as_ref().filter(|before| before.size == size) else {
-            return (History::None, [0; 2]);
-        };
+        let Some(before) = &self.before else { return (History::None, [0; 2]) };
         let raymarch = input.settings.method.as_raymarch();
         let rejects = raymarch.is_none_or(|raymarch| raymarch.temporal.reject);
         let other_sky = rejects && before.sky != *sky;
-        let history = if other_sky { History::IndirectOnly } else { History::Full };
+        let indirect_only = other_sky || before.size != size;
+        let history = if indirect_only { History::IndirectOnly } else { History::Full };
         (history, [0, 1].map(|a| input.origin[a].saturating_sub(before.origin[a])))
     }
 
@@ -420,6 +440,7 @@ impl Lighting {
     /// next frame it can still be shown.
     fn plan(&self, method: &Method, settings: &Settings, grid: &Grid) -> Result<PreparedFrame> {
         let before = self.frame.as_ref();
+        let resized = before.filter(|frame| self.before.is_some() && frame.size != grid.size);
         let panorama = self.panorama.as_ref().map(|panorama| &panorama.view);
         let capacity = before.map_or(Capacity::default(), |frame| frame.capacity);
         let before = before.filter(|frame| frame.size == grid.size);
@@ -465,6 +486,11 @@ impl Lighting {
             // It is bound to the light of the plan before.
             let output = before.filter(|frame| frame.light == light);
             let output = output.and_then(|frame| frame.output.clone());
+            let history = planner.history_planned();
+            let resize = resized.and_then(|frame| {
+                let (before, now) = ((frame.size, &frame.history[..]), (grid.size, &history[..]));
+                self.reproject.plan_resized(&planner, [before, now])
+            });
             Ok(PreparedFrame {
                 settings: settings.clone(),
                 size: grid.size,
@@ -476,7 +502,8 @@ impl Lighting {
                 hints: grid.hints,
                 capacity: planner.capacity,
                 memory: planner.memory(),
-                history: planner.into_history(),
+                history,
+                resize,
                 light,
                 passes,
                 direct,
@@ -496,7 +523,7 @@ impl Lighting {
         &self,
         frame: &PreparedFrame,
         input: &FrameInput,
-        moved: [i32; 2],
+        moves: bool,
     ) -> Result<Extras> {
         let device = &self.shared.device;
         let planner = FramePlanner::new(&self.shared, input.settings, self.options, frame.grid());
@@ -513,8 +540,7 @@ impl Lighting {
         let wanted = self.distance.as_ref();
         let wanted = wanted.filter(|_| input.distance_field && frame.fields.is_none());
         let fields = wanted.map(|distance| with_error_scope(device, || distance.plan(&planner)));
-        let moves = moved != [0; 2] && frame.reproject.is_none();
-        let reproject = moves
+        let reproject = (moves && frame.reproject.is_none())
             .then(|| with_error_scope(device, || self.reproject.plan(&planner, &frame.history)));
         Ok(Extras {
             output,

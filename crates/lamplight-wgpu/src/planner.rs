@@ -46,11 +46,19 @@ pub struct FramePlanner<'a> {
     history: RefCell<Vec<HistoryBuffer>>,
 }
 
+/// The label of the scattered radiance that bounces by feedback keep.
+const SCATTERED: &str = "scattered";
+
 /// A labelled buffer that persists across frames.
 #[derive(Clone, Debug)]
 pub struct HistoryBuffer {
     pub label: &'static str,
     pub buffer: Buffer,
+}
+
+/// Returns the scattered radiance of history, if bounces by feedback have kept it.
+pub fn scattered_of(history: &[HistoryBuffer]) -> Option<&Buffer> {
+    history.iter().find(|known| known.label == SCATTERED).map(|known| &known.buffer)
 }
 
 impl<'a> FramePlanner<'a> {
@@ -244,9 +252,14 @@ impl<'a> FramePlanner<'a> {
         Ok(buffer)
     }
 
-    /// Returns the history for the next plan.
-    pub fn into_history(self) -> Vec<HistoryBuffer> {
-        self.history.into_inner()
+    /// Creates the history of scattered radiance, `count` values, which bounces by feedback keep.
+    pub fn kept_scattered<T>(&self, count: u64) -> Result<Buffer> {
+        self.history::<T>(SCATTERED, count)
+    }
+
+    /// The history for the next plan.
+    pub fn history_planned(&self) -> Vec<HistoryBuffer> {
+        self.history.borrow().clone()
     }
 
     /// Creates a buffer with contents, which shaders only read.

@@ -227,6 +227,9 @@ programs! {
         matter: Texture, albedo: Texture, irradiance: Read, direct: Read, scattered: Write,
         light: Write, changes: Write, step: Step,
     }
+    HOLOGRAPHIC_FEEDBACK: "methods/holographic/feedback", ["main"], {
+        matter: Texture, albedo: Texture, scattered: Write,
+    }
 
     PAPER_SOURCE: "methods/holographic/paper/source", ["main", "bounce"], {
         emission: Texture, albedo: Texture, matter: Texture, light: Read, source: Write,

@@ -22,6 +22,7 @@ const FILES: &[(&str, &str)] = files! {
     "methods/flood/rays"
     "methods/holographic/extend"
     "methods/holographic/faces"
+    "methods/holographic/feedback"
     "methods/holographic/fetch_interval"
     "methods/holographic/footprint"
     "methods/holographic/gather"

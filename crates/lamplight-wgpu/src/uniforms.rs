@@ -32,13 +32,14 @@ gpu_struct! {
         fade_dropoff: f32,
         origin: [i32; 2],
         moved: [i32; 2],
+        size_before: [u32; 2],
         history: u32,
         sky_columns: u32,
         sky_origin: f32,
         elevation_tangent: f32,
         longest_moment: f32,
         /// Uniforms end at a multiple of 16 bytes.
-        padding: [u32; 3],
+        padding: [u32; 1],
     }
 }
 
@@ -46,7 +47,7 @@ gpu_struct! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum History {
     None,
-    /// Scattered radiance, but neither light nor matter: the sky has changed.
+    /// Scattered radiance, but neither light nor matter: the sky or the size of the grid has changed.
     IndirectOnly,
     Full,
 }
@@ -59,6 +60,8 @@ pub struct GridPosition {
     pub origin: [i32; 2],
     /// The change of `origin` since the frame before, in cells.
     pub moved: [i32; 2],
+    /// The size of the grid of the frame before.
+    pub size_before: [u32; 2],
 }
 
 impl FrameUniforms {
@@ -113,6 +116,7 @@ impl FrameUniforms {
             fade_dropoff: raymarch.emission_dropoff,
             origin: position.origin,
             moved: position.moved,
+            size_before: position.size_before,
             history: match history {
                 History::None => 0,
                 History::IndirectOnly => 1,
@@ -122,7 +126,7 @@ impl FrameUniforms {
             sky_origin: origin.unwrap_or_default() as f32,
             elevation_tangent: settings.elevation.tan(),
             longest_moment: longest_moment(lamps, suns, settings.elevation),
-            padding: [0; 3],
+            padding: [0; 1],
         })
     }
 }

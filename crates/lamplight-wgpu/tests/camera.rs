@@ -5,7 +5,7 @@ mod common;
 mod textures;
 
 use common::{device, lighting, raymarch_of, recorded, seeded};
-use lamplight::settings::{BounceMode, Noise, Temporal};
+use lamplight::settings::{Noise, Temporal};
 use lamplight::{Bounces, Cells, Display, Matter, Method, Settings, ToneMap};
 use lamplight_wgpu::{
     Camera2dView, Compose, ComposeParams, Filter, FrameInput, GridPlacement, Lighting,
@@ -138,7 +138,7 @@ fn the_mean_over_frames_stays_in_the_world_when_the_camera_moves() {
         let mut settings = settings(Noise::Blue);
         raymarch_of(&mut settings).temporal = Temporal { history_length: 32, reject: true };
         if feedback {
-            raymarch_of(&mut settings).bounce_mode = BounceMode::Feedback;
+            settings.bounces = Bounces::Feedback;
         }
         let place = |x: f64| camera([x, -x]).place([320, 240]).unwrap();
         let end = place(f64::from(FRAMES - 1));
@@ -178,6 +178,48 @@ fn the_mean_over_frames_stays_in_the_world_when_the_camera_moves() {
             "feedback {feedback}: {off}"
         );
         assert!(lost > all / 3, "feedback {feedback}: {lost} of {all}");
+    }
+}
+
+/// Bounces over frames go on while the camera moves, and while its picture grows, in the methods without noise.
+#[test]
+fn feedback_stays_in_the_world_when_the_grid_moves_and_grows() {
+    const FRAMES: u32 = 12;
+    let gpu = device();
+    let moving = |x: u32| camera([f64::from(x), -f64::from(x)]).place([320, 240]).unwrap();
+    let growing = |x: u32| {
+        camera([0.0; 2]).place([320, 240].map(|side| side - 4 * (FRAMES - 1 - x))).unwrap()
+    };
+    for method in [Method::Cascades, Method::Holographic] {
+        let settings = Settings { bounces: Bounces::Feedback, ..Settings::direct(method) };
+        for (name, place) in
+            [("moving", &moving as &dyn Fn(u32) -> GridPlacement), ("growing", &growing)]
+        {
+            let run = |place: &dyn Fn(u32) -> GridPlacement, resets: bool| {
+                let mut lighting = lighting(&gpu.0, &gpu.1);
+                let mut light = Vec::new();
+                for number in 0..FRAMES {
+                    let placed = place(number);
+                    if resets {
+                        lighting.reset();
+                    }
+                    light = frame(&gpu, &mut lighting, &settings, &placed, placed.origin);
+                }
+                light
+            };
+            let still = run(&|_| place(FRAMES - 1), false);
+            let sum: f64 = still.iter().map(|light| f64::from(light[1])).sum();
+            let off = |resets: bool| {
+                let light = run(place, resets);
+                let pairs = light.iter().zip(&still);
+                pairs.map(|(a, b)| f64::from((a[1] - b[1]).abs())).sum::<f64>() / sum
+            };
+            let [kept, forgotten] = [false, true].map(off);
+            println!("{method:?}, {name}: {kept:.4} off, {forgotten:.4} if it forgets");
+            assert_ne!(place(0), place(1), "{name}: the grid stays the same");
+            assert!(kept < 0.01, "{method:?}, {name}: {kept}");
+            assert!(forgotten > 0.05, "{method:?}, {name}: {forgotten}");
+        }
     }
 }
 

@@ -5,7 +5,6 @@ mod common;
 mod textures;
 
 use common::{cells, device, frame, lighting, raymarch_of, recorded};
-use lamplight::settings::BounceMode;
 use lamplight::{Bounces, Cells, Lamp, Matter, Method, Rgb, Settings, Sky};
 use lamplight_wgpu::error::{PrepareError, RecordError};
 use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Lights, Stage, Textures};
@@ -161,8 +160,7 @@ fn history_goes_on_when_textures_are_exchanged() {
     let (device, queue) = device();
     let two = [host_textures(&device, &queue).0, host_textures(&device, &queue).0];
     let mut settings = raymarch();
-    (settings.bounces, raymarch_of(&mut settings).bounce_mode) =
-        (Bounces::Count(1), BounceMode::Feedback);
+    settings.bounces = Bounces::Feedback;
     raymarch_of(&mut settings).temporal.history_length = 8;
     let light = |exchange: usize| -> Vec<[f32; 4]> {
         let mut lighting = lighting(&device, &queue);

@@ -9,7 +9,7 @@ use crate::methods::flood::FloodSolver;
 use crate::methods::holographic::Holographic;
 use crate::methods::polar::PolarSolver;
 use crate::methods::raymarch::{Input, RaymarchSolver};
-use crate::settings::{self, Hit, Method, MethodSettings, Traversal, Variant};
+use crate::settings::{self, Bounces, Hit, Method, MethodSettings, Traversal, Variant};
 use crate::stages::direct::{self, DirectLight};
 use crate::stages::glow::Glow;
 use crate::stages::gradient_moment::gradient_moment;
@@ -158,6 +158,7 @@ impl Solver {
 
         // Cloned, a few bytes, so that a method can borrow the rest of the solver.
         let Settings { method, bounces, .. } = self.settings.clone();
+        let bounces = method.bounces(bounces);
         match &method {
             MethodSettings::Raymarch(settings) => self.raymarch(settings),
             MethodSettings::Polar(settings) => self.polar(settings),
@@ -230,7 +231,7 @@ impl Solver {
         self.raymarch.solve(input, &mut self.estimate, &mut self.clock);
 
         if accumulates {
-            let feedback = settings.feeds_back(bounces);
+            let feedback = bounces == Bounces::Feedback;
             let width = self.cells.width();
             self.temporal.accumulate(&settings.temporal, width, feedback, &mut self.estimate);
             self.clock.lap("temporal");
@@ -303,5 +304,7 @@ impl Solver {
         self.raymarch = RaymarchSolver::default();
         self.flood = FloodSolver::default();
         self.temporal = TemporalMean::default();
+        self.cascades.reset();
+        self.holographic.reset();
     }
 }

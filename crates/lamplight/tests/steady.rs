@@ -6,7 +6,7 @@
 mod common;
 
 use common::*;
-use lamplight::settings::{BounceMode, Cascades, Flood, Hit, Holographic, Merge, Noise, Temporal};
+use lamplight::settings::{Cascades, Flood, Hit, Holographic, Merge, Noise, Temporal};
 use lamplight::{
     Bounces, Cells, Cookie, CookiePixels, Lamp, Matter, Method, Panorama, Settings, Sight,
     SightSolver, Solver,
@@ -98,14 +98,7 @@ fn variants() -> Vec<(&'static str, bool, Settings)> {
         ("bounces", false, way(bounces)),
         ("fog", true, way(bounces)),
         ("converged", true, way(|s| s.bounces = Bounces::Converged)),
-        (
-            "feedback",
-            true,
-            way(|s| {
-                s.bounces = Bounces::Count(1);
-                raymarch_of(s).bounce_mode = BounceMode::Feedback;
-            }),
-        ),
+        ("feedback", true, way(|s| s.bounces = Bounces::Feedback)),
         ("hit by distance", true, way(|s| raymarch_of(s).hit = Hit::Distance)),
         ("polar", false, way(|s| s.method = Method::Polar.into())),
         ("polar through fog", true, way(|s| s.method = Method::Polar.into())),
@@ -126,6 +119,16 @@ fn variants() -> Vec<(&'static str, bool, Settings)> {
             "plain cascades",
             false,
             way(|s| s.method = Cascades { merge: Merge::Plain, ..Cascades::default() }.into()),
+        ),
+        (
+            "cascades with feedback",
+            true,
+            way(|s| (s.method, s.bounces) = (Method::Cascades.into(), Bounces::Feedback)),
+        ),
+        (
+            "holographic with feedback",
+            true,
+            way(|s| (s.method, s.bounces) = (Method::Holographic.into(), Bounces::Feedback)),
         ),
         ("holographic", false, way(|s| s.method = Method::Holographic.into())),
         (

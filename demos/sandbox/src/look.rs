@@ -5,8 +5,8 @@ use lamplight::{Bounces, Display, Settings, SettingsTable};
 /// The settings that belong to a picture. The caller chooses the method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// Number of bounces.
-    pub bounces: u32,
+    /// Bounces of light. Those of a world grow from frame to frame.
+    pub bounces: Bounces,
     /// Depth to which light penetrates walls, px.
     pub wall_depth: f32,
     /// The elevation of light at surfaces with normals, radians.
@@ -18,7 +18,7 @@ pub struct Look {
 impl Default for Look {
     fn default() -> Self {
         let (elevation, display) = (Settings::ELEVATION, Display::default());
-        Self { bounces: 0, wall_depth: 0.0, elevation, display }
+        Self { bounces: Bounces::Feedback, wall_depth: 0.0, elevation, display }
     }
 }
 
@@ -32,17 +32,18 @@ impl Look {
     /// Converts to settings of a solver; the others are defaults.
     pub fn settings(&self) -> Settings {
         Settings {
-            bounces: Bounces::Count(self.bounces),
+            bounces: self.bounces,
             wall_depth: self.wall_depth,
             elevation: self.elevation,
             ..Settings::default()
         }
     }
 
-    /// Converts to the table `[light]` of a scene file.
+    /// Converts to the table `[light]` of a scene file, which is for a single picture: light that grows over frames is
+    /// written as all of it.
     pub fn table(&self) -> SettingsTable {
         let mut table = SettingsTable::default();
-        table.set("bounces", self.bounces);
+        table.set("bounces", self.bounces.within_a_frame());
         table.set("wall_depth", self.wall_depth);
         if self.elevation != Settings::ELEVATION {
             table.set("elevation", self.elevation);
@@ -53,6 +54,6 @@ impl Look {
     /// The look of a scene.
     pub fn of(settings: &Settings, display: Display) -> Self {
         let Settings { bounces, wall_depth, elevation, .. } = *settings;
-        Self { bounces: bounces.limit(), wall_depth, elevation, display }
+        Self { bounces, wall_depth, elevation, display }
     }
 }

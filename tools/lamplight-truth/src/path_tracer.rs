@@ -53,7 +53,7 @@ pub struct PathTracer {
     /// The number of paths per cell, rounded up to a multiple of 16. The error falls as about
     /// 1/√samples with bounces, faster for direct light; the time is proportional to it.
     pub samples: u32,
-    /// The number of bounces. `Converged` has no limit except [`Bounces::MAX`].
+    /// The number of bounces. `Converged` and `Feedback` have no limit except [`Bounces::MAX`].
     pub bounces: Bounces,
     /// The depth to which light sinks into solid cells, px ([`PathTracer::render`] only).
     pub wall_depth: f32,

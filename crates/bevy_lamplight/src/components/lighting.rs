@@ -2,7 +2,7 @@
 
 use bevy::camera::Hdr;
 use bevy::prelude::*;
-use lamplight::{Method, Quality, Settings, SettingsTable, ToneMap};
+use lamplight::{Bounces, Method, Quality, Settings, SettingsTable, ToneMap};
 
 /// Lights everything that a 2D camera sees.
 ///
@@ -29,7 +29,7 @@ pub struct Lighting2d {
     /// line: `"raymarch.rays=64"` or `"polar.preset=gamemaker"`. Settings that have a field here or in
     /// [`Relief2d`](crate::Relief2d) are errors.
     pub set: Vec<String>,
-    /// Bounces of light off walls and fog. Each one costs another pass over them.
+    /// Bounces of light off walls and fog. Those within a frame cost a pass over them each.
     pub bounces: LightBounces,
     /// The size of the cells that light is computed on.
     pub cells: CellSize,
@@ -53,7 +53,7 @@ impl Default for Lighting2d {
             method: LightMethod::default(),
             quality: LightQuality::default(),
             set: Vec::new(),
-            bounces: LightBounces::Count(1),
+            bounces: LightBounces::default(),
             cells: CellSize::default(),
             border: 64.0,
             wall_depth: 24.0,
@@ -78,10 +78,7 @@ impl Lighting2d {
         let method: Method = self.method.into();
         table.set("method", method.name());
         table.set("quality", Quality::from(self.quality).name());
-        match self.bounces {
-            LightBounces::Count(count) => table.set("bounces", count),
-            LightBounces::Converged => table.set("bounces", "converged"),
-        }
+        table.set("bounces", Bounces::from(self.bounces));
         for text in &self.set {
             let key = text.split('=').next().unwrap_or_default().trim();
             if ["method", "quality", "bounces", "wall_depth", "elevation"].contains(&key) {
@@ -165,9 +162,9 @@ impl From<LightMethod> for Method {
     }
 }
 
-/// The number of bounces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
-#[reflect(Debug, Clone, PartialEq)]
+/// The bounces of light off walls and fog ([`lamplight::Bounces`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightBounces {
@@ -175,6 +172,20 @@ pub enum LightBounces {
     Count(u32),
     /// Until the largest change is under 0.1 % of the mean.
     Converged,
+    /// One more each frame, from the light of the frame before. It costs hardly more than direct light, and while
+    /// nothing moves it grows to the same light as `Converged`.
+    #[default]
+    Feedback,
+}
+
+impl From<LightBounces> for Bounces {
+    fn from(bounces: LightBounces) -> Self {
+        match bounces {
+            LightBounces::Count(count) => Self::Count(count),
+            LightBounces::Converged => Self::Converged,
+            LightBounces::Feedback => Self::Feedback,
+        }
+    }
 }
 
 /// The size of the square cells that light is computed on. Half the size costs four times as much.

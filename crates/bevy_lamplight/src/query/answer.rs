@@ -23,7 +23,7 @@ use bevy::prelude::{
 };
 use bevy::transform::{TransformPlugin, TransformSystems};
 use lamplight::resample::downsample;
-use lamplight::{Cells, Lamp, Light, Settings, Sky, Solver};
+use lamplight::{Bounces, Cells, Lamp, Light, Settings, Sky, Solver};
 use lamplight_wgpu::Camera2dView;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -79,7 +79,8 @@ pub struct LightQuerySettings {
     /// all matter and of the ranges of all lamps. Areas of more than 131,072 cells get larger cells.
     pub area: Option<Rect>,
     /// Settings of the light. `None`: the preset `fast` of `holographic` with the bounces of the first lit
-    /// camera, or that camera's own settings if its method is `polar` or `flood`, whose light differs.
+    /// camera, or that camera's own settings if its method is `polar` or `flood`, whose light differs. An answer is a
+    /// single frame: instead of [`LightBounces::Feedback`](crate::LightBounces::Feedback) it has two bounces.
     pub lighting: Option<Lighting2d>,
     /// Layers that take part in light, if there is no lit camera. Otherwise, they are the camera's.
     #[reflect(ignore)]
@@ -294,6 +295,8 @@ fn default_lighting(camera: Option<&Lighting2d>) -> Lighting2d {
 
 /// Fine cells per cell and axis. Matter is drawn on fine cells, so that thin walls stay closed.
 const FINE_PER_CELL: u32 = 2;
+/// Bounces instead of those over frames, because an answer is a single frame; most of the light.
+const BOUNCES_INSTEAD: Bounces = Bounces::Count(2);
 /// The largest number of cells of an answer.
 const MAX_QUERY_CELLS: u64 = 1 << 17;
 /// The fine grid over an area; `None` if the numbers make no sense.
@@ -377,7 +380,10 @@ impl QueryState {
         };
         let cells = self.cells.insert(cells);
         downsample(fine, FINE_PER_CELL, cells)?;
-        let settings = lighting.settings(grid.cell * FINE_PER_CELL as f32)?;
+        let mut settings = lighting.settings(grid.cell * FINE_PER_CELL as f32)?;
+        if settings.bounces == Bounces::Feedback {
+            settings.bounces = BOUNCES_INSTEAD;
+        }
         solve_with(&mut self.solver, settings, cells)
     }
 }

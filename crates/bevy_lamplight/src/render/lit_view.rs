@@ -187,6 +187,10 @@ impl LitView {
         let placement = &view.placement;
         let wanted = Configuration::of(view);
         if wanted != self.configured {
+            if wanted.cell != self.configured.cell {
+                // History has cells of another size.
+                self.lighting.reset();
+            }
             self.settings = wanted.settings()?;
             self.configured = wanted;
         }

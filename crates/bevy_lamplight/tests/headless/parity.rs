@@ -43,47 +43,73 @@ fn mismatches(seen: &Picture, placed: &GridPlacement, cells: &Cells, light: &Lig
     mismatches
 }
 
-#[test]
-fn a_glowing_sprite_gives_the_same_light_as_the_same_cells() {
-    let mut app = app();
-    let image = target(&mut app, SIZE);
-    let lighting = Lighting2d { bounces: LightBounces::Count(2), ..plain() };
-    camera(&mut app, &image, lighting);
-    let sprite = |color, size: [i32; 2], min: [i32; 2]| {
+/// Places of a glowing sprite, a wall and fog: size and corner.
+const BOXES: [([i32; 2], [i32; 2]); 3] =
+    [([12, 9], [-50, -20]), ([40, 3], [-20, 30]), ([6, 30], [20, -40])];
+
+fn spawn_sprites(app: &mut App) {
+    let sprite = |color, (size, min): ([i32; 2], [i32; 2])| {
         let [width, height] = size.map(|v| v as f32);
         let sprite = Sprite::from_color(color, Vec2::new(width, height));
         let middle = [min[0] as f32 + 0.5 * width, min[1] as f32 + 0.5 * height];
         (sprite, Transform::from_xyz(middle[0], middle[1], 0.0))
     };
     let red = Color::linear_rgb(1.0, 0.25, 0.125);
-    let boxes = [([12, 9], [-50, -20]), ([40, 3], [-20, 30]), ([6, 30], [20, -40])];
-    let spawn = [
-        (sprite(red, boxes[0].0, boxes[0].1), Matter2d::glow(8.0)),
-        (sprite(Color::WHITE, boxes[1].0, boxes[1].1), Matter2d::wall()),
-        (
-            sprite(Color::WHITE, boxes[2].0, boxes[2].1),
-            Matter2d { opacity: 0.03, tint: LinearRgba::rgb(0.9, 1.0, 0.8), ..Matter2d::fog(0.03) },
-        ),
-    ];
-    app.world_mut().spawn_batch(spawn);
-    begin(&mut app);
-    let seen = picture(&mut app, &image, 3);
+    let fog = Matter2d { tint: LinearRgba::rgb(0.9, 1.0, 0.8), ..Matter2d::fog(0.03) };
+    app.world_mut().spawn_batch([
+        (sprite(red, BOXES[0]), Matter2d::glow(8.0)),
+        (sprite(Color::WHITE, BOXES[1]), Matter2d::wall()),
+        (sprite(Color::WHITE, BOXES[2]), fog),
+    ]);
+}
 
-    let placed = placed([0.0, 0.0]);
+/// The cells of the same scene.
+fn cells_of_sprites(placed: &GridPlacement) -> Cells {
     let mut cells = Cells::new(placed.size[0], placed.size[1]).unwrap();
     let glow = Matter { emission: [8.0, 2.0, 1.0], opacity: 1.0, ..Matter::EMPTY };
     let wall = Matter { opacity: 1.0, albedo: [0.8; 3], ..Matter::EMPTY };
     let fog = Matter { opacity: 0.03, albedo: [1.0; 3], tint: [0.9, 1.0, 0.8], ..Matter::EMPTY };
-    for ((size, min), matter) in boxes.into_iter().zip([glow, wall, fog]) {
-        fill(&mut cells, &placed, min, size, matter);
+    for ((size, min), matter) in BOXES.into_iter().zip([glow, wall, fog]) {
+        fill(&mut cells, placed, min, size, matter);
     }
-    let (method, bounces) = (Method::Cascades, Bounces::Count(2));
-    let settings = Settings { bounces, ..Settings::new(method) };
-    let light = Solver::new(settings.clone()).unwrap().solve(&cells).unwrap().clone();
-    assert_eq!(mismatches(&seen, &placed, &cells, &light), 0);
+    cells
+}
+
+fn light_with(bounces: u32, cells: &Cells) -> Light {
+    let settings = Settings { bounces: Bounces::Count(bounces), ..Settings::new(Method::Cascades) };
+    Solver::new(settings).unwrap().solve(cells).unwrap().clone()
+}
+
+#[test]
+fn a_glowing_sprite_gives_the_same_light_as_the_same_cells() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    camera(&mut app, &image, Lighting2d { bounces: LightBounces::Count(2), ..plain() });
+    spawn_sprites(&mut app);
+    begin(&mut app);
+    let seen = picture(&mut app, &image, 3);
+
+    let placed = placed([0.0, 0.0]);
+    let mut cells = cells_of_sprites(&placed);
+    assert_eq!(mismatches(&seen, &placed, &cells, &light_with(2, &cells)), 0);
 
     // A scene that lacks part of the wall is rejected.
-    fill(&mut cells, &placed, boxes[1].1, [1, 3], Matter::EMPTY);
-    let other = Solver::new(settings).unwrap().solve(&cells).unwrap().clone();
-    assert!(mismatches(&seen, &placed, &cells, &other) > 20);
+    fill(&mut cells, &placed, BOXES[1].1, [1, 3], Matter::EMPTY);
+    assert!(mismatches(&seen, &placed, &cells, &light_with(2, &cells)) > 20);
+}
+
+#[test]
+fn bounces_come_over_frames_unless_the_camera_says_otherwise() {
+    assert_eq!(Lighting2d::default().bounces, LightBounces::Feedback);
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    camera(&mut app, &image, Lighting2d { bounces: LightBounces::Feedback, ..plain() });
+    spawn_sprites(&mut app);
+    begin(&mut app);
+    let seen = picture(&mut app, &image, 20);
+
+    let placed = placed([0.0, 0.0]);
+    let cells = cells_of_sprites(&placed);
+    assert_eq!(mismatches(&seen, &placed, &cells, &light_with(20, &cells)), 0);
+    assert!(mismatches(&seen, &placed, &cells, &light_with(1, &cells)) > 20);
 }

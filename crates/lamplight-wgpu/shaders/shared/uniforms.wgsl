@@ -25,6 +25,8 @@ struct FrameUniforms {
     origin: vec2i,
     // The change of `origin` since the frame before.
     moved: vec2i,
+    // The size of the grid of the frame before.
+    size_before: vec2u,
     // The data that the frame may take from the frames before, a `HISTORY_` constant.
     history: u32,
     // Columns of the sky if it is a panorama, else 0; and the place of the angle 0 on its strip, in columns from the
@@ -38,7 +40,7 @@ struct FrameUniforms {
 }
 
 const HISTORY_NONE: u32 = 0u;
-// Scattered radiance, but neither light nor matter: the sky has changed.
+// Scattered radiance, but neither light nor matter: the sky or the size of the grid has changed.
 const HISTORY_INDIRECT_ONLY: u32 = 1u;
 const HISTORY_FULL: u32 = 2u;
 

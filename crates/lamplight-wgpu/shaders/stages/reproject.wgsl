@@ -1,5 +1,5 @@
-// Reprojection of history: moves it with its cells when the grid moves over the world. Cells that come into
-// the grid have no history: 0.
+// Reprojection of history: moves it with its cells when the grid moves over the world or changes its size. Cells
+// that come into the grid have no history: 0.
 
 #import shared/uniforms
 
@@ -26,10 +26,10 @@ fn back(@builtin(global_invocation_id) id: vec3u) {
     if outside(id.xy) {
         return;
     }
-    // Neither overflows: a side of the grid is far below 2³¹.
-    let was = vec2i(id.xy) + clamp(frame.moved, -vec2i(frame.size), vec2i(frame.size));
-    if inside(was) {
-        copy(index(id.xy), index(vec2u(was)));
+    // Neither overflows: a side of a grid is far below 2³¹.
+    let was = vec2i(id.xy) + clamp(frame.moved, -vec2i(frame.size), vec2i(frame.size_before));
+    if all(was >= vec2i(0)) && all(vec2u(was) < frame.size_before) {
+        copy(index(id.xy), u32(was.y) * frame.size_before.x + u32(was.x));
         return;
     }
     for (var word = 0u; word < words; word++) {

@@ -38,7 +38,7 @@ impl Method {
     /// # Errors
     /// If the GPU does not have the method.
     pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> lamplight::Result<Self> {
-        let (bounces, moment) = (settings.bounces, settings.moment);
+        let (bounces, moment) = (settings.method.bounces(settings.bounces), settings.moment);
         Ok(match &settings.method {
             MethodSettings::Cascades(settings) => {
                 Self::Cascades(Box::new(Cascades::new(device, queue, settings, bounces, moment)?))

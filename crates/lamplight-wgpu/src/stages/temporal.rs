@@ -33,7 +33,6 @@ impl Temporal {
         moment: bool,
     ) -> Self {
         let temporal = &settings.temporal;
-        let feedback = settings.feeds_back(bounces);
         let everywhere = settings.hit == Hit::Distance;
         let constants = [
             ("HISTORY_LENGTH", f64::from(temporal.history_length)),
@@ -41,7 +40,10 @@ impl Temporal {
             ("REJECTS", f64::from(temporal.reject)),
             ("EVERYWHERE", f64::from(everywhere)),
             ("REACH", REACH as f64),
-            ("REJECTED_FRAMES", if feedback { f64::from(FEEDBACK) } else { 1.0 }),
+            (
+                "REJECTED_FRAMES",
+                if bounces == Bounces::Feedback { f64::from(FEEDBACK) } else { 1.0 },
+            ),
             shaders::moment(moment),
         ];
         let pipelines = ComputePipelines::new(device, &programs::TEMPORAL, &constants);

@@ -3,13 +3,13 @@
 use crate::common::{cells, device, frame, lighting, raymarch_of};
 use crate::compare::{Both, agree, differences};
 use crate::frames::{FRAMES, frames_agree, moving};
-use lamplight::settings::{BounceMode, MethodSettings, Raymarch};
+use lamplight::settings::{MethodSettings, Raymarch};
 use lamplight::{Bounces, Cells, Matter, Method, Rgb, Settings, Sky, Solver};
 use lamplight_wgpu::Lighting;
 
-fn raymarch(preset: &str, by: BounceMode, bounces: Bounces) -> Settings {
+fn raymarch(preset: &str, bounces: Bounces) -> Settings {
     let preset = Raymarch::preset(preset).unwrap();
-    Settings { bounces, ..Settings::direct(Raymarch { bounce_mode: by, rays: 16, ..preset }) }
+    Settings { bounces, ..Settings::direct(Raymarch { rays: 16, ..preset }) }
 }
 
 #[test]
@@ -17,8 +17,8 @@ fn feedback_agrees_frame_by_frame() {
     let gpu = device();
     for [w, h] in [[1, 1], [1, 37], [31, 17], [97, 61]] {
         for preset in Raymarch::PRESETS {
-            for (frames, bounces) in [(0, Bounces::Count(1)), (8, Bounces::Converged)] {
-                let mut settings = raymarch(preset, BounceMode::Feedback, bounces);
+            for frames in [0, 8] {
+                let mut settings = raymarch(preset, Bounces::Feedback);
                 raymarch_of(&mut settings).temporal.history_length = frames;
                 let name = format!("{preset} at {w}×{h}, mean over {frames}");
                 frames_agree(&gpu, &name, settings, (0..FRAMES).map(|n| moving(w, h, n)));
@@ -28,26 +28,57 @@ fn feedback_agrees_frame_by_frame() {
 }
 
 #[test]
+fn feedback_of_methods_without_noise_agrees_frame_by_frame() {
+    let gpu = device();
+    let feeds_back = |settings: &Settings| {
+        settings.method.as_raymarch().is_none()
+            && settings.method.bounces(Bounces::Feedback) == Bounces::Feedback
+    };
+    for (name, settings) in methods(Bounces::Feedback) {
+        if !feeds_back(&settings) {
+            continue;
+        }
+        for [w, h] in [[1, 1], [1, 37], [31, 17], [97, 61]] {
+            let frames = (0..FRAMES).map(|n| moving(w, h, n));
+            frames_agree(&gpu, &format!("{name} at {w}×{h}"), settings.clone(), frames);
+        }
+        let sizes = [[61, 43], [61, 43], [43, 61], [43, 60], [61, 43], [61, 43]];
+        let frames = (0..).zip(sizes).map(|(n, [w, h])| moving(w, h, n));
+        frames_agree(&gpu, &format!("{name}, sizes"), settings.clone(), frames);
+        // Fog comes in place of a wall, and a wall in place of fog.
+        let frames = (0..6).map(|n| {
+            let mut cells = bright_room(true, true);
+            let fog = Matter { opacity: 0.1, albedo: [0.9; 3], ..Matter::EMPTY };
+            let wall = Matter { opacity: 1.0, albedo: [0.8; 3], ..Matter::EMPTY };
+            cells.set(5, 10, if n < 3 { wall } else { fog });
+            cells.set(25, 10, if n < 3 { fog } else { wall });
+            cells
+        });
+        frames_agree(&gpu, &format!("{name}, fog for walls"), settings, frames);
+    }
+}
+
+#[test]
 fn converged_light_agrees() {
     let gpu = device();
     for [w, h] in [[1, 1], [1, 37], [31, 17], [97, 61]] {
         for preset in Raymarch::PRESETS {
-            let settings = raymarch(preset, BounceMode::Frame, Bounces::Converged);
+            let settings = raymarch(preset, Bounces::Converged);
             agree(&gpu, &format!("{preset} at {w}×{h}"), &cells(w, h, 7), settings);
         }
     }
-    let mut settings = raymarch("default", BounceMode::Frame, Bounces::Converged);
+    let mut settings = raymarch("default", Bounces::Converged);
     raymarch_of(&mut settings).temporal.history_length = 8;
     frames_agree(&gpu, "with a mean", settings, (0..4).map(|n| moving(31, 17, n)));
 }
 
-/// The methods that light bounces in within a frame, beside presets of `raymarch`.
+/// The methods that light bounces in: `raymarch`, and those without noise.
 fn methods(bounces: Bounces) -> Vec<(String, Settings)> {
     let of = |method, preset: &str| {
         let settings = MethodSettings::preset(method, preset).unwrap();
         (format!("{method:?}, {preset}"), Settings { bounces, ..Settings::direct(settings) })
     };
-    let mut all = vec![("Raymarch".into(), raymarch("default", BounceMode::Frame, bounces))];
+    let mut all = vec![("Raymarch".into(), raymarch("default", bounces))];
     all.extend(["default", "plain"].map(|preset| of(Method::Cascades, preset)));
     all.extend(["default", "paper"].map(|preset| of(Method::Holographic, preset)));
     all

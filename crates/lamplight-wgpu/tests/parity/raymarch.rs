@@ -2,7 +2,7 @@
 
 use crate::common::{cells, device, frame, lighting, raymarch_of};
 use crate::compare::{SIZES, agree, scenes, wrong};
-use lamplight::settings::{BounceMode, Noise, Raymarch, Spacing};
+use lamplight::settings::{Noise, Raymarch, Spacing};
 use lamplight::{Bounces, Gradient, Method, Rgb, Settings, Sky, Solver};
 
 fn raymarch() -> Settings {
@@ -48,7 +48,6 @@ fn the_seeds_march_agrees() {
                 let mut settings = Settings { bounces, ..raymarch() };
                 *raymarch_of(&mut settings) = Raymarch::preset(preset).unwrap();
                 raymarch_of(&mut settings).attenuation = attenuation;
-                raymarch_of(&mut settings).bounce_mode = BounceMode::Frame;
                 let name = format!("{preset}, fading: {attenuation}, {bounces:?}");
                 for [w, h] in [[97, 61], [1, 37], [160, 90]] {
                     agree(&gpu, &format!("{name} at {w}×{h}"), &cells(w, h, 13), settings.clone());
@@ -75,7 +74,6 @@ fn raymarch_agrees_on_every_example_scene() {
             let bounces = Bounces::Count(bounces);
             let mut settings = Settings { wall_depth, seed, bounces, ..raymarch() };
             *raymarch_of(&mut settings) = Raymarch::preset(preset).unwrap();
-            raymarch_of(&mut settings).bounce_mode = BounceMode::Frame;
             let name = format!("{name}, {preset}, {bounces:?}");
             agree(&gpu, &name, &scene.cells().unwrap(), settings);
         }

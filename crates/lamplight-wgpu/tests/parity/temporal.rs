@@ -3,7 +3,7 @@
 use crate::common::{device, raymarch_of};
 use crate::compare::scenes;
 use crate::frames::{FRAMES, frames_agree, moving};
-use lamplight::settings::{BounceMode, Denoise, Hit, Raymarch, Temporal};
+use lamplight::settings::{Denoise, Hit, Raymarch, Temporal};
 use lamplight::{Bounces, Settings};
 
 /// Rays a pixel. Of 8, those of a pixel whose first angle is 0 run along diagonals, through the very
@@ -54,10 +54,7 @@ fn means_agree_on_every_example_scene() {
             ..accumulating(true)
         };
         raymarch_of(&mut settings).denoise = Denoise { passes: 2, strength: 1.0 };
-        settings.bounces = Bounces::Count(1);
-        if number % 2 == 1 {
-            raymarch_of(&mut settings).bounce_mode = BounceMode::Feedback;
-        }
+        settings.bounces = if number % 2 == 1 { Bounces::Feedback } else { Bounces::Count(1) };
         let still = scene.cells().unwrap();
         let frames = (0..3).map(|n| {
             let mut cells = still.clone();

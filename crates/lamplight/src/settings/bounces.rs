@@ -1,12 +1,13 @@
-//! The maximum number of bounces.
+//! The bounces of light: how many, and whether within one frame or over many.
 
 use crate::{Error, Result};
 use schemars::JsonSchema;
 use serde::de::{Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 use std::fmt;
 
-/// The maximum number of bounces of light off walls and fog: a number, or `"converged"`; 2 unless set.
+/// The bounces of light off walls and fog: at most a number of them, `"converged"`, or `"feedback"`; 2 unless set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Bounces {
@@ -16,18 +17,30 @@ pub enum Bounces {
     #[serde(serialize_with = "converged::serialize")]
     #[schemars(with = "converged::Word")]
     Converged,
+    /// One more each frame, from the light of the frame before (Bigos 2020). The first frame has the fewest, and over
+    /// frames light grows to that of `Converged`. A frame costs about as much as one without bounces; where lamps or
+    /// walls move, the light that they reflect follows a frame or a few later.
+    #[serde(serialize_with = "feedback::serialize")]
+    #[schemars(with = "feedback::Word")]
+    Feedback,
 }
 
 impl Bounces {
-    /// The limit of `Converged`, so that even scenes whose walls absorb nothing end.
+    /// The limit of `Converged` and `Feedback`, so that even scenes whose walls absorb nothing end.
     pub const MAX: u32 = 256;
 
     /// Returns the maximum number of bounces.
     pub fn limit(self) -> u32 {
         match self {
             Self::Count(k) => k,
-            Self::Converged => Self::MAX,
+            Self::Converged | Self::Feedback => Self::MAX,
         }
+    }
+
+    /// Returns bounces within a single frame that lead to the same light.
+    #[must_use]
+    pub fn within_a_frame(self) -> Self {
+        if self == Self::Feedback { Self::Converged } else { self }
     }
 }
 
@@ -38,7 +51,22 @@ impl std::str::FromStr for Bounces {
         match text.parse() {
             Ok(k) if k <= Self::MAX => Ok(Self::Count(k)),
             _ if text == "converged" => Ok(Self::Converged),
-            _ => Err(Error::value("bounces", text, "a whole number from 0 to 256, or `converged`")),
+            _ if text == "feedback" => Ok(Self::Feedback),
+            _ => {
+                let expected = "a whole number from 0 to 256, `converged` or `feedback`";
+                Err(Error::value("bounces", text, expected))
+            }
+        }
+    }
+}
+
+impl From<Bounces> for Value {
+    /// The value in files.
+    fn from(bounces: Bounces) -> Self {
+        match bounces {
+            Bounces::Count(k) => k.into(),
+            Bounces::Converged => "converged".into(),
+            Bounces::Feedback => "feedback".into(),
         }
     }
 }
@@ -49,19 +77,27 @@ impl Default for Bounces {
     }
 }
 
-mod converged {
-    use super::*;
+/// A module for a variant that files hold as a word.
+macro_rules! word {
+    ($module:ident, $word:ident) => {
+        mod $module {
+            use super::*;
 
-    #[derive(Serialize, JsonSchema)]
-    #[serde(rename_all = "lowercase")]
-    pub enum Word {
-        Converged,
-    }
+            #[derive(Serialize, JsonSchema)]
+            #[serde(rename_all = "lowercase")]
+            pub enum Word {
+                $word,
+            }
 
-    pub fn serialize<S: Serializer>(to: S) -> Result<S::Ok, S::Error> {
-        Word::Converged.serialize(to)
-    }
+            pub fn serialize<S: Serializer>(to: S) -> Result<S::Ok, S::Error> {
+                Word::$word.serialize(to)
+            }
+        }
+    };
 }
+
+word!(converged, Converged);
+word!(feedback, Feedback);
 
 impl<'de> Deserialize<'de> for Bounces {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
@@ -71,7 +107,7 @@ impl<'de> Deserialize<'de> for Bounces {
             type Value = Bounces;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a whole number from 0 to 256, or \"converged\"")
+                f.write_str("a whole number from 0 to 256, \"converged\" or \"feedback\"")
             }
 
             fn visit_u64<E: serde::de::Error>(self, k: u64) -> Result<Bounces, E> {
@@ -91,6 +127,7 @@ impl<'de> Deserialize<'de> for Bounces {
             fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<Bounces, E> {
                 match word {
                     "converged" => Ok(Bounces::Converged),
+                    "feedback" => Ok(Bounces::Feedback),
                     _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
                 }
             }

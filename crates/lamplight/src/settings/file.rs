@@ -14,9 +14,10 @@ use serde::{Deserialize, Serialize};
 pub struct SettingsFile {
     /// The method.
     pub method: Method,
-    /// Maximum number of bounces of light off walls and fog, 0 to 256, or `"converged"`. Each bounce
-    /// costs one more gather over the surfaces that reflect. `polar` makes none, `flood` has its own
-    /// (`flood.bounce_rays`).
+    /// Maximum number of bounces of light off walls and fog, 0 to 256, or `"converged"`: each costs one
+    /// more gather over the surfaces that reflect. `"feedback"` adds one per frame to the light of the
+    /// frame before, at the price of none; single pictures then need `--frames`. `polar` makes none,
+    /// `flood` has its own (`flood.bounce_rays`).
     pub bounces: Bounces,
     /// Depth in px, 0 to 64, to which light penetrates solid walls, so that they are visible; with 0
     /// only the cells that touch open space are lit. Costs next to nothing.

@@ -2,7 +2,7 @@
 
 use super::preset::no_preset;
 use super::raymarch::Hit;
-use super::{Cascades, Flood, Holographic, Polar, Raymarch};
+use super::{Bounces, Cascades, Flood, Holographic, Polar, Raymarch, Variant};
 use crate::{Cells, Error, Lamp, Result, Sun};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -75,11 +75,6 @@ impl Method {
         self.lights_lamps() || sun.is_exact()
     }
 
-    /// Returns whether all frames of a static scene are identical: no noise and no history.
-    pub fn repeats(self) -> bool {
-        matches!(self, Self::Polar | Self::Cascades | Self::Holographic)
-    }
-
     /// Rejects a scene that the method cannot light: `polar` needs a lamp or a sun.
     pub fn suits(self, cells: &Cells) -> Result<()> {
         if self != Self::Polar || !(cells.lamps().is_empty() && cells.suns().is_empty()) {
@@ -130,6 +125,17 @@ impl MethodSettings {
             Self::Raymarch(raymarch) => raymarch.hit == Hit::Edge,
             Self::Polar(_) => false,
             Self::Flood(_) | Self::Cascades(_) | Self::Holographic(_) => true,
+        }
+    }
+
+    /// Returns the bounces that the method makes where some are `wanted`: the published variant of `holographic` has
+    /// no feedback, and makes all bounces in each frame instead.
+    pub fn bounces(&self, wanted: Bounces) -> Bounces {
+        match self {
+            Self::Holographic(settings) if settings.variant == Variant::Paper => {
+                wanted.within_a_frame()
+            }
+            _ => wanted,
         }
     }
 

@@ -32,6 +32,6 @@ pub use holographic::{Holographic, Variant};
 pub use method::{Method, MethodSettings};
 pub use polar::{Blend, Polar, ShadowFilter, Traversal};
 pub use quality::Quality;
-pub use raymarch::{BounceMode, Hit, Noise, Raymarch, Spacing};
+pub use raymarch::{Hit, Noise, Raymarch, Spacing};
 pub use solver::Settings;
 pub use table::SettingsTable;

@@ -1,6 +1,5 @@
 //! The settings of `raymarch`.
 
-use super::bounces::Bounces;
 use super::declare::settings;
 use super::filters::{Denoise, Temporal};
 use super::preset::with_preset;
@@ -47,19 +46,6 @@ pub enum Hit {
     Distance,
 }
 
-/// The way in which `raymarch` computes bounces.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-#[non_exhaustive]
-pub enum BounceMode {
-    /// All bounces within one frame.
-    #[default]
-    Frame,
-    /// One more bounce each frame, from the light of the frame before (Bigos 2020): `bounces` is
-    /// then only on or off.
-    Feedback,
-}
-
 settings! {
     /// The settings of `raymarch`.
     #[schemars(transform = with_preset(Self::PRESETS))]
@@ -93,8 +79,6 @@ settings! {
         /// Opacity above which a cell is occupied in the seed map. With `hit = "edge"`, rays pass
         /// cells at or below it as if they were empty.
         threshold: f32 = 0.0, in 0.0..=0.999;
-        /// The way in which bounces are computed.
-        bounce_mode: BounceMode = BounceMode::Frame;
         /// Accumulation over frames. In files it is a table of its own, `temporal`.
         #[serde(skip)]
         temporal: Temporal = Temporal::default();
@@ -109,26 +93,20 @@ settings! {
 }
 
 impl Raymarch {
-    /// Returns whether each frame adds a bounce to the light of the frame before.
-    pub fn feeds_back(&self, bounces: Bounces) -> bool {
-        bounces != Bounces::Count(0) && self.bounce_mode == BounceMode::Feedback
-    }
-
     /// Names of the presets; the first is the default.
     pub const PRESETS: &'static [&'static str] = &["default", "fast", "high", "godot", "unity"];
 
     /// Returns the preset of a name.
     ///
     /// `fast` and `high` take 16 and 128 rays. `godot` follows Bigos 2020 (32 rays a golden
-    /// angle apart, 128 steps, white noise, feedback bounce), and `unity` its port with tone mapping
-    /// (16 rays, evenly spaced, 16 steps, hit at 0.8 px); both without the blur.
+    /// angle apart, 128 steps, white noise), and `unity` its port with tone mapping (16 rays, evenly spaced, 16 steps,
+    /// hit at 0.8 px); both without the blur. The sources bounce light by [`crate::Bounces::Feedback`].
     pub fn preset(name: &str) -> Option<Self> {
         let godot = Self {
             steps: 128,
             hit: Hit::Distance,
             noise: Noise::White,
             spacing: Spacing::Golden,
-            bounce_mode: BounceMode::Feedback,
             denoise: Denoise { passes: 0, ..Denoise::default() },
             ..Self::default()
         };

@@ -83,6 +83,17 @@ impl Settings {
         self.method.method()
     }
 
+    /// Returns whether all frames of a static scene are identical: no noise, no history, no feedback.
+    pub fn repeats(&self) -> bool {
+        match self.method() {
+            Method::Polar => true,
+            Method::Cascades | Method::Holographic => {
+                self.method.bounces(self.bounces) != Bounces::Feedback
+            }
+            Method::Raymarch | Method::Flood => false,
+        }
+    }
+
     /// Returns the cheapest settings that produce the same seed map, Voronoi map and distance field.
     #[must_use]
     pub fn fields_only(&self) -> Self {

@@ -90,24 +90,31 @@ impl Surfaces {
     /// Copies the reflected and scattered light of the frame `before` for cells that were surfaces then. Walls that
     /// no longer reflect get none, because no later gather would replace it.
     pub fn take_over(&mut self, before: &Self) {
-        if (before.width, before.slots.len()) != (self.width, self.slots.len()) {
-            return;
-        }
+        let width = self.width;
         let walls = self.walls.iter().zip(&mut self.wall_reflected);
         for (wall, reflected) in walls.filter(|(wall, _)| wall.reflects) {
-            let slot = before.slots[wall.cell as usize] as usize;
-            if before.walls.get(slot).is_some_and(|old| old.cell == wall.cell) {
+            let Some((cell, slot)) = before.slot_at(wall.cell, width) else { continue };
+            if before.walls.get(slot).is_some_and(|old| old.cell == cell) {
                 for face in (0..4).filter(|&face| wall.exposed[face]) {
                     reflected[face] = before.wall_reflected[slot][face];
                 }
             }
         }
         for (&cell, scattered) in self.media.iter().zip(&mut self.medium_scattered) {
-            let slot = before.slots[cell as usize] as usize;
+            let Some((cell, slot)) = before.slot_at(cell, width) else { continue };
             if before.media.get(slot) == Some(&cell) {
                 *scattered = before.medium_scattered[slot];
             }
         }
+    }
+
+    /// Returns a cell of another grid, which is `width` cells wide, in this one, with its slot: grids of different
+    /// sizes share their first cell.
+    fn slot_at(&self, cell: u32, width: u32) -> Option<(u32, usize)> {
+        let [x, y] = [cell % width, cell / width];
+        let cell = if width == self.width { cell } else { y * self.width + x };
+        let slot = *self.slots.get(cell as usize).filter(|_| x < self.width)?;
+        Some((cell, slot as usize))
     }
 
     /// Returns the index of a cell in `walls` (solid cells) or `media` (others).
@@ -177,9 +184,10 @@ impl Surfaces {
 
 /// Runs bounces: calls `bounce` once per bounce, which gathers over the surfaces, updates their outgoing
 /// light and returns its largest change relative to the mean. With [`Bounces::Converged`] it stops once
-/// that change is under [`CONVERGED`].
+/// that change is under [`CONVERGED`]. [`Bounces::Feedback`] needs one: the light of the frame before has the others.
 pub fn solve_bounces(bounces: Bounces, mut bounce: impl FnMut() -> f32) {
-    for _ in 0..bounces.limit() {
+    let most = if bounces == Bounces::Feedback { 1 } else { bounces.limit() };
+    for _ in 0..most {
         if bounce() < CONVERGED && bounces == Bounces::Converged {
             return;
         }

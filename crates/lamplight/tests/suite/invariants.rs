@@ -1,7 +1,7 @@
 //! Invariants of `raymarch`, and scenes with known results.
 
 use crate::common::*;
-use lamplight::settings::{BounceMode, Hit, Noise, Raymarch};
+use lamplight::settings::{Hit, Noise, Raymarch};
 use lamplight::{Bounces, Cells, Error, Lamp, Light, Matter, Rgb, Settings, Sky, Solver};
 use std::f64::consts::PI;
 
@@ -118,36 +118,6 @@ fn a_furnace_is_a_geometric_series() {
 }
 
 #[test]
-fn feedback_converges_to_the_furnace_one_bounce_per_frame() {
-    for preset in Raymarch::PRESETS {
-        let mut settings =
-            settings(|s| s.method = unfiltered(Raymarch::preset(preset).unwrap()).into());
-        (raymarch_of(&mut settings).bounce_mode, settings.bounces) =
-            (BounceMode::Feedback, Bounces::Count(1));
-        let mut solver = Solver::new(settings).unwrap();
-        for frame in 1..8 {
-            let light = solver.solve(&furnace(0.8)).unwrap();
-            all_open_cells_are(light, in_the_furnace(0.8f32.into(), frame), 1e-4);
-        }
-    }
-}
-
-#[test]
-fn walls_that_turn_black_reflect_no_light_of_earlier_frames() {
-    let settings = settings(|s| {
-        (raymarch_of(s).bounce_mode, s.bounces) = (BounceMode::Feedback, Bounces::Count(1));
-    });
-    let mut solver = Solver::new(settings).unwrap();
-    for _ in 0..3 {
-        solver.solve(&furnace(0.8)).unwrap();
-    }
-    // One cell goes on reflecting, so that bounces are made at all.
-    let mut dim = furnace(0.0);
-    dim.albedo_mut()[1] = [1e-6; 3];
-    all_open_cells_are(solver.solve(&dim).unwrap(), in_the_furnace(0.0, 1), 1e-4);
-}
-
-#[test]
 fn perfect_mirrors_for_walls_stay_finite() {
     for bounces in [Bounces::Converged, Bounces::Count(Bounces::MAX)] {
         let light =
@@ -166,8 +136,7 @@ fn walls_reflect_about_the_same_under_every_hit_rule() {
     (0..20).for_each(|y| cells.set(20, 1 + y, WALL));
     cells.lamps_mut().push(Lamp { position: [8.0, 8.0], size: 2.0, ..LAMP });
     let behind = |raymarch: Raymarch| {
-        let raymarch =
-            Raymarch { rays: 256, steps: 4096, bounce_mode: BounceMode::Frame, ..raymarch };
+        let raymarch = Raymarch { rays: 256, steps: 4096, ..raymarch };
         let settings = settings(|s| (s.method, s.bounces) = (raymarch.into(), Bounces::Count(2)));
         f64::from(solve(&settings, &cells).over([24.0, 2.0], [38.0, 12.0])[0])
     };

@@ -11,6 +11,7 @@ mod debug_views;
 mod denoise;
 mod direct;
 mod draw;
+mod feedback;
 mod flood;
 mod invariants;
 mod jump_flood;

@@ -463,7 +463,7 @@ const TOML_MISTAKES: &[Mistake] = &[
     ),
     (
         "size = [4, 4]\n[light]\nbounces = -3",
-        "line 3: `light.bounces` is -3, but must be a whole number from 0 to 256, or \"converged\"",
+        "line 3: `light.bounces` is -3, but must be a whole number from 0 to 256, \"converged\" or \"feedback\"",
     ),
     (
         "size = [4, 4]\n[light.raymarch]\nrays = 0",
@@ -508,7 +508,7 @@ const JSON_MISTAKES: &[Mistake] = &[
     ),
     (
         "{\"size\": [4, 4], \"light\": {\"bounces\": 1.5}}",
-        "`light.bounces` is 1.5, but must be a whole number from 0 to 256, or \"converged\"",
+        "`light.bounces` is 1.5, but must be a whole number from 0 to 256, \"converged\" or \"feedback\"",
     ),
 ];
 

@@ -2,8 +2,8 @@
 
 use crate::common::raymarch_of;
 use lamplight::settings::{
-    Blend, BounceMode, Denoise, Fade, Flood, Hit, Holographic, MethodSettings, Noise, Polar,
-    Raymarch, ShadowFilter, Spacing, Sweeps, Temporal, Traversal,
+    Blend, Denoise, Fade, Flood, Hit, Holographic, MethodSettings, Noise, Polar, Raymarch,
+    ShadowFilter, Spacing, Sweeps, Temporal, Traversal,
 };
 use lamplight::{Bounces, Cells, Falloff, Method, Quality, Settings, SettingsTable, Solver};
 use serde_json::{Value, json};
@@ -61,7 +61,6 @@ fn presets_have_the_numbers_of_their_sources() {
     assert_eq!((godot.rays, godot.steps), (32, 128));
     assert_eq!((godot.hit, godot.hit_distance, godot.least_step), (Hit::Distance, 0.5, 1.0));
     assert_eq!((godot.spacing, godot.noise), (Spacing::Golden, Noise::White));
-    assert_eq!(godot.bounce_mode, BounceMode::Feedback);
     let unity = raymarch(&flags(&["raymarch.preset=unity"]));
     assert_eq!((unity.rays, unity.steps), (16, 16));
     assert_eq!((unity.hit, unity.hit_distance, unity.spacing), (Hit::Distance, 0.8, Spacing::Even));
@@ -175,6 +174,7 @@ fn text_is_read_as_numbers_words_and_booleans() {
     assert_eq!((r.hit, r.noise, r.emission_range), (Hit::Distance, Noise::Golden, 0.01));
     assert!(r.attenuation);
     assert_eq!(resolved(&["bounces=converged"]).bounces, Bounces::Converged);
+    assert_eq!(resolved(&["bounces=feedback"]).bounces, Bounces::Feedback);
     assert_eq!(resolved(&["bounces=3", "bounces=4"]).bounces, Bounces::Count(4));
 }
 
@@ -210,7 +210,7 @@ const OUT_OF_RANGE: [(&str, &str, &str, &str); 20] = [
     ("flood.rounds", "-1", "1025", "from 0 to 1024"),
     ("flood.decay", "-0.1", "1000001", "from 0 to 1000000"),
     ("polar.density", "0.2", "8.5", "from 0.25 to 8"),
-    ("bounces", "-1", "257", "a whole number from 0 to 256, or \"converged\""),
+    ("bounces", "-1", "257", "a whole number from 0 to 256, \"converged\" or \"feedback\""),
 ];
 
 #[test]
@@ -256,7 +256,7 @@ fn unknown_keys_and_values_are_rejected_with_the_valid_ones() {
         ("method=5", "`method` is "),
         (
             "bounces=often",
-            "`bounces` is \"often\", but must be a whole number from 0 to 256, or \"converged\"",
+            "`bounces` is \"often\", but must be a whole number from 0 to 256, \"converged\" or \"feedback\"",
         ),
         ("bounces=1.5", "`bounces` is 1.5, but must be a whole number from 0 to 256"),
         (
@@ -380,9 +380,10 @@ fn bounces_are_read_from_words() {
     assert_eq!("0".parse::<Bounces>().unwrap(), Bounces::Count(0));
     assert_eq!("256".parse::<Bounces>().unwrap(), Bounces::Count(256));
     assert_eq!("converged".parse::<Bounces>().unwrap(), Bounces::Converged);
+    assert_eq!("feedback".parse::<Bounces>().unwrap(), Bounces::Feedback);
     for bad in ["257", "-1", "", "Converged", "1.0"] {
         let error = bad.parse::<Bounces>().unwrap_err().to_string();
-        let expected = "a whole number from 0 to 256, or `converged`";
+        let expected = "a whole number from 0 to 256, `converged` or `feedback`";
         assert_eq!(error, format!("`bounces` is {bad}, but must be {expected}"));
     }
     assert_eq!((Bounces::Count(7).limit(), Bounces::Converged.limit()), (7, Bounces::MAX));

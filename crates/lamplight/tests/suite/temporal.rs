@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use lamplight::internals::temporal::REACH;
-use lamplight::settings::{BounceMode, Hit, Noise, Spacing, Temporal};
+use lamplight::settings::{Hit, Noise, Spacing, Temporal};
 use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Settings, Sky, Solver};
 
 /// Rays of a frame, and of what frames are compared with.
@@ -113,18 +113,13 @@ fn left_behind(settings: &Settings, lit: &Cells, dark: &Cells, lamp: &Lamp) -> [
 fn variants() -> Vec<(&'static str, Settings)> {
     let mut variants = Vec::new();
     for hit in [Hit::Edge, Hit::Distance] {
-        for (name, bounces, bounce) in [
-            ("direct", 0, BounceMode::Frame),
-            ("two bounces", 2, BounceMode::Frame),
-            ("feedback", 1, BounceMode::Feedback),
+        for (name, bounces) in [
+            ("direct", Bounces::Count(0)),
+            ("two bounces", Bounces::Count(2)),
+            ("feedback", Bounces::Feedback),
         ] {
-            variants.push((
-                name,
-                accumulating(|s| {
-                    s.bounces = Bounces::Count(bounces);
-                    (raymarch_of(s).hit, raymarch_of(s).bounce_mode) = (hit, bounce);
-                }),
-            ));
+            variants
+                .push((name, accumulating(|s| (s.bounces, raymarch_of(s).hit) = (bounces, hit))));
         }
     }
     variants
@@ -190,14 +185,13 @@ fn light_in_a_cloud_goes_out_with_its_lamp() {
     let (dark, lamp) = (cloud(), lamp([10.0, 8.0], 2.0));
     let lit = with_lamp(&dark, lamp);
     let below = |light: &Light| light.over([31.0, 26.0], [60.0, 40.0])[0];
-    for bounce in [BounceMode::Frame, BounceMode::Feedback] {
-        let settings =
-            accumulating(|s| (s.bounces, raymarch_of(s).bounce_mode) = (Bounces::Count(1), bounce));
+    for bounces in [Bounces::Count(1), Bounces::Feedback] {
+        let settings = accumulating(|s| s.bounces = bounces);
         let mut solver = Solver::new(settings).unwrap();
         let before = below(&frames(&mut solver, &lit, 10));
         let left = below(&frames(&mut solver, &dark, 8)) / before;
-        println!("{bounce:?}: {:.4} % of {before} left below the cloud", 100.0 * left);
-        assert!(before > 0.0 && f64::from(left) < LEFT, "{bounce:?}: {left} of {before}");
+        println!("{bounces:?}: {:.4} % of {before} left below the cloud", 100.0 * left);
+        assert!(before > 0.0 && f64::from(left) < LEFT, "{bounces:?}: {left} of {before}");
     }
 }
 

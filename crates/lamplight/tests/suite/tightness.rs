@@ -7,7 +7,7 @@
 
 use crate::common::*;
 use fastrand::Rng;
-use lamplight::settings::{BounceMode, Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
+use lamplight::settings::{Hit, Holographic, Noise, Raymarch, Spacing, Temporal};
 use lamplight::{Bounces, Cells, Direct, Lamp, Matter, Rgb, Settings, Solver, Sun};
 use proptest::prelude::*;
 
@@ -45,18 +45,13 @@ fn world(sealed: &Sealed, size: [u32; 2], random: &mut Rng) -> Cells {
     cells
 }
 
-/// Returns whether each frame adds a bounce to the light of the frame before.
-fn feeds_back(settings: &Settings) -> bool {
-    settings
-        .method
-        .as_raymarch()
-        .is_some_and(|raymarch| raymarch.bounce_mode == BounceMode::Feedback)
-}
+/// None, those within a frame, and those over frames.
+const BOUNCES: [Bounces; 3] = [Bounces::Count(0), Bounces::Count(2), Bounces::Feedback];
 
 /// Light after a few frames: feedback and history have had their chance.
 fn frames(settings: &Settings, cells: &Cells) -> Vec<Rgb> {
     let mut solver = Solver::new(settings.clone()).unwrap();
-    for _ in 0..if feeds_back(settings) { 3 } else { 2 } {
+    for _ in 0..if settings.bounces == Bounces::Feedback { 3 } else { 2 } {
         solver.solve(cells).unwrap();
     }
     solver.light().pixels().to_vec()
@@ -89,11 +84,11 @@ fn marches() -> impl Strategy<Value = Raymarch> {
 }
 
 fn any_settings() -> impl Strategy<Value = Settings> {
-    (marches(), prop::bool::ANY, prop::bool::ANY, prop::bool::ANY).prop_map(
+    (marches(), prop::sample::select(BOUNCES.to_vec()), prop::bool::ANY, prop::bool::ANY).prop_map(
         |(raymarch, bounces, denoise, temporal)| {
             settings(|s| {
                 *raymarch_of(s) = raymarch;
-                s.bounces = Bounces::Count(if bounces { 2 } else { 0 });
+                s.bounces = bounces;
                 raymarch_of(s).denoise.passes = if denoise { 5 } else { 0 };
                 raymarch_of(s).temporal =
                     Temporal { history_length: if temporal { 8 } else { 0 }, reject: true };
@@ -165,11 +160,11 @@ fn every_setting() -> Vec<Settings> {
         for hit in [Hit::Edge, Hit::Distance] {
             for noise in [Noise::White, Noise::Blue, Noise::Golden] {
                 for spacing in [Spacing::Even, Spacing::Golden] {
-                    for bounces in [0, 2] {
+                    for bounces in BOUNCES {
                         all.push(settings(|s| {
                             let preset = unfiltered(Raymarch::preset(preset).unwrap());
                             *raymarch_of(s) = Raymarch { hit, noise, spacing, ..preset };
-                            s.bounces = Bounces::Count(bounces);
+                            s.bounces = bounces;
                         }));
                     }
                 }
@@ -198,13 +193,10 @@ fn no_preset_of_holographic_lets_light_out() {
     let random = &mut fresh();
     for contact in [Contact::Sides, Contact::Corners] {
         for preset in ["default", "fast", "quality"] {
-            for bounces in [0, 2] {
+            for bounces in BOUNCES {
                 for _ in 0..8 {
                     let holographic = Holographic::preset(preset).unwrap();
-                    let settings = Settings {
-                        bounces: Bounces::Count(bounces),
-                        ..Settings::direct(holographic)
-                    };
+                    let settings = Settings { bounces, ..Settings::direct(holographic) };
                     let sealed = Sealed::new(random, [71, 37], 300, contact);
                     let cells = world(&sealed, [71, 37], random);
                     let (leaks, inside) = lit(&sealed, &cells, &frames(&settings, &cells));
@@ -229,7 +221,7 @@ fn diamond(gap: bool) -> Cells {
 fn one_open_cell_lets_light_out() {
     for mut settings in every_setting() {
         // Fewer rays miss a gap of one cell if all of them belong to one frame.
-        if !feeds_back(&settings) {
+        if settings.bounces != Bounces::Feedback {
             let rays = &mut raymarch_of(&mut settings).rays;
             *rays = (*rays).max(32);
         }

@@ -71,7 +71,7 @@ impl Canvas {
         Self::check_size(size)?;
         let mut cells = Cells::new(size[0], size[1])?;
         cells.color_mut().fill([0.5; 3]);
-        Self::of(cells, Look { bounces: 2, wall_depth: 5.0, ..Look::default() })
+        Self::of(cells, Look { wall_depth: 5.0, ..Look::default() })
     }
 
     /// A canvas of cells that are there already; they are checked.

@@ -72,10 +72,7 @@ impl Canvas {
             ground: [0.02, 0.02, 0.05],
         }));
         let display = Display { exposure: 0.9, ..Display::default() };
-        Self::of(
-            cells,
-            Look { bounces: 2, wall_depth: 64.0, display, ..Look::default() }.at_scale(unit),
-        )
+        Self::of(cells, Look { wall_depth: 64.0, display, ..Look::default() }.at_scale(unit))
     }
 }
 

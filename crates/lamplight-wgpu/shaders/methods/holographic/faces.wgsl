@@ -3,9 +3,11 @@
 
 #import methods/holographic/packed_rgb
 #import shared/change
-#import shared/normal
 #import shared/solid
 #import shared/uniforms
+
+// True if the scattered radiance is kept for the next frame, with a mark of each medium.
+override MARKS: bool = false;
 
 @group(0) @binding(2) var albedo: texture_2d<f32>;
 @group(0) @binding(3) var<storage, read> irradiance: array<vec2u>;
@@ -16,12 +18,6 @@
 // Bound if light bounces until it has converged.
 @group(0) @binding(7) var<storage, read_write> changes: array<Change>;
 @group(0) @binding(8) var<uniform> step: u32;
-
-// Returns whether a face (left, right, top, bottom) looks at a cell of the grid that is not solid.
-fn exposed(at: vec2u, face: u32) -> bool {
-    let front = vec2i(at) + normal(face);
-    return inside(front) && !solid(front);
-}
 
 // The light that a face scatters, E/2, or a medium with its first face; in `w` 1 if it exists.
 fn incoming(at: vec2u, face: u32, tint_opacity: vec4f) -> vec4f {
@@ -56,6 +52,9 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
         let gathered = incoming(id.xy, face, tint_opacity).rgb;
         let radiance = scattered_by(id.xy, face, own_albedo, gathered);
         scattered[4u * index(id.xy) + face] = pack_rgb(radiance);
+    }
+    if MARKS && tint_opacity.a < 1.0 {
+        scattered[4u * index(id.xy) + 1u] = KEPT_MEDIUM;
     }
 }
 

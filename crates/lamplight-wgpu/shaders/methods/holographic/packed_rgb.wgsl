@@ -1,5 +1,9 @@
 // Radiance in eight bytes: 19 bits per channel and a shared exponent, within 2e-6 of the brightest channel.
 
+// Stands in the second face of a medium whose scattered radiance, in the first, is kept for the next frame. No
+// radiance is packed with its exponent.
+const KEPT_MEDIUM: vec2u = vec2u(0xffffffffu);
+
 fn pack_rgb(rgb: vec3f) -> vec2u {
     let most = max(max(rgb.r, rgb.g), max(rgb.b, 1e-18));
     // The power of two above it; 2^-60 and less counts as 2^-60.

@@ -17,6 +17,7 @@ use crate::stage::Stage;
 use crate::stages::compare::Compare;
 use crate::stages::convergence::Convergence;
 use crate::stages::empty_space::EmptySpace;
+use crate::stages::feedback::Feedback;
 use crate::stages::medium_grid::{MediumGrid, MediumGridPipelines};
 use crate::stages::packet::PACKET;
 use crate::{programs, shaders};
@@ -36,8 +37,15 @@ pub struct Cascades {
     /// For light, if its first moment is found.
     moment: Option<Passes>,
     cosines: Buffer,
-    /// Set if light bounces until it has converged.
-    convergence: Option<(Convergence, Compare)>,
+    bounce: Bounce,
+}
+
+/// The way in which light bounces, with the pipelines that only it needs.
+#[derive(Debug)]
+enum Bounce {
+    Times(u32),
+    Converged(Convergence, Compare),
+    Feedback(Feedback),
 }
 
 /// The pipelines of a gather.
@@ -59,17 +67,15 @@ struct Plan<'a> {
     squares: Buffer,
 }
 
-/// A gather: what it reads, and where its result goes.
+/// The scattered radiance that a gather reads. It counts from step 1 on.
 #[derive(Clone, Copy)]
-struct GatherTarget<'a> {
-    /// Entry of [`programs::CASCADES_GATHER`].
-    entry: usize,
-    /// Scattered radiance counts from step 1 on.
+struct Indirect<'a> {
     step: u32,
     scattered: &'a Buffer,
-    to: &'a Buffer,
 }
 
+/// Faces of a cell; a medium uses the first.
+const FACES: u64 = 4;
 /// Entries of [`programs::CASCADES_GATHER`]: light, or the scattered radiance of the next bounce.
 const LIGHT: usize = 0;
 const SCATTERED: usize = 1;
@@ -101,16 +107,20 @@ impl Cascades {
         let cosines = |cone| [0, 1, 2, 3].map(|face| cosine(face, cone, rays));
         let cosines: Vec<[f32; 4]> = (0..rays).map(cosines).collect();
         let cosines = bytemuck::cast_slice(&cosines);
-        let converges = bounces == Bounces::Converged;
+        let bounce = match bounces {
+            Bounces::Count(times) => Bounce::Times(times),
+            Bounces::Converged => Bounce::Converged(Convergence::new(device), Compare::new(device)),
+            Bounces::Feedback => Bounce::Feedback(Feedback::new(device)),
+        };
         Ok(Self {
             settings: settings.clone(),
             // As in `raymarch`, squares are not found again in each of many recorded bounces.
-            medium_grid: MediumGridPipelines::new(device, converges),
+            medium_grid: MediumGridPipelines::new(device, bounces == Bounces::Converged),
             empty_space: EmptySpace::new(device),
             passes: passes(false),
             moment: moment.then(|| passes(true)),
             cosines: filled(device, queue, "cosines", BufferUsages::STORAGE, cosines),
-            convergence: converges.then(|| (Convergence::new(device), Compare::new(device))),
+            bounce,
         })
     }
 
@@ -119,56 +129,85 @@ impl Cascades {
         let (paths, layers) = (ladder.paths(planner)?, ladder.layers(planner)?);
         let halves = planner.pair::<[f32; 4]>("cascades", ladder.means())?;
         let grid = self.medium_grid.buffers(planner)?;
-        let bounces = planner.settings.bounces.limit();
-        let faces = if planner.settings.bounces == Bounces::Count(0) { 0 } else { 4 };
-        let scattered = planner.pair::<[f32; 4]>("scattered", (planner.cells() * faces).max(1))?;
+        let faces = match self.bounce {
+            Bounce::Times(0) => 1,
+            _ => planner.cells() * FACES,
+        };
+        let one = planner.buffer::<[f32; 4]>("scattered", faces)?;
+        let other = match self.bounce {
+            Bounce::Feedback(_) => planner.kept_scattered::<[f32; 4]>(faces)?,
+            _ => planner.buffer::<[f32; 4]>("scattered", faces)?,
+        };
         let (squares, find_squares) = self.empty_space.plan(planner, &grid)?;
         let plan = Plan { planner, ladder, paths, layers, halves, grid, squares };
 
-        let mut dispatches = vec![self.medium_grid.read(planner, &plan.grid, &scattered[0])];
+        let mut dispatches = vec![self.medium_grid.read(planner, &plan.grid, &one)];
         dispatches.extend_from_slice(&find_squares);
-        let [mut from, mut to] = scattered.each_ref();
-        if let Some((convergence, compare)) = &self.convergence {
-            let changes = Convergence::changes(planner)?;
-            let [first, later] = [0, 1].map(|step| {
-                let target = GatherTarget { entry: SCATTERED, step, scattered: from, to };
-                let mut bounce = self.gather(&plan, target);
-                bounce.extend(planner.scatter_direct(to));
-                bounce.push(compare.plan(planner, to, from, &changes, step));
-                bounce.push(self.medium_grid.light_media(planner, &plan.grid, from));
-                bounce
-            });
-            dispatches.extend(convergence.plan(planner, &changes, first, later)?);
-        } else {
-            for bounce in 0..bounces {
-                let target =
-                    GatherTarget { entry: SCATTERED, step: bounce.min(1), scattered: from, to };
-                dispatches.extend(self.gather(&plan, target));
-                dispatches.extend(planner.scatter_direct(to));
-                dispatches.push(self.medium_grid.light_media(planner, &plan.grid, to));
-                // Media that scatter other light are other matter to empty-space skipping.
+        let light_media = |scattered| self.medium_grid.light_media(planner, &plan.grid, scattered);
+        let [mut from, mut to] = [&one, &other];
+        let mut step = 1;
+        let mut targets = vec![(LIGHT, light)];
+        match &self.bounce {
+            Bounce::Times(times) => {
+                for bounce in 0..*times {
+                    let indirect = Indirect { step: bounce.min(1), scattered: from };
+                    dispatches.extend(self.gather(&plan, indirect, &[(SCATTERED, to)]));
+                    dispatches.extend(planner.scatter_direct(to));
+                    dispatches.push(light_media(to));
+                    // Media that scatter other light are other matter to empty-space skipping.
+                    dispatches.extend_from_slice(&find_squares);
+                    (from, to) = (to, from);
+                }
+                step = (*times).min(1);
+            }
+            Bounce::Converged(convergence, compare) => {
+                let changes = Convergence::changes(planner)?;
+                let [first, later] = [0, 1].map(|step| {
+                    let indirect = Indirect { step, scattered: from };
+                    let mut bounce = self.gather(&plan, indirect, &[(SCATTERED, to)]);
+                    bounce.extend(planner.scatter_direct(to));
+                    bounce.push(compare.plan(planner, to, from, &changes, step));
+                    bounce.push(light_media(from));
+                    bounce
+                });
+                dispatches.extend(convergence.plan(planner, &changes, first, later)?);
+            }
+            Bounce::Feedback(feedback) => {
+                dispatches.push(feedback.plan(planner, &plan.grid, to, from));
+                dispatches.push(light_media(from));
                 dispatches.extend_from_slice(&find_squares);
-                (from, to) = (to, from);
+                targets.push((SCATTERED, to));
             }
         }
-        let target =
-            GatherTarget { entry: LIGHT, step: bounces.min(1), scattered: from, to: light };
-        dispatches.extend(self.gather(&plan, target));
+        let indirect = Indirect { step, scattered: from };
+        dispatches.extend(self.gather(&plan, indirect, &targets));
+        if let [_, (SCATTERED, kept)] = &targets[..] {
+            dispatches.extend(planner.scatter_direct(kept));
+        }
         dispatches.extend(planner.add_direct(light));
         let stages = vec![(Stage::EmptySpace, plan.squares), (Stage::Light, light.clone())];
         Ok(PassList::new(dispatches, stages))
     }
 
-    /// Plans a gather over all cones of the nearest cascade, batch by batch.
-    fn gather(&self, plan: &Plan, target: GatherTarget) -> Vec<Dispatch> {
-        let with_moment = self.moment.as_ref().filter(|_| target.entry == LIGHT);
+    /// Plans a gather over all cones of the nearest cascade, batch by batch. Each target is an entry of
+    /// [`programs::CASCADES_GATHER`] and the buffer that it writes to.
+    fn gather(
+        &self,
+        plan: &Plan,
+        indirect: Indirect,
+        targets: &[(usize, &Buffer)],
+    ) -> Vec<Dispatch> {
+        let lights = targets.iter().any(|&(entry, _)| entry == LIGHT);
+        let with_moment = self.moment.as_ref().filter(|_| lights);
         let Passes { merge: merges, gather: gathers } = with_moment.unwrap_or(&self.passes);
         let merge = [0, 1].map(|half: usize| {
-            let [far, near] = [&plan.halves[1 - half], &plan.halves[half]];
-            plan.bind(merges, GatherTarget { to: near, ..target }, far, &[])
+            plan.bind(merges, indirect, [&plan.halves[1 - half], &plan.halves[half]], &[])
         });
         let more = [view(&plan.planner.textures.albedo), whole(&self.cosines)];
-        let gather = plan.bind(gathers, target, &plan.halves[1], &more);
+        let gather: Vec<_> = targets
+            .iter()
+            .map(|&(entry, to)| (entry, plan.bind(gathers, indirect, [&plan.halves[1], to], &more)))
+            .collect();
         let mut dispatches = Vec::new();
         for batch in 0..plan.ladder.batches() {
             for further in (1..plan.ladder.cascades.len()).rev() {
@@ -180,7 +219,10 @@ impl Cascades {
                 dispatches.push(Dispatch::new(pipeline, bound, Some(layer), groups));
             }
             let nearest = Some(plan.ladder.layer(batch, 0));
-            dispatches.push(plan.planner.over_cells(gathers, target.entry, &gather, nearest));
+            let gathers = gather
+                .iter()
+                .map(|(entry, bound)| plan.planner.over_cells(gathers, *entry, bound, nearest));
+            dispatches.extend(gathers);
         }
         dispatches
     }
@@ -191,8 +233,8 @@ impl Plan<'_> {
     fn bind(
         &self,
         pipelines: &ComputePipelines,
-        target: GatherTarget,
-        far: &Buffer,
+        indirect: Indirect,
+        [far, to]: [&Buffer; 2],
         more: &[BindingResource],
     ) -> BoundResources {
         let Self { planner, grid, .. } = self;
@@ -202,10 +244,10 @@ impl Plan<'_> {
             whole(&grid.source),
             whole(&grid.extinction),
             whole(&self.squares),
-            whole(target.scattered),
-            planner.shared.number(target.step),
+            whole(indirect.scattered),
+            planner.shared.number(indirect.step),
             ladder::selected(&self.layers),
-            whole(target.to),
+            whole(to),
             planner.panorama(),
         ];
         resources.extend_from_slice(more);

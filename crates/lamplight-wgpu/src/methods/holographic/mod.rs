@@ -54,8 +54,15 @@ pub struct Holographic {
     gather: ComputePipelines,
     gather_faces: ComputePipelines,
     faces: ComputePipelines,
-    /// Set if light bounces until it has converged, with the pipeline that scatters light then.
-    convergence: Option<(Convergence, ComputePipelines)>,
+    bounce: Bounce,
+}
+
+/// The way in which light bounces, with the pipelines that only it needs.
+#[derive(Debug)]
+enum Bounce {
+    Times(u32),
+    Converged(Convergence, ComputePipelines),
+    Feedback(ComputePipelines),
 }
 
 /// The pipelines that depend on how intervals are stored.
@@ -191,15 +198,24 @@ impl Holographic {
             ComputePipelines::new(device, &programs::HOLOGRAPHIC_GATHER, &constants)
         };
         let compared = || ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
-        let converges = bounces == Bounces::Converged;
+        let bounce = match bounces {
+            Bounces::Count(times) => Bounce::Times(times),
+            Bounces::Converged => Bounce::Converged(Convergence::new(device), compared()),
+            Bounces::Feedback => Bounce::Feedback(ComputePipelines::new(
+                device,
+                &programs::HOLOGRAPHIC_FEEDBACK,
+                &[],
+            )),
+        };
+        let marks = ("MARKS", f64::from(bounces == Bounces::Feedback));
         Self {
             settings: settings.clone(),
             slabs: ComputePipelines::new(device, &programs::HOLOGRAPHIC_SLABS, CELLS),
             intervals: [2, 3].map(|words| IntervalPipelines::new(device, geometry.level, words)),
             gather: gather(true),
             gather_faces: gather(false),
-            faces: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES, &[]),
-            convergence: converges.then(|| (Convergence::new(device), compared())),
+            faces: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES, &[marks]),
+            bounce,
         }
     }
 
@@ -222,7 +238,11 @@ impl Holographic {
         }
         let storage = BufferUsages::STORAGE;
         let faces = FACES * planner.cells();
-        let bounces = planner.settings.bounces.limit();
+        let scattered = match self.bounce {
+            Bounce::Times(0) => planner.buffer::<Packed>("scattered", 1)?,
+            Bounce::Feedback(_) => planner.kept_scattered::<Packed>(faces)?,
+            _ => planner.buffer::<Packed>("scattered", faces)?,
+        };
         let buffers = Buffers {
             footprints: planner.filled(
                 "footprints",
@@ -235,8 +255,7 @@ impl Holographic {
             tints: planner.buffer::<u32>("tints of intervals", tints)?,
             radiance: planner.buffer::<Packed>("light of cones", radiance)?,
             irradiance: planner.buffer::<Packed>("irradiance", faces)?,
-            scattered: planner
-                .buffer::<Packed>("scattered", if bounces > 0 { faces } else { 1 })?,
+            scattered,
         };
 
         let mut quadrant = Quadrant::new(
@@ -249,14 +268,20 @@ impl Holographic {
         );
         let sky = planner.has_panorama().then(|| ConeSky::new(cones, buffers.cones.clone()));
         // Bounces after the first are all the same.
+        let within_a_frame = match self.bounce {
+            Bounce::Times(times) => times,
+            Bounce::Converged(..) => u32::MAX,
+            Bounce::Feedback(_) => 0,
+        };
         let [first, later] = [false, true].map(|indirect| {
-            if bounces > u32::from(indirect) {
+            if within_a_frame > u32::from(indirect) {
                 quadrant.gather(&axes, indirect, false)
             } else {
                 Vec::new()
             }
         });
-        let last = quadrant.gather(&axes, bounces > 0, true);
+        let indirect = !matches!(self.bounce, Bounce::Times(0));
+        let last = quadrant.gather(&axes, indirect, true);
         let sweeps = Sweeps::new(planner, quadrant.sweeps())?;
         let bindings = self.bind(planner, intervals, &buffers, &sweeps, light);
         let bound = |planned: &[PlannedWork]| -> Vec<_> {
@@ -274,22 +299,35 @@ impl Holographic {
             whole(light),
         ];
         let faces = planner.bind(&self.faces, &resources);
+        let scatter = planner.over_cells(&self.faces, SCATTER, &faces, None);
         let mut dispatches = Vec::new();
-        if let Some((convergence, compared)) = &self.convergence {
-            let changes = Convergence::changes(planner)?;
-            let more = [whole(&changes), planner.shared.step()];
-            let faces = planner.bind(compared, &[&resources[..], &more].concat());
-            first.push(planner.over_cells(compared, 0, &faces, Some(0)));
-            later.push(planner.over_cells(compared, 0, &faces, Some(1)));
-            dispatches = convergence.plan(planner, &changes, first, later)?;
-        } else {
-            for bounce in 0..bounces {
-                dispatches.extend_from_slice(if bounce == 0 { &first } else { &later });
-                dispatches.push(planner.over_cells(&self.faces, SCATTER, &faces, None));
+        match &self.bounce {
+            Bounce::Times(times) => {
+                for bounce in 0..*times {
+                    dispatches.extend_from_slice(if bounce == 0 { &first } else { &later });
+                    dispatches.push(scatter.clone());
+                }
+            }
+            Bounce::Converged(convergence, compared) => {
+                let changes = Convergence::changes(planner)?;
+                let more = [whole(&changes), planner.shared.step()];
+                let faces = planner.bind(compared, &[&resources[..], &more].concat());
+                first.push(planner.over_cells(compared, 0, &faces, Some(0)));
+                later.push(planner.over_cells(compared, 0, &faces, Some(1)));
+                dispatches = convergence.plan(planner, &changes, first, later)?;
+            }
+            Bounce::Feedback(feedback) => {
+                let [matter, albedo, ..] = &resources;
+                let resources = [matter.clone(), albedo.clone(), whole(&buffers.scattered)];
+                let bound = planner.bind(feedback, &resources);
+                dispatches.push(planner.over_cells(feedback, 0, &bound, None));
             }
         }
         dispatches.extend(last);
         dispatches.push(planner.over_cells(&self.faces, SHOW, &faces, None));
+        if matches!(self.bounce, Bounce::Feedback(_)) {
+            dispatches.push(scatter);
+        }
         dispatches.extend(planner.add_direct(light));
         let stages = vec![(Stage::Light, light.clone())];
         Ok(PassList { sky, ..PassList::new(dispatches, stages) })

@@ -1,14 +1,14 @@
 //! Bounces: a number of them, until light has converged, or one per frame.
 
 use super::gather::{Gather, GatherBuffers, Gathered};
-use crate::error::{Result, unsupported};
+use crate::error::Result;
 use crate::pipeline::Dispatch;
 use crate::planner::FramePlanner;
 use crate::stages::compare::Compare;
 use crate::stages::convergence::Convergence;
 use crate::stages::feedback::Feedback;
 use crate::stages::medium_grid::MediumGridPipelines;
-use lamplight::settings::{BounceMode, Bounces, Raymarch};
+use lamplight::Bounces;
 use wgpu::{Buffer, Device};
 
 /// Faces of a cell; a medium uses the first.
@@ -23,16 +23,12 @@ pub enum Bounce {
 }
 
 impl Bounce {
-    pub fn new(device: &Device, settings: &Raymarch, bounces: Bounces) -> lamplight::Result<Self> {
-        Ok(match (bounces, settings.bounce_mode) {
-            (Bounces::Count(0), _) => Self::Times(0),
-            (_, BounceMode::Feedback) => Self::Feedback(Feedback::new(device)),
-            (Bounces::Count(times), BounceMode::Frame) => Self::Times(times),
-            (Bounces::Converged, BounceMode::Frame) => {
-                Self::Converged(Convergence::new(device), Compare::new(device))
-            }
-            (_, other) => return Err(unsupported("raymarch.bounce_mode", other)),
-        })
+    pub fn new(device: &Device, bounces: Bounces) -> Self {
+        match bounces {
+            Bounces::Count(times) => Self::Times(times),
+            Bounces::Converged => Self::Converged(Convergence::new(device), Compare::new(device)),
+            Bounces::Feedback => Self::Feedback(Feedback::new(device)),
+        }
     }
 
     /// Returns whether media that scatter are crossed cell by cell from the start. It saves finding squares
@@ -50,7 +46,7 @@ impl Bounce {
             _ => planner.cells() * FACES,
         };
         let after = match self {
-            Self::Feedback(_) => planner.history::<[f32; 4]>("scattered", count)?,
+            Self::Feedback(_) => planner.kept_scattered::<[f32; 4]>(count)?,
             _ => planner.buffer::<[f32; 4]>("scattered", count)?,
         };
         Ok([planner.buffer::<[f32; 4]>("scattered", count)?, after])

@@ -56,7 +56,7 @@ impl Raymarch {
             other => return Err(unsupported("raymarch.hit", other)),
         };
         let rejects = accumulates && settings.temporal.reject;
-        let bounce = Bounce::new(device, settings, bounces)?;
+        let bounce = Bounce::new(device, bounces);
         Ok(Self {
             medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
             skipping,

@@ -50,6 +50,8 @@ pub struct Cascades {
     level: Level,
     grid: MediumGrid,
     surfaces: Surfaces,
+    /// Those of the frame before, for feedback.
+    before: Surfaces,
     empty_radius: EmptyRadius,
     cascades: Vec<Cascade>,
     /// Light of the cascade that is solved, and of the next one.
@@ -73,6 +75,7 @@ impl Cascades {
             level,
             grid: MediumGrid::default(),
             surfaces: Surfaces::default(),
+            before: Surfaces::default(),
             empty_radius: EmptyRadius::default(),
             cascades: Vec::new(),
             near: Vec::new(),
@@ -95,6 +98,9 @@ impl Cascades {
         self.grid.read(cells, Reading::default());
         self.grid.read_emission(cells, 1.0);
         self.grid.measure_empty_space(|_, _| false);
+        if bounces == Bounces::Feedback {
+            std::mem::swap(&mut self.surfaces, &mut self.before);
+        }
         self.surfaces.collect(cells, 0.0);
         self.faces.collect(&self.surfaces);
         self.empty_radius.measure(&self.grid);
@@ -102,14 +108,16 @@ impl Cascades {
         cascades(size, settings, &mut self.cascades);
         clock.lap("clearance");
 
-        if bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters() {
+        let bounces_at_all = bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters();
+        let feedback = bounces_at_all && bounces == Bounces::Feedback;
+        if feedback {
+            self.surfaces.take_over(&self.before);
+            self.scatter(cells);
+        } else if bounces_at_all {
             solve_bounces(bounces, || {
                 self.gather_surfaces(cells, settings);
-                let (faces, media) = (self.faces.walls.iter(), self.media.iter());
-                let change = self.surfaces.reflect_and_scatter(cells, direct, faces, media);
-                if self.surfaces.scatter_into(cells, 1.0, &mut self.grid) {
-                    self.grid.measure_empty_space(|_, _| false);
-                }
+                let change = self.reflect_and_scatter(cells, direct);
+                self.scatter(cells);
                 change
             });
             clock.lap("bounce");
@@ -117,6 +125,31 @@ impl Cascades {
 
         self.gather_cells(cells, settings, light);
         clock.lap("cascades");
+        if feedback {
+            self.media.clear();
+            self.media.extend(self.surfaces.media.iter().map(|&i| light.rgb[i as usize]));
+            self.reflect_and_scatter(cells, direct);
+            clock.lap("bounce");
+        }
+    }
+
+    /// Drops what surfaces reflected in the frame before.
+    pub(crate) fn reset(&mut self) {
+        self.surfaces = Surfaces::default();
+    }
+
+    /// Turns the light at surfaces into the radiance that they reflect or scatter. Returns the largest change
+    /// relative to the mean.
+    fn reflect_and_scatter(&mut self, cells: &Cells, direct: &DirectLight) -> f32 {
+        let (faces, media) = (self.faces.walls.iter(), self.media.iter());
+        self.surfaces.reflect_and_scatter(cells, direct, faces, media)
+    }
+
+    /// Gives media the light that they scatter.
+    fn scatter(&mut self, cells: &Cells) {
+        if self.surfaces.scatter_into(cells, 1.0, &mut self.grid) {
+            self.grid.measure_empty_space(|_, _| false);
+        }
     }
 
     /// Gathers the light at surfaces: irradiance of faces, mean radiance in media.

@@ -10,7 +10,7 @@
 //!
 //! Settings: `rays` and `steps` (quality), `hit` (exact, or by the distance field as in the sources),
 //! `noise` and `spacing` (the look of the noise), `attenuation` and `emission_*` (Bigos' fading),
-//! `threshold`, `bounce_mode`.
+//! `threshold`.
 //!
 //! Cost: cells × rays × steps of a ray. Known failures: most rays miss lamps that are small and far
 //! away (noise, no bias); with `hit = "distance"` corners are round and media end rays.
@@ -23,7 +23,7 @@ use crate::filters::estimate::Estimate;
 use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::grid::packet::LANES;
-use crate::settings::{BounceMode, Bounces, Hit, Raymarch};
+use crate::settings::{Bounces, Hit, Raymarch};
 use crate::stages::bounce::{Surfaces, mean_over_faces, solve_bounces};
 use crate::stages::direct::DirectLight;
 use crate::stages::faces::Faces;
@@ -126,15 +126,11 @@ impl RaymarchSolver {
 
     /// Lets light bounce between the surfaces.
     fn bounce(&mut self, input: Input) {
-        let bounces = match input.settings.bounce_mode {
-            BounceMode::Frame => input.bounces,
-            BounceMode::Feedback => {
-                self.surfaces.take_over(&self.before);
-                self.scatter(input.cells, input.settings);
-                Bounces::Count(1)
-            }
-        };
-        solve_bounces(bounces, || {
+        if input.bounces == Bounces::Feedback {
+            self.surfaces.take_over(&self.before);
+            self.scatter(input.cells, input.settings);
+        }
+        solve_bounces(input.bounces, || {
             self.receive(input);
             self.reflect_and_scatter(input)
         });

@@ -6,7 +6,7 @@ use eframe::egui::{
     Color32, ColorImage, Context, Painter, Pos2, Rect, TextureHandle, TextureOptions,
 };
 use lamplight::resample::upsample;
-use lamplight::{Cells, Light, Settings, Solver};
+use lamplight::{Bounces, Cells, Light, Settings, Solver};
 use std::borrow::Cow;
 use std::time::Duration;
 
@@ -17,6 +17,8 @@ pub struct OnCpu {
     solver: Solver,
     /// The cells lit last.
     cells: Option<Cells>,
+    /// Frames since they changed.
+    same_frames: u32,
     picture: TextureHandle,
 }
 
@@ -28,6 +30,7 @@ impl OnCpu {
             settings: settings.clone(),
             solver: Solver::new(settings.clone())?,
             cells: None,
+            same_frames: 0,
             picture: context.load_texture("light", black, TextureOptions::NEAREST),
         })
     }
@@ -54,8 +57,13 @@ impl OnCpu {
             self.settings = settings.clone();
             self.cells = None;
         }
-        let is_still = settings.method().repeats() && self.cells.as_ref() == Some(cells);
-        if !is_still {
+        let is_same = self.cells.as_ref() == Some(cells);
+        self.same_frames = if is_same { self.same_frames.saturating_add(1) } else { 0 };
+        let settled = match settings.bounces {
+            Bounces::Feedback => self.same_frames > Bounces::MAX,
+            _ => is_same && settings.repeats(),
+        };
+        if !settled {
             let mut known = self.cells.take();
             self.solver.solve(cells)?;
             // Into its own buffers.

@@ -44,7 +44,9 @@ impl Panel {
             self.table(ui, name, &mut values[name]);
         });
         CollapsingHeader::new("Light").default_open(true).show(ui, |ui| {
-            bounces(ui, &mut values);
+            let mut wanted = settings.bounces;
+            bounces(ui, &mut wanted);
+            values["bounces"] = wanted.into();
             self.keys(ui, "Settings", &mut values, &["wall_depth", "seed"]);
         });
         if settings.method() == Method::Raymarch {
@@ -191,17 +193,28 @@ fn preset(ui: &mut Ui, settings: &mut Settings) {
     });
 }
 
-/// Shows the number of bounces.
-fn bounces(ui: &mut Ui, values: &mut Value) {
-    let mut converged = values["bounces"] == "converged";
-    let mut count = values["bounces"].as_u64().unwrap_or(2);
-    let slider = Slider::new(&mut count, 0..=8).clamping(SliderClamping::Never).text("bounces");
-    ui.add_enabled(!converged, slider)
-        .on_hover_text("The number of bounces. Each one costs another gather.");
-    ui.checkbox(&mut converged, "until converged")
-        .on_hover_text("Until the largest change is under 0.1 % of the mean.");
-    values["bounces"] =
-        if converged { json!("converged") } else { json!(count.min(u64::from(Bounces::MAX))) };
+/// Shows the bounces: over frames, or within each.
+fn bounces(ui: &mut Ui, bounces: &mut Bounces) {
+    let mut count = match *bounces {
+        Bounces::Count(count) => count,
+        Bounces::Converged | Bounces::Feedback => 2,
+    };
+    ui.horizontal(|ui| {
+        ui.label("bounces");
+        ui.selectable_value(bounces, Bounces::Feedback, "over frames")
+            .on_hover_text("One more in each frame, at the price of none.");
+        ui.selectable_value(bounces, Bounces::Converged, "all")
+            .on_hover_text("In each frame, until the largest change is under 0.1 % of the mean.");
+        let counted = matches!(bounces, Bounces::Count(_));
+        if ui.selectable_label(counted, "some").on_hover_text("In each frame.").clicked() {
+            *bounces = Bounces::Count(count);
+        }
+    });
+    if matches!(bounces, Bounces::Count(_)) {
+        let slider = Slider::new(&mut count, 0..=8).clamping(SliderClamping::Never);
+        ui.add(slider.text("bounces")).on_hover_text("Each one costs another gather.");
+        *bounces = Bounces::Count(count.min(Bounces::MAX));
+    }
 }
 
 /// Shows tone map and exposure.
@@ -219,6 +232,9 @@ mod tests {
     use super::*;
     use eframe::egui::{Context, RawInput};
 
+    const BOUNCES: [Bounces; 4] =
+        [Bounces::Count(0), Bounces::Count(200), Bounces::Converged, Bounces::Feedback];
+
     #[test]
     fn showing_settings_does_not_change_them() {
         let mut panel = Panel::new();
@@ -226,7 +242,7 @@ mod tests {
             for &preset in method.presets() {
                 let mut settings = Settings { wall_depth: 2.5, ..Settings::new(method) };
                 settings.set_preset(preset).unwrap();
-                for bounces in [Bounces::Count(0), Bounces::Count(200), Bounces::Converged] {
+                for bounces in BOUNCES {
                     settings.bounces = bounces;
                     let mut seen = settings.clone();
                     // If nothing were shown, settings would not change either.

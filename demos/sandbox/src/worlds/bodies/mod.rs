@@ -301,7 +301,6 @@ impl World for Bodies {
 
     fn look(&self) -> Look {
         Look {
-            bounces: 3,
             wall_depth: 9.0,
             display: Display { exposure: 0.7, ..Display::default() },
             ..Look::default()

@@ -327,7 +327,6 @@ impl World for Room {
 
     fn look(&self) -> Look {
         Look {
-            bounces: 3,
             wall_depth: 5.0,
             display: Display { exposure: 0.8, ..Display::default() },
             ..Look::default()

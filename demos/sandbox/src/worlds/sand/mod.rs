@@ -237,7 +237,6 @@ impl World for Sand {
 
     fn look(&self) -> Look {
         Look {
-            bounces: 3,
             wall_depth: 44.0,
             display: Display { exposure: 1.0, ..Display::default() },
             ..Look::default()
