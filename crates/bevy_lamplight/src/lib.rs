@@ -54,6 +54,7 @@ pub mod prelude {
     pub use crate::LamplightPlugin;
     pub use crate::components::*;
     pub use crate::query::{LightQuery, LightQueryPlugin, LightQuerySettings, SightQuery};
+    pub use crate::render::LightBackend;
 }
 
 /// Lights cameras that have a [`Lighting2d`].

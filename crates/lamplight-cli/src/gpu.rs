@@ -19,6 +19,11 @@ use lamplight_wgpu::{
 };
 use std::time::{Duration, Instant};
 
+/// The options of light on the device, also if that is software: the user has chosen it.
+fn on_gpu() -> LightingOptions {
+    LightingOptions::on(lamplight_wgpu::Backend::Gpu)
+}
+
 /// An open device.
 pub struct Gpu {
     device: Device,
@@ -87,7 +92,7 @@ impl Gpu {
         settings: Settings,
     ) -> Result<(GpuFrames<'a>, Cost)> {
         let (device, queue) = (&self.device, &self.queue);
-        let mut lighting = Lighting::new(device, queue, &LightingOptions::default())?;
+        let mut lighting = Lighting::new(device, queue, &on_gpu())?;
         lighting.prepare(&FrameInput::of_cells(&settings, cells))?;
         let cost = lighting.cost().ok_or_else(|| CliError::failed("no frame was planned"))?;
         // This one is never run: the next is the first.
@@ -101,7 +106,7 @@ impl Gpu {
         let renderer = Renderer::Method(settings.method());
         let settings_json = to_json(&settings)?;
         let (device, queue) = (&self.device, &self.queue);
-        let mut lighting = Lighting::new(device, queue, &LightingOptions::default())?;
+        let mut lighting = Lighting::new(device, queue, &on_gpu())?;
         lighting.precompile(&settings)?;
         let mut timer = Timer::new(device, queue);
         let start = Instant::now();
@@ -132,7 +137,7 @@ impl Gpu {
     /// Finds the nearest occupied cell of each cell, and the distance to it.
     pub fn fields(&self, cells: &Cells, settings: Settings) -> Result<Fields> {
         let (device, queue) = (&self.device, &self.queue);
-        let mut lighting = Lighting::new(device, queue, &LightingOptions::default())?;
+        let mut lighting = Lighting::new(device, queue, &on_gpu())?;
         let input = FrameInput::of_cells(&settings, cells);
         lighting.prepare(&FrameInput { distance_field: true, ..input })?;
         let mut encoder = device.create_command_encoder(&Default::default());

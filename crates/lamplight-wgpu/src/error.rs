@@ -95,6 +95,9 @@ pub enum PrepareError {
         /// The problem.
         problem: String,
     },
+    /// The CPU lights the host's textures, and they could not be read.
+    #[error("the matter is lit by the CPU: {0}")]
+    ReadBack(#[from] ReadBackError),
     /// There is nothing to show: no frame has been prepared ([`crate::Lighting::prepare`]).
     #[error("there is no light to show: no frame has been prepared")]
     NothingLit,

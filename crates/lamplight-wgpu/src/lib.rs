@@ -2,7 +2,8 @@
 //! that has a wgpu device.
 //!
 //! It is middleware: [`Lighting`] uses the host's [`wgpu::Device`] and [`wgpu::Queue`], records into the host's
-//! [`wgpu::CommandEncoder`], and never creates a device, submits or waits. All stages, methods and settings of the
+//! [`wgpu::CommandEncoder`], and never creates a device, submits or waits. (On a software device, where the CPU is
+//! faster, [`lamplight::Solver`] takes its place: [`Backend`].) All stages, methods and settings of the
 //! library are supported. The same settings give the same light as on the CPU, to within 0.1 %. Matter comes from
 //! cells, which are uploaded, or from the host's textures and lamps ([`SceneInput`]).
 //!
@@ -31,8 +32,10 @@ mod camera;
 mod compose;
 mod cookies;
 mod cost;
+mod cpu_backend;
 pub mod error;
 mod error_scope;
+mod fetch;
 mod found_light;
 mod frame_input;
 mod gpu_struct;
@@ -68,7 +71,7 @@ pub use error::Error;
 pub use frame_input::{FrameInput, Lights, SceneInput};
 pub use lighting::Lighting;
 pub use matter::Textures;
-pub use options::LightingOptions;
+pub use options::{Backend, LightingOptions};
 pub use shaders::shaders;
 pub use stage::Stage;
 pub use stages::display::Target;

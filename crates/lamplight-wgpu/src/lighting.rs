@@ -2,6 +2,7 @@
 
 use crate::cookies::CookieAtlas;
 use crate::cost::Cost;
+use crate::cpu_backend::CpuBackend;
 use crate::error::{CreateError, PrepareError, RecordError, Result};
 use crate::error_scope::with_error_scope;
 use crate::frame_input::{FrameInput, Lights, SceneInput};
@@ -10,7 +11,7 @@ use crate::hints::SceneHints;
 use crate::lamps::{Capacity, LampList};
 use crate::matter::{self, Textures, Upload};
 use crate::methods::Method;
-use crate::options::LightingOptions;
+use crate::options::{Backend, LightingOptions};
 use crate::panorama::PanoramaTexture;
 use crate::pass_list::PassList;
 use crate::pipeline::Dispatch;
@@ -31,7 +32,7 @@ use lamplight::internals::sky::SunGlow;
 use lamplight::{Settings, Sky};
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
-/// Finds light on the host's device.
+/// Finds light on the host's device, or beside it ([`Backend`]).
 ///
 /// Each frame, [`Self::prepare`] it from a [`FrameInput`], then [`Self::record`] it. Pipelines are compiled when
 /// settings are first used (or by [`Self::precompile`]), and buffers are created when the size of the grid
@@ -47,6 +48,8 @@ use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, Texture
 #[derive(Debug)]
 pub struct Lighting {
     options: LightingOptions,
+    /// Set if the CPU finds the light.
+    cpu: Option<CpuBackend>,
     shared: Shared,
     pipelines: PipelineCache,
     glow: Glow,
@@ -206,6 +209,7 @@ impl Lighting {
         with_error_scope(device, || {
             Ok(Self {
                 options: *options,
+                cpu: (options.backend.on(device) == Backend::Cpu).then(CpuBackend::default),
                 shared: Shared::new(device, queue),
                 pipelines: PipelineCache::default(),
                 glow: Glow::new(device),
@@ -235,7 +239,9 @@ impl Lighting {
     pub fn precompile(&mut self, settings: &Settings) -> Result<(), CreateError> {
         settings.check()?;
         let Shared { device, queue, .. } = &self.shared;
-        self.pipelines.method::<CreateError>(device, queue, settings)?;
+        if self.cpu.is_none() {
+            self.pipelines.method::<CreateError>(device, queue, settings)?;
+        }
         Ok(())
     }
 
@@ -311,9 +317,17 @@ impl Lighting {
         let Lights { lamps, suns, sky } = *lights;
         let sky = &self.sun_glow.draw(input.settings.method(), sky, suns);
         let lights = Lights { lamps, suns, sky };
+        let (history, moved) = self.history(input, grid.size, sky);
+        if let Some(cpu) = &mut self.cpu {
+            let planner = FramePlanner::new(&self.shared, input.settings, self.options, *grid);
+            cpu.solve(&planner, input, moved)?;
+        }
         self.keep_panorama(sky)?;
         let Shared { device, queue, .. } = &self.shared;
-        let method = self.pipelines.method::<PrepareError>(device, queue, input.settings)?;
+        let method = match self.cpu {
+            None => Some(self.pipelines.method::<PrepareError>(device, queue, input.settings)?),
+            Some(_) => None,
+        };
         if input.distance_field && self.distance.is_none() {
             let compile = || Ok(DistancePipelines::new(device));
             self.distance = Some(with_error_scope::<_, PrepareError>(device, compile)?);
@@ -324,9 +338,11 @@ impl Lighting {
             self.sight = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         let size = grid.size.into();
-        self.cookies.set(device, grid.size, lamps)?;
-        method.set_lamps(lamps, &self.cookies, size, &mut self.lamps)?;
-        self.direct_lights.set(input.settings, lamps, &self.cookies, suns, size)?;
+        if let Some(method) = &method {
+            self.cookies.set(device, grid.size, lamps)?;
+            method.set_lamps(lamps, &self.cookies, size, &mut self.lamps)?;
+            self.direct_lights.set(input.settings, lamps, &self.cookies, suns, size)?;
+        }
         let needed = self.needed();
         self.lamps.more_follows = needed.has_direct();
         let moment = input.settings.moment;
@@ -335,7 +351,7 @@ impl Lighting {
             let compile = || Ok(Direct::new(device, moment));
             self.direct = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
-        if moment && self.moment_walls.is_none() {
+        if moment && self.moment_walls.is_none() && method.is_some() {
             let compile = || Ok(MomentWalls::new(device));
             self.moment_walls = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
@@ -348,10 +364,9 @@ impl Lighting {
         let fresh = if self.frame.as_ref().is_some_and(serves) {
             None
         } else {
-            Some(self.plan(&method, input.settings, grid)?)
+            Some(self.plan(method.as_deref(), input.settings, grid)?)
         };
         let Some(frame) = fresh.as_ref().or(self.frame.as_ref()) else { return Ok(()) };
-        let (history, moved) = self.history(input, grid.size, sky);
         let size_before = self.before.as_ref().map_or(grid.size, |before| before.size);
         // History of another size has been moved with the plan.
         let moves = moved != [0; 2] && size_before == grid.size;
@@ -398,6 +413,9 @@ impl Lighting {
             panorama.write(queue, sky);
         }
         self.cookies.write(queue);
+        if let Some(cpu) = &self.cpu {
+            queue.write_buffer(&frame.light, 0, bytemuck::cast_slice(cpu.light()));
+        }
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
         let sky = Sky::clone(sky);
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky });
@@ -438,7 +456,12 @@ impl Lighting {
 
     /// Plans a frame. While the size is the same, history continues, and the light stays where it is: until the
     /// next frame it can still be shown.
-    fn plan(&self, method: &Method, settings: &Settings, grid: &Grid) -> Result<PreparedFrame> {
+    fn plan(
+        &self,
+        method: Option<&Method>,
+        settings: &Settings,
+        grid: &Grid,
+    ) -> Result<PreparedFrame> {
         let before = self.frame.as_ref();
         let resized = before.filter(|frame| self.before.is_some() && frame.size != grid.size);
         let panorama = self.panorama.as_ref().map(|panorama| &panorama.view);
@@ -463,19 +486,26 @@ impl Lighting {
                 None => (None, None, Vec::new()),
             };
             let planner = planner.with_direct(found);
-            let glow = grid.textures.glow.as_ref().filter(|_| settings.method.reads_glow());
+            let reads_glow = method.is_some() && settings.method.reads_glow();
+            let glow = grid.textures.glow.as_ref().filter(|_| reads_glow);
             let media = glow.map(|glow| self.glow.plan(&planner, glow));
             let planner = match &media {
                 Some((media, _)) => planner.with_textures(media),
                 None => planner,
             };
-            let mut passes = method.plan(&planner, &light)?;
+            let mut passes = match method {
+                Some(method) => method.plan(&planner, &light)?,
+                // The CPU's, which is written before each frame.
+                None => PassList::new(Vec::new(), vec![(Stage::Light, light.clone())]),
+            };
             let media = media.iter().map(|(_, dispatch)| dispatch.clone());
             passes.dispatches.splice(0..0, shine.into_iter().chain(media));
-            if let Some(walls) = self.moment_walls.as_ref().filter(|_| settings.moment) {
-                passes.dispatches.extend(walls.plan(&planner, &light)?);
+            if method.is_some() {
+                if let Some(walls) = self.moment_walls.as_ref().filter(|_| settings.moment) {
+                    passes.dispatches.extend(walls.plan(&planner, &light)?);
+                }
+                passes.dispatches.extend(self.walls.plan(&planner, &light)?);
             }
-            passes.dispatches.extend(self.walls.plan(&planner, &light)?);
             if let Some(lamps) = &passes.lamps {
                 // Written here too, so that a lost device is reported.
                 self.lamps.write(&self.shared.queue, lamps);
@@ -583,6 +613,14 @@ impl Lighting {
     pub fn reset(&mut self) {
         self.number = 0;
         self.before = None;
+        if let Some(cpu) = &mut self.cpu {
+            cpu.reset();
+        }
+    }
+
+    /// Returns what finds the light: `Gpu` or `Cpu`.
+    pub fn backend(&self) -> Backend {
+        if self.cpu.is_some() { Backend::Cpu } else { Backend::Gpu }
     }
 
     /// Records the frame that was prepared last into `encoder`. Does not submit or wait.

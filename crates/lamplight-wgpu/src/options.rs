@@ -1,16 +1,51 @@
-//! Options of the GPU. They affect performance, never the result.
+//! Options that affect performance, never the result.
 
 use crate::error::CreateError;
+use wgpu::{Device, DeviceType};
 
-/// Creation options of [`crate::Lighting`], for programs that measure; the default is the fastest.
+/// The finder of light of [`crate::Lighting`]: with each, the host gets the same light in the same way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Backend {
+    /// The CPU if the device is software, such as llvmpipe or WARP, outside of browsers; else the GPU.
+    #[default]
+    Auto,
+    /// Compute shaders on the device.
+    Gpu,
+    /// [`lamplight::Solver`], in [`crate::Lighting::prepare`], which then takes the whole time. It submits and waits for
+    /// a copy of the host's textures, as they are at that moment: draw and submit them before, or light is a frame
+    /// late. In browsers, where nothing can wait, only cells are lit.
+    Cpu,
+}
+
+impl Backend {
+    /// Returns the backend of a device: `Gpu` or `Cpu`.
+    pub(crate) fn on(self, device: &Device) -> Self {
+        let software = || device.adapter_info().device_type == DeviceType::Cpu;
+        match self {
+            Self::Auto if cfg!(not(target_arch = "wasm32")) && software() => Self::Cpu,
+            Self::Auto => Self::Gpu,
+            chosen => chosen,
+        }
+    }
+}
+
+/// Creation options of [`crate::Lighting`]; the default is the fastest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightingOptions {
+    /// The finder of light.
+    pub backend: Backend,
     /// `holographic`: levels per dispatch, 1 to 3. Intermediate levels stay in workgroup memory, so 3 moves
     /// about half as many bytes as 1.
     pub fused_levels: u32,
 }
 
 impl LightingOptions {
+    /// The default options with a backend of your choice.
+    pub fn on(backend: Backend) -> Self {
+        Self { backend, ..Self::default() }
+    }
+
     /// The most levels that fit into 16 KiB of workgroup memory.
     pub const MAX_FUSED_LEVELS: u32 = 3;
 
@@ -25,6 +60,6 @@ impl LightingOptions {
 
 impl Default for LightingOptions {
     fn default() -> Self {
-        Self { fused_levels: Self::MAX_FUSED_LEVELS }
+        Self { backend: Backend::default(), fused_levels: Self::MAX_FUSED_LEVELS }
     }
 }

@@ -95,6 +95,7 @@ const FILES: &[(&str, &str)] = files! {
     "stages/gradient_moment"
     "stages/invalidate"
     "stages/jump_flood"
+    "stages/matter_values"
     "stages/medium_grid"
     "stages/output"
     "stages/reproject"

@@ -8,7 +8,8 @@ use common::{device, lighting, raymarch_of, recorded, seeded};
 use lamplight::settings::{Noise, Temporal};
 use lamplight::{Bounces, Cells, Display, Matter, Method, Settings, ToneMap};
 use lamplight_wgpu::{
-    Camera2dView, Compose, ComposeParams, Filter, FrameInput, GridPlacement, Lighting,
+    Backend, Camera2dView, Compose, ComposeParams, Filter, FrameInput, GridPlacement, Lighting,
+    LightingOptions,
 };
 use textures::{fetch, texture, view};
 use wgpu::{Device, Queue, TextureFormat, TextureUsages};
@@ -190,13 +191,17 @@ fn feedback_stays_in_the_world_when_the_grid_moves_and_grows() {
     let growing = |x: u32| {
         camera([0.0; 2]).place([320, 240].map(|side| side - 4 * (FRAMES - 1 - x))).unwrap()
     };
-    for method in [Method::Cascades, Method::Holographic] {
+    let methods = [Method::Cascades, Method::Holographic];
+    let both =
+        methods.into_iter().flat_map(|method| [(method, Backend::Gpu), (method, Backend::Cpu)]);
+    for (method, backend) in both {
         let settings = Settings { bounces: Bounces::Feedback, ..Settings::direct(method) };
         for (name, place) in
             [("moving", &moving as &dyn Fn(u32) -> GridPlacement), ("growing", &growing)]
         {
             let run = |place: &dyn Fn(u32) -> GridPlacement, resets: bool| {
-                let mut lighting = lighting(&gpu.0, &gpu.1);
+                let options = LightingOptions::on(backend);
+                let mut lighting = Lighting::new(&gpu.0, &gpu.1, &options).unwrap();
                 let mut light = Vec::new();
                 for number in 0..FRAMES {
                     let placed = place(number);
@@ -215,9 +220,11 @@ fn feedback_stays_in_the_world_when_the_grid_moves_and_grows() {
                 pairs.map(|(a, b)| f64::from((a[1] - b[1]).abs())).sum::<f64>() / sum
             };
             let [kept, forgotten] = [false, true].map(off);
-            println!("{method:?}, {name}: {kept:.4} off, {forgotten:.4} if it forgets");
+            println!(
+                "{method:?} on {backend:?}, {name}: {kept:.4} off, {forgotten:.4} if it forgets"
+            );
             assert_ne!(place(0), place(1), "{name}: the grid stays the same");
-            assert!(kept < 0.01, "{method:?}, {name}: {kept}");
+            assert!(kept < 0.01, "{method:?} on {backend:?}, {name}: {kept}");
             assert!(forgotten > 0.05, "{method:?}, {name}: {forgotten}");
         }
     }

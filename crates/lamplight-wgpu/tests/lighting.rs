@@ -5,11 +5,12 @@ mod common;
 mod textures;
 
 use common::{cells, device, frame, lighting, raymarch_of, recorded};
-use lamplight::{Bounces, Cells, Lamp, Matter, Method, Rgb, Settings, Sky};
+use lamplight::{Bounces, Cells, Direct, Lamp, Matter, Method, Rgb, Settings, Sky, Solver};
 use lamplight_wgpu::error::{PrepareError, RecordError};
-use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Lights, Stage, Textures};
+use lamplight_wgpu::read_back::light;
+use lamplight_wgpu::{Backend, FrameInput, Lighting, LightingOptions, Lights, Stage, Textures};
 use textures::{fetch, filled, float, texture, view};
-use wgpu::{Device, Queue, TextureFormat, TextureUsages};
+use wgpu::{Device, DeviceType, Queue, TextureFormat, TextureUsages};
 
 fn raymarch() -> Settings {
     Settings::direct(Method::Raymarch)
@@ -34,10 +35,20 @@ fn invalid_settings_options_and_cells_are_rejected_as_on_the_cpu() {
     assert!(error.contains("cell (1, 1)"), "{error}");
 
     for fused_levels in [0, 4] {
-        let error = Lighting::new(&device, &queue, &LightingOptions { fused_levels }).unwrap_err();
+        let error = Lighting::new(
+            &device,
+            &queue,
+            &LightingOptions { fused_levels, ..LightingOptions::default() },
+        )
+        .unwrap_err();
         let wanted = format!("the option `fused_levels` is {fused_levels}, not from 1 to 3");
         assert_eq!(error.to_string(), wanted);
     }
+}
+
+/// A [`Lighting`] whose light the CPU finds.
+fn on_cpu(device: &Device, queue: &Queue) -> Lighting {
+    Lighting::new(device, queue, &LightingOptions::on(Backend::Cpu)).unwrap()
 }
 
 #[test]
@@ -153,6 +164,83 @@ fn a_hosts_textures_are_lit_into_its_own() {
         }
     }
     assert!(right.iter().any(|l| l[0] > 0.2) && right.iter().any(|l| l[0] < 0.01));
+}
+
+#[test]
+fn software_devices_leave_the_light_to_the_cpu() {
+    let (device, queue) = device();
+    let software = device.adapter_info().device_type == DeviceType::Cpu;
+    let backend =
+        |wanted| Lighting::new(&device, &queue, &LightingOptions::on(wanted)).unwrap().backend();
+    let auto = if software { Backend::Cpu } else { Backend::Gpu };
+    let expected = [Backend::Gpu, Backend::Cpu, auto];
+    assert_eq!([Backend::Gpu, Backend::Cpu, Backend::Auto].map(backend), expected);
+}
+
+#[test]
+fn the_cpu_gives_cells_the_light_of_the_solver() {
+    let (device, queue) = device();
+    let mut on_cpu = on_cpu(&device, &queue);
+    for &method in Method::ALL {
+        for moment in [false, true] {
+            let settings = Settings { moment, ..Settings::new(method) };
+            let mut solver = Solver::new(settings.clone()).unwrap();
+            // The second frame has history, and the third another size.
+            for [w, h] in [[31, 17], [31, 17], [20, 24]] {
+                let mut cells = cells(w, h, 7);
+                cells.lamps_mut().push(Lamp { position: [8.0, 9.0], ..Lamp::default() });
+                let right = solver.solve(&cells).unwrap();
+                on_cpu.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
+                let seen = light(&on_cpu, &cells).unwrap();
+                assert!(seen.pixels() == right.pixels(), "{method:?}");
+                assert!(seen.moment() == right.moment(), "{method:?}");
+                assert_eq!(seen.moment().is_some(), moment, "{method:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_cpu_lights_a_hosts_textures_as_the_gpu_does() {
+    let (device, queue) = device();
+    let (mut textures, _) = host_textures(&device, &queue);
+    // The right half is in another layer.
+    let masks: Vec<u8> = (0..48 * 32).map(|i| if i % 48 < 24 { 1 } else { 2 }).collect();
+    textures.masks = Some(filled(&device, &queue, [48, 32], TextureFormat::R8Unorm, &masks));
+    let sky = Sky::Uniform([0.0, 0.0, 0.25]);
+    let lamps = [
+        // It is in the textures, if the method does not light it by rule.
+        Lamp { position: [40.0, 20.0], ..Lamp::default() },
+        Lamp { position: [8.0, 26.0], direct: Direct::Exact, mask: 1, ..Lamp::default() },
+    ];
+    let lights = Lights { sky: &sky, lamps: &lamps, ..Lights::default() };
+    for method in [Method::Cascades, Method::Holographic, Method::Polar] {
+        let settings = Settings { bounces: Bounces::Count(1), ..Settings::new(method) };
+        let lit = |mut lighting: Lighting| {
+            let output = texture(
+                &device,
+                [48, 32],
+                TextureFormat::Rgba16Float,
+                TextureUsages::STORAGE_BINDING,
+            );
+            let input = FrameInput::of_textures(&settings, &textures, lights);
+            lighting.prepare(&FrameInput { output: Some(&view(&output)), ..input }).unwrap();
+            let light = recorded(&device, &queue, &lighting);
+            (light, fetch(&device, &queue, &output))
+        };
+        let (right, _) = lit(lighting(&device, &queue));
+        let (seen, output) = lit(on_cpu(&device, &queue));
+        let output: &[[u16; 4]] = bytemuck::cast_slice(&output);
+        for (i, right) in right.iter().enumerate() {
+            for c in 0..3 {
+                let off = (seen[i][c] - right[c]).abs();
+                assert!(off <= 1e-3 * right[c] + 1e-5, "{method:?}, {i}: {:?}, {right:?}", seen[i]);
+                let off = (float(output[i][c]) - seen[i][c]).abs();
+                assert!(off <= 1e-3 * seen[i][c] + 1e-4, "{method:?}, texel {i}");
+            }
+        }
+        assert!(right.iter().any(|l| l[0] > 0.2), "{method:?} is dark");
+    }
 }
 
 #[test]

@@ -9,8 +9,8 @@ use lamplight::{Bounces, Lamp, Method, Settings, Sky};
 use lamplight_wgpu::error::ReadBackError;
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{
-    Compose, ComposeParams, FrameInput, Lighting, LightingOptions, Lights, Stage, Textures, Tier,
-    Timer,
+    Backend, Compose, ComposeParams, FrameInput, Lighting, LightingOptions, Lights, Stage,
+    Textures, Tier, Timer,
 };
 use textures::{texture, view};
 use wgpu::{TextureFormat, TextureUsages};
@@ -19,7 +19,7 @@ use wgpu::{TextureFormat, TextureUsages};
 fn a_lost_device_does_nothing_and_returns_errors_when_results_are_read() {
     let (device, queue) = device_of(Tier::Native);
     let settings = Settings::direct(Method::Raymarch);
-    let options = LightingOptions::default();
+    let options = LightingOptions::on(Backend::Gpu);
     let mut lit = lighting(&device, &queue);
     let mut compose = Compose::new(&device, &queue).unwrap();
     let mut timer = Timer::new(&device, &queue);

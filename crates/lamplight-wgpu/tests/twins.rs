@@ -7,10 +7,6 @@ use std::path::Path;
 /// the method (or `stage`) and the stem.
 const WITHOUT_TWIN: &[(&str, &str)] = &[
     // CPU only.
-    (
-        "cpu stage bounce",
-        "on the GPU split into compare, convergence and feedback: one dispatch each",
-    ),
     ("cpu stage cast", "entry to the traversal for single rays"),
     ("cpu stage center_line", "shadow lines between centres; in denoise.wgsl"),
     ("cpu stage faces", "four values per cell on the GPU"),
@@ -43,7 +39,8 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("wgsl stage convergence", "part of bounce.rs"),
     ("wgsl stage feedback", "part of bounce.rs"),
     ("wgsl stage invalidate", "in solver.rs on the CPU, where cells are compared"),
-    ("wgsl stage reproject", "on the CPU the grid does not move"),
+    ("wgsl stage reproject", "part of bounce.rs; the means of raymarch start anew"),
+    ("wgsl stage matter_values", "reads textures for the CPU"),
     ("wgsl stage output", "writes a texture of the host's"),
     ("wgsl raymarch march_distance", "the second march of march.rs"),
     ("wgsl raymarch accumulate", "part of gather.rs"),
@@ -56,6 +53,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
         "wgsl holographic fetch_interval",
         "part of interval.rs; shaders that write have store_interval too",
     ),
+    ("wgsl holographic feedback", "part of bounce.rs"),
     ("wgsl holographic footprint", "part of trace.rs, imported by trace and gather"),
     ("wgsl holographic packed_rgb", "how buffers store radiance"),
     ("wgsl holographic sky", "part of merge.rs"),

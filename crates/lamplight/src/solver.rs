@@ -10,6 +10,7 @@ use crate::methods::holographic::Holographic;
 use crate::methods::polar::PolarSolver;
 use crate::methods::raymarch::{Input, RaymarchSolver};
 use crate::settings::{self, Bounces, Hit, Method, MethodSettings, Traversal, Variant};
+use crate::stages::bounce::FrameBounces;
 use crate::stages::direct::{self, DirectLight};
 use crate::stages::glow::Glow;
 use crate::stages::gradient_moment::gradient_moment;
@@ -43,6 +44,8 @@ pub struct Solver {
     walls: Walls,
     light: Light,
     clock: Clock,
+    /// The cells by which the next grid has moved.
+    moved: [i32; 2],
 }
 
 /// The fields that the stages before the methods compute.
@@ -98,6 +101,7 @@ impl Solver {
             walls: Walls::default(),
             light: Light::default(),
             clock: Clock::default(),
+            moved: [0; 2],
         })
     }
 
@@ -158,9 +162,10 @@ impl Solver {
 
         // Cloned, a few bytes, so that a method can borrow the rest of the solver.
         let Settings { method, bounces, .. } = self.settings.clone();
-        let bounces = method.bounces(bounces);
+        let moved = std::mem::take(&mut self.moved);
+        let bounces = FrameBounces { bounces: method.bounces(bounces), moved };
         match &method {
-            MethodSettings::Raymarch(settings) => self.raymarch(settings),
+            MethodSettings::Raymarch(settings) => self.raymarch(settings, bounces),
             MethodSettings::Polar(settings) => self.polar(settings),
             MethodSettings::Flood(settings) => {
                 let Self { flood, cells, light, clock, .. } = self;
@@ -206,14 +211,14 @@ impl Solver {
         Ok(&self.light)
     }
 
-    fn raymarch(&mut self, settings: &settings::Raymarch) {
+    fn raymarch(&mut self, settings: &settings::Raymarch, bounces: FrameBounces) {
         if settings.hit == Hit::Distance {
             self.measure();
         }
         let accumulates = settings.temporal.history_length > 1;
         let changed =
             if accumulates { self.temporal.mark(&settings.temporal, &self.cells) } else { &[] };
-        let Settings { bounces, seed, .. } = self.settings;
+        let seed = self.settings.seed;
         let input = Input {
             settings,
             bounces,
@@ -231,7 +236,7 @@ impl Solver {
         self.raymarch.solve(input, &mut self.estimate, &mut self.clock);
 
         if accumulates {
-            let feedback = bounces == Bounces::Feedback;
+            let feedback = bounces.bounces == Bounces::Feedback;
             let width = self.cells.width();
             self.temporal.accumulate(&settings.temporal, width, feedback, &mut self.estimate);
             self.clock.lap("temporal");
@@ -296,6 +301,16 @@ impl Solver {
     /// The time that each stage of the last frame took, in order.
     pub fn timings(&self) -> &[(&'static str, Duration)] {
         &self.clock.laps
+    }
+
+    /// Tells that the grid of the next frame lies elsewhere in your world: its first cell is the one that the frame
+    /// before had `by` cells from its first one, to the right and down. The light that surfaces reflect from frame to
+    /// frame ([`Bounces::Feedback`]) stays in the world; the mean over frames of `raymarch` starts anew.
+    pub fn shift(&mut self, by: [i32; 2]) {
+        if by != [0; 2] {
+            self.moved = [0, 1].map(|a| self.moved[a].saturating_add(by[a]));
+            self.temporal = TemporalMean::default();
+        }
     }
 
     /// Discards all history, as after a cut or a jump of the camera.

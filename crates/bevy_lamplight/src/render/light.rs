@@ -1,5 +1,7 @@
-//! Lighting before the main pass: matter on each camera's grid, then its light.
+//! Lighting before the main pass: matter on each camera's grid, then its light. Where the CPU finds the light, both
+//! happen while the frame is prepared.
 
+use super::backend::LightBackend;
 use super::draw::DrawList;
 use super::extract::ExtractedLighting;
 use super::image_bindings::ImageBindings;
@@ -15,11 +17,11 @@ use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
-use lamplight_wgpu::VisibleRect;
 use lamplight_wgpu::wgpu::{
     self, Color, CommandEncoder, LoadOp, Operations, RenderPassColorAttachment,
     RenderPassDescriptor, StoreOp, TextureView,
 };
+use lamplight_wgpu::{Backend, VisibleRect};
 
 /// The light of a camera with [`LightTexture2d`](crate::LightTexture2d), on its entity in the render
 /// world: linear RGB and 1 per cell, `Rgba16Float`.
@@ -48,6 +50,7 @@ pub struct RenderResources<'w> {
     queue: Res<'w, RenderQueue>,
     images: Res<'w, RenderAssets<GpuImage>>,
     pipelines: Option<Res<'w, Pipelines>>,
+    backend: Res<'w, LightBackend>,
 }
 
 /// Prepares the light of every camera.
@@ -60,7 +63,7 @@ pub fn prepare(
     cameras: Query<&ExtractedCamera>,
     textures: Query<Entity, With<ViewLightTexture>>,
 ) {
-    let RenderResources { device, queue, images, pipelines } = resources;
+    let RenderResources { device, queue, images, pipelines, backend } = resources;
     let (device, queue): (_, &wgpu::Queue) = (device.wgpu_device(), &queue);
     for entity in &textures {
         commands.entity(entity).remove::<ViewLightTexture>();
@@ -104,21 +107,26 @@ pub fn prepare(
         let target = CameraTarget { size: size.to_array(), viewport: viewport.to_array() };
         let known = lit_views
             .remove(&view.entity)
-            .map_or_else(|| LitView::new(device, queue, &pipelines, view), Ok);
+            .map_or_else(|| LitView::new(device, queue, *backend, &pipelines, view), Ok);
         let prepared = known.and_then(|mut lit| {
-            lit.prepare(device, queue, &pipelines, view, &extracted, target)?;
+            lit.prepare_matter(device, queue, &pipelines, view, &extracted, target)?;
+            let DrawList { batches, lamp_batches, surface_batches, mask_batches, .. } = &lit.draw;
+            let all = [batches, lamp_batches, surface_batches, mask_batches];
+            for batch in all.into_iter().flatten() {
+                for image in std::iter::once(batch.image).chain(batch.normals) {
+                    bindings.bind(device, &pipelines, image, &images);
+                }
+            }
+            if lit.lighting.backend() == Backend::Cpu {
+                let mut encoder = device.create_command_encoder(&Default::default());
+                draw_matter(&lit, &pipelines, &bindings, device, &mut encoder);
+                queue.submit([encoder.finish()]);
+            }
+            lit.prepare_light(view)?;
             Ok(lit)
         });
         match prepared {
             Ok(lit) => {
-                let DrawList { batches, lamp_batches, surface_batches, mask_batches, .. } =
-                    &lit.draw;
-                let all = [batches, lamp_batches, surface_batches, mask_batches];
-                for batch in all.into_iter().flatten() {
-                    for image in std::iter::once(batch.image).chain(batch.normals) {
-                        bindings.bind(device, &pipelines, image, &images);
-                    }
-                }
                 if let Some(texture) = &lit.texture {
                     let placement = &view.placement;
                     commands.entity(view.entity).insert(ViewLightTexture {
@@ -152,10 +160,11 @@ pub fn record(
     let diagnostics = context.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     let encoder = context.command_encoder();
-    let span = diagnostics.time_span(encoder, "lamplight matter");
-    draw_matter(lit, &pipelines, &images, encoder);
-    draw_masks(lit, &pipelines, &images, device.wgpu_device(), encoder);
-    span.end(encoder);
+    if lit.lighting.backend() != Backend::Cpu {
+        let span = diagnostics.time_span(encoder, "lamplight matter");
+        draw_matter(lit, &pipelines, &images, device.wgpu_device(), encoder);
+        span.end(encoder);
+    }
     let span = diagnostics.time_span(encoder, "lamplight light");
     if let Err(error) = lit.budget.record(&lit.lighting, encoder) {
         error_once!("{error}");
@@ -163,10 +172,12 @@ pub fn record(
     span.end(encoder);
 }
 
+/// Draws the matter on the grid, and its light layers.
 fn draw_matter(
     lit: &LitView,
     pipelines: &Pipelines,
     images: &ImageBindings,
+    device: &wgpu::Device,
     encoder: &mut CommandEncoder,
 ) {
     let grid = &lit.grid;
@@ -207,6 +218,8 @@ fn draw_matter(
     pass.set_pipeline(&pipelines.resolve);
     pass.set_bind_group(0, &grid.sums_group, &[]);
     pass.draw(0..3, 0..1);
+    drop(pass);
+    draw_masks(lit, pipelines, images, device, encoder);
 }
 
 /// Draws the light layers of cells. What has none is in all of them.

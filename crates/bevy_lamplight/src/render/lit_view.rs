@@ -1,5 +1,6 @@
 //! State of each lit camera that persists across frames.
 
+use super::backend::LightBackend;
 use super::budget::Budget;
 use super::draw::{DrawList, LampModel};
 use super::extract::{ExtractedLighting, LitCameraView};
@@ -154,12 +155,13 @@ impl LitView {
     pub fn new(
         device: &Device,
         queue: &Queue,
+        backend: LightBackend,
         pipelines: &Pipelines,
         view: &LitCameraView,
     ) -> Result<Self, Error> {
         let configured = Configuration::of(view);
         Ok(Self {
-            lighting: Lighting::new(device, queue, &LightingOptions::default())?,
+            lighting: Lighting::new(device, queue, &LightingOptions::on(backend.into()))?,
             budget: Budget::new(device, queue),
             compose: Compose::new(device, queue)?,
             neighbours: None,
@@ -174,8 +176,8 @@ impl LitView {
         })
     }
 
-    /// Prepares a frame for recording.
-    pub fn prepare(
+    /// Prepares the matter of a frame for drawing.
+    pub fn prepare_matter(
         &mut self,
         device: &Device,
         queue: &Queue,
@@ -228,6 +230,12 @@ impl LitView {
         keep(&mut self.texture, view.has_light_texture, placed.size, || {
             light_texture(device, placed.size)
         });
+        Ok(())
+    }
+
+    /// Prepares the light of a frame for recording. The CPU finds it now, of matter that is drawn already.
+    pub fn prepare_light(&mut self, view: &LitCameraView) -> Result<(), Error> {
+        let placed = &view.placement.placed;
         let textures = self.grid.textures();
         let DrawList { lamps, suns, .. } = &self.draw;
         let lights = Lights { lamps, suns, sky: &view.sky };

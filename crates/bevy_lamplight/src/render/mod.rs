@@ -7,6 +7,7 @@
 //! | before the main pass | matter on the grid, then its light | `light.rs`, `quad_buffers.rs`, `budget.rs` |
 //! | after the main pass | glow and normals on the screen, the picture × its light, then everything unlit | `compose.rs`, `unlit.rs` |
 
+mod backend;
 mod budget;
 mod compose;
 mod draw;
@@ -18,6 +19,7 @@ mod pipelines;
 mod quad_buffers;
 mod unlit;
 
+pub use backend::LightBackend;
 pub use light::ViewLightTexture;
 
 use bevy::app::{App, Plugin};
@@ -33,9 +35,11 @@ impl Plugin for LightRenderPlugin {
 
     // Plugins may be added in any order, so the render app is looked up late.
     fn finish(&self, app: &mut App) {
+        let backend = app.world().get_resource::<LightBackend>().copied().unwrap_or_default();
         // There is no render app on a headless server.
         let Some(app) = app.get_sub_app_mut(RenderApp) else { return };
-        app.init_resource::<extract::ExtractedLighting>()
+        app.insert_resource(backend)
+            .init_resource::<extract::ExtractedLighting>()
             .init_resource::<lit_view::LitViews>()
             .init_resource::<image_bindings::ImageBindings>()
             .init_resource::<unlit::UnlitPhases>()

@@ -43,7 +43,10 @@ struct Arrived(Option<Vec<u8>>);
 /// An app with the plugin and a white background.
 pub fn app() -> App {
     let mut app = headless();
-    app.add_plugins(LamplightPlugin).insert_resource(ClearColor(Color::WHITE));
+    // The tests are for the GPU, even if that is software.
+    app.add_plugins(LamplightPlugin)
+        .insert_resource(LightBackend::Gpu)
+        .insert_resource(ClearColor(Color::WHITE));
     app
 }
 

@@ -82,20 +82,23 @@ fn light_with(bounces: u32, cells: &Cells) -> Light {
 
 #[test]
 fn a_glowing_sprite_gives_the_same_light_as_the_same_cells() {
-    let mut app = app();
-    let image = target(&mut app, SIZE);
-    camera(&mut app, &image, Lighting2d { bounces: LightBounces::Count(2), ..plain() });
-    spawn_sprites(&mut app);
-    begin(&mut app);
-    let seen = picture(&mut app, &image, 3);
+    for backend in [LightBackend::Gpu, LightBackend::Cpu] {
+        let mut app = app();
+        app.insert_resource(backend);
+        let image = target(&mut app, SIZE);
+        camera(&mut app, &image, Lighting2d { bounces: LightBounces::Count(2), ..plain() });
+        spawn_sprites(&mut app);
+        begin(&mut app);
+        let seen = picture(&mut app, &image, 3);
 
-    let placed = placed([0.0, 0.0]);
-    let mut cells = cells_of_sprites(&placed);
-    assert_eq!(mismatches(&seen, &placed, &cells, &light_with(2, &cells)), 0);
+        let placed = placed([0.0, 0.0]);
+        let mut cells = cells_of_sprites(&placed);
+        assert_eq!(mismatches(&seen, &placed, &cells, &light_with(2, &cells)), 0, "{backend:?}");
 
-    // A scene that lacks part of the wall is rejected.
-    fill(&mut cells, &placed, BOXES[1].1, [1, 3], Matter::EMPTY);
-    assert!(mismatches(&seen, &placed, &cells, &light_with(2, &cells)) > 20);
+        // A scene that lacks part of the wall is rejected.
+        fill(&mut cells, &placed, BOXES[1].1, [1, 3], Matter::EMPTY);
+        assert!(mismatches(&seen, &placed, &cells, &light_with(2, &cells)) > 20, "{backend:?}");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The stages that methods share: each with its pipelines, buffers and dispatches over a grid.
 
+pub mod bounce;
 pub mod class;
 pub mod compare;
 pub mod convergence;
@@ -13,6 +14,7 @@ pub mod glow;
 pub mod gradient_moment;
 pub mod invalidate;
 pub mod jump_flood;
+pub mod matter_values;
 pub mod medium_grid;
 pub mod output;
 pub mod packet;

@@ -7,7 +7,7 @@ use lamplight::settings::Raymarch;
 use lamplight::{Cells, Matter, Rgb, Settings};
 use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{
-    FrameInput, Lighting, LightingOptions, Stage, Tier, required_features, required_limits,
+    Backend, FrameInput, Lighting, LightingOptions, Stage, Tier, required_features, required_limits,
 };
 use wgpu::{
     Adapter, Backends, Device, DeviceDescriptor, Features, Instance, InstanceDescriptor, Limits,
@@ -68,9 +68,9 @@ pub fn device_with(lower: impl Fn(&mut Limits)) -> (Device, Queue) {
     open_with(&adapter(), Features::empty(), limits)
 }
 
-/// A [`Lighting`] with default options.
+/// A [`Lighting`] on the device, also if that is software.
 pub fn lighting(device: &Device, queue: &Queue) -> Lighting {
-    Lighting::new(device, queue, &LightingOptions::default()).unwrap()
+    Lighting::new(device, queue, &LightingOptions::on(Backend::Gpu)).unwrap()
 }
 
 /// Records and submits the frame prepared last, and fetches the light.

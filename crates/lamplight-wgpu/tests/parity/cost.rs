@@ -3,12 +3,12 @@
 use crate::common::device;
 use lamplight::settings::Holographic;
 use lamplight::{Cells, Settings};
-use lamplight_wgpu::{Cost, FrameInput, Lighting, LightingOptions};
+use lamplight_wgpu::{Backend, Cost, FrameInput, Lighting, LightingOptions};
 use wgpu::{Device, Queue};
 
 fn cost((device, queue): &(Device, Queue), preset: &str, side: u32, fused_levels: u32) -> Cost {
     let settings = Settings::direct(Holographic::preset(preset).unwrap());
-    let options = LightingOptions { fused_levels };
+    let options = LightingOptions { backend: Backend::Gpu, fused_levels };
     let mut lighting = Lighting::new(device, queue, &options).unwrap();
     let cells = Cells::new(side, side).unwrap();
     lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();

@@ -4,7 +4,7 @@ use crate::common::{cells, device, device_of, device_with, frame, lighting};
 use crate::compare::{Both, SIZES, agree, differences, scenes};
 use lamplight::settings::Holographic;
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Settings, Sky};
-use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Tier};
+use lamplight_wgpu::{Backend, FrameInput, Lighting, LightingOptions, Tier};
 use std::time::{Duration, Instant};
 
 fn holographic(preset: &str) -> Settings {
@@ -94,7 +94,7 @@ fn lit(cells: &Cells, preset: &str, most_bytes: Option<u64>, fused_levels: u32) 
             limits.max_storage_buffer_binding_size = most;
         }
     });
-    let options = LightingOptions { fused_levels };
+    let options = LightingOptions { backend: Backend::Gpu, fused_levels };
     let mut lighting = Lighting::new(&device, &queue, &options).unwrap();
     let light = frame(&device, &queue, &mut lighting, &holographic(preset), cells);
     let cost = lighting.cost().unwrap();

@@ -18,6 +18,23 @@ use crate::{Cells, Rgb};
 /// The change of outgoing radiance, relative to the mean, at which bounces have converged.
 pub const CONVERGED: f32 = 1e-3;
 
+/// The bounces that a frame makes.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameBounces {
+    /// As the settings have them.
+    pub bounces: Bounces,
+    /// The place of the grid's first cell in the world, relative to that of the frame before.
+    pub moved: [i32; 2],
+}
+
+impl FrameBounces {
+    /// Bounces on a grid that stays where it is.
+    #[cfg(test)]
+    pub fn here(bounces: Bounces) -> Self {
+        Self { bounces, moved: [0; 2] }
+    }
+}
+
 /// The slot of a cell that is no surface.
 const NONE: u32 = u32::MAX;
 
@@ -87,13 +104,14 @@ impl Surfaces {
         self.wall_changed.resize(self.walls.len(), Default::default());
     }
 
-    /// Copies the reflected and scattered light of the frame `before` for cells that were surfaces then. Walls that
-    /// no longer reflect get none, because no later gather would replace it.
-    pub fn take_over(&mut self, before: &Self) {
+    /// Copies the reflected and scattered light of the frame `before`, when the grid was elsewhere in the world by
+    /// `-moved`, for places that were surfaces then. Walls that no longer reflect get none, because no later gather would
+    /// replace it.
+    pub fn take_over(&mut self, before: &Self, moved: [i32; 2]) {
         let width = self.width;
         let walls = self.walls.iter().zip(&mut self.wall_reflected);
         for (wall, reflected) in walls.filter(|(wall, _)| wall.reflects) {
-            let Some((cell, slot)) = before.slot_at(wall.cell, width) else { continue };
+            let Some((cell, slot)) = before.slot_at(wall.cell, width, moved) else { continue };
             if before.walls.get(slot).is_some_and(|old| old.cell == cell) {
                 for face in (0..4).filter(|&face| wall.exposed[face]) {
                     reflected[face] = before.wall_reflected[slot][face];
@@ -101,20 +119,22 @@ impl Surfaces {
             }
         }
         for (&cell, scattered) in self.media.iter().zip(&mut self.medium_scattered) {
-            let Some((cell, slot)) = before.slot_at(cell, width) else { continue };
+            let Some((cell, slot)) = before.slot_at(cell, width, moved) else { continue };
             if before.media.get(slot) == Some(&cell) {
                 *scattered = before.medium_scattered[slot];
             }
         }
     }
 
-    /// Returns a cell of another grid, which is `width` cells wide, in this one, with its slot: grids of different
-    /// sizes share their first cell.
-    fn slot_at(&self, cell: u32, width: u32) -> Option<(u32, usize)> {
-        let [x, y] = [cell % width, cell / width];
-        let cell = if width == self.width { cell } else { y * self.width + x };
-        let slot = *self.slots.get(cell as usize).filter(|_| x < self.width)?;
-        Some((cell, slot as usize))
+    /// Returns the cell of this grid where a cell of a later one lies, which is `width` cells wide and has `moved`, and
+    /// its slot.
+    fn slot_at(&self, cell: u32, width: u32, moved: [i32; 2]) -> Option<(u32, usize)> {
+        let at = [cell % width, cell / width];
+        let [x, y] = [0, 1].map(|a| u32::try_from(i64::from(at[a]) + i64::from(moved[a])).ok());
+        let x = x.filter(|&x| x < self.width)?;
+        let cell = u64::from(y?) * u64::from(self.width) + u64::from(x);
+        let slot = *self.slots.get(usize::try_from(cell).ok()?)?;
+        Some((cell as u32, slot as usize))
     }
 
     /// Returns the index of a cell in `walls` (solid cells) or `media` (others).

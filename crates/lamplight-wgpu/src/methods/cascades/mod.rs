@@ -14,6 +14,7 @@ use crate::pipeline::{BoundResources, ComputePipelines, Dispatch, WORKGROUP};
 use crate::planner::{FramePlanner, view, whole};
 use crate::shared::filled;
 use crate::stage::Stage;
+use crate::stages::bounce::{Bounce, FACES};
 use crate::stages::compare::Compare;
 use crate::stages::convergence::Convergence;
 use crate::stages::empty_space::EmptySpace;
@@ -37,15 +38,7 @@ pub struct Cascades {
     /// For light, if its first moment is found.
     moment: Option<Passes>,
     cosines: Buffer,
-    bounce: Bounce,
-}
-
-/// The way in which light bounces, with the pipelines that only it needs.
-#[derive(Debug)]
-enum Bounce {
-    Times(u32),
-    Converged(Convergence, Compare),
-    Feedback(Feedback),
+    bounce: Bounce<Compare, Feedback>,
 }
 
 /// The pipelines of a gather.
@@ -74,8 +67,6 @@ struct Indirect<'a> {
     scattered: &'a Buffer,
 }
 
-/// Faces of a cell; a medium uses the first.
-const FACES: u64 = 4;
 /// Entries of [`programs::CASCADES_GATHER`]: light, or the scattered radiance of the next bounce.
 const LIGHT: usize = 0;
 const SCATTERED: usize = 1;
@@ -107,15 +98,10 @@ impl Cascades {
         let cosines = |cone| [0, 1, 2, 3].map(|face| cosine(face, cone, rays));
         let cosines: Vec<[f32; 4]> = (0..rays).map(cosines).collect();
         let cosines = bytemuck::cast_slice(&cosines);
-        let bounce = match bounces {
-            Bounces::Count(times) => Bounce::Times(times),
-            Bounces::Converged => Bounce::Converged(Convergence::new(device), Compare::new(device)),
-            Bounces::Feedback => Bounce::Feedback(Feedback::new(device)),
-        };
+        let bounce = Bounce::in_floats(device, bounces);
         Ok(Self {
             settings: settings.clone(),
-            // As in `raymarch`, squares are not found again in each of many recorded bounces.
-            medium_grid: MediumGridPipelines::new(device, bounces == Bounces::Converged),
+            medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
             empty_space: EmptySpace::new(device),
             passes: passes(false),
             moment: moment.then(|| passes(true)),
@@ -129,15 +115,9 @@ impl Cascades {
         let (paths, layers) = (ladder.paths(planner)?, ladder.layers(planner)?);
         let halves = planner.pair::<[f32; 4]>("cascades", ladder.means())?;
         let grid = self.medium_grid.buffers(planner)?;
-        let faces = match self.bounce {
-            Bounce::Times(0) => 1,
-            _ => planner.cells() * FACES,
-        };
-        let one = planner.buffer::<[f32; 4]>("scattered", faces)?;
-        let other = match self.bounce {
-            Bounce::Feedback(_) => planner.kept_scattered::<[f32; 4]>(faces)?,
-            _ => planner.buffer::<[f32; 4]>("scattered", faces)?,
-        };
+        let faces = FACES * planner.cells();
+        let one = self.bounce.buffer::<[f32; 4]>(planner, faces)?;
+        let other = self.bounce.kept_buffer::<[f32; 4]>(planner, faces)?;
         let (squares, find_squares) = self.empty_space.plan(planner, &grid)?;
         let plan = Plan { planner, ladder, paths, layers, halves, grid, squares };
 

@@ -18,6 +18,7 @@ use crate::pass_list::PassList;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::stage::Stage;
+use crate::stages::bounce::{Bounce, FACES};
 use crate::stages::convergence::Convergence;
 use crate::{programs, shaders};
 use lamplight::Bounces;
@@ -41,8 +42,6 @@ use work::Work;
 const MAX_HELD: u64 = 58;
 /// Bytes that are not worth a dispatch.
 const LITTLE: u64 = 16 << 20;
-/// Faces of a cell; a medium uses the first.
-const FACES: u64 = 4;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -54,15 +53,7 @@ pub struct Holographic {
     gather: ComputePipelines,
     gather_faces: ComputePipelines,
     faces: ComputePipelines,
-    bounce: Bounce,
-}
-
-/// The way in which light bounces, with the pipelines that only it needs.
-#[derive(Debug)]
-enum Bounce {
-    Times(u32),
-    Converged(Convergence, ComputePipelines),
-    Feedback(ComputePipelines),
+    bounce: Bounce<ComputePipelines, ComputePipelines>,
 }
 
 /// The pipelines that depend on how intervals are stored.
@@ -198,15 +189,8 @@ impl Holographic {
             ComputePipelines::new(device, &programs::HOLOGRAPHIC_GATHER, &constants)
         };
         let compared = || ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
-        let bounce = match bounces {
-            Bounces::Count(times) => Bounce::Times(times),
-            Bounces::Converged => Bounce::Converged(Convergence::new(device), compared()),
-            Bounces::Feedback => Bounce::Feedback(ComputePipelines::new(
-                device,
-                &programs::HOLOGRAPHIC_FEEDBACK,
-                &[],
-            )),
-        };
+        let feedback = || ComputePipelines::new(device, &programs::HOLOGRAPHIC_FEEDBACK, &[]);
+        let bounce = Bounce::new(device, bounces, compared, feedback);
         let marks = ("MARKS", f64::from(bounces == Bounces::Feedback));
         Self {
             settings: settings.clone(),
@@ -238,11 +222,6 @@ impl Holographic {
         }
         let storage = BufferUsages::STORAGE;
         let faces = FACES * planner.cells();
-        let scattered = match self.bounce {
-            Bounce::Times(0) => planner.buffer::<Packed>("scattered", 1)?,
-            Bounce::Feedback(_) => planner.kept_scattered::<Packed>(faces)?,
-            _ => planner.buffer::<Packed>("scattered", faces)?,
-        };
         let buffers = Buffers {
             footprints: planner.filled(
                 "footprints",
@@ -255,7 +234,7 @@ impl Holographic {
             tints: planner.buffer::<u32>("tints of intervals", tints)?,
             radiance: planner.buffer::<Packed>("light of cones", radiance)?,
             irradiance: planner.buffer::<Packed>("irradiance", faces)?,
-            scattered,
+            scattered: self.bounce.kept_buffer::<Packed>(planner, faces)?,
         };
 
         let mut quadrant = Quadrant::new(
@@ -280,8 +259,7 @@ impl Holographic {
                 Vec::new()
             }
         });
-        let indirect = !matches!(self.bounce, Bounce::Times(0));
-        let last = quadrant.gather(&axes, indirect, true);
+        let last = quadrant.gather(&axes, self.bounce.is_any(), true);
         let sweeps = Sweeps::new(planner, quadrant.sweeps())?;
         let bindings = self.bind(planner, intervals, &buffers, &sweeps, light);
         let bound = |planned: &[PlannedWork]| -> Vec<_> {

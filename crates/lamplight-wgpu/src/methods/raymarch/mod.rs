@@ -7,13 +7,15 @@ use crate::error::{Result, unsupported};
 use crate::pass_list::PassList;
 use crate::planner::FramePlanner;
 use crate::stage::Stage;
+use crate::stages::bounce::{Bounce, FACES};
+use crate::stages::compare::Compare;
 use crate::stages::denoise::Denoise;
 use crate::stages::distance::DistancePipelines;
 use crate::stages::empty_space::EmptySpace;
+use crate::stages::feedback::Feedback;
 use crate::stages::invalidate::Invalidate;
 use crate::stages::medium_grid::MediumGridPipelines;
 use crate::stages::temporal::Temporal;
-use bounce::Bounce;
 use gather::{Gather, GatherBuffers, Gathered};
 use lamplight::settings::{Bounces, Hit, Raymarch as Settings};
 use wgpu::{Buffer, Device, Queue};
@@ -24,7 +26,7 @@ pub struct Raymarch {
     medium_grid: MediumGridPipelines,
     skipping: Skipping,
     gather: Gather,
-    bounce: Bounce,
+    bounce: Bounce<Compare, Feedback>,
     invalidate: Option<Invalidate>,
     temporal: Option<Temporal>,
     denoise: Option<Denoise>,
@@ -56,7 +58,7 @@ impl Raymarch {
             other => return Err(unsupported("raymarch.hit", other)),
         };
         let rejects = accumulates && settings.temporal.reject;
-        let bounce = Bounce::new(device, bounces);
+        let bounce = Bounce::in_floats(device, bounces);
         Ok(Self {
             medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
             skipping,
@@ -71,7 +73,11 @@ impl Raymarch {
 
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<PassList> {
         let grid = self.medium_grid.buffers(planner)?;
-        let scattered = self.bounce.buffers(planner)?;
+        let faces = FACES * planner.cells();
+        let scattered = [
+            self.bounce.buffer::<[f32; 4]>(planner, faces)?,
+            self.bounce.kept_buffer::<[f32; 4]>(planner, faces)?,
+        ];
         let mut dispatches = vec![self.medium_grid.read(planner, &grid, &scattered[0])];
         let mut any_changed = None;
         if let Some(invalidate) = &self.invalidate {
@@ -100,7 +106,7 @@ impl Raymarch {
         let find = if repeats { find } else { Vec::new() };
         let (grid, gather) = (&self.medium_grid, &self.gather);
         let (bounces, scattered) =
-            self.bounce.plan(planner, grid, gather, &buffers, &scattered, &find)?;
+            bounce::plan(&self.bounce, planner, grid, gather, &buffers, &scattered, &find)?;
         dispatches.extend(bounces);
         let step = planner.settings.bounces.limit().min(1);
         dispatches.push(gather.plan(planner, Gathered::Light, &buffers, step, &scattered, light));

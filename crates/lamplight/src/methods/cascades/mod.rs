@@ -28,7 +28,7 @@ use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::grid::packet::LANES;
 use crate::settings::{self, Bounces};
 use crate::simd::dispatch;
-use crate::stages::bounce::{Surfaces, mean_over_faces, solve_bounces};
+use crate::stages::bounce::{FrameBounces, Surfaces, mean_over_faces, solve_bounces};
 use crate::stages::direct::DirectLight;
 use crate::{Cells, Light, Moment, Rgb};
 use fearless_simd::{Level, f32x16, prelude::*};
@@ -90,7 +90,7 @@ impl Cascades {
         &mut self,
         cells: &Cells,
         settings: &settings::Cascades,
-        bounces: Bounces,
+        FrameBounces { bounces, moved }: FrameBounces,
         direct: &DirectLight,
         light: &mut Light,
         clock: &mut Clock,
@@ -111,7 +111,7 @@ impl Cascades {
         let bounces_at_all = bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters();
         let feedback = bounces_at_all && bounces == Bounces::Feedback;
         if feedback {
-            self.surfaces.take_over(&self.before);
+            self.surfaces.take_over(&self.before, moved);
             self.scatter(cells);
         } else if bounces_at_all {
             solve_bounces(bounces, || {
@@ -340,7 +340,8 @@ mod tests {
             let settings = settings::Cascades { merge, ..settings::Cascades::default() };
             agree(0.0, |level| {
                 let mut light = Light::default();
-                let (bounces, direct) = (Bounces::Count(1), DirectLight::default());
+                let (bounces, direct) =
+                    (FrameBounces::here(Bounces::Count(1)), DirectLight::default());
                 let mut clock = Clock::default();
                 Cascades::on(level)
                     .solve(&cells, &settings, bounces, &direct, &mut light, &mut clock);

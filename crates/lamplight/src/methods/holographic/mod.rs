@@ -53,7 +53,7 @@ pub use slabs::{EMISSIVE, MATTER, MEDIUM, SMALL};
 
 use crate::clock::Clock;
 use crate::settings::{self, Bounces, Variant};
-use crate::stages::bounce::{Surfaces, Wall, mean_over_faces, solve_bounces};
+use crate::stages::bounce::{FrameBounces, Surfaces, Wall, mean_over_faces, solve_bounces};
 use crate::stages::direct::DirectLight;
 use crate::stages::faces::Faces;
 use crate::{Cells, Light, Moment, Rgb};
@@ -106,7 +106,7 @@ impl Holographic {
         &mut self,
         cells: &Cells,
         settings: &settings::Holographic,
-        bounces: Bounces,
+        FrameBounces { bounces, moved }: FrameBounces,
         direct: &DirectLight,
         light: &mut Light,
         clock: &mut Clock,
@@ -127,7 +127,7 @@ impl Holographic {
         let feedback = bounces_at_all && bounces == Bounces::Feedback;
         let mut reflected = feedback;
         if feedback {
-            surfaces.take_over(&self.before);
+            surfaces.take_over(&self.before, moved);
         } else if bounces_at_all {
             solve_bounces(bounces, || {
                 self.sweep(cells, settings, reflected, Wanted::Surfaces);
@@ -286,7 +286,8 @@ mod tests {
             let settings = settings::Holographic::preset(preset).unwrap();
             agree(ROUNDING, |level| {
                 let mut light = Light::default();
-                let (bounces, direct) = (Bounces::Count(1), DirectLight::default());
+                let (bounces, direct) =
+                    (FrameBounces::here(Bounces::Count(1)), DirectLight::default());
                 let mut clock = Clock::default();
                 Holographic::on(level)
                     .solve(&cells, &settings, bounces, &direct, &mut light, &mut clock);

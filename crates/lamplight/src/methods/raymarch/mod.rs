@@ -24,7 +24,7 @@ use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::grid::packet::LANES;
 use crate::settings::{Bounces, Hit, Raymarch};
-use crate::stages::bounce::{Surfaces, mean_over_faces, solve_bounces};
+use crate::stages::bounce::{FrameBounces, Surfaces, mean_over_faces, solve_bounces};
 use crate::stages::direct::DirectLight;
 use crate::stages::faces::Faces;
 use crate::{Cells, moment};
@@ -38,7 +38,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
     pub settings: &'a Raymarch,
-    pub bounces: Bounces,
+    pub bounces: FrameBounces,
     /// The seed of the noise.
     pub seed: u64,
     /// The grid, lamps drawn in.
@@ -111,7 +111,7 @@ impl RaymarchSolver {
         self.surfaces.collect(cells, threshold);
         clock.lap("clearance");
 
-        if input.bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters() {
+        if input.bounces.bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters() {
             self.bounce(input);
             clock.lap("bounce");
         }
@@ -126,11 +126,12 @@ impl RaymarchSolver {
 
     /// Lets light bounce between the surfaces.
     fn bounce(&mut self, input: Input) {
-        if input.bounces == Bounces::Feedback {
-            self.surfaces.take_over(&self.before);
+        let FrameBounces { bounces, moved } = input.bounces;
+        if bounces == Bounces::Feedback {
+            self.surfaces.take_over(&self.before, moved);
             self.scatter(input.cells, input.settings);
         }
-        solve_bounces(input.bounces, || {
+        solve_bounces(bounces, || {
             self.receive(input);
             self.reflect_and_scatter(input)
         });
@@ -285,7 +286,7 @@ mod tests {
         let cells = cells().drawn().into_owned();
         let input = Input {
             settings: &Raymarch::default(),
-            bounces: Bounces::Count(2),
+            bounces: FrameBounces::here(Bounces::Count(2)),
             seed: 0,
             cells: &cells,
             direct: &DirectLight::default(),

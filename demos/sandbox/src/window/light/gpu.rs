@@ -11,7 +11,7 @@ use lamplight_wgpu::wgpu::{
     TextureDimension, TextureFormat, TextureUsages, TextureView,
 };
 use lamplight_wgpu::{
-    Color, Compose, ComposeParams, Filter, FrameInput, Lighting, LightingOptions, Timer,
+    Backend, Color, Compose, ComposeParams, Filter, FrameInput, Lighting, LightingOptions, Timer,
 };
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -101,7 +101,9 @@ impl OnGpu {
         target: TextureFormat,
         settings: &Settings,
     ) -> Result<Self> {
-        let mut lighting = Lighting::new(&device, &queue, &LightingOptions::default())?;
+        // The window has a backend for the CPU of its own.
+        let options = LightingOptions::on(Backend::Gpu);
+        let mut lighting = Lighting::new(&device, &queue, &options)?;
         lighting.precompile(settings)?;
         Ok(Self {
             name,

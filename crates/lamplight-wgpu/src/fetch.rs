@@ -1,0 +1,88 @@
+//! The contents of a buffer on the CPU.
+
+use crate::error::ReadBackError;
+use crate::error_scope::with_error_scope;
+use bytemuck::Pod;
+use std::marker::PhantomData;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use wgpu::{
+    Buffer, BufferAsyncError, BufferDescriptor, BufferUsages, Device, MapMode, PollType, Queue,
+};
+
+/// Copies a whole buffer from the GPU, after everything that was submitted before.
+///
+/// # Errors
+/// If the device was lost, or the buffer belongs to another device.
+pub fn read_back<T: Pod>(
+    device: &Device,
+    queue: &Queue,
+    buffer: &Buffer,
+) -> Result<Vec<T>, ReadBackError> {
+    Fetch::new(device, queue, buffer)?.wait()
+}
+
+/// A transfer of a buffer from the GPU.
+#[derive(Debug)]
+pub struct Fetch<T> {
+    device: Device,
+    copy: Buffer,
+    mapped: Receiver<Result<(), BufferAsyncError>>,
+    values: PhantomData<T>,
+}
+
+impl<T: Pod> Fetch<T> {
+    /// Starts the transfer of a whole buffer, as everything that was submitted before leaves it.
+    ///
+    /// # Errors
+    /// If the device was lost, or the buffer belongs to another device.
+    pub fn new(device: &Device, queue: &Queue, buffer: &Buffer) -> Result<Self, ReadBackError> {
+        with_error_scope(device, || Ok(Self::begin(device, queue, buffer)))
+    }
+
+    fn begin(device: &Device, queue: &Queue, buffer: &Buffer) -> Self {
+        let copy = device.create_buffer(&BufferDescriptor {
+            label: Some("read back"),
+            size: buffer.size(),
+            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+        queue.submit([encoder.finish()]);
+        let (sender, mapped) = channel();
+        copy.map_async(MapMode::Read, .., move |result| {
+            // The receiver is gone if the fetch was dropped.
+            let _ = sender.send(result);
+        });
+        Self { device: device.clone(), copy, mapped, values: PhantomData }
+    }
+
+    /// Returns the values if they have arrived; `None` while the transfer is in progress. Does not wait.
+    pub fn take(&self) -> Result<Option<Vec<T>>, ReadBackError> {
+        self.device.poll(PollType::Poll).map_err(failed)?;
+        match self.mapped.try_recv() {
+            Ok(mapped) => {
+                mapped.map_err(failed)?;
+                self.values().map(Some)
+            }
+            Err(TryRecvError::Empty) => Ok(None),
+            Err(gone) => Err(failed(gone)),
+        }
+    }
+
+    /// Waits for the values.
+    pub fn wait(self) -> Result<Vec<T>, ReadBackError> {
+        self.device.poll(PollType::wait_indefinitely()).map_err(failed)?;
+        self.mapped.recv().map_err(failed)?.map_err(failed)?;
+        self.values()
+    }
+
+    fn values(&self) -> Result<Vec<T>, ReadBackError> {
+        let mapped = self.copy.get_mapped_range(..).map_err(failed)?;
+        Ok(bytemuck::pod_collect_to_vec(&mapped))
+    }
+}
+
+fn failed(why: impl std::fmt::Display) -> ReadBackError {
+    ReadBackError::Failed(why.to_string())
+}
