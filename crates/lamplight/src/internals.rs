@@ -71,7 +71,7 @@ pub mod flood {
 /// Holographic radiance cascades.
 pub mod holographic {
     pub use crate::methods::holographic::{
-        EMISSIVE, EXCHANGED, MATTER, MEDIUM, REACH, SMALL, WEIGHT_EPSILON,
+        EMISSIVE, EXCHANGED, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON,
     };
 
     /// Directions, levels, and the positions of planes.

@@ -51,9 +51,13 @@ impl Look {
         table
     }
 
-    /// The look of a scene.
+    /// The look of a scene. All of its bounces, if it asks for them, come over frames here.
     pub fn of(settings: &Settings, display: Display) -> Self {
         let Settings { bounces, wall_depth, elevation, .. } = *settings;
+        let bounces = match bounces {
+            Bounces::Converged => Bounces::Feedback,
+            bounces => bounces,
+        };
         Self { bounces, wall_depth, elevation, display }
     }
 }

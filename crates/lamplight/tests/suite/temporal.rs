@@ -255,13 +255,16 @@ fn starts_afresh(solver: &mut Solver, before: usize, cells: &Cells) -> bool {
 
 #[test]
 fn another_size_resets_history() {
+    // Bounces by feedback go on.
+    let settings = variants().into_iter().map(|(_, settings)| settings);
+    let without_feedback = settings.filter(|settings| settings.bounces != Bounces::Feedback);
     let lit = |[w, h]: [u32; 2]| {
         with_lamp(
             &room(w, h, Matter { albedo: [0.5; 3], ..WALL }),
             lamp([w as f32 / 2.0, h as f32 / 2.0], 1.0),
         )
     };
-    for (_, settings) in variants() {
+    for settings in without_feedback {
         // Also with as many cells in another shape.
         for size in [[40, 24], [24, 30], [30, 30], [5, 9]] {
             let mut solver = Solver::new(settings.clone()).unwrap();

@@ -11,7 +11,9 @@
 override OCCUPIED: u32;
 override MEDIUM: u32;
 override EMITTING: u32;
-override SMALL: u32;
+// The bit that is read as the last of four: that of small sources for bundles, that of own light for pixels.
+override FOURTH: u32;
+const LAST: u32 = 3u;
 
 const TILE: u32 = 64u;
 // Slabs that a tile reads: one behind, its own, and those ahead.
@@ -52,7 +54,7 @@ fn fetch(local: u32, lanes: u32, slab: u32, row: i32, ahead: u32) {
         let at = slab + away - 1u;
         var words: array<u32, 5>;
         for (var across = 0u; across <= ACROSS; across++) {
-            words[across] = word_of(bit, at, word + across);
+            words[across] = word_of(select(bit, FOURTH, bit == LAST), at, word + across);
         }
         let own = vec4u(words[0], words[1], words[2], words[3]);
         let next = vec4u(words[1], words[2], words[3], words[4]);

@@ -223,7 +223,7 @@ fn find_met(pixel: Pixel) {
     let solid = solid_rows();
     for (var cone = pixel.lane; cone < CONES; cone += TILE) {
         let mask = pixel.view + cone * pixel.size + RAYS + 2u * (sweep.rays + 1u);
-        let met = meeting(OCCUPIED, EMITTING, mask, pixel.ahead + 1u) & ~solid.xyxy;
+        let met = meeting(OCCUPIED, LAST, mask, pixel.ahead + 1u) & ~solid.xyxy;
         meets[2u * cone] = met.xz;
         meets[2u * cone + 1u] = met.yw;
     }

@@ -1,15 +1,17 @@
-// The cells as quadrants read them: four bits per cell, slab by slab along both axes, 32 rows per word. The
+// The cells as quadrants read them: five bits per cell, slab by slab along both axes, 32 rows per word. The
 // irradiance of the gather before is cleared.
 
 #import methods/holographic/packed_rgb
 #import methods/holographic/sweep
 #import shared/uniforms
 
-// The bits: anything but empty space; a medium; emission, or scattered radiance; a source of one or two cells.
+// The bits: anything but empty space; a medium; emission, or scattered radiance; a source of one or two cells;
+// emission.
 override OCCUPIED: u32;
 override MEDIUM: u32;
 override EMITTING: u32;
 override SMALL: u32;
+override PRIMARY: u32;
 
 @group(0) @binding(2) var emission: texture_2d<f32>;
 @group(0) @binding(3) var matter: texture_2d<f32>;
@@ -17,11 +19,12 @@ override SMALL: u32;
 @group(0) @binding(5) var<storage, read_write> cell_bits: array<u32>;
 @group(0) @binding(6) var<storage, read_write> irradiance: array<vec2u>;
 
+fn emits_itself(at: vec2u) -> bool {
+    return any(textureLoad(emission, at, 0).rgb != vec3f(0.0));
+}
+
 fn emits(at: vec2u) -> bool {
-    if any(textureLoad(emission, at, 0).rgb != vec3f(0.0)) {
-        return true;
-    }
-    var emits = false;
+    var emits = emits_itself(at);
     for (var face = 0u; face < 4u && sweep.indirect == 1u; face++) {
         emits = emits || any(unpack_rgb(scattered[4u * index(at) + face]) != vec3f(0.0));
     }
@@ -74,6 +77,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     var bits = vec4u(0u);
+    var primary = 0u;
     for (var bit = 0u; bit < 32u && 32u * id.y + bit < sweep.rows; bit++) {
         let at = cell_of(slab, 32u * id.y + bit);
         let tint_opacity = textureLoad(matter, at, 0);
@@ -81,6 +85,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let emitting = emits(at);
             let small = emitting && is_small(at);
             bits |= vec4u(1u, u32(tint_opacity.a < 1.0), u32(emitting), u32(small)) << vec4u(bit);
+            primary |= u32(emits_itself(at)) << bit;
         }
         if sweep.axis == 0u {
             for (var face = 0u; face < 4u; face++) {
@@ -93,4 +98,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     cell_bits[place + MEDIUM * sweep.depth * words] = bits.y;
     cell_bits[place + EMITTING * sweep.depth * words] = bits.z;
     cell_bits[place + SMALL * sweep.depth * words] = bits.w;
+    cell_bits[place + PRIMARY * sweep.depth * words] = primary;
 }

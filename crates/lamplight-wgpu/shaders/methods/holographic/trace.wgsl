@@ -41,7 +41,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     workgroupBarrier();
     let size = length + 1u + sweep.rays;
     for (var ray = lane; ray < BUNDLES; ray += TILE) {
-        meets[ray] = meeting(OCCUPIED, SMALL, sweep.footprints + ray * size, length + 1u);
+        meets[ray] = meeting(OCCUPIED, LAST, sweep.footprints + ray * size, length + 1u);
     }
     let row = first_row + i32(lane);
     let inside = row >= 0 && row < i32(sweep.rows);

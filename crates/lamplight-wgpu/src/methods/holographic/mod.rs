@@ -25,7 +25,7 @@ use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
 use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, cones, rays};
 use lamplight::internals::holographic::{
-    EMISSIVE, EXCHANGED, MATTER, MEDIUM, REACH, SMALL, WEIGHT_EPSILON,
+    EMISSIVE, EXCHANGED, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON,
 };
 use lamplight::settings::Holographic as Settings;
 use lattice::{Lattice, Packed};
@@ -75,7 +75,7 @@ impl IntervalPipelines {
         let tiles = Tiles::new(device.limits().max_compute_workgroup_storage_size, words);
         let exchanged = ("EXCHANGED", EXCHANGED.into());
         let bundles = ("BUNDLES", rays(level) as f64);
-        let trace = [CELLS, MARCH, &[stored, exchanged, bundles]].concat();
+        let trace = [CELLS, MARCH, &[("FOURTH", SMALL_BIT), stored, exchanged, bundles]].concat();
         let extend = |fused: bool| {
             let (rows, before, pairs) = if fused {
                 (tiles.rows(), tiles::BEFORE, tiles.held_pairs(words))
@@ -178,6 +178,7 @@ impl Holographic {
         let geometry = GatherGeometry::new(settings);
         let gather = |pixels: bool| {
             let own = [
+                ("FOURTH", PRIMARY_BIT),
                 ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
                 ("PIXELS", f64::from(pixels)),
@@ -194,7 +195,11 @@ impl Holographic {
         let marks = ("MARKS", f64::from(bounces == Bounces::Feedback));
         Self {
             settings: settings.clone(),
-            slabs: ComputePipelines::new(device, &programs::HOLOGRAPHIC_SLABS, CELLS),
+            slabs: ComputePipelines::new(
+                device,
+                &programs::HOLOGRAPHIC_SLABS,
+                &[CELLS, &[("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
+            ),
             intervals: [2, 3].map(|words| IntervalPipelines::new(device, geometry.level, words)),
             gather: gather(true),
             gather_faces: gather(false),
@@ -218,7 +223,7 @@ impl Holographic {
         for ((axis, lattice), cones) in (0..).zip(layout.lattices).zip(&cones.begins) {
             let words = lattice.depth * lattice.rows.div_ceil(32);
             axes.push(Axis { axis, lattice, cones: cones.clone(), cell_bits });
-            cell_bits += 4 * words as u32;
+            cell_bits += BITS * words as u32;
         }
         let storage = BufferUsages::STORAGE;
         let faces = FACES * planner.cells();
@@ -390,7 +395,10 @@ const CELLS: &[(&str, f64)] = &[
     ("OCCUPIED", MATTER.trailing_zeros() as f64),
     ("MEDIUM", MEDIUM.trailing_zeros() as f64),
     ("EMITTING", EMISSIVE.trailing_zeros() as f64),
-    ("SMALL", SMALL.trailing_zeros() as f64),
 ];
+const SMALL_BIT: f64 = SMALL.trailing_zeros() as f64;
+const PRIMARY_BIT: f64 = PRIMARY.trailing_zeros() as f64;
+/// The number of bits of a cell.
+const BITS: u32 = PRIMARY.trailing_zeros() + 1;
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.
 const MARCH: &[(&str, f64)] = &[("MAX_OPTICAL_DEPTH", MAX_OPTICAL_DEPTH as f64)];

@@ -70,8 +70,8 @@ pub struct GatherCone {
 impl GatherCone {
     /// Returns the rays to send: several if something in the cone emits light, otherwise one.
     #[inline(always)]
-    fn rays(&self, emissive: bool) -> Range<usize> {
-        if emissive { 1..self.ends.len() } else { 0..1 }
+    fn rays(&self, primary: bool) -> Range<usize> {
+        if primary { 1..self.ends.len() } else { 0..1 }
     }
 }
 
@@ -203,16 +203,17 @@ impl FinalGather {
             far.add(simd, at, &middle.weights, !busy, &mut sum);
             // Decided per pixel, so that the light of one does not depend on its neighbours.
             let busy = busy & lit;
-            let groups = [(false, busy & !crossed.emissive), (true, busy & crossed.emissive)];
-            for (emissive, lit) in groups.into_iter().filter(|(_, lit)| *lit != 0) {
-                let rays = cone.rays(emissive);
+            let groups = [(false, busy & !crossed.primary), (true, busy & crossed.primary)];
+            for (primary, lit) in groups.into_iter().filter(|(_, lit)| *lit != 0) {
+                let rays = cone.rays(primary);
                 let weight = 1.0 / rays.len() as f32;
                 let angle = cone.angle;
                 for (end, steps) in cone.ends[rays.clone()].iter().zip(&bundle.rays[rays]) {
                     let behind = Behind { end, weight, angle, pad, light: &far };
                     if near.medium == 0 {
-                        let rays =
-                            SolidRays { open: lit, weight: emissive.then_some(weight * angle) };
+                        let finds_light = crossed.emissive & lit != 0;
+                        let weight = finds_light.then_some(weight * angle);
+                        let rays = SolidRays { open: lit, weight };
                         gather_solid(simd, slabs, tile, &steps[1..], rays, behind, &mut sum);
                         continue;
                     }

@@ -49,7 +49,7 @@ mod trace;
 pub use faces::REACH;
 pub use merge::WEIGHT_EPSILON;
 pub use prefilter::EXCHANGED;
-pub use slabs::{EMISSIVE, MATTER, MEDIUM, SMALL};
+pub use slabs::{EMISSIVE, MATTER, MEDIUM, PRIMARY, SMALL};
 
 use crate::clock::Clock;
 use crate::settings::{self, Bounces, Variant};

@@ -29,6 +29,10 @@ pub const EMISSIVE: u8 = 4;
 /// along both axes at most one more in a row with it is, and none of the eight cells around it is solid.
 pub const SMALL: u8 = 8;
 
+/// Bit of `Slabs::classes`: the cell emits light of its own. What only reflects or scatters has no sharp bright edges,
+/// so one ray a cone is enough for it.
+pub const PRIMARY: u8 = 16;
+
 /// Stands for the infinite extinction of a solid, 1/px.
 pub const SOLID_EXTINCTION: f32 = 1e30;
 
@@ -68,7 +72,7 @@ pub struct Slabs {
     source: [Vec<f32>; 3],
     /// Radiance that solids reflect, by face (front of this direction, of the other, low, high).
     reflected: [[Vec<f32>; 3]; 4],
-    /// [`MATTER`], [`MEDIUM`], [`EMISSIVE`] and [`SMALL`].
+    /// [`MATTER`], [`MEDIUM`], [`EMISSIVE`], [`SMALL`] and [`PRIMARY`].
     pub classes: Vec<u8>,
     /// The cells that hold matter, and their places here.
     matter: Vec<u32>,
@@ -112,7 +116,7 @@ impl Slabs {
             let solid = opacity >= 1.0;
             self.classes[at] = MATTER
                 | if solid { 0 } else { MEDIUM }
-                | if emission == [0.0; 3] { 0 } else { EMISSIVE };
+                | if emission == [0.0; 3] { 0 } else { EMISSIVE | PRIMARY };
             for c in 0..3 {
                 self.source[c][at] = emission[c];
             }

@@ -5,7 +5,7 @@
 
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::{Crossing, Face};
-use super::slabs::{EMISSIVE, MEDIUM, SMALL, SOLID_EXTINCTION, Slabs};
+use super::slabs::{EMISSIVE, MEDIUM, PRIMARY, SMALL, SOLID_EXTINCTION, Slabs};
 use crate::math::transmittance::attenuation_lanes;
 use fearless_simd::{f32x16, mask32x16, prelude::*, u8x64};
 
@@ -101,6 +101,8 @@ pub struct CellBits {
     pub solid: u64,
     /// Rows in which it has outgoing radiance.
     pub emissive: u64,
+    /// Rows in which it emits light of its own.
+    pub primary: u64,
 }
 
 /// 64 rows of a slab from which rays start.
@@ -285,7 +287,7 @@ pub fn march_solid<S: Simd>(
 ) -> u64 {
     let mut open = rays.open;
     for step in steps {
-        let CellBits { solid, emissive } = tile.cells[step.cell];
+        let CellBits { solid, emissive, .. } = tile.cells[step.cell];
         let hit = open & emissive;
         open &= !solid;
         if hit == 0 {
@@ -319,8 +321,9 @@ pub fn read_cells<S: Simd>(
     for (&offset, bits) in offsets.iter().zip(cells) {
         let at = start.wrapping_add_signed(offset);
         let classes = u8x64::from_slice(simd, &classes[at..at + TILE]);
-        let emissive = (classes & EMISSIVE).simd_gt(0).to_bitmask();
-        *bits = CellBits { solid: classes.simd_gt(0).to_bitmask(), emissive };
+        let [emissive, primary] =
+            [EMISSIVE, PRIMARY].map(|class| (classes & class).simd_gt(0).to_bitmask());
+        *bits = CellBits { solid: classes.simd_gt(0).to_bitmask(), emissive, primary };
     }
 }
 
@@ -362,11 +365,12 @@ pub struct TileClasses {
     pub medium: u64,
     pub emissive: u64,
     pub small: u64,
+    pub primary: u64,
 }
 
 impl TileClasses {
     /// No matter.
-    pub const EMPTY: Self = Self { matter: 0, medium: 0, emissive: 0, small: 0 };
+    pub const EMPTY: Self = Self { matter: 0, medium: 0, emissive: 0, small: 0, primary: 0 };
 
     /// Returns the classes that sixteen rays cross, counted from ray `first`; none if they cross no
     /// matter.
@@ -388,9 +392,9 @@ impl TileClasses {
         if matter == 0 {
             return Self::EMPTY;
         }
-        let [medium, emissive, small] =
-            [MEDIUM, EMISSIVE, SMALL].map(|class| (bits & class).simd_gt(0).to_bitmask());
-        Self { matter, medium, emissive, small }
+        let [medium, emissive, small, primary] =
+            [MEDIUM, EMISSIVE, SMALL, PRIMARY].map(|class| (bits & class).simd_gt(0).to_bitmask());
+        Self { matter, medium, emissive, small, primary }
     }
 }
 
@@ -414,12 +418,13 @@ pub fn classes_at<S: Simd>(
 /// is small.
 #[inline(always)]
 pub fn classes_of(cells: &[CellBits], crossed: &[usize]) -> TileClasses {
-    let [mut matter, mut emissive] = [0; 2];
+    let [mut matter, mut emissive, mut primary] = [0; 3];
     for &cell in crossed {
         matter |= cells[cell].solid;
         emissive |= cells[cell].emissive;
+        primary |= cells[cell].primary;
     }
-    TileClasses { matter, medium: 0, emissive, small: 0 }
+    TileClasses { matter, medium: 0, emissive, small: 0, primary }
 }
 
 /// Returns the mask with all bits set in each vector that has any.
