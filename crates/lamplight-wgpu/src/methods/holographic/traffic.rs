@@ -20,7 +20,7 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     // Bits of the cells near a row: 128 rows for a tile of 64, four bits each, in `slabs` slabs.
     let bits = |slabs: u64| 4 * slabs * rows * 2 / 8;
     match work {
-        Work::Slabs => Traffic { read: 2 * VEC4 * rows, written: bits(1) / 2 },
+        Work::Slabs => Traffic { read: 2 * VEC4 * rows, written: 5 * rows / 8 },
         Work::Trace => Traffic {
             read: across * bits(level_size + 2),
             written: across * (2 * level_size + 1) * rows * interval,
