@@ -50,7 +50,7 @@ fn poison(wgsl: &str) -> String {
 mod tests {
     use super::*;
     use crate::read_back::read_back;
-    use crate::{FrameInput, Lighting, LightingOptions, Stage, programs};
+    use crate::{Backend, FrameInput, Lighting, LightingOptions, Stage, programs};
     use lamplight::settings::Holographic;
     use lamplight::{Bounces, Cells, Matter, Settings};
     use wgpu::{Device, Instance, InstanceDescriptor, Queue};
@@ -90,8 +90,8 @@ mod tests {
             let mut settings = Settings::direct(Holographic::preset(preset).unwrap());
             settings.bounces = Bounces::Count(1);
             let light = || {
-                let mut lighting =
-                    Lighting::new(&device, &queue, &LightingOptions::default()).unwrap();
+                let options = LightingOptions::on(Backend::Gpu);
+                let mut lighting = Lighting::new(&device, &queue, &options).unwrap();
                 lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
                 let mut encoder = device.create_command_encoder(&Default::default());
                 lighting.record(&mut encoder).unwrap();

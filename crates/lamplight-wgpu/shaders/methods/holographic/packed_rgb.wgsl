@@ -2,7 +2,7 @@
 
 // Stands in the second face of a medium whose scattered radiance, in the first, is kept for the next frame. No
 // radiance is packed with its exponent.
-const KEPT_MEDIUM: vec2u = vec2u(0xffffffffu);
+const KEPT_MEDIUM: vec2u = vec2u(~0u);
 
 fn pack_rgb(rgb: vec3f) -> vec2u {
     let most = max(max(rgb.r, rgb.g), max(rgb.b, 1e-18));
