@@ -43,10 +43,7 @@ struct Arrived(Option<Vec<u8>>);
 /// An app with the plugin and a white background.
 pub fn app() -> App {
     let mut app = headless();
-    // The tests are for the GPU, even if that is software.
-    app.add_plugins(LamplightPlugin)
-        .insert_resource(LightBackend::Gpu)
-        .insert_resource(ClearColor(Color::WHITE));
+    app.add_plugins(LamplightPlugin).insert_resource(ClearColor(Color::WHITE));
     app
 }
 

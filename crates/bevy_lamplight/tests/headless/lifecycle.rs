@@ -132,6 +132,7 @@ fn gpu_objects_do_not_accumulate_over_300_frames() {
 #[test]
 fn normal_maps_cost_nothing_before_they_come_and_after_they_are_gone() {
     let mut app = app();
+    app.insert_resource(LightBackend::Gpu);
     let target = target(&mut app, SIZE);
     camera(&mut app, &target, plain());
     let map = NormalMap2d::new(image(&mut app, [1, 1], |_, _| [188, 188, 255, 255]));

@@ -105,6 +105,7 @@ fn a_glowing_sprite_gives_the_same_light_as_the_same_cells() {
 fn bounces_come_over_frames_unless_the_camera_says_otherwise() {
     assert_eq!(Lighting2d::default().bounces, LightBounces::Feedback);
     let mut app = app();
+    app.insert_resource(LightBackend::Gpu);
     let image = target(&mut app, SIZE);
     camera(&mut app, &image, Lighting2d { bounces: LightBounces::Feedback, ..plain() });
     spawn_sprites(&mut app);
