@@ -130,6 +130,24 @@ fn light_stays_in_the_world_when_the_camera_moves_by_whole_cells() {
     }
 }
 
+/// The light of the last of some frames, one after the other. `resets`: history is dropped before each.
+fn last_frame(
+    gpu: &(Device, Queue),
+    mut lighting: Lighting,
+    settings: &Settings,
+    places: impl Iterator<Item = GridPlacement>,
+    resets: bool,
+) -> Vec<[f32; 4]> {
+    let mut light = Vec::new();
+    for placed in places {
+        if resets {
+            lighting.reset();
+        }
+        light = frame(gpu, &mut lighting, settings, &placed, placed.origin);
+    }
+    light
+}
+
 /// A camera that runs on for some frames, each a step further, and one that stays where it ends.
 #[test]
 fn the_mean_over_frames_stays_in_the_world_when_the_camera_moves() {
@@ -144,16 +162,8 @@ fn the_mean_over_frames_stays_in_the_world_when_the_camera_moves() {
         let place = |x: f64| camera([x, -x]).place([320, 240]).unwrap();
         let end = place(f64::from(FRAMES - 1));
         let run = |place: &dyn Fn(u32) -> GridPlacement, resets: bool| {
-            let mut lighting = lighting(&gpu.0, &gpu.1);
-            let mut light = Vec::new();
-            for number in 0..FRAMES {
-                let placed = place(number);
-                if resets {
-                    lighting.reset();
-                }
-                light = frame(&gpu, &mut lighting, &settings, &placed, placed.origin);
-            }
-            light
+            let places = (0..FRAMES).map(place);
+            last_frame(&gpu, lighting(&gpu.0, &gpu.1), &settings, places, resets)
         };
         let still = run(&|_| end, false);
         let moving = run(&|number| place(f64::from(number)), false);
@@ -201,16 +211,8 @@ fn feedback_stays_in_the_world_when_the_grid_moves_and_grows() {
         {
             let run = |place: &dyn Fn(u32) -> GridPlacement, resets: bool| {
                 let options = LightingOptions::on(backend);
-                let mut lighting = Lighting::new(&gpu.0, &gpu.1, &options).unwrap();
-                let mut light = Vec::new();
-                for number in 0..FRAMES {
-                    let placed = place(number);
-                    if resets {
-                        lighting.reset();
-                    }
-                    light = frame(&gpu, &mut lighting, &settings, &placed, placed.origin);
-                }
-                light
+                let lighting = Lighting::new(&gpu.0, &gpu.1, &options).unwrap();
+                last_frame(&gpu, lighting, &settings, (0..FRAMES).map(place), resets)
             };
             let still = run(&|_| place(FRAMES - 1), false);
             let sum: f64 = still.iter().map(|light| f64::from(light[1])).sum();

@@ -28,7 +28,7 @@ pub fn of_lamp(lamp: &Lamp, distance: f32, tangent: f32) -> f32 {
     lamp.height.map_or(1.0, |height| weight(distance / height, tangent))
 }
 
-/// Returns the factor on the first moment of a sun's light, as [`of_lamp`] does.
+/// Returns the factor on the first moment of a sun's light, as `of_lamp` does.
 pub fn of_sun(sun: &Sun, tangent: f32) -> f32 {
     sun.elevation.map_or(1.0, |own| weight(1.0 / own.tan(), tangent))
 }
