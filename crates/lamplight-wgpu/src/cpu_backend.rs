@@ -105,11 +105,10 @@ fn within(v: f32, most: f32) -> f32 {
     if v > 0.0 { v.min(most) } else { 0.0 }
 }
 
-/// Sets the lights beside the textures. Lamps that the method draws are in the textures already.
+/// Sets the lights beside the textures, in cells without lamps. Lamps that the method draws are in the textures already.
 fn shine(cells: &mut Cells, settings: &Settings, Lights { lamps, suns, sky }: Lights) {
     let method = settings.method();
     let by_rule = lamps.iter().filter(|lamp| method.lights_lamps() || method.lights_exactly(lamp));
-    cells.lamps_mut().clear();
     cells.lamps_mut().extend(by_rule.cloned());
     cells.suns_mut().clear();
     cells.suns_mut().extend_from_slice(suns);

@@ -518,8 +518,8 @@ impl Lighting {
             let output = output.and_then(|frame| frame.output.clone());
             let history = planner.history_planned();
             let resize = resized.and_then(|frame| {
-                let (before, now) = ((frame.size, &frame.history[..]), (grid.size, &history[..]));
-                self.reproject.plan_resized(&planner, [before, now])
+                let before = (frame.size, &frame.history[..]);
+                self.reproject.plan_resized(&planner, before, &history)
             });
             Ok(PreparedFrame {
                 settings: settings.clone(),

@@ -37,10 +37,11 @@ impl Reproject {
     pub fn plan_resized(
         &self,
         planner: &FramePlanner,
-        [(size_before, before), (size, now)]: [(GridSize, &[HistoryBuffer]); 2],
+        (size_before, before): (GridSize, &[HistoryBuffer]),
+        now: &[HistoryBuffer],
     ) -> Option<Dispatch> {
         let (from, to) = (scattered_of(before)?, scattered_of(now)?);
-        let [old, new] = [words(from, size_before), words(to, size)];
+        let [old, new] = [words(from, size_before), words(to, planner.size)];
         (old == new).then(|| self.copy(planner, BACK, new, [from, to]))
     }
 

@@ -37,6 +37,15 @@ impl Bounces {
         }
     }
 
+    /// Returns the bounces that files and flags hold as a word.
+    fn of_word(word: &str) -> Option<Self> {
+        match word {
+            "converged" => Some(Self::Converged),
+            "feedback" => Some(Self::Feedback),
+            _ => None,
+        }
+    }
+
     /// Returns bounces within a single frame that lead to the same light.
     #[must_use]
     pub fn within_a_frame(self) -> Self {
@@ -48,15 +57,11 @@ impl std::str::FromStr for Bounces {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        match text.parse() {
-            Ok(k) if k <= Self::MAX => Ok(Self::Count(k)),
-            _ if text == "converged" => Ok(Self::Converged),
-            _ if text == "feedback" => Ok(Self::Feedback),
-            _ => {
-                let expected = "a whole number from 0 to 256, `converged` or `feedback`";
-                Err(Error::value("bounces", text, expected))
-            }
-        }
+        let count = text.parse().ok().filter(|&k| k <= Self::MAX).map(Self::Count);
+        count.or_else(|| Self::of_word(text)).ok_or_else(|| {
+            let expected = "a whole number from 0 to 256, `converged` or `feedback`";
+            Error::value("bounces", text, expected)
+        })
     }
 }
 
@@ -125,11 +130,7 @@ impl<'de> Deserialize<'de> for Bounces {
             }
 
             fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<Bounces, E> {
-                match word {
-                    "converged" => Ok(Bounces::Converged),
-                    "feedback" => Ok(Bounces::Feedback),
-                    _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
-                }
+                Bounces::of_word(word).ok_or_else(|| E::invalid_value(Unexpected::Str(word), &self))
             }
         }
 

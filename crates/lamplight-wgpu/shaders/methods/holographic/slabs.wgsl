@@ -23,12 +23,12 @@ fn emits_itself(at: vec2u) -> bool {
     return any(textureLoad(emission, at, 0).rgb != vec3f(0.0));
 }
 
-fn emits(at: vec2u) -> bool {
-    var emits = emits_itself(at);
+fn scatters(at: vec2u) -> bool {
+    var scatters = false;
     for (var face = 0u; face < 4u && sweep.indirect == 1u; face++) {
-        emits = emits || any(unpack_rgb(scattered[4u * index(at) + face]) != vec3f(0.0));
+        scatters = scatters || any(unpack_rgb(scattered[4u * index(at) + face]) != vec3f(0.0));
     }
-    return emits;
+    return scatters;
 }
 
 // Returns whether there is a cell that emits.
@@ -36,7 +36,7 @@ fn is_emitting(at: vec2i) -> bool {
     if any(at < vec2i(0)) || outside(vec2u(at)) {
         return false;
     }
-    return any(textureLoad(matter, at, 0) != vec4f(1.0, 1.0, 1.0, 0.0)) && emits(vec2u(at));
+    return any(textureLoad(matter, at, 0) != vec4f(1.0, 1.0, 1.0, 0.0)) && (emits_itself(vec2u(at)) || scatters(vec2u(at)));
 }
 
 // Returns whether at most one more cell emits in a row with this one, `step` apart.
@@ -82,10 +82,11 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let at = cell_of(slab, 32u * id.y + bit);
         let tint_opacity = textureLoad(matter, at, 0);
         if any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)) {
-            let emitting = emits(at);
+            let own = emits_itself(at);
+            let emitting = own || scatters(at);
             let small = emitting && is_small(at);
             bits |= vec4u(1u, u32(tint_opacity.a < 1.0), u32(emitting), u32(small)) << vec4u(bit);
-            primary |= u32(emits_itself(at)) << bit;
+            primary |= u32(own) << bit;
         }
         if sweep.axis == 0u {
             for (var face = 0u; face < 4u; face++) {

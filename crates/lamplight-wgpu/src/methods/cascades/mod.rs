@@ -125,8 +125,6 @@ impl Cascades {
         dispatches.extend_from_slice(&find_squares);
         let light_media = |scattered| self.medium_grid.light_media(planner, &plan.grid, scattered);
         let [mut from, mut to] = [&one, &other];
-        let mut step = 1;
-        let mut targets = vec![(LIGHT, light)];
         match &self.bounce {
             Bounce::Times(times) => {
                 for bounce in 0..*times {
@@ -138,7 +136,6 @@ impl Cascades {
                     dispatches.extend_from_slice(&find_squares);
                     (from, to) = (to, from);
                 }
-                step = (*times).min(1);
             }
             Bounce::Converged(convergence, compare) => {
                 let changes = Convergence::changes(planner)?;
@@ -156,14 +153,14 @@ impl Cascades {
                 dispatches.push(feedback.plan(planner, &plan.grid, to, from));
                 dispatches.push(light_media(from));
                 dispatches.extend_from_slice(&find_squares);
-                targets.push((SCATTERED, to));
             }
         }
-        let indirect = Indirect { step, scattered: from };
+        let indirect = Indirect { step: self.bounce.is_any().into(), scattered: from };
+        let kept = matches!(self.bounce, Bounce::Feedback(_)).then_some(to);
+        let targets: Vec<_> =
+            [(LIGHT, light)].into_iter().chain(kept.map(|kept| (SCATTERED, kept))).collect();
         dispatches.extend(self.gather(&plan, indirect, &targets));
-        if let [_, (SCATTERED, kept)] = &targets[..] {
-            dispatches.extend(planner.scatter_direct(kept));
-        }
+        dispatches.extend(kept.and_then(|kept| planner.scatter_direct(kept)));
         dispatches.extend(planner.add_direct(light));
         let stages = vec![(Stage::EmptySpace, plan.squares), (Stage::Light, light.clone())];
         Ok(PassList::new(dispatches, stages))

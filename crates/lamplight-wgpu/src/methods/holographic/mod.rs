@@ -34,6 +34,7 @@ use sky::{ConeSky, ConeTable};
 use sweep::Sweeps;
 use tables::Footprints;
 use tiles::Tiles;
+use traffic::BITS;
 use wgpu::{Buffer, BufferUsages, Device};
 use work::Work;
 
@@ -398,7 +399,5 @@ const CELLS: &[(&str, f64)] = &[
 ];
 const SMALL_BIT: f64 = SMALL.trailing_zeros() as f64;
 const PRIMARY_BIT: f64 = PRIMARY.trailing_zeros() as f64;
-/// The number of bits of a cell.
-const BITS: u32 = PRIMARY.trailing_zeros() + 1;
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.
 const MARCH: &[(&str, f64)] = &[("MAX_OPTICAL_DEPTH", MAX_OPTICAL_DEPTH as f64)];

@@ -4,12 +4,16 @@ use super::lattice::Packed;
 use super::sweep::Sweep;
 use super::work::Work;
 use crate::traffic::Traffic;
+use lamplight::internals::holographic::PRIMARY;
 use lamplight::internals::holographic::lattice::{cones, planes};
 
 /// Bytes of a word, of packed radiance, and of a texel or of light.
 const WORD: u64 = size_of::<u32>() as u64;
 const PACKED: u64 = size_of::<Packed>() as u64;
 const VEC4: u64 = size_of::<[f32; 4]>() as u64;
+
+/// The bits of a cell, as `slabs.wgsl` writes them.
+pub const BITS: u32 = PRIMARY.trailing_zeros() + 1;
 
 /// Returns the traffic of a dispatch, with intervals of `words`.
 pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traffic {
@@ -20,7 +24,7 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     // Bits of the cells near a row: 128 rows for a tile of 64, four bits each, in `slabs` slabs.
     let bits = |slabs: u64| 4 * slabs * rows * 2 / 8;
     match work {
-        Work::Slabs => Traffic { read: 2 * VEC4 * rows, written: 5 * rows / 8 },
+        Work::Slabs => Traffic { read: 2 * VEC4 * rows, written: u64::from(BITS) * rows / 8 },
         Work::Trace => Traffic {
             read: across * bits(level_size + 2),
             written: across * (2 * level_size + 1) * rows * interval,

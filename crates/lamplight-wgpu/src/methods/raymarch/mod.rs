@@ -108,7 +108,7 @@ impl Raymarch {
         let (bounces, scattered) =
             bounce::plan(&self.bounce, planner, grid, gather, &buffers, &scattered, &find)?;
         dispatches.extend(bounces);
-        let step = planner.settings.bounces.limit().min(1);
+        let step = self.bounce.is_any().into();
         dispatches.push(gather.plan(planner, Gathered::Light, &buffers, step, &scattered, light));
 
         let GatherBuffers { fields: [_, near], traced, .. } = &buffers;
