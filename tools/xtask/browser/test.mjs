@@ -36,6 +36,9 @@ const SAME = 6;
 // A warning that is right here: the GPU of this test is a program.
 const EXPECTED = "Software rasterizer detected";
 
+// Time after which egui takes a finger that rests for a long click, and more, ms.
+const RESTS = 1000;
+
 // Longest wait for anything, ms.
 const PATIENCE = 180_000;
 
@@ -164,6 +167,9 @@ const finger = (sandbox) => async (from, to) => {
     await sandbox.play("frames 2");
   };
   await send("touchStart", [from]);
+  // A finger may rest before it moves.
+  await sandbox.page.waitForTimeout(RESTS);
+  await sandbox.play("frames 2");
   await send("touchMove", [to]);
   await send("touchEnd", []);
 };

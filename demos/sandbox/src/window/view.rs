@@ -36,7 +36,8 @@ impl PictureFrame {
         let corner = room.center() - 0.5 * extent;
         let corner = Pos2::new(on_pixel(corner.x), on_pixel(corner.y));
         let place = Rect::from_min_size(corner, extent);
-        let response = ui.allocate_rect(room, Sense::click_and_drag());
+        // Without clicks: egui takes a finger that rests for a long click, and would end the drag.
+        let response = ui.allocate_rect(room, Sense::drag());
         Self { place, response, size }
     }
 
@@ -83,30 +84,47 @@ impl PictureFrame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eframe::egui::{Context, Event, Modifiers, RawInput};
+    use eframe::egui::{Context, Event, Modifiers, RawInput, TouchDeviceId, TouchId, TouchPhase};
 
-    /// The place of a picture of 32×18 cells in a window, and a pointer that presses its centre.
-    fn shown(window: Vec2, whole: bool) -> (Rect, Pointer) {
-        let mut seen = None;
-        let context = Context::default();
-        // egui assigns a press to the widget of the previous frame.
-        for frame in 0..3 {
-            let at = Pos2::ZERO + 0.5 * window;
-            let mut events = vec![Event::PointerMoved(at)];
-            if frame == 2 {
-                let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-                events.push(Event::PointerButton { pos: at, button, pressed: true, modifiers });
-            }
-            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, window));
-            let input = RawInput { screen_rect, events, ..RawInput::default() };
-            let mut output = context.run_ui(input, |ui| {
-                let view = PictureFrame::new(ui, [32, 18], whole);
+    /// A window with a picture of 32×18 cells.
+    struct Window {
+        context: Context,
+        size: Vec2,
+        whole: bool,
+    }
+
+    impl Window {
+        fn new(size: Vec2, whole: bool) -> Self {
+            Self { context: Context::default(), size, whole }
+        }
+
+        /// The place of the picture and the pointer in a frame at this time in seconds.
+        fn frame(&self, time: f64, events: Vec<Event>) -> (Rect, Pointer) {
+            let mut seen = None;
+            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, self.size));
+            let input = RawInput { screen_rect, events, time: Some(time), ..RawInput::default() };
+            let mut output = self.context.run_ui(input, |ui| {
+                let view = PictureFrame::new(ui, [32, 18], self.whole);
                 seen = Some((view.place, view.pointer(ui)));
             });
             // No renderer takes the font's texture: egui panics on deltas dropped in silence.
             output.textures_delta.clear();
+            seen.unwrap()
         }
-        seen.unwrap()
+    }
+
+    fn press(pos: Pos2) -> Event {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        Event::PointerButton { pos, button, pressed: true, modifiers }
+    }
+
+    /// The place of the picture, and a pointer that presses the centre of the window.
+    fn shown(size: Vec2, whole: bool) -> (Rect, Pointer) {
+        let (window, at) = (Window::new(size, whole), Pos2::ZERO + 0.5 * size);
+        // egui assigns a press to the widget of the previous frame.
+        window.frame(0.0, vec![Event::PointerMoved(at)]);
+        window.frame(0.1, Vec::new());
+        window.frame(0.2, vec![press(at)])
     }
 
     #[test]
@@ -118,6 +136,28 @@ mod tests {
             assert!((x - 16.0).abs() < 0.5 && (y - 9.0).abs() < 0.5, "{x} {y}");
             assert!(pointer.pressed && pointer.held && !pointer.other);
         }
+    }
+
+    #[test]
+    fn a_finger_that_rests_still_paints() {
+        let window = Window::new(Vec2::new(400.0, 300.0), false);
+        let touch = |phase, pos| Event::Touch {
+            device_id: TouchDeviceId(0),
+            id: TouchId(0),
+            phase,
+            pos,
+            force: None,
+        };
+        window.frame(0.0, Vec::new());
+        let [from, to] = [Pos2::new(100.0, 150.0), Pos2::new(300.0, 150.0)];
+        window.frame(0.1, vec![press(from), touch(TouchPhase::Start, from)]);
+        for frame in 0..20 {
+            let (_, pointer) = window.frame(0.2 + 0.1 * f64::from(frame), Vec::new());
+            assert!(pointer.held, "not held in frame {frame}");
+        }
+        let moved = vec![Event::PointerMoved(to), touch(TouchPhase::Move, to)];
+        let (_, pointer) = window.frame(3.0, moved);
+        assert!(pointer.held && pointer.at.is_some_and(|[x, _]| x > 23.0), "{pointer:?}");
     }
 
     #[test]
