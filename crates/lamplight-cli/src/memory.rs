@@ -7,7 +7,9 @@ use crate::args::{Backend, Renderer};
 use crate::available_memory::available;
 use crate::error::{CliError, Result};
 use lamplight::settings::{MethodSettings, Variant};
-use lamplight::{Bounces, Lamp, Scene, Settings};
+use lamplight::{Bounces, CookiePicture, Lamp, Scene, Settings};
+use std::collections::HashSet;
+use std::path::Path;
 
 /// Bytes that do not grow with the scene: the program, its threads and tables.
 const BASE: u64 = 48 << 20;
@@ -17,6 +19,8 @@ const SCENE: u64 = 185;
 const MOST: u64 = 1200;
 /// Bytes per cell of normals: in the scene, and in its copies.
 const NORMALS: u64 = 45;
+/// Bytes per pixel of a cookie: as decoded, and as the library keeps it.
+const COOKIE: u64 = 40;
 /// Bytes per cell of the direct light of suns and of lamps that are exact.
 const EXACT: u64 = 50;
 /// Bytes per cell of the first moment of light that the GPU found: as it arrives, and as the library keeps it.
@@ -34,27 +38,46 @@ pub struct SceneSize {
     normals: bool,
     /// True if a lamp or a sun is lit by a shadow map.
     exact: bool,
+    /// Pixels of the images of cookies.
+    cookies: u64,
 }
 
 impl SceneSize {
     /// The size of matter alone.
     pub fn of_matter(cells: u64) -> Self {
-        Self { cells, normals: false, exact: false }
+        Self { cells, normals: false, exact: false, cookies: 0 }
     }
 
-    pub fn of(scene: &Scene) -> Self {
+    /// The size of the scene in this file.
+    pub fn of(scene: &Scene, file: &Path) -> Self {
         let [width, height] = scene.size.map(u64::from);
         Self {
             cells: width * height,
             normals: scene.layers.normal.is_some(),
             exact: !scene.suns.is_empty() || scene.lamps.iter().any(Lamp::is_exact),
+            cookies: pixels_of_cookies(scene, file),
         }
     }
 }
 
+/// The number of pixels of the images of a scene's cookies, each image once. Images that cannot be read count
+/// nothing: reading the scene says so.
+fn pixels_of_cookies(scene: &Scene, file: &Path) -> u64 {
+    let folder = file.parent().unwrap_or(file);
+    let cookies = scene.lamps.iter().filter_map(|lamp| lamp.cookie.as_ref());
+    let images: HashSet<_> = cookies
+        .filter_map(|cookie| match &cookie.picture {
+            CookiePicture::File(image) => Some(folder.join(image)),
+            _ => None,
+        })
+        .collect();
+    let sizes = images.iter().filter_map(|image| image::image_dimensions(image).ok());
+    sizes.map(|(width, height)| u64::from(width) * u64::from(height)).sum()
+}
+
 /// The number of bytes that lighting a scene takes in main memory, rounded up.
 pub fn estimate(size: SceneSize, renderer: Renderer, settings: &Settings, backend: Backend) -> u64 {
-    let SceneSize { cells, normals, exact } = size;
+    let SceneSize { cells, normals, exact, cookies } = size;
     let moment = normals || settings.moment;
     let if_so = |asked: bool, bytes: u64| if asked { bytes } else { 0 };
     let per_cell = match renderer {
@@ -65,7 +88,8 @@ pub fn estimate(size: SceneSize, renderer: Renderer, settings: &Settings, backen
         // It always finds the moment.
         Renderer::Reference => SCENE + MOMENT_READ,
     };
-    BASE + cells.saturating_mul(per_cell + if_so(normals, NORMALS))
+    let of_cells = cells.saturating_mul(per_cell + if_so(normals, NORMALS));
+    BASE + of_cells.saturating_add(cookies.saturating_mul(COOKIE))
 }
 
 /// The number of bytes that a comparison of some rows needs in addition to lighting.

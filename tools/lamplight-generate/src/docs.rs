@@ -4,7 +4,7 @@
 
 use crate::frontier::{self, Scene};
 use crate::generated::{self, Mode, root};
-use crate::{heights, lone_lamps, scenes, tradeoff};
+use crate::{lone_lamps, relief, scenes, tradeoff};
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use lamplight::{Method, ToneMap};
@@ -287,7 +287,7 @@ fn pictures() -> Result<()> {
         let method = ["render", &scene, "--method", name, "--set", &preset];
         lamplight(&[&method, &direct[..]].concat())?;
     }
-    heights::pictures()?;
+    relief::pictures()?;
     let folder = tempfile::tempdir()?;
     let path = folder.path().to_str().context("the temporary folder's name is text")?;
     lamplight(&["stages", &file("cave"), "--backend", "cpu", "-o", path])?;

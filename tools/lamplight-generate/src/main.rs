@@ -3,10 +3,10 @@
 mod docs;
 mod frontier;
 mod generated;
-mod heights;
 mod lone_lamps;
 mod noise;
 mod random;
+mod relief;
 mod scenes;
 mod schema;
 mod tradeoff;

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use bevy::render::renderer::RenderDevice;
 use bevy::window::WindowRef;
 use bevy_lamplight::prelude::*;
+use std::ops::Range;
 
 const SIZE: [u32; 2] = [64, 48];
 
@@ -98,9 +99,21 @@ fn held(app: &App) -> [isize; 6] {
     ]
 }
 
+/// The minimum of [`held`] over some frames, `before` each of which the app is changed: objects are freed some frames
+/// late, and copies to the GPU are held while it is busy.
+fn least_held(app: &mut App, frames: Range<u32>, before: impl Fn(&mut App, u32)) -> [isize; 6] {
+    frames.fold([isize::MAX; 6], |least, frame| {
+        before(app, frame);
+        app.update();
+        let held = held(app);
+        std::array::from_fn(|kind| held[kind].min(least[kind]))
+    })
+}
+
 #[test]
-fn gpu_objects_do_not_accumulate_over_300_frames() {
+fn gpu_objects_do_not_accumulate() {
     let mut app = app();
+    app.insert_resource(LightBackend::Gpu);
     let image = target(&mut app, SIZE);
     camera(&mut app, &image, plain());
     let sprite = Sprite::from_color(Color::WHITE, Vec2::splat(6.0));
@@ -108,22 +121,14 @@ fn gpu_objects_do_not_accumulate_over_300_frames() {
     app.world_mut().spawn((SpotLight2d::default(), Transform::from_xyz(5.0, 5.0, 0.0)));
     app.world_mut().spawn((PointLight2d::default(), Transform::from_xyz(-5.0, 5.0, 0.0)));
     begin(&mut app);
-    // The maximum over several frames, because objects are freed some frames late.
-    let mut run = |frames: std::ops::Range<u32>| {
-        let mut most = [0; 6];
-        for i in frames {
-            let x = (i % 40) as f32 - 20.0;
-            app.world_mut().entity_mut(lamp).insert(Transform::from_xyz(x, 0.0, 0.0));
-            app.update();
-            let held = held(&app);
-            most = std::array::from_fn(|kind| held[kind].max(most[kind]));
-        }
-        most
+    let shift = |app: &mut App, frame: u32| {
+        let x = (frame % 40) as f32 - 20.0;
+        app.world_mut().entity_mut(lamp).insert(Transform::from_xyz(x, 0.0, 0.0));
     };
-    run(0..20);
-    let early = run(20..100);
-    run(100..220);
-    let late = run(220..300);
+    least_held(&mut app, 0..20, shift);
+    let early = least_held(&mut app, 20..60, shift);
+    least_held(&mut app, 60..120, shift);
+    let late = least_held(&mut app, 120..160, shift);
     println!("buffers, textures, views, bind groups, pipelines, bytes: {early:?}, {late:?}");
     assert!(early[0] > 10, "the counters count");
     assert!(late.iter().zip(early).all(|(late, early)| *late <= early), "{early:?}, {late:?}");
@@ -140,14 +145,9 @@ fn normal_maps_cost_nothing_before_they_come_and_after_they_are_gone() {
     app.world_mut().spawn((sprite.clone(), Matter2d::glow(6.0)));
     let mapped = app.world_mut().spawn((sprite, Transform::from_xyz(12.0, 0.0, 0.0))).id();
     begin(&mut app);
-    // The minimum over several frames, because copies to the GPU are held while it is busy.
     let steady = |app: &mut App| {
         (0..20).for_each(|_| app.update());
-        (0..20).fold([isize::MAX; 6], |least, _| {
-            app.update();
-            let held = held(app);
-            std::array::from_fn(|kind| held[kind].min(least[kind]))
-        })
+        least_held(app, 0..20, |_, _| {})
     };
     let before = steady(&mut app);
     app.world_mut().entity_mut(mapped).insert(map);

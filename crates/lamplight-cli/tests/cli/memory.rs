@@ -33,6 +33,23 @@ fn a_scene_that_is_too_large_is_refused_with_the_bytes_it_takes() {
     assert_eq!(sandbox.files(), ["large.toml"]);
 }
 
+/// Cookies count by the size of their images, however small the grid is.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_cookie_that_is_too_large_is_refused() {
+    let sandbox = Sandbox::new();
+    for (name, side) in [("small.png", 32), ("large.png", 2048)] {
+        image::GrayImage::new(side, side).save(sandbox.path(name)).unwrap();
+    }
+    for (picture, code) in [("small.png", 0), ("large.png", 1)] {
+        let cookie = format!("cookie = {{ picture = \"{picture}\", size = 20 }}");
+        let lamps = format!("[[lamp]]\nposition = [9, 9]\n{cookie}\n").repeat(2);
+        sandbox.write("s.toml", format!("size = [32, 32]\n{lamps}"));
+        let run = limited(&sandbox, 200_000, "render s.toml -q --backend cpu --threads 1 -o o.exr");
+        assert_eq!(run.code, code, "{picture}: {}", run.err);
+    }
+}
+
 /// A scene of 1024×768 cells with some of everything that takes memory.
 fn write_scene(sandbox: &Sandbox) {
     let shapes = "[[shape]]\nrect = { min = [9, 9], max = [300, 40] }\nalbedo = [0.5, 0.5, 0.5]\n\
