@@ -163,13 +163,13 @@ fn fires(seed: u64) -> Cells {
 
 #[test]
 fn glow_is_right_among_fog_glass_and_walls() {
-    for (name, method, error) in methods() {
-        for bounces in [Bounces::Count(0), Bounces::Count(2)] {
-            let cells = fires(7);
-            let at = scenes::open_cells(&cells, 600, 3);
-            let truth = tracer(4096, bounces).at(&cells, &at).unwrap();
-            let truth: Vec<Rgb> = truth.into_iter().map(|(mean, _)| mean).collect();
-            let settings = Settings { bounces, ..Settings::direct(method.clone()) };
+    let cells = fires(7);
+    let at = scenes::open_cells(&cells, 600, 3);
+    for bounces in [Bounces::Count(0), Bounces::Count(2)] {
+        let truth = tracer(4096, bounces).at(&cells, &at).unwrap();
+        let truth: Vec<Rgb> = truth.into_iter().map(|(mean, _)| mean).collect();
+        for (name, method, error) in methods() {
+            let settings = Settings { bounces, ..Settings::direct(method) };
             let light = Solver::new(settings).unwrap().solve(&cells).unwrap().clone();
             let seen: Vec<Rgb> = at.iter().map(|&[x, y]| light.at(x, y)).collect();
             let measures = Measures::of(&seen, &truth, &vec![false; at.len()]);
