@@ -22,6 +22,7 @@ mod grid;
 #[doc(hidden)]
 pub mod internals;
 mod lamp;
+mod inflow;
 mod lamp_discs;
 mod light;
 mod limits;
@@ -50,6 +51,7 @@ mod sun_glow;
 pub use cells::{Cells, Matter};
 pub use cookie::{Cookie, CookiePicture, CookiePixels};
 pub use error::{Error, Result};
+pub use inflow::{BorderPlace, Inflow};
 pub use lamp::{Cone, Direct, Falloff, Lamp};
 pub use light::Light;
 pub use mask::ALL_LAYERS;

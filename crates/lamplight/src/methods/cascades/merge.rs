@@ -58,9 +58,11 @@ pub struct ProbeRay {
     segment: RaySegment,
     /// Its maximum extent along an axis, px.
     reach: f32,
-    /// Offset of the light beyond it in [`FartherCascade::light`], or the sky.
+    /// Offset of the light beyond it in [`FartherCascade::light`].
     plane: usize,
-    sky: Rgb,
+    /// The angles between which the last cascade sees what enters the grid, and their sky.
+    edges: [f64; 2],
+    sky: Option<Rgb>,
 }
 
 impl ProbeTracer<'_> {
@@ -73,9 +75,9 @@ impl ProbeTracer<'_> {
     pub fn ray(&self, number: u32) -> ProbeRay {
         let segment = self.cascade.segment(number, self.overlap);
         let Some(beyond) = self.farther else {
-            let [from, to] = edges(number, self.cascade.rays);
-            let sky = self.scene.grid.sky.mean(from, to);
-            return ProbeRay { segment, reach: f32::INFINITY, plane: 0, sky };
+            let edges = edges(number, self.cascade.rays);
+            let sky = self.scene.grid.sky_mean(edges);
+            return ProbeRay { segment, reach: f32::INFINITY, plane: 0, edges, sky };
         };
         let RaySegment { start, end, .. } = segment;
         let step = [end[0] - start[0], end[1] - start[1]];
@@ -85,7 +87,7 @@ impl ProbeTracer<'_> {
             Merge::BilinearFix => reach + beyond.cascade.lattice.spacing,
         };
         let plane = (number - beyond.first) as usize * beyond.values * beyond.cascade.lattice.len();
-        ProbeRay { segment, reach, plane, sky: Rgb::default() }
+        ProbeRay { segment, reach, plane, edges: [0.0; 2], sky: None }
     }
 
     /// Returns the radiance that arrives at sixteen points, the mean over `rays`, in as many values as the farther
@@ -123,9 +125,9 @@ impl ProbeTracer<'_> {
             match &corners {
                 None => {
                     let near = self.interval(simd, start, ray);
+                    let far = self.entering(simd, start, ray);
                     for v in 0..N {
-                        let arriving =
-                            near.light[v % 3] + near.transmittance[v % 3] * ray.sky[v % 3];
+                        let arriving = near.light[v % 3] + near.transmittance[v % 3] * far[v % 3];
                         sum[v] += match v / 3 {
                             0 => arriving,
                             axis => arriving * ray.segment.direction[axis - 1],
@@ -210,6 +212,29 @@ impl ProbeTracer<'_> {
             }
         }
         sum
+    }
+
+    /// Returns the radiance that enters the grid along a ray of the last cascade.
+    #[inline(always)]
+    fn entering<S: Simd>(
+        &self,
+        simd: S,
+        start: [f32x16<S>; 2],
+        ray: &ProbeRay,
+    ) -> [f32x16<S>; 3] {
+        match ray.sky {
+            Some(sky) => sky.map(|v| f32x16::splat(simd, v)),
+            None => {
+                let mut entering = [[0.0; LANES]; 3];
+                for l in 0..LANES {
+                    let at = [start[0][l], start[1][l]];
+                    let direction = ray.segment.direction;
+                    let rgb = self.scene.grid.entering_mean(at, direction, ray.edges);
+                    (0..3).for_each(|c| entering[c][l] = rgb[c]);
+                }
+                entering.map(|v| f32x16::from_slice(simd, &v))
+            }
+        }
     }
 
     /// Returns the intervals of the ray itself.

@@ -33,6 +33,7 @@
 //! two halves together look up to a third of a px too wide.
 
 mod axis_sweep;
+mod border;
 mod debug_view;
 mod extend;
 mod faces;
