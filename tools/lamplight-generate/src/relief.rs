@@ -20,7 +20,7 @@ const SCALE: u32 = 3;
 
 /// Draws the pictures.
 pub fn pictures() -> Result<()> {
-    let mut scene = Scene::load(&root().join(format!("scenes/{}.toml", scenes::RELIEF)))?;
+    let mut scene = Scene::load(root().join(format!("scenes/{}.toml", scenes::RELIEF)))?;
     scene.lamps.truncate(1);
     for height in HEIGHTS {
         scene.lamps[0].height = Some(height as f32);
@@ -42,5 +42,5 @@ fn picture(scene: &Scene, part: [u32; 4], name: &str) -> Result<()> {
     let [left, top, columns, rows] = part;
     let part = imageops::crop_imm(&picture, left, top, columns, rows).to_image();
     let large = imageops::resize(&part, SCALE * columns, SCALE * rows, FilterType::Nearest);
-    generated::picture(Mode::Write, &format!("docs/pictures/{name}.png"), &large.into(), "docs")
+    generated::picture(Mode::Write, format!("docs/pictures/{name}.png"), &large.into(), "docs")
 }
