@@ -25,6 +25,15 @@ pub struct Inflow {
     radiance: Arc<[Rgb]>,
 }
 
+/// A rectangle of cells of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridWindow {
+    /// Column and row of its first cell.
+    pub first: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
+}
+
 /// A place on the border of a grid, px.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BorderPlace {
@@ -45,15 +54,27 @@ impl Inflow {
         columns: usize,
         radiance: impl Fn(BorderPlace, f64) -> Rgb + Sync,
     ) -> Result<Self> {
+        Self::of_strips(size, columns, |place, strip| {
+            for (column, rgb) in strip.iter_mut().enumerate() {
+                *rgb = radiance(place, Panorama::angle(columns, column));
+            }
+        })
+    }
+
+    /// Like [`Self::new`], for all columns of a border cell at once.
+    pub(crate) fn of_strips(
+        size: [u32; 2],
+        columns: usize,
+        fill: impl Fn(BorderPlace, &mut [Rgb]) + Sync,
+    ) -> Result<Self> {
         Cells::check_size(size[0].into(), size[1].into())?;
         if !(1..=Panorama::MAX_COLUMNS).contains(&columns) {
             return Err(Error::value("inflow.columns", columns, "1 to 8192"));
         }
-        let count = border_cells(size);
-        let values = (0..count * columns).into_par_iter().map(|i| {
-            radiance(border_place(size, i / columns), Panorama::angle(columns, i % columns))
-        });
-        let radiance: Arc<[Rgb]> = values.collect::<Vec<_>>().into();
+        let mut radiance = vec![[0.0; 3]; border_cells(size) * columns];
+        let strips = radiance.par_chunks_mut(columns).enumerate();
+        strips.for_each(|(cell, strip)| fill(border_place(size, cell), strip));
+        let radiance: Arc<[Rgb]> = radiance.into();
         match radiance.as_flattened().iter().find(|v| !v.is_finite() || **v < 0.0) {
             Some(v) => Err(Error::value("inflow", v, "a finite radiance of 0 or more")),
             None => Ok(Self { size, columns, radiance }),

@@ -216,12 +216,7 @@ impl ProbeTracer<'_> {
 
     /// Returns the radiance that enters the grid along a ray of the last cascade.
     #[inline(always)]
-    fn entering<S: Simd>(
-        &self,
-        simd: S,
-        start: [f32x16<S>; 2],
-        ray: &ProbeRay,
-    ) -> [f32x16<S>; 3] {
+    fn entering<S: Simd>(&self, simd: S, start: [f32x16<S>; 2], ray: &ProbeRay) -> [f32x16<S>; 3] {
         match ray.sky {
             Some(sky) => sky.map(|v| f32x16::splat(simd, v)),
             None => {

@@ -54,11 +54,8 @@ impl BorderLight {
             held.light.resize(angles.len() * (depth + rows), [0.0; 3]);
             let cones = held.light.par_chunks_mut(depth + rows).zip(&held.slopes).enumerate();
             cones.for_each(|(cone, (light, slope))| {
-                let [from, to] = on_grid(
-                    orientation.along_x,
-                    orientation.reversed,
-                    edges(level, inside(cone)),
-                );
+                let [from, to] =
+                    on_grid(orientation.along_x, orientation.reversed, edges(level, inside(cone)));
                 for (i, light) in light.iter_mut().enumerate() {
                     let side = if *slope > 0.0 { rows as f32 } else { 0.0 };
                     let place = match i.checked_sub(depth) {

@@ -418,8 +418,7 @@ impl MergedLight {
         }
         if let Some(border) = border {
             let slab = plane << level;
-            let [before, after] =
-                [-(pad as isize)..0, self.rows as isize..(stride - pad) as isize];
+            let [before, after] = [-(pad as isize)..0, self.rows as isize..(stride - pad) as isize];
             for (cone, rows) in rows.chunks_exact_mut(size).enumerate() {
                 for beside in [before.clone(), after.clone()] {
                     border.store(at, cone, slab, beside, pad, channels_mut(rows, stride));
@@ -613,9 +612,7 @@ fn add_paths<S: Simd, const K: usize, const HELD: bool>(
             let far: [f32x16<S>; 3] = match &path.behind {
                 _ if HELD => far[p].map(|channel| f32x16::from_slice(simd, &channel[i])),
                 None => path.sky.map(|sky| f32x16::splat(simd, sky)),
-                Some(behind) => {
-                    behind.load(simd, (range.start + i * LANES) as isize + path.rise)
-                }
+                Some(behind) => behind.load(simd, (range.start + i * LANES) as isize + path.rise),
             };
             for c in 0..3 {
                 sum[c] = near.light[c].mul_add(path.angle, sum[c]);
