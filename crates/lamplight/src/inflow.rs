@@ -91,6 +91,14 @@ impl Inflow {
         self.columns
     }
 
+    /// The columns of a border cell, by its number on the way around.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    pub fn strip(&self, cell: usize) -> &[Rgb] {
+        &self.radiance[cell * self.columns..][..self.columns]
+    }
+
     /// The radiance along a ray that leaves the grid at a place on its border, in this direction.
     pub fn radiance(&self, place: [f32; 2], [x, y]: [f32; 2]) -> Rgb {
         let at = column(self.columns, f64::from(y.atan2(x)));
@@ -121,12 +129,11 @@ impl Inflow {
         let at = (along - 0.5).clamp(0.0, (count - 1) as f32);
         let before = (at as usize).min(count.saturating_sub(2));
         let past = f64::from(at - before as f32);
-        let strip = |cell: usize| &self.radiance[(first + cell) * self.columns..][..self.columns];
-        let one = of(strip(before));
+        let one = of(self.strip(first + before));
         if past == 0.0 {
             return one.map(|v| v as f32);
         }
-        let other = of(strip(before + 1));
+        let other = of(self.strip(first + before + 1));
         std::array::from_fn(|c| (one[c] + (other[c] - one[c]) * past) as f32)
     }
 }
