@@ -7,7 +7,7 @@ use crate::traverse::{Event, Grid, Stretch, Traversal};
 use lamplight::internals::Walls;
 use lamplight::internals::direct::clamp;
 use lamplight::internals::elevation::longest_moment;
-use lamplight::{ALL_LAYERS, Bounces, Cells, Error, Lamp, Light, Moment, Result, Rgb, Sky, Sun};
+use lamplight::{ALL_LAYERS, Bounces, Cells, Error, Lamp, Light, Moment, Result, Rgb, Sun};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -105,9 +105,11 @@ mod tests {
             // Beside corners the side is even.
             let inside = |at: f64, size: f64| at.clamp(0.5, size - 0.5);
             let [x, y] = [origin[0] + length * angle.cos(), origin[1] + length * angle.sin()];
-            let [on_x, on_y] = [x < 1e-9 || x > 7.0 - 1e-9, y < 1e-9 || y > 5.0 - 1e-9];
-            let expected =
-                [if on_x { x } else { inside(x, 7.0) }, if on_y { y } else { inside(y, 5.0) }];
+            let leaves = |at: f64, size: f64| at.min(size - at).abs() < 1e-9;
+            let expected = [
+                if leaves(x, 7.0) { x } else { inside(x, 7.0) },
+                if leaves(y, 5.0) { y } else { inside(y, 5.0) },
+            ];
             for a in 0..2 {
                 assert!((found[a] - expected[a]).abs() < 1e-5, "{angle}: {found:?}, {expected:?}");
             }
