@@ -102,20 +102,19 @@ impl MediumGrid {
         }
     }
 
-    /// Returns the mean radiance of the sky between two angles; none if what enters differs from place to place.
-    pub fn sky_mean(&self, [from, to]: [f64; 2]) -> Option<Rgb> {
-        self.inflow.is_none().then(|| self.sky.mean(from, to))
+    /// Returns the mean radiance of the sky between two angles; 0 if there is an inflow in place of it.
+    pub fn sky_mean(&self, [from, to]: [f64; 2]) -> Rgb {
+        if self.inflow.is_some() { Rgb::default() } else { self.sky.mean(from, to) }
     }
 
-    /// Returns the mean radiance that enters between two angles along a ray that passes `at`.
-    pub fn entering_mean(&self, at: [f32; 2], direction: [f32; 2], [from, to]: [f64; 2]) -> Rgb {
-        match &self.inflow {
-            None => self.sky.mean(from, to),
-            Some(inflow) => inflow.mean(self.exit(at, direction), from, to),
-        }
+    /// Returns the light that enters, if it is not that of the sky.
+    #[inline]
+    pub fn inflow(&self) -> Option<&Inflow> {
+        self.inflow.as_ref()
     }
 
-    fn exit(&self, at: [f32; 2], direction: [f32; 2]) -> [f32; 2] {
+    /// Returns where a straight line that passes `at` leaves the grid for good.
+    pub fn exit(&self, at: [f32; 2], direction: [f32; 2]) -> [f32; 2] {
         inflow::exit(self.size.map(|side| side as f32), at, direction)
     }
 

@@ -6,6 +6,8 @@ use lamplight::{Bounces, Cells, GridWindow, Inflow, Light, Matter, Rgb, Settings
 
 /// Sums of some thousand f32, relative.
 const ROUNDING: f64 = 1e-5;
+/// Rays of `cascades` from beyond the border see the matter of the grid under a sky, and only inflow with one.
+const FROM_OUTSIDE: f64 = 3e-3;
 
 /// The methods that read inflow.
 fn methods() -> Vec<(&'static str, Settings)> {
@@ -72,7 +74,8 @@ fn a_uniform_inflow_is_a_uniform_sky() {
             let inflow = solve(&settings, &cells);
             let found = error(&inflow, sky.pixels());
             println!("{size:?}, {name}: {found:e}");
-            assert!(found < ROUNDING, "{size:?}, {name}: {found}");
+            let bound = if name.starts_with("cascades") { FROM_OUTSIDE } else { ROUNDING };
+            assert!(found < bound, "{size:?}, {name}: {found}");
         }
     }
 }
@@ -134,10 +137,14 @@ fn error_alone(world: &Cells, settings: &Settings, columns: usize) -> f64 {
     error(&solve(settings, &cells), &truth)
 }
 
+/// Largest error of the light of a window alone against its light in its world, by the same method: noise in
+/// `raymarch`, probes that lie elsewhere in `cascades`.
+const ALONE: [f64; 6] = [0.05, 0.04, 0.07, 0.015, 0.02, 0.01];
+
 #[test]
 fn a_window_has_the_light_of_its_world() {
     let world = world();
-    for (name, settings) in methods() {
+    for ((name, settings), bound) in methods().into_iter().zip(ALONE) {
         for bounces in [0, 2] {
             let settings = Settings { bounces: Bounces::Count(bounces), ..settings.clone() };
             let found = [128, 512].map(|columns| error_alone(&world, &settings, columns));

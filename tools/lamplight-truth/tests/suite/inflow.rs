@@ -9,8 +9,9 @@ const WORLD: [u32; 2] = [200, 150];
 const WINDOW: GridWindow = GridWindow { first: [60, 45], size: [80, 60] };
 /// Directions of the inflow.
 const COLUMNS: usize = 512;
-/// Largest error of the light of the window alone against that in its world.
-const ALONE: f64 = 0.01;
+/// Largest errors of the light of the window alone against that in its world: direct light, and all bounces, which
+/// enter as `high` found them.
+const ALONE: [(Bounces, f64); 2] = [(Bounces::Count(0), 0.01), (Bounces::Converged, 0.015)];
 
 /// Lights, walls and fog around the window and in it.
 fn world() -> Cells {
@@ -53,7 +54,7 @@ fn a_window_alone_has_the_light_of_its_world() {
     let at = scenes::open_cells(&alone, 300, 5);
     let in_world: Vec<_> =
         at.iter().map(|&[x, y]| [WINDOW.first[0] + x, WINDOW.first[1] + y]).collect();
-    for bounces in [Bounces::Count(0), Bounces::Converged] {
+    for (bounces, bound) in ALONE {
         let truth = light_of(&world, bounces, &in_world);
         let high = Settings { bounces, ..Settings::direct(Holographic::preset("high").unwrap()) };
         let mut solver = Solver::new(high).unwrap();
@@ -65,11 +66,12 @@ fn a_window_alone_has_the_light_of_its_world() {
         let traced = light_of(&alone, bounces, &at);
         let found = error(&traced, &truth);
         println!("path tracer, {bounces:?}: {:.2} %", 100.0 * found);
-        assert!(found < ALONE, "{bounces:?}: {found}");
+        assert!(found < bound, "{bounces:?}: {found}");
         let rays = Raymarch { rays: 1024, ..Raymarch::default() };
         for (name, settings, bound) in [
             ("holographic", Settings::direct(Method::Holographic), 0.02),
-            ("cascades", Settings::direct(Method::Cascades), 0.04),
+            // Its probes smear light that comes from one direction, as they do with narrow suns.
+            ("cascades", Settings::direct(Method::Cascades), 0.06),
             ("raymarch", Settings::direct(rays), 0.04),
         ] {
             let settings = Settings { bounces, ..settings };

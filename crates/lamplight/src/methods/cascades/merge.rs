@@ -58,11 +58,11 @@ pub struct ProbeRay {
     segment: RaySegment,
     /// Its maximum extent along an axis, px.
     reach: f32,
-    /// Offset of the light beyond it in [`FartherCascade::light`].
-    plane: usize,
-    /// The angles between which the last cascade sees what enters the grid, and their sky.
+    /// The angles that it stands for.
     edges: [f64; 2],
-    sky: Option<Rgb>,
+    /// Offset of the light beyond it in [`FartherCascade::light`], or the sky.
+    plane: usize,
+    sky: Rgb,
 }
 
 impl ProbeTracer<'_> {
@@ -74,10 +74,10 @@ impl ProbeTracer<'_> {
     /// Returns a ray by its number.
     pub fn ray(&self, number: u32) -> ProbeRay {
         let segment = self.cascade.segment(number, self.overlap);
+        let edges = edges(number, self.cascade.rays);
         let Some(beyond) = self.farther else {
-            let edges = edges(number, self.cascade.rays);
             let sky = self.scene.grid.sky_mean(edges);
-            return ProbeRay { segment, reach: f32::INFINITY, plane: 0, edges, sky };
+            return ProbeRay { segment, reach: f32::INFINITY, edges, plane: 0, sky };
         };
         let RaySegment { start, end, .. } = segment;
         let step = [end[0] - start[0], end[1] - start[1]];
@@ -87,7 +87,7 @@ impl ProbeTracer<'_> {
             Merge::BilinearFix => reach + beyond.cascade.lattice.spacing,
         };
         let plane = (number - beyond.first) as usize * beyond.values * beyond.cascade.lattice.len();
-        ProbeRay { segment, reach, plane, edges: [0.0; 2], sky: None }
+        ProbeRay { segment, reach, edges, plane, sky: Rgb::default() }
     }
 
     /// Returns the radiance that arrives at sixteen points, the mean over `rays`, in as many values as the farther
@@ -125,9 +125,9 @@ impl ProbeTracer<'_> {
             match &corners {
                 None => {
                     let near = self.interval(simd, start, ray);
-                    let far = self.entering(simd, start, ray);
                     for v in 0..N {
-                        let arriving = near.light[v % 3] + near.transmittance[v % 3] * far[v % 3];
+                        let arriving =
+                            near.light[v % 3] + near.transmittance[v % 3] * ray.sky[v % 3];
                         sum[v] += match v / 3 {
                             0 => arriving,
                             axis => arriving * ray.segment.direction[axis - 1],
@@ -194,7 +194,7 @@ impl ProbeTracer<'_> {
             }
             whole += weight;
             let direction = [step[0] / length, step[1] / length];
-            let near = self.scene.trace(simd, start, direction, length);
+            let near = self.scene.trace(simd, start, direction, length, ray.edges);
             let light = corners.light::<N>(simd, ray.plane, corner);
             for v in 0..N {
                 let near_light = match v / 3 {
@@ -214,24 +214,6 @@ impl ProbeTracer<'_> {
         sum
     }
 
-    /// Returns the radiance that enters the grid along a ray of the last cascade.
-    #[inline(always)]
-    fn entering<S: Simd>(&self, simd: S, start: [f32x16<S>; 2], ray: &ProbeRay) -> [f32x16<S>; 3] {
-        match ray.sky {
-            Some(sky) => sky.map(|v| f32x16::splat(simd, v)),
-            None => {
-                let mut entering = [[0.0; LANES]; 3];
-                for l in 0..LANES {
-                    let at = [start[0][l], start[1][l]];
-                    let direction = ray.segment.direction;
-                    let rgb = self.scene.grid.entering_mean(at, direction, ray.edges);
-                    (0..3).for_each(|c| entering[c][l] = rgb[c]);
-                }
-                entering.map(|v| f32x16::from_slice(simd, &v))
-            }
-        }
-    }
-
     /// Returns the intervals of the ray itself.
     #[inline(always)]
     fn interval<S: Simd>(
@@ -242,7 +224,7 @@ impl ProbeTracer<'_> {
     ) -> PacketIntervals<S> {
         let RaySegment { direction, length, .. } = ray.segment;
         let direction = [f32x16::splat(simd, direction[0]), f32x16::splat(simd, direction[1])];
-        self.scene.trace(simd, start, direction, f32x16::splat(simd, length))
+        self.scene.trace(simd, start, direction, f32x16::splat(simd, length), ray.edges)
     }
 }
 
