@@ -153,6 +153,7 @@ fn a_window_has_the_light_of_its_world() {
                 100.0 * found[0],
                 100.0 * found[1]
             );
+            assert!(found[1] < bound, "{name}, {bounces} bounces: {}", found[1]);
         }
     }
 }
