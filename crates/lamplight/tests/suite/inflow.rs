@@ -14,7 +14,6 @@ fn methods() -> Vec<(&'static str, Settings)> {
     let mut all = vec![
         ("raymarch", Settings::direct(unfiltered(Raymarch { rays: 256, ..Raymarch::default() }))),
         ("cascades", Settings::direct(Cascades::default())),
-        ("cascades plain", Settings::direct(Cascades::preset("plain").unwrap())),
     ];
     for preset in ["default", "fast", "high"] {
         all.push((preset, Settings::direct(Holographic::preset(preset).unwrap())));
@@ -74,7 +73,7 @@ fn a_uniform_inflow_is_a_uniform_sky() {
             let inflow = solve(&settings, &cells);
             let found = error(&inflow, sky.pixels());
             println!("{size:?}, {name}: {found:e}");
-            let bound = if name.starts_with("cascades") { FROM_OUTSIDE } else { ROUNDING };
+            let bound = if name == "cascades" { FROM_OUTSIDE } else { ROUNDING };
             assert!(found < bound, "{size:?}, {name}: {found}");
         }
     }
@@ -139,7 +138,7 @@ fn error_alone(world: &Cells, settings: &Settings, columns: usize) -> f64 {
 
 /// Largest error of the light of a window alone against its light in its world, by the same method: noise in
 /// `raymarch`, probes that lie elsewhere in `cascades`.
-const ALONE: [f64; 6] = [0.05, 0.04, 0.07, 0.015, 0.02, 0.01];
+const ALONE: [f64; 5] = [0.05, 0.04, 0.015, 0.02, 0.01];
 
 #[test]
 fn a_window_has_the_light_of_its_world() {
