@@ -7,7 +7,7 @@ use lamplight::{Bounces, Cells, GridWindow, Inflow, Light, Matter, Rgb, Settings
 /// Sums of some thousand f32, relative.
 const ROUNDING: f64 = 1e-5;
 /// Rays of `cascades` from beyond the border see the matter of the grid under a sky, and only inflow with one.
-const FROM_OUTSIDE: f64 = 3e-3;
+const FROM_OUTSIDE: f64 = 5e-3;
 
 /// The methods that read inflow.
 fn methods() -> Vec<(&'static str, Settings)> {
