@@ -45,7 +45,7 @@ fn a_cookie_that_is_too_large_is_refused() {
         let cookie = format!("cookie = {{ picture = \"{picture}\", size = 20 }}");
         let lamps = format!("[[lamp]]\nposition = [9, 9]\n{cookie}\n").repeat(2);
         sandbox.write("s.toml", format!("size = [32, 32]\n{lamps}"));
-        let run = limited(&sandbox, 200_000, "render s.toml -q --backend cpu --threads 1 -o o.exr");
+        let run = limited(&sandbox, 300_000, "render s.toml -q --backend cpu --threads 1 -o o.exr");
         assert_eq!(run.code, code, "{picture}: {}", run.err);
     }
 }
