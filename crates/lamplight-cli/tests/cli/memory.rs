@@ -69,7 +69,7 @@ fn no_limit_ends_in_an_abort() {
         "--method polar",
         "--method cascades",
     ] {
-        let codes = (120..1000).step_by(80).map(|megabytes| {
+        let codes = (120..1000).step_by(160).map(|megabytes| {
             let arguments = format!("render s.toml -q --backend cpu --threads 2 {flags} -o o.exr");
             let run = limited(&sandbox, megabytes * 1024, &arguments);
             assert!(
