@@ -111,7 +111,7 @@ pub fn read_cells(
     bytes_needed: impl FnOnce(SceneSize) -> u64,
 ) -> Result<(Cells, OutputFiles)> {
     let [width, height] = scene.size;
-    let needed = bytes_needed(SceneSize::of(scene, path));
+    let needed = bytes_needed(SceneSize::of(scene));
     memory::check(needed, format_args!("lighting {} ({width}×{height} cells)", path.display()))?;
     let cells = scene.cells()?;
     if !quiet {

@@ -7,9 +7,8 @@ use crate::args::{Backend, Renderer};
 use crate::available_memory::available;
 use crate::error::{CliError, Result};
 use lamplight::settings::{MethodSettings, Variant};
-use lamplight::{Bounces, CookiePicture, Lamp, Scene, Settings};
+use lamplight::{Bounces, Lamp, Scene, Settings};
 use std::collections::HashSet;
-use std::path::Path;
 
 /// Bytes that do not grow with the scene: the program, its threads and tables.
 const BASE: u64 = 48 << 20;
@@ -48,29 +47,21 @@ impl SceneSize {
         Self { cells, normals: false, exact: false, cookies: 0 }
     }
 
-    /// The size of the scene in this file.
-    pub fn of(scene: &Scene, file: &Path) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         let [width, height] = scene.size.map(u64::from);
         Self {
             cells: width * height,
             normals: scene.layers.normal.is_some(),
             exact: !scene.suns.is_empty() || scene.lamps.iter().any(Lamp::is_exact),
-            cookies: pixels_of_cookies(scene, file),
+            cookies: pixels_of_cookies(scene),
         }
     }
 }
 
 /// The number of pixels of the images of a scene's cookies, each image once. Images that cannot be read count
 /// nothing: reading the scene says so.
-fn pixels_of_cookies(scene: &Scene, file: &Path) -> u64 {
-    let folder = file.parent().unwrap_or(file);
-    let cookies = scene.lamps.iter().filter_map(|lamp| lamp.cookie.as_ref());
-    let images: HashSet<_> = cookies
-        .filter_map(|cookie| match &cookie.picture {
-            CookiePicture::File(image) => Some(folder.join(image)),
-            _ => None,
-        })
-        .collect();
+fn pixels_of_cookies(scene: &Scene) -> u64 {
+    let images: HashSet<_> = scene.cookies().collect();
     let sizes = images.iter().filter_map(|image| image::image_dimensions(image).ok());
     sizes.map(|(width, height)| u64::from(width) * u64::from(height)).sum()
 }

@@ -45,7 +45,7 @@ fn a_cookie_that_is_too_large_is_refused() {
         let cookie = format!("cookie = {{ picture = \"{picture}\", size = 20 }}");
         let lamps = format!("[[lamp]]\nposition = [9, 9]\n{cookie}\n").repeat(2);
         sandbox.write("s.toml", format!("size = [32, 32]\n{lamps}"));
-        let run = limited(&sandbox, 200_000, "render s.toml -q --backend cpu --threads 1 -o o.exr");
+        let run = limited(&sandbox, 300_000, "render s.toml -q --backend cpu --threads 1 -o o.exr");
         assert_eq!(run.code, code, "{picture}: {}", run.err);
     }
 }
@@ -69,7 +69,7 @@ fn no_limit_ends_in_an_abort() {
         "--method polar",
         "--method cascades",
     ] {
-        let codes = (120..1000).step_by(80).map(|megabytes| {
+        let codes = (120..1000).step_by(160).map(|megabytes| {
             let arguments = format!("render s.toml -q --backend cpu --threads 2 {flags} -o o.exr");
             let run = limited(&sandbox, megabytes * 1024, &arguments);
             assert!(

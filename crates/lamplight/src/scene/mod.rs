@@ -150,11 +150,15 @@ impl Scene {
             Geometry::Sprite(sprite) => Some(&sprite.image),
             _ => None,
         });
-        let cookies = self.lamps.iter().filter_map(cookie::image);
         let images = self.sky.image().into_iter().chain(self.layers.images()).chain(sprites);
-        let images = images.chain(cookies);
         let images = images.map(|image| folder.join(image));
-        own.cloned().into_iter().chain(images).collect()
+        own.cloned().into_iter().chain(images).chain(self.cookies()).collect()
+    }
+
+    /// The images of the lamps' cookies, lamp by lamp.
+    pub fn cookies(&self) -> impl Iterator<Item = PathBuf> {
+        let folder = self.file.parent().unwrap_or(&self.file);
+        self.lamps.iter().filter_map(cookie::image).map(|image| folder.join(image))
     }
 
     /// Resolves and checks the scene's settings.
