@@ -281,6 +281,12 @@ impl Lighting {
                 cells.check()?;
                 let method = input.settings.method();
                 method.suits(cells)?;
+                if cells.inflow().is_some() && self.cpu.is_none() {
+                    let expected = "none: so far the GPU does not read it; use the CPU backend";
+                    return Err(
+                        lamplight::Error::value("inflow", "that of a world", expected).into()
+                    );
+                }
                 let size = GridSize::new(device, [cells.width(), cells.height()])?;
                 let uploaded = match upload.take().filter(|upload| upload.size == size) {
                     Some(uploaded) => uploaded,

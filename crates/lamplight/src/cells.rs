@@ -7,7 +7,7 @@
 use crate::limits;
 use crate::mask::{self, ALL_LAYERS};
 use crate::relief::UP;
-use crate::{Error, Lamp, Normal, Result, Rgb, Sky, Sun};
+use crate::{Error, Inflow, Lamp, Normal, Result, Rgb, Sky, Sun};
 
 /// The contents of one cell.
 ///
@@ -93,6 +93,7 @@ pub struct Cells {
     lamps: Vec<Lamp>,
     suns: Vec<Sun>,
     sky: Sky,
+    inflow: Option<Inflow>,
 }
 
 /// The number of cells that are tested for matter at once.
@@ -125,6 +126,7 @@ impl Cells {
             lamps: Vec::new(),
             suns: Vec::new(),
             sky: Sky::BLACK,
+            inflow: None,
         })
     }
 
@@ -338,6 +340,25 @@ impl Cells {
         self.sky = sky;
     }
 
+    /// The light that enters from the world around the grid, if it is not that of the sky.
+    pub fn inflow(&self) -> Option<&Inflow> {
+        self.inflow.as_ref()
+    }
+
+    /// Sets the light that enters from the world around the grid, in place of the sky.
+    ///
+    /// # Errors
+    /// Fails if it is that of a grid of another size.
+    pub fn set_inflow(&mut self, inflow: Option<Inflow>) -> Result<()> {
+        let own = [self.width, self.height];
+        if let Some(other) = inflow.as_ref().map(Inflow::size).filter(|size| *size != own) {
+            let [found, expected] = [other, own].map(|[w, h]| format!("that of {w}×{h} cells"));
+            return Err(Error::value("inflow", found, expected));
+        }
+        self.inflow = inflow;
+        Ok(())
+    }
+
     /// Returns whether the cell at an index is solid.
     #[inline]
     pub fn is_solid(&self, index: usize) -> bool {
@@ -455,6 +476,7 @@ impl Clone for Cells {
             lamps: self.lamps.clone(),
             suns: self.suns.clone(),
             sky: self.sky.clone(),
+            inflow: self.inflow.clone(),
         }
     }
 
@@ -474,9 +496,11 @@ impl Clone for Cells {
             lamps,
             suns,
             sky,
+            inflow,
         } = source;
         (self.width, self.height) = (*width, *height);
         self.sky.clone_from(sky);
+        self.inflow.clone_from(inflow);
         rayon::join(
             || {
                 self.emission.clone_from(emission);

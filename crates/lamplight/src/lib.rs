@@ -19,6 +19,7 @@ mod exact;
 mod explain;
 mod filters;
 mod grid;
+mod inflow;
 #[doc(hidden)]
 pub mod internals;
 mod lamp;
@@ -50,6 +51,7 @@ mod sun_glow;
 pub use cells::{Cells, Matter};
 pub use cookie::{Cookie, CookiePicture, CookiePixels};
 pub use error::{Error, Result};
+pub use inflow::{BorderPlace, GridWindow, Inflow};
 pub use lamp::{Cone, Direct, Falloff, Lamp};
 pub use light::Light;
 pub use mask::ALL_LAYERS;

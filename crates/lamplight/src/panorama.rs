@@ -87,34 +87,19 @@ impl Panorama {
     #[inline]
     pub fn radiance(&self, [x, y]: [f32; 2]) -> Rgb {
         let at = place(self, f64::from(y.atan2(x)));
-        self.between(at.floor(), at - at.floor()).map(|v| v as f32)
+        radiance_of_columns(&self.columns, at).map(|v| v as f32)
     }
 
     /// The mean radiance between two angles, radians from +x towards +y, the first below the second. It is exact, and
     /// takes time by the number of columns between the angles.
     pub fn mean(&self, from: f64, to: f64) -> Rgb {
         let [from, to] = [from, to].map(|angle| place(self, angle));
-        let mut sum = [0.0; 3];
-        let mut column = from.floor();
-        while column < to {
-            let [start, end] = [from.max(column) - column, to.min(column + 1.0) - column];
-            // Radiance is linear here: its mean is that in the middle.
-            let middle = self.between(column, 0.5 * (start + end));
-            (0..3).for_each(|c| sum[c] += (end - start) * middle[c]);
-            column += 1.0;
-        }
-        sum.map(|v| (v / (to - from)) as f32)
+        mean_of_columns(&self.columns, from, to).map(|v| v as f32)
     }
 
-    /// Returns the radiance between a column and the next, at a fraction of the way.
-    fn between(&self, column: f64, past: f64) -> [f64; 3] {
-        let count = self.columns.len() as i64;
-        let [a, b] =
-            [0, 1].map(|next| self.columns[(column as i64 + next).rem_euclid(count) as usize]);
-        std::array::from_fn(|c| {
-            let [a, b] = [a, b].map(|column| f64::from(column[c]));
-            a + (b - a) * past
-        })
+    /// The angle of the middle of a column of a strip of this many, radians from +x towards +y.
+    pub(crate) fn angle(count: usize, column: usize) -> f64 {
+        FRAC_PI_2 + TAU * (column as f64 + 0.5) / count as f64
     }
 
     pub(crate) fn check(&self) -> Result<()> {
@@ -139,8 +124,43 @@ impl Panorama {
 
 /// Returns the place of an angle on the strip, in columns from the middle of the first.
 pub fn place(panorama: &Panorama, angle: f64) -> f64 {
-    let Panorama { columns, turn } = panorama;
-    (angle - f64::from(*turn) - FRAC_PI_2) / TAU * columns.len() as f64 - 0.5
+    column(panorama.columns.len(), angle - f64::from(panorama.turn))
+}
+
+/// Returns the place of an angle on a strip of `count` columns, in columns from the middle of the first.
+pub(crate) fn column(count: usize, angle: f64) -> f64 {
+    (angle - FRAC_PI_2) / TAU * count as f64 - 0.5
+}
+
+/// Returns the radiance at a place on a strip.
+#[inline]
+pub(crate) fn radiance_of_columns(columns: &[Rgb], at: f64) -> [f64; 3] {
+    between(columns, at.floor(), at - at.floor())
+}
+
+/// Returns the mean radiance between two places on a strip.
+pub(crate) fn mean_of_columns(columns: &[Rgb], from: f64, to: f64) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    let mut column = from.floor();
+    while column < to {
+        let [start, end] = [from.max(column) - column, to.min(column + 1.0) - column];
+        // Radiance is linear here: its mean is that in the middle.
+        let middle = between(columns, column, 0.5 * (start + end));
+        (0..3).for_each(|c| sum[c] += (end - start) * middle[c]);
+        column += 1.0;
+    }
+    sum.map(|v| v / (to - from))
+}
+
+/// Returns the radiance between a column and the next, at a fraction of the way.
+#[inline]
+fn between(columns: &[Rgb], column: f64, past: f64) -> [f64; 3] {
+    let count = columns.len() as i64;
+    let [a, b] = [0, 1].map(|next| columns[(column as i64 + next).rem_euclid(count) as usize]);
+    std::array::from_fn(|c| {
+        let [a, b] = [a, b].map(|column| f64::from(column[c]));
+        a + (b - a) * past
+    })
 }
 
 impl PartialEq for Panorama {

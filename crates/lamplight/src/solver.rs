@@ -8,16 +8,17 @@ use crate::methods::cascades::Cascades;
 use crate::methods::flood::FloodSolver;
 use crate::methods::holographic::Holographic;
 use crate::methods::polar::PolarSolver;
-use crate::methods::raymarch::{Input, RaymarchSolver};
+use crate::methods::raymarch::{Input, RaymarchSolver, window};
 use crate::settings::{self, Bounces, Hit, Method, MethodSettings, Traversal, Variant};
-use crate::stages::bounce::FrameBounces;
+use crate::stages::bounce::{FrameBounces, Surfaces};
 use crate::stages::direct::{self, DirectLight};
 use crate::stages::glow::Glow;
 use crate::stages::gradient_moment::gradient_moment;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::sun_glow::SunGlow;
-use crate::{Cells, Lamp, Light, Result, Settings, elevation};
+use crate::{Cells, Error, GridWindow, Inflow, Lamp, Light, Result, Settings, elevation};
+use fearless_simd::Level;
 use std::time::Duration;
 
 /// A method with its buffers and its history.
@@ -296,6 +297,52 @@ impl Solver {
         }
         let Fields { seeds, nearest, distance, energy, .. } = &self.fields;
         Stages { cells: &self.cells, seeds, nearest, distance, energy }
+    }
+
+    /// The light that enters a window of the last frame's grid from the rest of it, in `columns` directions: what
+    /// [`Cells::set_inflow`] takes for a grid of the window's cells, so that it has the same light alone.
+    ///
+    /// Lamps that are lit by their shadow maps, and suns, are not part of it: they stay lamps and suns.
+    ///
+    /// # Errors
+    /// Fails if the window does not lie in the grid, or as [`Inflow::new`].
+    pub fn inflow(&mut self, window: GridWindow, columns: usize) -> Result<Inflow> {
+        let Self { settings, cells, glow, raymarch, cascades, holographic, .. } = self;
+        let grid = [cells.width(), cells.height()];
+        let fits =
+            |a: usize| u64::from(window.first[a]) + u64::from(window.size[a]) <= grid[a].into();
+        if !(fits(0) && fits(1)) {
+            let [w, h] = grid;
+            let GridWindow { first, size } = window;
+            return Err(Error::value(
+                "window",
+                format!("{}×{} cells from {first:?} on", size[0], size[1]),
+                format!("a part of a grid of {w}×{h} cells"),
+            ));
+        }
+        let glows = settings.method.reads_glow();
+        if glows {
+            glow.to_media(cells);
+        }
+        let of_method = match settings.method() {
+            Method::Raymarch => Some(raymarch.surfaces()),
+            Method::Cascades => Some(cascades.surfaces()),
+            Method::Holographic => Some(holographic.surfaces()),
+            _ => None,
+        };
+        let mut dark = Surfaces::default();
+        let surfaces = match of_method.filter(|surfaces| surfaces.are_of(cells)) {
+            Some(surfaces) => surfaces,
+            None => {
+                dark.collect(cells, 0.0);
+                &dark
+            }
+        };
+        let inflow = window::inflow(Level::new(), cells, surfaces, window, columns);
+        if glows {
+            glow.restore(cells);
+        }
+        inflow
     }
 
     /// The time that each stage of the last frame took, in order.

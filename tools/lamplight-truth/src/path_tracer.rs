@@ -7,7 +7,7 @@ use crate::traverse::{Event, Grid, Stretch, Traversal};
 use lamplight::internals::Walls;
 use lamplight::internals::direct::clamp;
 use lamplight::internals::elevation::longest_moment;
-use lamplight::{ALL_LAYERS, Bounces, Cells, Error, Lamp, Light, Moment, Result, Rgb, Sky, Sun};
+use lamplight::{ALL_LAYERS, Bounces, Cells, Error, Lamp, Light, Moment, Result, Rgb, Sun};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -181,7 +181,6 @@ pub(crate) struct Tracer<'c> {
     /// The lamps that are not drawn.
     lamps: &'c [Lamp],
     suns: &'c [Sun],
-    sky: &'c Sky,
     /// The tangent of the elevation of all light.
     tangent: f64,
     grid: &'c Grid,
@@ -199,7 +198,6 @@ impl<'c> Tracer<'c> {
             lamps: cells.lamps(),
             suns: cells.suns(),
             tangent: f64::from(settings.elevation).tan(),
-            sky: cells.sky(),
             grid,
             limit: settings.bounces.limit(),
             batches: BATCHES,
@@ -357,7 +355,7 @@ impl<'c> Tracer<'c> {
         loop {
             match walk.next() {
                 Event::Sky => {
-                    let sky = sky::radiance(self.sky, walk.direction());
+                    let sky = sky::entering(self.cells, walk.origin(), walk.direction());
                     (0..3).for_each(|c| light[c] += weight[c] * sky[c]);
                     return light;
                 }

@@ -183,6 +183,12 @@ impl<'g> Traversal<'g> {
         }
     }
 
+    /// The start of the ray.
+    #[inline]
+    pub fn origin(&self) -> [f64; 2] {
+        self.origin
+    }
+
     /// The direction of the ray.
     #[inline]
     pub fn direction(&self) -> [f64; 2] {

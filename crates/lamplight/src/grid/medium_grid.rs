@@ -3,7 +3,7 @@
 use super::class::CellClass;
 use super::empty_space::EmptySpace;
 use crate::math::transmittance::extinction;
-use crate::{Cells, Rgb, Sky};
+use crate::{Cells, Inflow, Rgb, Sky, inflow};
 use rayon::prelude::*;
 
 /// The rules by which cells are classed.
@@ -35,7 +35,9 @@ pub struct MediumGrid {
     pub source: Vec<Rgb>,
     /// Filled by [`Self::measure_empty_space`].
     pub empty_space: EmptySpace,
-    pub sky: Sky,
+    sky: Sky,
+    /// In place of the sky, if there is one.
+    inflow: Option<Inflow>,
 }
 
 impl MediumGrid {
@@ -44,6 +46,7 @@ impl MediumGrid {
         let w = cells.width() as usize;
         self.size = [cells.width() as i32, cells.height() as i32];
         self.sky.clone_from(cells.sky());
+        self.inflow.clone_from(&cells.inflow().cloned());
         self.classes.resize(cells.len(), CellClass::Empty);
         let rows = self.classes.par_chunks_mut(w).enumerate().map(|(y, classes)| {
             for (x, class) in classes.iter_mut().enumerate() {
@@ -88,6 +91,31 @@ impl MediumGrid {
         let class = |i: usize| if stops(i, classes[i]) { CellClass::Solid } else { classes[i] };
         let same = |i: usize, j: usize| source[i] == source[j] && extinction[i] == extinction[j];
         empty_space.measure(size[0] as u32, (0..classes.len()).map(class), same);
+    }
+
+    /// Returns the radiance that enters along a ray, which leaves the grid and passes `at`.
+    #[inline]
+    pub fn entering(&self, at: [f32; 2], direction: [f32; 2]) -> Rgb {
+        match &self.inflow {
+            None => self.sky.radiance(direction),
+            Some(inflow) => inflow.radiance(self.exit(at, direction), direction),
+        }
+    }
+
+    /// Returns the mean radiance of the sky between two angles; 0 if there is an inflow in place of it.
+    pub fn sky_mean(&self, [from, to]: [f64; 2]) -> Rgb {
+        if self.inflow.is_some() { Rgb::default() } else { self.sky.mean(from, to) }
+    }
+
+    /// Returns the light that enters, if it is not that of the sky.
+    #[inline]
+    pub fn inflow(&self) -> Option<&Inflow> {
+        self.inflow.as_ref()
+    }
+
+    /// Returns where a straight line that passes `at` leaves the grid for good.
+    pub fn exit(&self, at: [f32; 2], direction: [f32; 2]) -> [f32; 2] {
+        inflow::exit(self.size.map(|side| side as f32), at, direction)
     }
 
     /// Returns whether there are media.

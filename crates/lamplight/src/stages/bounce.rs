@@ -104,6 +104,11 @@ impl Surfaces {
         self.wall_changed.resize(self.walls.len(), Default::default());
     }
 
+    /// Returns whether these are surfaces of a grid of so many cells.
+    pub fn are_of(&self, cells: &Cells) -> bool {
+        self.slots.len() == cells.len()
+    }
+
     /// Copies the reflected and scattered light of the frame `before`, when the grid was elsewhere in the world by
     /// `-moved`, for places that were surfaces then. Walls that no longer reflect get none, because no later gather would
     /// replace it.

@@ -13,6 +13,7 @@ mod direct;
 mod draw;
 mod feedback;
 mod flood;
+mod inflow;
 mod invariants;
 mod jump_flood;
 mod lamp;

@@ -7,6 +7,7 @@ mod cookbook;
 mod direct;
 mod holographic;
 mod holographic_gold;
+mod inflow;
 mod invariants;
 mod lamps;
 mod moments;

@@ -3,7 +3,6 @@
 //! Intervals start and end anywhere, in the grid or beyond it, where space is empty. They are traced
 //! exactly, sixteen at once ([`crate::grid::packet`]).
 
-use crate::Rgb;
 use crate::grid::class::CellClass;
 use crate::grid::empty_space::MATTER;
 use crate::grid::medium_grid::MediumGrid;
@@ -11,6 +10,7 @@ use crate::grid::packet::{self, LANES, NEVER, Stopped, Termination};
 use crate::grid::traverse::Ray;
 use crate::simd::floor;
 use crate::stages::bounce::Surfaces;
+use crate::{Inflow, Rgb};
 use fearless_simd::{f32x16, i32x16, mask32x16, prelude::*};
 use rayon::prelude::*;
 
@@ -76,23 +76,77 @@ impl TracedScene<'_> {
             return false;
         }
         let [x, y] = [floor(from[0]), floor(from[1])];
+        if self.grid.inflow().is_some() {
+            // The border is not empty.
+            let [w, h] = self.size();
+            let to_border = x.min(y).min(-x + (w - 1.0)).min(-y + (h - 1.0));
+            if to_border.simd_ge(reach).to_bitmask() != u64::from(u16::MAX) {
+                return false;
+            }
+        }
         let index = (y * self.grid.size[0] as f32 + x).to_int::<i32x16<S>>().to_array();
         f32::from(self.empty_radius.least(&index)) >= reach
     }
 
-    /// Returns the intervals of sixteen rays of `reach` px in unit directions.
+    /// Returns the intervals of sixteen rays of `reach` px in unit directions, which stand for the angles between
+    /// `edges`.
     pub fn trace<S: Simd>(
         &self,
         simd: S,
         from: [f32x16<S>; 2],
         direction: [f32x16<S>; 2],
         reach: f32x16<S>,
+        edges: [f64; 2],
     ) -> PacketIntervals<S> {
         // Not inlined, so that it is compiled once per vector unit, not once per caller.
         simd.vectorize(
             #[inline(always)]
-            || self.clip_and_march(simd, from, direction, reach),
+            || {
+                let traced = self.clip_and_march(simd, from, direction, reach);
+                match self.grid.inflow() {
+                    None => traced,
+                    Some(inflow) => {
+                        let rays = Ray { from, cell: from, direction };
+                        self.end_at_border(simd, traced, rays, reach, (inflow, edges))
+                    }
+                }
+            },
         )
+    }
+
+    /// Ends rays where they leave the grid, with the light that enters there. Those that start outside have left it
+    /// on their way.
+    #[inline(always)]
+    fn end_at_border<S: Simd>(
+        &self,
+        simd: S,
+        traced: PacketIntervals<S>,
+        rays: Ray<f32x16<S>>,
+        reach: f32x16<S>,
+        (inflow, [first, last]): (&Inflow, [f64; 2]),
+    ) -> PacketIntervals<S> {
+        let mut light = traced.light.map(|v| v.to_array());
+        let mut transmittance = traced.transmittance.map(|v| v.to_array());
+        for l in 0..LANES {
+            let [from, direction] = [rays.from, rays.direction].map(|v| [v[0][l], v[1][l]]);
+            let exit = self.grid.exit(from, direction);
+            let inside = self.grid.contains(from);
+            let length = (exit[0] - from[0]).hypot(exit[1] - from[1]);
+            if inside && length >= reach[l] {
+                continue;
+            }
+            let entering = inflow.mean(exit, first, last);
+            for c in 0..3 {
+                let passed = if inside { transmittance[c][l] } else { 1.0 };
+                let near = if inside { light[c][l] } else { 0.0 };
+                light[c][l] = near + passed * entering[c];
+                transmittance[c][l] = 0.0;
+            }
+        }
+        PacketIntervals {
+            light: light.map(|v| f32x16::load_array(simd, v)),
+            transmittance: transmittance.map(|v| f32x16::load_array(simd, v)),
+        }
     }
 
     #[inline(always)]

@@ -58,6 +58,8 @@ pub struct ProbeRay {
     segment: RaySegment,
     /// Its maximum extent along an axis, px.
     reach: f32,
+    /// The angles that it stands for.
+    edges: [f64; 2],
     /// Offset of the light beyond it in [`FartherCascade::light`], or the sky.
     plane: usize,
     sky: Rgb,
@@ -72,10 +74,10 @@ impl ProbeTracer<'_> {
     /// Returns a ray by its number.
     pub fn ray(&self, number: u32) -> ProbeRay {
         let segment = self.cascade.segment(number, self.overlap);
+        let edges = edges(number, self.cascade.rays);
         let Some(beyond) = self.farther else {
-            let [from, to] = edges(number, self.cascade.rays);
-            let sky = self.scene.grid.sky.mean(from, to);
-            return ProbeRay { segment, reach: f32::INFINITY, plane: 0, sky };
+            let sky = self.scene.grid.sky_mean(edges);
+            return ProbeRay { segment, reach: f32::INFINITY, edges, plane: 0, sky };
         };
         let RaySegment { start, end, .. } = segment;
         let step = [end[0] - start[0], end[1] - start[1]];
@@ -85,7 +87,7 @@ impl ProbeTracer<'_> {
             Merge::BilinearFix => reach + beyond.cascade.lattice.spacing,
         };
         let plane = (number - beyond.first) as usize * beyond.values * beyond.cascade.lattice.len();
-        ProbeRay { segment, reach, plane, sky: Rgb::default() }
+        ProbeRay { segment, reach, edges, plane, sky: Rgb::default() }
     }
 
     /// Returns the radiance that arrives at sixteen points, the mean over `rays`, in as many values as the farther
@@ -192,7 +194,7 @@ impl ProbeTracer<'_> {
             }
             whole += weight;
             let direction = [step[0] / length, step[1] / length];
-            let near = self.scene.trace(simd, start, direction, length);
+            let near = self.scene.trace(simd, start, direction, length, ray.edges);
             let light = corners.light::<N>(simd, ray.plane, corner);
             for v in 0..N {
                 let near_light = match v / 3 {
@@ -222,7 +224,7 @@ impl ProbeTracer<'_> {
     ) -> PacketIntervals<S> {
         let RaySegment { direction, length, .. } = ray.segment;
         let direction = [f32x16::splat(simd, direction[0]), f32x16::splat(simd, direction[1])];
-        self.scene.trace(simd, start, direction, f32x16::splat(simd, length))
+        self.scene.trace(simd, start, direction, f32x16::splat(simd, length), ray.edges)
     }
 }
 

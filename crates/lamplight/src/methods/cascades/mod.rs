@@ -69,6 +69,11 @@ impl Default for Cascades {
 }
 
 impl Cascades {
+    /// Returns the surfaces of the last frame, with the light that they send on.
+    pub(crate) fn surfaces(&self) -> &Surfaces {
+        &self.surfaces
+    }
+
     /// Creates the method for a vector unit. Units differ in time, not in light.
     fn on(level: Level) -> Self {
         Self {

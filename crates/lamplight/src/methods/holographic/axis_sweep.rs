@@ -1,5 +1,6 @@
 //! Two opposite quadrants: the light that arrives along one axis of the grid.
 
+use super::border::Orientation;
 use super::extend::IntervalLevels;
 use super::faces::{self, Receivers, face_sums};
 use super::gather::{FinalGather, GatherTile};
@@ -103,10 +104,15 @@ impl AxisSweep {
     fn quadrant(&mut self, unit: Level, input: SweepInput, geometry: GatherGeometry) {
         let sky = input.cells.sky();
         let (along_x, reversed) = (self.axis == Axis::X, self.slabs.reversed);
-        self.merged.begin(|edges| {
-            let [from, to] = on_grid(along_x, reversed, edges);
-            sky.mean(from, to)
-        });
+        match input.cells.inflow() {
+            Some(inflow) => {
+                self.merged.begin_with_inflow(inflow, Orientation { along_x, reversed });
+            }
+            None => self.merged.begin(|edges| {
+                let [from, to] = on_grid(along_x, reversed, edges);
+                sky.mean(from, to)
+            }),
+        }
         for plane in (1..=geometry.last_plane(self.slabs.depth)).rev() {
             if plane < planes(self.slabs.depth, geometry.level) {
                 self.intervals.make(unit, &self.slabs, plane);

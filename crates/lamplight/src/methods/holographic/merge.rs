@@ -32,12 +32,13 @@
 //!
 //! Pixels are lit from the far end to the near one, so one plane per level is held at any time.
 
+use super::border::{BorderLight, Orientation};
 use super::extend::IntervalLevels;
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::{BEYOND, angles, cones, cones_of_halves, edges, halves, planes};
 use super::trace::{TILE, TileLight, VECTORS, any_in_vector, mask};
-use crate::Rgb;
 use crate::simd::dispatch_wide;
+use crate::{Inflow, Rgb};
 use fearless_simd::{Level, f32x16, prelude::*, u32x16};
 use std::ops::Range;
 
@@ -96,7 +97,9 @@ pub struct MergedLight {
     shown: usize,
     /// Light of the sky in the cones of the last level.
     sky: Vec<Rgb>,
-    /// One channel of it, on its way down.
+    /// The light that enters in place of the sky's, if it differs from place to place.
+    border: Option<BorderLight>,
+    /// One channel of the sky, on its way down.
     channel: Vec<f64>,
     /// The light of three consecutive cones, in turns.
     latest: [Vec<f32>; 3],
@@ -219,11 +222,8 @@ impl MergedLight {
         self.levels.clear();
         for level in self.first..=intervals.end {
             let cones = cones(level.max(self.first + 1));
-            // The topmost is the sky, which has no rows.
-            let held = if level < intervals.end { cones * 3 * self.stride } else { 0 };
             self.levels.push(PlaneLight {
                 halves: level > self.first + 1,
-                rows: vec![0.0; held],
                 sky: vec![[0.0; 3]; cones],
                 ..PlaneLight::default()
             });
@@ -231,6 +231,31 @@ impl MergedLight {
         self.descend(&mut angles(intervals.end), |level, angles| {
             level.angles = angles.iter().map(|&angle| angle as f32).collect();
         });
+        self.hold_rows(false);
+    }
+
+    /// Allocates the rows of all levels; the topmost, the sky, has some only if its light differs from row to row.
+    fn hold_rows(&mut self, of_sky: bool) {
+        let (last, stride) = (self.levels.len() - 1, self.stride);
+        for (at, level) in self.levels.iter_mut().enumerate() {
+            let held = if at < last || of_sky { level.sky.len() * 3 * stride } else { 0 };
+            level.rows.resize(held, 0.0);
+        }
+    }
+
+    /// Starts at the far end of a grid with inflow.
+    pub fn begin_with_inflow(&mut self, inflow: &Inflow, orientation: Orientation) {
+        self.hold_rows(true);
+        let Self { levels, border, first, depth, rows, .. } = self;
+        let cones = levels.iter().enumerate().map(|(at, level)| {
+            let level_of_cones = (*first + at as u32).max(*first + 1);
+            (level_of_cones, &level.angles[..])
+        });
+        let border = border.get_or_insert_default();
+        border.read(inflow, orientation, [*depth, *rows], cones);
+        for level in levels {
+            level.plane = None;
+        }
     }
 
     /// Starts at the far end of the grid. `sky` returns the mean radiance of the sky between two angles, 0
@@ -248,7 +273,11 @@ impl MergedLight {
         for level in &mut self.levels {
             level.plane = None;
         }
-        if !changed {
+        let had_border = self.border.take().is_some();
+        if had_border {
+            self.hold_rows(false);
+        }
+        if !changed && !had_border {
             return;
         }
         let mut light = std::mem::take(&mut self.channel);
@@ -304,6 +333,10 @@ impl MergedLight {
         // A plane is made from the next one of the level above that is not before it.
         let mut missing = self.shown;
         while self.levels[missing].plane != self.required(missing, plane) {
+            if self.is_beyond(missing, plane) {
+                self.enter(missing, plane.div_ceil(1 << missing));
+                break;
+            }
             missing += 1;
         }
         for at in (self.shown..missing).rev() {
@@ -318,8 +351,26 @@ impl MergedLight {
     /// Returns the plane of a level that light passes on its way to one of the first; none if it comes
     /// from the sky.
     fn required(&self, at: usize, plane: usize) -> Option<usize> {
-        let plane = plane.div_ceil(1 << at);
-        (plane < planes(self.depth, self.first + at as u32)).then_some(plane)
+        let held = self.border.is_some() || !self.is_beyond(at, plane);
+        held.then(|| plane.div_ceil(1 << at))
+    }
+
+    /// Returns whether the plane of a level that light passes on its way to one of the first lies behind the grid.
+    fn is_beyond(&self, at: usize, plane: usize) -> bool {
+        plane.div_ceil(1 << at) >= planes(self.depth, self.first + at as u32)
+    }
+
+    /// Makes a plane behind the grid, of the light that enters.
+    fn enter(&mut self, at: usize, plane: usize) {
+        let Self { border, levels, stride, pad, first, .. } = self;
+        let Some(border) = border else { return };
+        let made = &mut levels[at];
+        made.plane = Some(plane);
+        let slab = plane << (*first as usize + at);
+        let all = -(*pad as isize)..(*stride - *pad) as isize;
+        for (cone, rows) in made.rows.chunks_exact_mut(3 * *stride).enumerate() {
+            border.store(at, cone, slab, all.clone(), *pad, channels_mut(rows, *stride));
+        }
     }
 
     /// Makes a plane of a level from the one that the level above holds.
@@ -334,11 +385,13 @@ impl MergedLight {
         let level = self.first + at as u32;
         let (stride, pad) = (self.stride, self.pad);
         let layout = RowLayout { interval_stride: intervals.stride, stride, pad };
+        let border = self.border.as_ref();
         let [made, above, ..] = &mut self.levels[at..] else { return };
         made.plane = Some(plane);
         let PlaneLight { halves, rows, sky, .. } = made;
         let rounded = self.rows.next_multiple_of(LANES);
-        let merge = PlaneMerge { intervals, level, plane, above, layout, rows: rounded };
+        let behind = border.map(|border| (border, at + 1));
+        let merge = PlaneMerge { intervals, level, plane, above, behind, layout, rows: rounded };
         let count = sky.len();
         let size = 3 * stride;
         if *halves {
@@ -363,6 +416,16 @@ impl MergedLight {
                 merge.cone::<S, K>(simd, cone, to);
             }
         }
+        if let Some(border) = border {
+            let slab = plane << level;
+            let [before, after] = [-(pad as isize)..0, self.rows as isize..(stride - pad) as isize];
+            for (cone, rows) in rows.chunks_exact_mut(size).enumerate() {
+                for beside in [before.clone(), after.clone()] {
+                    border.store(at, cone, slab, beside, pad, channels_mut(rows, stride));
+                }
+            }
+            return;
+        }
         for (rows, sky) in rows.chunks_exact_mut(size).zip(sky) {
             // Whole vectors reach past the last row.
             sky_rows(rows, stride, pad + self.rows..(pad + self.rows + LANES).min(stride), sky);
@@ -376,6 +439,8 @@ struct PlaneMerge<'a> {
     level: u32,
     plane: usize,
     above: &'a PlaneLight,
+    /// The light beyond the border, if it is not the sky's, and the index of the level above in it.
+    behind: Option<(&'a BorderLight, usize)>,
     layout: RowLayout,
     /// Rows of the grid, in whole vectors.
     rows: usize,
@@ -385,7 +450,7 @@ impl PlaneMerge<'_> {
     /// Stores the light of a cone.
     #[inline(always)]
     fn cone<S: Simd, const K: usize>(&self, simd: S, cone: usize, to: &mut [f32]) {
-        let Self { intervals, level, plane, above, layout, rows } = *self;
+        let Self { intervals, level, plane, above, behind, layout, rows } = *self;
         let RowLayout { stride, pad, .. } = layout;
         let number = cone as isize - BEYOND as isize;
         let (first_ray, parts, weights) = match (above.halves, number.rem_euclid(2)) {
@@ -413,6 +478,12 @@ impl PlaneMerge<'_> {
                 weight: weights[i],
                 far: above.rows(parts[i], stride),
                 sky: above.sky[parts[i]],
+                behind: behind.map(|(border, level)| BehindBorder {
+                    border,
+                    level,
+                    cone: parts[i],
+                    slab: (plane + 1) << self.level,
+                }),
             };
         }
         // Rows from which both paths end on held rows, pads included.
@@ -465,6 +536,29 @@ struct MergePath<'a> {
     /// Light at its end by channel and row, and beyond all rows.
     far: &'a [f32],
     sky: Rgb,
+    /// In place of the sky.
+    behind: Option<BehindBorder<'a>>,
+}
+
+/// The light of a cone beyond the border, at a plane.
+#[derive(Clone, Copy)]
+struct BehindBorder<'a> {
+    border: &'a BorderLight,
+    level: usize,
+    cone: usize,
+    slab: usize,
+}
+
+impl BehindBorder<'_> {
+    /// Returns the light at sixteen rows from `row` on, by channel.
+    fn load<S: Simd>(&self, simd: S, row: isize) -> [f32x16<S>; 3] {
+        let mut light = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let rgb = self.border.at(self.level, self.cone, self.slab, row + lane as isize);
+            (0..3).for_each(|c| light[c][lane] = rgb[c]);
+        }
+        light.map(|channel| f32x16::from_slice(simd, &channel))
+    }
 }
 
 /// The layout of stored rows.
@@ -515,14 +609,14 @@ fn add_paths<S: Simd, const K: usize, const HELD: bool>(
                 u32x16::from_slice(simd, &near[p][1][i]),
                 u32x16::from_slice(simd, &near[p][2][i]),
             ]);
+            let far: [f32x16<S>; 3] = match &path.behind {
+                _ if HELD => far[p].map(|channel| f32x16::from_slice(simd, &channel[i])),
+                None => path.sky.map(|sky| f32x16::splat(simd, sky)),
+                Some(behind) => behind.load(simd, (range.start + i * LANES) as isize + path.rise),
+            };
             for c in 0..3 {
-                let far = if HELD {
-                    f32x16::from_slice(simd, &far[p][c][i])
-                } else {
-                    f32x16::splat(simd, path.sky[c])
-                };
                 sum[c] = near.light[c].mul_add(path.angle, sum[c]);
-                sum[c] = (near.transmittance[c % K] * path.weight).mul_add(far, sum[c]);
+                sum[c] = (near.transmittance[c % K] * path.weight).mul_add(far[c], sum[c]);
             }
         }
         for c in 0..3 {
@@ -541,6 +635,13 @@ fn vectors<T>(row: &[T], at: usize, count: usize) -> &[[T; LANES]] {
 #[inline(always)]
 fn vectors_mut<T>(row: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]] {
     &mut row[at..].as_chunks_mut().0[..count]
+}
+
+/// Returns the rows of each channel of a cone.
+fn channels_mut(rows: &mut [f32], stride: usize) -> [&mut [f32]; 3] {
+    let (red, rest) = rows.split_at_mut(stride);
+    let (green, blue) = rest.split_at_mut(stride);
+    [red, green, blue]
 }
 
 /// Fills some rows of a cone with the light of the sky.

@@ -33,6 +33,7 @@
 //! two halves together look up to a third of a px too wide.
 
 mod axis_sweep;
+mod border;
 mod debug_view;
 mod extend;
 mod faces;
@@ -87,6 +88,11 @@ impl Default for Holographic {
 }
 
 impl Holographic {
+    /// Returns the surfaces of the last frame, with the light that they send on.
+    pub(crate) fn surfaces(&self) -> &Surfaces {
+        &self.surfaces
+    }
+
     /// Creates the method for a vector unit. Units differ in time, not in light.
     fn on(level: Level) -> Self {
         Self {

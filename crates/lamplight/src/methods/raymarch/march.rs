@@ -89,7 +89,10 @@ impl RayScene<'_> {
                 travelled: stopped.travelled[l],
             };
             *seen = match stopped.termination(l) {
-                Termination::Escaped => self.leave(&mut path, direction),
+                Termination::Escaped => {
+                    let at = [stopped.at[0][l], stopped.at[1][l]];
+                    self.leave(&mut path, at, direction)
+                }
                 Termination::StepLimit | Termination::MaxDistance => path.seen,
                 Termination::Hit(axis) => {
                     let cell = [stopped.cell[0][l] as i32, stopped.cell[1][l] as i32];
@@ -118,7 +121,7 @@ impl RayScene<'_> {
             true
         });
         match end {
-            Termination::Escaped => self.leave(&mut path, ray.direction),
+            Termination::Escaped => self.leave(&mut path, ray.from, ray.direction),
             Termination::Hit(axis) => {
                 self.arrive(&mut path, self.grid.index(cell), face(axis, ray.direction))
             }
@@ -135,10 +138,12 @@ impl RayScene<'_> {
         let mut path = RayState { seen: Seen::default(), transmittance: [1.0; 3], travelled: 0.0 };
         let mut away = !from_face;
         for _ in 0..self.settings.steps {
-            let Some(index) = self.index(cell) else { return self.leave(&mut path, direction) };
+            let Some(index) = self.index(cell) else {
+                return self.leave(&mut path, at, direction);
+            };
             path.seen.changed |= self.has_changed(index);
             if self.nearest[index] == NONE {
-                return self.leave(&mut path, direction);
+                return self.leave(&mut path, at, direction);
             }
             let distance = self.distance_at(at);
             let near = distance < self.settings.hit_distance;
@@ -230,10 +235,10 @@ impl RayScene<'_> {
         path.transmittance.into_iter().fold(0.0, f32::max) < OPAQUE_TRANSMITTANCE
     }
 
-    /// Ends a ray outside the grid: adds the sky.
+    /// Ends a ray that passes `at` outside the grid: adds what enters there.
     #[inline(always)]
-    fn leave(&self, path: &mut RayState, direction: [f32; 2]) -> Seen {
-        path.add(self.grid.sky.radiance(direction));
+    fn leave(&self, path: &mut RayState, at: [f32; 2], direction: [f32; 2]) -> Seen {
+        path.add(self.grid.entering(at, direction));
         path.seen
     }
 

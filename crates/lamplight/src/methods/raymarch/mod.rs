@@ -17,6 +17,7 @@
 
 mod gather;
 mod march;
+pub mod window;
 
 use crate::clock::Clock;
 use crate::filters::estimate::Estimate;
@@ -84,6 +85,11 @@ impl Default for RaymarchSolver {
 }
 
 impl RaymarchSolver {
+    /// Returns the surfaces of the last frame, with the light that they send on.
+    pub(crate) fn surfaces(&self) -> &Surfaces {
+        &self.surfaces
+    }
+
     /// Runs at the given SIMD level. The result is identical at every level.
     fn on(level: Level) -> Self {
         Self {

@@ -1,0 +1,227 @@
+//! Light that enters a grid from the world around it.
+//!
+//! A [`Sky`](crate::Sky) looks the same from everywhere. The world around a grid that is cut out of it does not: a
+//! lamp beyond the border is seen in another direction from every cell. So the radiance that enters is kept by place
+//! and direction: for each cell along the border a strip of columns over the circle, as in a
+//! [`Panorama`]. A ray that leaves the grid reads it where it crosses the border.
+
+use crate::panorama::{column, mean_of_columns, radiance_of_columns};
+use crate::{Cells, Error, Panorama, Result, Rgb};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Radiance that enters a grid, by place on its border and by direction.
+///
+/// The border cells go around: along the top from the left, along the right from the top, along the bottom from the
+/// left, along the left from the top. Columns are angles, in the order of those of [`Panorama`]. Radiance is linear
+/// between the middles of the cells of a side, and of columns.
+///
+/// More columns are sharper shadows of what lies beyond the border, and take memory: 12 bytes for each, times the
+/// border cells. A clone shares them.
+#[derive(Clone, Debug)]
+pub struct Inflow {
+    size: [u32; 2],
+    columns: usize,
+    radiance: Arc<[Rgb]>,
+}
+
+/// A rectangle of cells of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridWindow {
+    /// Column and row of its first cell.
+    pub first: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
+}
+
+/// A place on the border of a grid, px.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BorderPlace {
+    /// Columns of the grid from the left, rows from the top.
+    pub at: [f32; 2],
+    /// The unit vector out of the grid.
+    pub outward: [f32; 2],
+}
+
+impl Inflow {
+    /// Creates the inflow of a grid from the radiance of each border cell in each of `columns` directions.
+    ///
+    /// # Errors
+    /// Fails if the grid has no valid size, there is no column or there are more than [`Panorama::MAX_COLUMNS`], or
+    /// a radiance is NaN, infinite or negative.
+    pub fn new(
+        size: [u32; 2],
+        columns: usize,
+        radiance: impl Fn(BorderPlace, f64) -> Rgb + Sync,
+    ) -> Result<Self> {
+        Self::of_strips(size, columns, |place, strip| {
+            for (column, rgb) in strip.iter_mut().enumerate() {
+                *rgb = radiance(place, Panorama::angle(columns, column));
+            }
+        })
+    }
+
+    /// Like [`Self::new`], for all columns of a border cell at once.
+    pub(crate) fn of_strips(
+        size: [u32; 2],
+        columns: usize,
+        fill: impl Fn(BorderPlace, &mut [Rgb]) + Sync,
+    ) -> Result<Self> {
+        Cells::check_size(size[0].into(), size[1].into())?;
+        if !(1..=Panorama::MAX_COLUMNS).contains(&columns) {
+            return Err(Error::value("inflow.columns", columns, "1 to 8192"));
+        }
+        let mut radiance = vec![[0.0; 3]; border_cells(size) * columns];
+        let strips = radiance.par_chunks_mut(columns).enumerate();
+        strips.for_each(|(cell, strip)| fill(border_place(size, cell), strip));
+        let radiance: Arc<[Rgb]> = radiance.into();
+        match radiance.as_flattened().iter().find(|v| !v.is_finite() || **v < 0.0) {
+            Some(v) => Err(Error::value("inflow", v, "a finite radiance of 0 or more")),
+            None => Ok(Self { size, columns, radiance }),
+        }
+    }
+
+    /// Columns and rows of the grid.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The number of directions.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The columns of a border cell, by its number on the way around.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    pub fn strip(&self, cell: usize) -> &[Rgb] {
+        &self.radiance[cell * self.columns..][..self.columns]
+    }
+
+    /// The radiance along a ray that leaves the grid at a place on its border, in this direction.
+    pub fn radiance(&self, place: [f32; 2], [x, y]: [f32; 2]) -> Rgb {
+        let at = column(self.columns, f64::from(y.atan2(x)));
+        self.between(place, |columns| radiance_of_columns(columns, at))
+    }
+
+    /// The mean radiance that enters at a place on the border between two angles, radians from +x towards +y, the
+    /// first below the second.
+    pub fn mean(&self, place: [f32; 2], from: f64, to: f64) -> Rgb {
+        let [from, to] = [from, to].map(|angle| column(self.columns, angle));
+        self.between(place, |columns| mean_of_columns(columns, from, to))
+    }
+
+    /// Returns whether nothing enters.
+    pub fn is_black(&self) -> bool {
+        self.radiance.iter().all(|rgb| *rgb == [0.0; 3])
+    }
+
+    /// Interpolates between two border cells.
+    fn between(&self, [x, y]: [f32; 2], of: impl Fn(&[Rgb]) -> [f64; 3]) -> Rgb {
+        let [w, h] = self.size.map(|side| side as f32);
+        // The nearest side, for places that are rounded.
+        let distances = [y.abs(), (w - x).abs(), (h - y).abs(), x.abs()];
+        let side = (1..4).fold(0, |best, s| if distances[s] < distances[best] { s } else { best });
+        let [columns, rows] = self.size.map(|side| side as usize);
+        let first = [0, columns, columns + rows, 2 * columns + rows][side];
+        let (along, count) = if side % 2 == 0 { (x, columns) } else { (y, rows) };
+        let at = (along - 0.5).clamp(0.0, (count - 1) as f32);
+        let before = (at as usize).min(count.saturating_sub(2));
+        let past = f64::from(at - before as f32);
+        let one = of(self.strip(first + before));
+        if past == 0.0 {
+            return one.map(|v| v as f32);
+        }
+        let other = of(self.strip(first + before + 1));
+        std::array::from_fn(|c| (one[c] + (other[c] - one[c]) * past) as f32)
+    }
+}
+
+impl PartialEq for Inflow {
+    fn eq(&self, other: &Self) -> bool {
+        let same = Arc::ptr_eq(&self.radiance, &other.radiance) || self.radiance == other.radiance;
+        same && (self.size, self.columns) == (other.size, other.columns)
+    }
+}
+
+/// The number of cells along a border; those in the corners count for both sides.
+fn border_cells([width, height]: [u32; 2]) -> usize {
+    2 * (width as usize + height as usize)
+}
+
+/// Returns the middle of a border cell's outer edge.
+fn border_place([width, height]: [u32; 2], cell: usize) -> BorderPlace {
+    let [columns, rows] = [width as usize, height as usize];
+    let [w, h] = [width as f32, height as f32];
+    let middle = |along: usize| along as f32 + 0.5;
+    let [right, bottom, left] = [columns, columns + rows, 2 * columns + rows];
+    let (at, outward) = match cell {
+        i if i < right => ([middle(i), 0.0], [0.0, -1.0]),
+        i if i < bottom => ([w, middle(i - right)], [1.0, 0.0]),
+        i if i < left => ([middle(i - bottom), h], [0.0, 1.0]),
+        i => ([0.0, middle(i - left)], [-1.0, 0.0]),
+    };
+    BorderPlace { at, outward }
+}
+
+/// Returns where a straight line leaves a grid for good, going in a direction from any point; the nearest place of
+/// the grid if it passes beside it.
+pub fn exit([width, height]: [f32; 2], from: [f32; 2], direction: [f32; 2]) -> [f32; 2] {
+    let size = [width, height];
+    let leaves = |a: usize| match direction[a] {
+        0.0 => f32::INFINITY,
+        d if d > 0.0 => (size[a] - from[a]) / d,
+        d => -from[a] / d,
+    };
+    let length = leaves(0).min(leaves(1));
+    std::array::from_fn(|a| (from[a] + direction[a] * length).clamp(0.0, size[a]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::TAU;
+
+    const SIZE: [u32; 2] = [5, 3];
+
+    #[test]
+    fn inflow_is_read_where_and_whence_it_was_written() {
+        let value = |at: [f32; 2], angle: f64| [at[0] + 1.0, at[1], angle.cos() as f32 + 1.0];
+        let inflow = Inflow::new(SIZE, 512, |place, angle| value(place.at, angle)).unwrap();
+        for step in 0..100 {
+            let angle = TAU * step as f32 / 100.0;
+            for place in [[0.5, 0.0], [2.2, 0.0], [5.0, 1.7], [3.3, 3.0], [0.0, 2.5]] {
+                let found = inflow.radiance(place, [angle.cos(), angle.sin()]);
+                let expected = value(place, angle.into());
+                let error = (0..3).map(|c| (found[c] - expected[c]).abs()).fold(0.0, f32::max);
+                assert!(error < 1e-3, "{place:?}, {angle}: {found:?}, not {expected:?}");
+                let [from, to] = [angle - 0.01, angle + 0.01].map(f64::from);
+                let mean = inflow.mean(place, from, to);
+                assert!((0..3).all(|c| (mean[c] - found[c]).abs() < 1e-3), "{mean:?}, {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_inflow_is_refused() {
+        assert!(Inflow::new([0, 3], 8, |_, _| [0.0; 3]).is_err());
+        assert!(Inflow::new(SIZE, 0, |_, _| [0.0; 3]).is_err());
+        assert!(Inflow::new(SIZE, 8, |_, _| [f32::NAN, 0.0, 0.0]).is_err());
+    }
+
+    #[test]
+    fn lines_leave_through_the_border() {
+        let size = [5.0, 3.0];
+        for (from, direction, place) in [
+            ([2.0, 1.0], [1.0, 0.0], [5.0, 1.0]),
+            ([2.0, 1.0], [-0.6, 0.8], [0.5, 3.0]),
+            // Beyond the border already.
+            ([7.0, 2.0], [1.0, 0.5], [5.0, 1.0]),
+            ([2.0, -4.0], [0.0, -1.0], [2.0, 0.0]),
+        ] {
+            let found = exit(size, from, direction);
+            assert!((0..2).all(|a| (found[a] - place[a]).abs() < 1e-5), "{from:?}: {found:?}");
+        }
+    }
+}

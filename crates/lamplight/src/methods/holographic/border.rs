@@ -1,0 +1,124 @@
+//! Light that enters through the border of the grid, for the cones of a quadrant.
+//!
+//! Whatever lies beyond the border, rows beside the grid and planes behind it, has the light that enters the grid
+//! where the middle of its cone leaves it. It is found once for every cone and border cell, and is linear between
+//! them.
+
+use super::lattice::{BEYOND, edges, on_grid, slope};
+use crate::{Inflow, Rgb};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The way in which the slabs of a sweep lie in the grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Orientation {
+    pub along_x: bool,
+    pub reversed: bool,
+}
+
+/// The light of all cones at the border.
+#[derive(Debug, Default)]
+pub struct BorderLight {
+    depth: usize,
+    rows: usize,
+    levels: Vec<LevelLight>,
+}
+
+/// The light of the cones of a level at the border.
+#[derive(Debug, Default)]
+struct LevelLight {
+    /// Slopes of the middles of cones, rows per slab.
+    slopes: Vec<f32>,
+    /// Cone by cone: along the side towards which it rises or falls, slab by slab, then along the far end, row by row.
+    light: Vec<Rgb>,
+}
+
+impl BorderLight {
+    /// Reads the inflow of a grid, whose cones of each level, by number, stand for these angles.
+    pub fn read<'a>(
+        &mut self,
+        inflow: &Inflow,
+        orientation: Orientation,
+        [depth, rows]: [usize; 2],
+        levels: impl ExactSizeIterator<Item = (u32, &'a [f32])>,
+    ) {
+        (self.depth, self.rows) = (depth, rows);
+        self.levels.resize_with(levels.len(), LevelLight::default);
+        for (held, (level, angles)) in self.levels.iter_mut().zip(levels) {
+            // Those beyond the quadrant look along its edge.
+            let inside = |cone: usize| cone.clamp(BEYOND, angles.len() - 1 - BEYOND);
+            let middle = |cone| 0.5 * (slope(level, cone) + slope(level, cone + 1));
+            let slopes = (0..angles.len()).map(|cone| middle(inside(cone)) as f32);
+            held.slopes.clear();
+            held.slopes.extend(slopes);
+            held.light.resize(angles.len() * (depth + rows), [0.0; 3]);
+            let cones = held.light.par_chunks_mut(depth + rows).zip(&held.slopes).enumerate();
+            cones.for_each(|(cone, (light, slope))| {
+                let [from, to] =
+                    on_grid(orientation.along_x, orientation.reversed, edges(level, inside(cone)));
+                for (i, light) in light.iter_mut().enumerate() {
+                    let side = if *slope > 0.0 { rows as f32 } else { 0.0 };
+                    let place = match i.checked_sub(depth) {
+                        None => [i as f32 + 0.5, side],
+                        Some(row) => [depth as f32, row as f32 + 0.5],
+                    };
+                    let place = orientation.on_grid(depth, place);
+                    *light = inflow.mean(place, from, to).map(|v| v * angles[cone]);
+                }
+            });
+        }
+    }
+
+    /// Returns the light of a cone at a place beyond the border, by its slab and row; of a level by its index.
+    #[inline]
+    pub fn at(&self, level: usize, cone: usize, slab: usize, row: isize) -> Rgb {
+        let LevelLight { slopes, light } = &self.levels[level];
+        let light = &light[cone * (self.depth + self.rows)..][..self.depth + self.rows];
+        let (side, end) = light.split_at(self.depth);
+        let slope = slopes[cone];
+        let [x, y] = [slab as f32 + 0.5, row as f32 + 0.5];
+        let row = y + slope * (self.depth as f32 - x);
+        if row >= 0.0 && row <= self.rows as f32 || slope == 0.0 {
+            return between(end, row);
+        }
+        let edge = if slope > 0.0 { self.rows as f32 } else { 0.0 };
+        between(side, x + (edge - y) / slope)
+    }
+
+    /// Stores the light of a cone at some rows of a plane, counted from the grid's first, which is at `pad`.
+    pub fn store(
+        &self,
+        level: usize,
+        cone: usize,
+        slab: usize,
+        range: Range<isize>,
+        pad: usize,
+        mut channels: [&mut [f32]; 3],
+    ) {
+        for row in range {
+            let light = self.at(level, cone, slab, row);
+            let place = pad.wrapping_add_signed(row);
+            for (channel, light) in channels.iter_mut().zip(light) {
+                channel[place] = light;
+            }
+        }
+    }
+}
+
+impl Orientation {
+    /// Returns the place in the grid of one in its slabs, `depth` of them.
+    fn on_grid(self, depth: usize, [slab, row]: [f32; 2]) -> [f32; 2] {
+        let slab = if self.reversed { depth as f32 - slab } else { slab };
+        if self.along_x { [slab, row] } else { [row, slab] }
+    }
+}
+
+/// Returns the light at a place along a side, linear between the middles of its cells.
+#[inline]
+fn between(side: &[Rgb], at: f32) -> Rgb {
+    let at = (at - 0.5).clamp(0.0, (side.len() - 1) as f32);
+    let before = at as usize;
+    let past = at - before as f32;
+    let (one, other) = (side[before], side[(before + 1).min(side.len() - 1)]);
+    std::array::from_fn(|c| one[c] + (other[c] - one[c]) * past)
+}
