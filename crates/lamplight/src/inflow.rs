@@ -5,8 +5,9 @@
 //! and direction: for each cell along the border a strip of columns over the circle, as in a
 //! [`Panorama`]. A ray that leaves the grid reads it where it crosses the border.
 
+use crate::limits::MAX_SIDE;
 use crate::panorama::{column, mean_of_columns, radiance_of_columns};
-use crate::{Cells, Error, Panorama, Result, Rgb};
+use crate::{Error, Panorama, Result, Rgb};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -67,7 +68,10 @@ impl Inflow {
         columns: usize,
         fill: impl Fn(BorderPlace, &mut [Rgb]) + Sync,
     ) -> Result<Self> {
-        Cells::check_size(size[0].into(), size[1].into())?;
+        if !size.iter().all(|side| (1..=MAX_SIDE).contains(side)) {
+            let [width, height] = size.map(u64::from);
+            return Err(Error::Size { width, height });
+        }
         if !(1..=Panorama::MAX_COLUMNS).contains(&columns) {
             return Err(Error::value("inflow.columns", columns, "1 to 8192"));
         }
