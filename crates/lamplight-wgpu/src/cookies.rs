@@ -100,6 +100,13 @@ impl CookieAtlas {
     /// Writes the pictures, unless the texture has them already.
     pub fn write(&mut self, queue: &Queue) {
         let Some(view) = self.view.as_ref().filter(|_| !self.is_written) else { return };
+        write_texels(queue, view, &self.texels());
+        self.is_written = true;
+    }
+
+    /// The texels of the texture, if there is one.
+    pub fn texels(&self) -> Vec<[f32; 4]> {
+        let Some(view) = &self.view else { return Vec::new() };
         let texture = view.texture();
         let count = texture.width() as usize * texture.height() as usize;
         let mut texels = Vec::with_capacity(count);
@@ -107,7 +114,6 @@ impl CookieAtlas {
             texels.extend(pixels.pixels().iter().map(|&[r, g, b]| [r, g, b, 0.0]));
         }
         texels.resize(count, [0.0; 4]);
-        write_texels(queue, view, &texels);
-        self.is_written = true;
+        texels
     }
 }

@@ -8,7 +8,7 @@
 //! cells, which are uploaded, or from the host's textures and lamps ([`SceneInput`]).
 //!
 //! [`Compose`] draws the light on the host's target, [`Camera2dView`] moves a camera over a larger world, and
-//! [`Timer`] measures the time of each stage.
+//! [`Timer`] measures the time of each stage. Engines that own their device run the same shaders by [`frame_plan`].
 //!
 //! ```no_run
 //! # fn frame(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), Box<dyn std::error::Error>> {
@@ -38,6 +38,7 @@ mod error_scope;
 mod fetch;
 mod found_light;
 mod frame_input;
+pub mod frame_plan;
 mod gpu_struct;
 mod grid_size;
 mod hints;
@@ -57,6 +58,8 @@ mod programs;
 pub mod read_back;
 mod shaders;
 mod shared;
+#[cfg(not(target_arch = "wasm32"))]
+mod spirv;
 mod stage;
 mod stages;
 mod tier;
@@ -69,10 +72,13 @@ pub use compose::{Color, Compose, ComposeParams, Filter};
 pub use cost::{Cost, PipelineCost};
 pub use error::Error;
 pub use frame_input::{FrameInput, Lights, SceneInput};
+pub use frame_plan::FramePlan;
 pub use lighting::Lighting;
 pub use matter::Textures;
 pub use options::{Backend, LightingOptions};
 pub use shaders::shaders;
+#[cfg(not(target_arch = "wasm32"))]
+pub use spirv::SpirvError;
 pub use stage::Stage;
 pub use stages::display::Target;
 pub use tier::{Tier, required_features, required_limits};

@@ -3,9 +3,10 @@
 use crate::cookies::CookieAtlas;
 use crate::cost::Cost;
 use crate::cpu_backend::CpuBackend;
-use crate::error::{CreateError, PrepareError, RecordError, Result};
+use crate::error::{CreateError, PrepareError, ReadBackError, RecordError, Result};
 use crate::error_scope::with_error_scope;
 use crate::frame_input::{FrameInput, Lights, SceneInput};
+use crate::frame_plan::{FramePlan, PlanIds, TextureSource};
 use crate::grid_size::GridSize;
 use crate::hints::SceneHints;
 use crate::lamps::{Capacity, LampList};
@@ -17,6 +18,7 @@ use crate::pass_list::PassList;
 use crate::pipeline::Dispatch;
 use crate::pipeline_cache::{PipelineCache, share_pipelines};
 use crate::planner::{FramePlanner, Grid, HistoryBuffer};
+use crate::read_back::read_back;
 use crate::shared::Shared;
 use crate::stage::Stage;
 use crate::stages::direct::{Direct, DirectLights, LightBuffers};
@@ -29,7 +31,7 @@ use crate::stages::walls::{MomentWalls, Walls};
 use crate::timing::Timer;
 use crate::uniforms::{FrameUniforms, GridPosition, History};
 use lamplight::internals::sky::SunGlow;
-use lamplight::{Settings, Sky};
+use lamplight::{ALL_LAYERS, Settings, Sky};
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
 /// Finds light on the host's device, or beside it ([`Backend`]).
@@ -76,6 +78,7 @@ pub struct Lighting {
     /// Frames prepared since the last reset.
     number: u32,
     before: Option<FrameBefore>,
+    plan_ids: PlanIds,
 }
 
 /// The light of a prepared frame, and the matter that it falls on: the inputs of the compose pass.
@@ -168,7 +171,7 @@ struct CheckedScene<'a> {
 
 impl PreparedFrame {
     /// The dispatches of a frame, in order.
-    fn dispatches(&self) -> impl Iterator<Item = &Dispatch> {
+    fn dispatches(&self) -> impl Iterator<Item = &Dispatch> + Clone {
         let reproject = self.reproject.iter().flatten().filter(|_| self.moved);
         let fields = self.fields.iter().filter(|_| self.records_fields);
         let fields = fields.flat_map(|fields| &fields.dispatches);
@@ -230,6 +233,7 @@ impl Lighting {
                 frame: None,
                 number: 0,
                 before: None,
+                plan_ids: PlanIds::default(),
             })
         })
     }
@@ -687,6 +691,44 @@ impl Lighting {
         let frame = self.frame.as_ref()?;
         let sight = frame.sight.as_ref().map_or(0, |sight| sight.memory);
         Some(Cost::new(frame.dispatches(), frame.memory + sight))
+    }
+
+    /// The frame prepared last as data, for engines that run it on a device of their own ([`crate::frame_plan`]).
+    ///
+    /// It waits for copies of the buffers that it lists with their contents. Ask for it after [`Self::prepare`], before
+    /// the host writes anything to its textures.
+    ///
+    /// # Errors
+    /// If no frame has been prepared, or as [`read_back`].
+    pub fn frame_plan(&mut self) -> Result<FramePlan, ReadBackError> {
+        let Self { frame, plan_ids, shared, cookies, panorama, .. } = self;
+        let frame = frame.as_ref().ok_or(ReadBackError::NothingLit)?;
+        let bytes =
+            |texels: &[[f32; 4]]| TextureSource::Texels(bytemuck::cast_slice(texels).to_vec());
+        let of = |view: &Option<TextureView>, asked: &TextureView| view.as_ref() == Some(asked);
+        let source = |view: &TextureView| {
+            let Textures { emission, tint_opacity, albedo, glow, masks } = &frame.textures;
+            Some(match view {
+                view if view == emission => TextureSource::Emission,
+                view if view == tint_opacity => TextureSource::TintOpacity,
+                view if view == albedo => TextureSource::Albedo,
+                view if of(glow, view) => TextureSource::Glow,
+                view if of(masks, view) => TextureSource::Masks,
+                view if of(&frame.panorama, view) => {
+                    bytes(&panorama.as_ref().map(PanoramaTexture::texels).unwrap_or_default())
+                }
+                view if of(&frame.cookies, view) => bytes(&cookies.texels()),
+                view if *view == shared.all_layers => TextureSource::Texels(vec![ALL_LAYERS]),
+                view if *view == shared.no_panorama => bytes(&[[0.0; 4]]),
+                view if *view == shared.no_cookies => bytes(&[[0.0; 4]]),
+                view if frame.output.as_ref().is_some_and(|output| output.picture == *view) => {
+                    TextureSource::Output
+                }
+                _ => return None,
+            })
+        };
+        let contents = |buffer: &Buffer| read_back(&shared.device, &shared.queue, buffer);
+        FramePlan::new(frame.dispatches(), &frame.light, plan_ids, source, contents)
     }
 
     /// The host's device and queue.

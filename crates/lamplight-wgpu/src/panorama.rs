@@ -26,10 +26,17 @@ impl PanoramaTexture {
     pub fn write(&mut self, queue: &Queue, sky: &Sky) {
         let Sky::Panorama(panorama) = sky else { return };
         if self.written.as_ref() != Some(panorama) {
-            let texel = |&[r, g, b]: &[f32; 3]| [r, g, b, 0.0];
-            let texels: Vec<[f32; 4]> = panorama.columns().iter().map(texel).collect();
-            write_texels(queue, &self.view, &texels);
+            write_texels(queue, &self.view, &texels(panorama));
             self.written = Some(panorama.clone());
         }
     }
+
+    /// The texels that were written last.
+    pub fn texels(&self) -> Vec<[f32; 4]> {
+        self.written.as_ref().map(texels).unwrap_or_default()
+    }
+}
+
+fn texels(panorama: &Panorama) -> Vec<[f32; 4]> {
+    panorama.columns().iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect()
 }

@@ -4,11 +4,12 @@ use crate::programs::{Binding, Program};
 use crate::shaders;
 use crate::traffic::Traffic;
 use std::num::NonZeroU64;
+use std::sync::Arc;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindingResource, Buffer, ComputePass, ComputePipelineDescriptor, Device,
     PipelineCompilationOptions, PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource,
-    ShaderStages,
+    ShaderStages, TextureView,
 };
 
 /// Side of a workgroup, in cells, of shaders that run over cells.
@@ -23,7 +24,11 @@ pub struct ComputePipeline {
     /// The shader's name in timings.
     pub label: &'static str,
     pub entry: &'static str,
-    pipeline: wgpu::ComputePipeline,
+    /// Its source, for [`crate::frame_plan`].
+    pub program: Program,
+    /// The values of the shader's overrides.
+    pub constants: Arc<[(String, f64)]>,
+    pub pipeline: wgpu::ComputePipeline,
 }
 
 /// The compiled entry points of a program, and their bindings.
@@ -58,9 +63,13 @@ impl ComputePipelines {
             label: Some(label),
             source: ShaderSource::Wgsl(text.into()),
         });
+        let named = constants.iter().map(|&(name, value)| (name.to_owned(), value));
+        let named: Arc<[_]> = named.collect();
         let compile = |&entry: &&'static str| ComputePipeline {
             label,
             entry,
+            program: *program,
+            constants: named.clone(),
             pipeline: device.create_compute_pipeline(&ComputePipelineDescriptor {
                 label: Some(label),
                 layout: Some(&pipeline_layout),
@@ -99,7 +108,32 @@ impl ComputePipelines {
             entries: &entries,
         });
         let traffic = slots.map(|((_, binding), resource)| traffic(*binding, resource)).sum();
-        BoundResources { group, traffic }
+        let resources = resources.iter().filter_map(BoundResource::new).collect();
+        BoundResources { group, traffic, resources }
+    }
+}
+
+/// A resource in a slot.
+#[derive(Clone, Debug)]
+pub enum BoundResource {
+    /// Some bytes of a buffer.
+    Buffer { buffer: Buffer, offset: u64, bytes: u64 },
+    /// A texture.
+    Texture(TextureView),
+}
+
+impl BoundResource {
+    /// A resource of a kind that programs declare.
+    fn new(resource: &BindingResource) -> Option<Self> {
+        match resource {
+            BindingResource::Buffer(part) => Some(Self::Buffer {
+                buffer: part.buffer.clone(),
+                offset: part.offset,
+                bytes: part.size.map_or(part.buffer.size() - part.offset, NonZeroU64::get),
+            }),
+            BindingResource::TextureView(view) => Some(Self::Texture((*view).clone())),
+            _ => None,
+        }
     }
 }
 
@@ -108,6 +142,8 @@ impl ComputePipelines {
 pub struct BoundResources {
     group: BindGroup,
     traffic: Traffic,
+    /// Slot by slot.
+    resources: Arc<[BoundResource]>,
 }
 
 fn traffic(binding: Binding, resource: &BindingResource) -> Traffic {
@@ -144,13 +180,15 @@ fn shared<'a, T: PartialEq>(
 pub struct Dispatch {
     pub pipeline: ComputePipeline,
     bound: BindGroup,
+    /// The resources bound, slot by slot.
+    pub resources: Arc<[BoundResource]>,
     pub traffic: Traffic,
     /// Dynamic offset of the step, in bytes.
-    offset: Option<u32>,
+    pub offset: Option<u32>,
     /// Workgroup count; for an indirect dispatch, the largest.
     pub groups: [u32; 3],
     /// Indirect-arguments buffer and byte offset.
-    indirect: Option<(Buffer, u64)>,
+    pub indirect: Option<(Buffer, u64)>,
 }
 
 impl Dispatch {
@@ -162,8 +200,16 @@ impl Dispatch {
         groups: [u32; 3],
     ) -> Self {
         let offset = step.map(|step| step * STEP_BYTES);
-        let BoundResources { group, traffic } = bound.clone();
-        Self { pipeline: pipeline.clone(), bound: group, traffic, offset, groups, indirect: None }
+        let BoundResources { group, traffic, resources } = bound.clone();
+        Self {
+            pipeline: pipeline.clone(),
+            bound: group,
+            resources,
+            traffic,
+            offset,
+            groups,
+            indirect: None,
+        }
     }
 
     /// Dispatches a thread per cell of a grid.

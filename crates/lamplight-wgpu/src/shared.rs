@@ -71,7 +71,7 @@ pub fn filled(
     let buffer = device.create_buffer(&BufferDescriptor {
         label: Some(label),
         size: contents.len() as u64,
-        usage: usage | BufferUsages::COPY_DST,
+        usage: usage | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     });
     queue.write_buffer(&buffer, 0, contents);
