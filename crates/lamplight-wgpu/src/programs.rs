@@ -151,7 +151,7 @@ programs! {
         light: Write,
     }
     WALLS: "stages/walls",
-    ["show_faces", "find_flags", "blur", "add_coarser", "sink", "turn_faces"], {
+    ["show_faces", "find_flags", "blur", "add_coarser", "add_coarsest", "sink", "turn_faces"], {
         matter: Texture, step: Step, emission: Texture, surface: Write, irradiance: Write,
         sunk_emission: Write, light: Write,
     }
