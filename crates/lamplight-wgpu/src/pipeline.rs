@@ -223,6 +223,11 @@ impl Dispatch {
         Self::new(pipeline, bound, step, groups)
     }
 
+    /// The variant that moves less than all that is bound.
+    pub fn moving(self, traffic: Traffic) -> Self {
+        Self { traffic, ..self }
+    }
+
     /// The indirect variant, whose workgroup count lies at a byte offset of `groups`. The dispatch must not
     /// also bind that buffer.
     pub fn indirect(self, groups: &Buffer, offset: u64) -> Self {

@@ -151,7 +151,7 @@ programs! {
         light: Write,
     }
     WALLS: "stages/walls",
-    ["show_faces", "find_flags", "blur", "add_coarser", "sink", "turn_faces"], {
+    ["show_faces", "find_flags", "blur", "add_coarser", "add_coarsest", "sink", "turn_faces"], {
         matter: Texture, step: Step, emission: Texture, surface: Write, irradiance: Write,
         sunk_emission: Write, light: Write,
     }
@@ -205,21 +205,21 @@ programs! {
     }
 
     HOLOGRAPHIC_SLABS: "methods/holographic/slabs", ["main"], {
-        sweep: Step, emission: Texture, matter: Texture, scattered: Read, cell_bits: Write,
+        sweeps: Step, emission: Texture, matter: Texture, scattered: Read, cell_bits: Write,
         irradiance: Write,
     }
     HOLOGRAPHIC_TRACE: "methods/holographic/trace", ["main"], {
-        sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
+        sweeps: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
         scattered: Read, intervals: Write, tints: Write,
     }
     HOLOGRAPHIC_EXTEND: "methods/holographic/extend", ["main"], {
-        sweep: Step, intervals: Write, tints: Write,
+        sweeps: Step, intervals: Write, tints: Write,
     }
     HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "finish"], {
-        sweep: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
+        sweeps: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
     }
     HOLOGRAPHIC_GATHER: "methods/holographic/gather", ["main"], {
-        sweep: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
+        sweeps: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
         scattered: Read, cones: Read, radiance: Read, light: Write, irradiance: Write,
         albedo: Texture,
     }

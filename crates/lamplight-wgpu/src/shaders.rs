@@ -37,6 +37,7 @@ const FILES: &[(&str, &str)] = files! {
     "methods/holographic/paper/source"
     "methods/holographic/paper/trace"
     "methods/holographic/prefilter"
+    "methods/holographic/quadrant"
     "methods/holographic/sky"
     "methods/holographic/slabs"
     "methods/holographic/store_interval"

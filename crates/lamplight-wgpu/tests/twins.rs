@@ -27,7 +27,6 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("cpu polar sampling", "SIMD sampling; shaders/methods/polar/shadow_ray.wgsl"),
     ("cpu polar angle", "mathematics; shaders/shared/angle.wgsl"),
     // The host side of a method is its `mod.rs`; these files plan it.
-    ("host holographic quadrant", "the order of dispatches; on the CPU a loop in mod.rs"),
     ("host holographic tables", "lattice.rs as tables of numbers"),
     ("host holographic tiles", "sizes of workgroups"),
     ("host holographic traffic", "the cost of dispatches"),
@@ -56,6 +55,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("wgsl holographic feedback", "part of bounce.rs"),
     ("wgsl holographic footprint", "part of trace.rs, imported by trace and gather"),
     ("wgsl holographic packed_rgb", "how buffers store radiance"),
+    ("wgsl holographic quadrant", "the quadrants that share a dispatch"),
     ("wgsl holographic sky", "part of merge.rs"),
     ("wgsl holographic store_interval", "part of interval.rs, for shaders that write"),
     ("wgsl holographic sweep", "parameters of a dispatch"),

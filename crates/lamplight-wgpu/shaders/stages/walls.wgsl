@@ -22,11 +22,14 @@ override ALONG_1: f32;
 override ALONG_2: f32;
 // 0: light sinks in, with emission on top. 1 and 2: a component of the first moment does, without emission.
 override COMPONENT: u32;
+// Light sinks no deeper, px.
+override MAX_WALL_DEPTH: f32;
 
 // The flags of a solid cell: its open sides (left, right, upper, lower), that it is solid, that it emits.
 const SIDES: u32 = 15u;
 const SOLID: u32 = 16u;
 const EMITS: u32 = 32u;
+const COARSEST_LANES: u32 = 256u;
 
 // The level of the pyramid; the cells are level 0.
 @group(0) @binding(2) var<uniform> step: u32;
@@ -229,22 +232,18 @@ fn show_faces(@builtin(global_invocation_id) id: vec3u) {
     light[i] = vec4f(arrives + emission_of(id.xy, EMITS), 1.0);
 }
 
-// Makes a level from the finer one, the first from the cells.
-@compute @workgroup_size(8, 8)
-fn blur(@builtin(global_invocation_id) id: vec3u) {
-    let level = find_level(step);
-    if any(id.xy >= level.size) {
-        return;
-    }
-    let finer = find_level(step - 1u);
+// Makes a cell of a level from the finer one, of the first from the cells.
+fn blur_finer(number: u32, id: vec2u) {
+    let level = find_level(number);
+    let finer = find_level(number - 1u);
     let last = vec2i(finer.size) - 1;
     let kernel = array(KERNEL_0, KERNEL_1, KERNEL_2, KERNEL_2, KERNEL_1, KERNEL_0);
     var sum = Sums();
     for (var y = 0; y < 6; y++) {
         for (var x = 0; x < 6; x++) {
-            let at = vec2u(clamp(2 * vec2i(id.xy) + vec2i(x, y) - 2, vec2i(0), last));
+            let at = vec2u(clamp(2 * vec2i(id) + vec2i(x, y) - 2, vec2i(0), last));
             var there: Sums;
-            if step == 1u {
+            if number == 1u {
                 there = sums_of_cell(at);
             } else {
                 let i = level_index(finer, at);
@@ -254,22 +253,60 @@ fn blur(@builtin(global_invocation_id) id: vec3u) {
             sum.emission += kernel[x] * kernel[y] * there.emission;
         }
     }
-    let i = level_index(level, id.xy);
+    let i = level_index(level, id);
     irradiance[i] = sum.irradiance;
     sunk_emission[i] = sum.emission;
 }
 
-// Adds the coarser levels to a level.
-@compute @workgroup_size(8, 8)
-fn add_coarser(@builtin(global_invocation_id) id: vec3u) {
-    let level = find_level(step);
-    if any(id.xy >= level.size) {
-        return;
-    }
-    let coarser = interpolated(find_level(step + 1u), id.xy);
-    let i = level_index(level, id.xy);
+// Adds the coarser levels to a cell of a level.
+fn add_interpolated(number: u32, id: vec2u) {
+    let coarser = interpolated(find_level(number + 1u), id);
+    let i = level_index(find_level(number), id);
     irradiance[i] += OCTAVE * coarser.irradiance;
     sunk_emission[i] += OCTAVE * coarser.emission;
+}
+
+@compute @workgroup_size(8, 8)
+fn blur(@builtin(global_invocation_id) id: vec3u) {
+    if all(id.xy < find_level(step).size) {
+        blur_finer(step, id.xy);
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn add_coarser(@builtin(global_invocation_id) id: vec3u) {
+    if all(id.xy < find_level(step).size) {
+        add_interpolated(step, id.xy);
+    }
+}
+
+// The number of levels, as `octaves` in the library's `walls.rs`.
+fn octaves() -> u32 {
+    var doublings = 0u;
+    while f32(1u << doublings) < min(frame.wall_depth, MAX_WALL_DEPTH) + 1.0 {
+        doublings++;
+    }
+    return doublings + 2u;
+}
+
+// A small level: makes all coarser ones, and adds them to it. A single workgroup does.
+@compute @workgroup_size(COARSEST_LANES)
+fn add_coarsest(@builtin(local_invocation_index) lane: u32) {
+    let count = octaves();
+    for (var number = step + 1u; number <= count; number++) {
+        let size = find_level(number).size;
+        for (var i = lane; i < size.x * size.y; i += COARSEST_LANES) {
+            blur_finer(number, vec2u(i % size.x, i / size.x));
+        }
+        storageBarrier();
+    }
+    for (var number = count - 1u; number >= step; number--) {
+        let size = find_level(number).size;
+        for (var i = lane; i < size.x * size.y; i += COARSEST_LANES) {
+            add_interpolated(number, vec2u(i % size.x, i / size.x));
+        }
+        storageBarrier();
+    }
 }
 
 @compute @workgroup_size(8, 8)

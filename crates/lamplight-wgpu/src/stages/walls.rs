@@ -3,7 +3,9 @@
 use crate::error::Result;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
+use crate::traffic::Traffic;
 use crate::{programs, shaders};
+use lamplight::Settings;
 use lamplight::internals::walls::{ALONG, KERNEL, OCTAVE, SOFTENING, STRAIGHT, octaves};
 use wgpu::{Buffer, Device};
 
@@ -26,6 +28,7 @@ impl MomentWalls {
         let Self([x, y]) = self;
         let bound = x.bind(planner, light)?;
         let turn = Dispatch::over(planner.size.into(), &x.0.entries[TURN_FACES], &bound, Some(0));
+        let turn = turn.moving(traffic(planner, TURN_FACES, 0));
         let x = x.sink(planner, &bound);
         Ok([turn].into_iter().chain(x).chain(y.plan(planner, light)?).collect())
     }
@@ -49,6 +52,7 @@ impl Walls {
             ("ALONG_1", f64::from(ALONG[1])),
             ("ALONG_2", f64::from(ALONG[2])),
             ("COMPONENT", f64::from(component)),
+            ("MAX_WALL_DEPTH", f64::from(Settings::MAX_WALL_DEPTH)),
         ];
         let constants = [&constants[..], &shaders::LUMINANCE].concat();
         Self(ComputePipelines::new(device, &programs::WALLS, &constants))
@@ -85,16 +89,43 @@ impl Walls {
     fn sink(&self, planner: &FramePlanner, bound: &BoundResources) -> Vec<Dispatch> {
         let over = |entry: usize, level: u32| {
             let pipeline = &self.0.entries[entry];
-            Dispatch::over(level_size(planner, level), pipeline, bound, Some(level))
+            let traffic = traffic(planner, entry, level);
+            let size = level_size(planner, level);
+            Dispatch::over(size, pipeline, bound, Some(level)).moving(traffic)
         };
         let octaves = octaves(planner.settings.wall_depth);
         if octaves == 0 {
             return vec![over(SHOW_FACES, 0)];
         }
-        let blurs = (1..=octaves).map(|level| over(BLUR, level));
-        let sums = (1..octaves).rev().map(|level| over(ADD_COARSER, level));
+        let is_small = |&level: &u32| level_size(planner, level).iter().product::<u32>() <= SMALL;
+        let small = (1..octaves).find(is_small);
+        let blurs = (1..=small.unwrap_or(octaves)).map(|level| over(BLUR, level));
+        let coarsest = small.map(|level| {
+            let pipeline = &self.0.entries[ADD_COARSEST];
+            let traffic = traffic(planner, ADD_COARSEST, level);
+            Dispatch::new(pipeline, bound, Some(level), [1; 3]).moving(traffic)
+        });
+        let sums = (1..small.unwrap_or(octaves)).rev().map(|level| over(ADD_COARSER, level));
         let (flags, sink) = ([over(FIND_FLAGS, 0)], [over(SINK, 0)]);
-        flags.into_iter().chain(blurs).chain(sums).chain(sink).collect()
+        flags.into_iter().chain(blurs).chain(coarsest).chain(sums).chain(sink).collect()
+    }
+}
+
+/// The traffic of a dispatch over a level: of all cells, without what only solid ones have.
+fn traffic(planner: &FramePlanner, entry: usize, level: u32) -> Traffic {
+    const VEC4: u64 = size_of::<[f32; 4]>() as u64;
+    let cells = planner.cells() * VEC4;
+    // Irradiance and emission.
+    let sums = |level| 2 * VEC4 * level_size(planner, level).map(u64::from).iter().product::<u64>();
+    match entry {
+        FIND_FLAGS => Traffic { read: 2 * cells, written: cells },
+        BLUR if level == 1 => Traffic { read: cells, written: sums(1) },
+        BLUR => Traffic { read: sums(level - 1), written: sums(level) },
+        // Further levels are a few cells.
+        ADD_COARSER | ADD_COARSEST => {
+            Traffic { read: sums(level) + sums(level + 1), written: sums(level) }
+        }
+        _ => Traffic { read: cells, written: 0 },
     }
 }
 
@@ -108,5 +139,9 @@ const SHOW_FACES: usize = 0;
 const FIND_FLAGS: usize = 1;
 const BLUR: usize = 2;
 const ADD_COARSER: usize = 3;
-const SINK: usize = 4;
-const TURN_FACES: usize = 5;
+const ADD_COARSEST: usize = 4;
+const SINK: usize = 5;
+const TURN_FACES: usize = 6;
+
+/// The most cells of a level whose coarser levels a single workgroup makes: a few for each thread.
+const SMALL: u32 = 1024;

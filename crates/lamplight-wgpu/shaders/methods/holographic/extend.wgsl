@@ -10,7 +10,7 @@
 
 #import methods/holographic/fetch_interval
 #import methods/holographic/store_interval
-#import methods/holographic/sweep
+#import methods/holographic/quadrant
 
 // The lowest level whose intervals are extended to even rays over bent paths too.
 override BENT: u32;
@@ -180,11 +180,14 @@ fn make(g: Group, up: u32, wave: u32) {
 
 @compute @workgroup_size(LANES, 4)
 fn main(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let plane = sweep.first + id.z;
+    let z = select_quadrant(id.z);
+    let plane = sweep.first + z;
     let place = i32(local.x) - i32(BEFORE);
     if !FUSED {
         let ray = i32((id.y << WAVES_LOG2) + local.y);
-        make(Group(plane, ray, i32(id.x * TILE), ray - (1i << sweep.level), place), 0u, local.y);
+        if z < sweep.planes && ray < (2i << sweep.level) {
+            make(Group(plane, ray, i32(id.x * TILE), ray - (1i << sweep.level), place), 0u, local.y);
+        }
         return;
     }
     let shift = i32(id.y) - (1i << sweep.level);
@@ -198,17 +201,18 @@ fn main(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: v
         let first = row + plane * shift;
         reaches = reaches || (first < i32(sweep.rows) && first + i32(TILE) > 0);
     }
-    if !reaches {
-        return;
-    }
+    // Browsers reject a barrier after a return that depends on the quadrant.
+    let levels = select(0u, sweep.levels, reaches && z < sweep.planes && id.y < (2u << sweep.level));
     // Levels are constants, so that each only has the code that it needs.
-    make(g, 0u, local.y);
+    if levels > 0u {
+        make(g, 0u, local.y);
+    }
     workgroupBarrier();
-    if sweep.levels > 1u {
+    if levels > 1u {
         make(g, 1u, local.y);
     }
     workgroupBarrier();
-    if sweep.levels > 2u {
+    if levels > 2u {
         make(g, 2u, local.y);
     }
 }

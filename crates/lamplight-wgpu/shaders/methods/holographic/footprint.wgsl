@@ -1,7 +1,7 @@
 // Rays along footprints, which are the same from every row, through the cells near a tile of 64 rows.
 
 #import methods/holographic/packed_rgb
-#import methods/holographic/sweep
+#import methods/holographic/quadrant
 #import shared/absorptance
 #import shared/interval
 #import shared/transmittance

@@ -231,6 +231,7 @@ fn find_met(pixel: Pixel) {
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    select_quadrant(group.z);
     let slab = sweep.first + group.y;
     let plane = (slab + sweep.gather_length + (1u << sweep.level) - 1u) >> sweep.level;
     let ahead = (plane << sweep.level) - slab;

@@ -10,8 +10,8 @@
 
 #import methods/holographic/fetch_interval
 #import methods/holographic/packed_rgb
+#import methods/holographic/quadrant
 #import methods/holographic/sky
-#import methods/holographic/sweep
 
 // Cones that a thread makes, one after another.
 override RUN: u32;
@@ -69,12 +69,13 @@ fn light_of(p: u32, cone: i32, row: u32, low: Interval, high: Interval) -> vec3f
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
+    let z = select_quadrant(id.z);
     let row = id.x;
-    let p = sweep.first + id.z;
-    if row >= sweep.rows || p >= planes(sweep.level) {
+    let p = sweep.first + z;
+    let count = i32(cone_count(sweep.level));
+    if row >= sweep.rows || z >= sweep.planes || i32(id.y * RUN) >= count {
         return;
     }
-    let count = i32(cone_count(sweep.level));
     let plane = sweep.below + (sweep.below_far - p) * u32(count) * sweep.rows + row;
     // Halves take light from a cone to each side.
     let beside = i32(sweep.halves);
@@ -101,9 +102,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 // above. The middle of each lies at a quarter between the rays on both sides of it; two cones share these.
 @compute @workgroup_size(64)
 fn finish(@builtin(global_invocation_id) id: vec3u) {
+    let z = select_quadrant(id.z);
     let row = id.x;
-    let p = 2u * (sweep.first + id.z) - 1u;
-    if row >= sweep.rows || p >= planes(sweep.level) {
+    let p = 2u * (sweep.first + z) - 1u;
+    if row >= sweep.rows || z >= sweep.planes || p >= planes(sweep.level) {
         return;
     }
     let count = cone_count(sweep.level + 1u);

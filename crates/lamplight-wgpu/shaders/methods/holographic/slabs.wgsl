@@ -2,7 +2,7 @@
 // irradiance of the gather before is cleared.
 
 #import methods/holographic/packed_rgb
-#import methods/holographic/sweep
+#import methods/holographic/quadrant
 #import shared/uniforms
 
 // The bits: anything but empty space; a medium; emission, or scattered radiance; a source of one or two cells;
@@ -71,6 +71,7 @@ fn is_alone(at: vec2u) -> bool {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
+    select_quadrant(id.z);
     let slab = id.x;
     let words = (sweep.rows + 31u) / 32u;
     if slab >= sweep.depth || id.y >= words {

@@ -1,5 +1,5 @@
 // One quadrant of holographic cascades: the grid as light from ahead crosses it, slab after slab, and where
-// intervals and cones lie in memory.
+// intervals and cones lie in memory. The importing shader declares `sweep`.
 
 #import shared/uniforms
 
@@ -52,9 +52,10 @@ struct Sweep {
     rays: u32,
     // From the entry of a cone in that table to the light of the sky in it, if the sky is a panorama.
     sky: u32,
+    // Quadrants that share the dispatch, and planes of this one.
+    quadrants: u32,
+    planes: u32,
 }
-
-@group(0) @binding(1) var<uniform> sweep: Sweep;
 
 // Cones beyond each edge of the quadrant.
 const BEYOND: i32 = 2;

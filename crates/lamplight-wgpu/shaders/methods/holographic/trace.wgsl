@@ -33,6 +33,7 @@ fn bundle_of(bundle: u32, slab: u32, row: u32, lane: u32, length: u32) -> Interv
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    select_quadrant(group.z);
     let plane = sweep.first + group.y;
     let length = 1u << sweep.level;
     let slab = plane << sweep.level;
@@ -45,7 +46,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     }
     let row = first_row + i32(lane);
     let inside = row >= 0 && row < i32(sweep.rows);
-    let stores = inside && lane > 0u && lane <= STORED;
+    let stores = inside && group.y < sweep.planes && lane > 0u && lane <= STORED;
     let open = ~solid_rows();
     let odd = (plane & 1u) == 1u;
     let place = select(plane / 2u - sweep.even_first, plane / 2u - sweep.odd_first.x, odd);

@@ -5,7 +5,7 @@
 //! the plane of odd index made last, of light the one that is needed. So smaller chunks take less memory and
 //! more dispatches.
 
-use lamplight::internals::holographic::lattice::{BEYOND, cones, levels, planes, rays};
+use lamplight::internals::holographic::lattice::{cones, levels, planes, rays};
 
 /// Rows of a workgroup that gathers.
 pub const TILE: u32 = 64;
@@ -74,9 +74,8 @@ impl Lattice {
         }
         self.even = [self.intervals, self.intervals + even[0]];
         self.intervals += even[0] + even[1];
-        // 2^(t−n) planes of 2·2^n cones, whatever the level, and the cones beyond the edges of planes.
-        let planes = 1u64 << (self.chunk - self.first - 1);
-        let all = ((2 << self.chunk) + planes * 2 * BEYOND as u64) * self.rows as u64;
+        let light = |level: u32| self.planes_of_light(level) * cones(level) * self.rows;
+        let all = (self.first + 1..=self.chunk).map(light).max().unwrap_or(0) as u64;
         self.turns = [0, all];
         self.radiance = 2 * all;
         for level in self.chunk..self.end {
@@ -105,6 +104,22 @@ impl Lattice {
         let all = planes(self.depth, level).div_ceil(2) as u64;
         let of_chunk = 1 << self.chunk.saturating_sub(level + 1);
         of_chunk.min(all)
+    }
+
+    /// The number of planes of a level whose light a chunk stores.
+    fn planes_of_light(&self, level: u32) -> usize {
+        self.last_of_light(level, 0).min(1 << (self.chunk - level))
+    }
+
+    /// The plane of a level, up to that of chunks, that a chunk stores light of first: its far end, or what follows
+    /// the last plane of the grid.
+    pub fn last_of_light(&self, level: u32, chunk: usize) -> usize {
+        ((chunk + 1) << (self.chunk - level)).min(planes(self.depth, level))
+    }
+
+    /// Returns whether chunks are as small as they can be.
+    pub fn is_smallest(&self) -> bool {
+        self.chunk == self.first + 1
     }
 
     pub fn chunks(&self) -> usize {

@@ -1,6 +1,6 @@
 //! Holographic radiance cascades (Freeman, Sannikov and Margel 2025).
 //!
-//! Quadrant after quadrant, chunk after chunk ([`lattice`]): trace the first level of intervals, extend
+//! Quadrant after quadrant, or several together, chunk after chunk ([`lattice`]): trace the first level of intervals, extend
 //! them level by level, merge cones down, and let the pixels of the chunk gather from them.
 
 mod lattice;
@@ -41,8 +41,8 @@ use work::Work;
 /// Bytes of a quadrant that are stored per cell, of a grid padded to a power of two, and per word of an
 /// interval. Lower: more dispatches.
 const MAX_HELD: u64 = 58;
-/// Bytes that are not worth a dispatch.
-const LITTLE: u64 = 16 << 20;
+/// Bytes that are not worth a dispatch. Quadrants go together in as many.
+const LITTLE: u64 = 160 << 20;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -112,7 +112,9 @@ impl IntervalPipelines {
 /// The lattices of both axes, as large as memory allows.
 struct MemoryLayout {
     lattices: [Lattice; 2],
-    /// The most intervals, and values of light, of an axis.
+    /// Quadrants that share dispatches, in a chunk each.
+    together: usize,
+    /// The most intervals, and values of light, of the quadrants that do.
     intervals: u64,
     radiance: u64,
     /// Third words of intervals: one if matter does not tint.
@@ -120,36 +122,49 @@ struct MemoryLayout {
 }
 
 impl MemoryLayout {
-    /// Lays out the grid in chunks that are halved until they fit into memory.
+    /// Lays out as many quadrants together as fit into memory, or one in chunks that are halved until it does.
     fn new(planner: &FramePlanner, level: u32, words: u32) -> Self {
         let [width, height] = <[u32; 2]>::from(planner.size).map(|side| side as usize);
         let sides = [[width, height], [height, width]];
-        let words = u64::from(words);
-        let lay_out = |halvings| {
-            let fused = planner.options.fused_levels;
-            let lattices = sides.map(|sides| Lattice::new(sides, level, fused, halvings));
-            let most = |of: fn(&Lattice) -> u64| of(&lattices[0]).max(of(&lattices[1]));
-            let (intervals, radiance) = (most(|l| l.intervals), most(|l| l.radiance));
-            let tints = if words == 3 { intervals } else { 1 };
-            Self { lattices, intervals, radiance, tints }
-        };
+        let fused = planner.options.fused_levels;
+        let lattice = |sides, halvings| Lattice::new(sides, level, fused, halvings);
         // Chunks are smaller if much memory would be needed, or more than the device can bind.
         let padded = sides.map(|[depth, rows]| (depth.next_power_of_two() * rows) as u64);
-        let enough = (padded.iter().sum::<u64>() / 2 * words * MAX_HELD).max(LITTLE);
-        let fits = |layout: &Self| {
-            let smallest = layout.lattices.iter().all(|l| l.chunk == l.first + 1);
-            let bytes = layout.bytes();
+        let enough = (padded.iter().sum::<u64>() / 2 * u64::from(words) * MAX_HELD).max(LITTLE);
+        let fits = |intervals: u64, radiance: u64| {
+            let bytes = Self::bytes(intervals, radiance, words);
             let bound = bytes.iter().all(|&bytes| bytes <= planner.max_buffer_bytes());
-            smallest || (bound && bytes.iter().sum::<u64>() <= enough)
+            bound && bytes.iter().sum::<u64>() <= enough
         };
-        let found = (0..u32::BITS).map(lay_out).find(fits);
-        found.unwrap_or_else(|| lay_out(u32::BITS))
+        let in_one_chunk =
+            |together| Self::of(sides.map(|sides| lattice(sides, 0)), together, words);
+        let found = [4, 2].into_iter().map(in_one_chunk);
+        let mut found = found.filter(|layout| fits(layout.intervals, layout.radiance));
+        found.next().unwrap_or_else(|| {
+            let in_chunks = sides.map(|sides| {
+                let mut halved = (0..u32::BITS).map(|halvings| lattice(sides, halvings));
+                let found = halved.find(|l| l.is_smallest() || fits(l.intervals, l.radiance));
+                found.unwrap_or_else(|| lattice(sides, u32::BITS))
+            });
+            Self::of(in_chunks, 1, words)
+        })
+    }
+
+    fn of(lattices: [Lattice; 2], together: usize, words: u32) -> Self {
+        let most = |of: fn(&Lattice) -> u64| {
+            let quadrants = [0, 0, 1, 1].map(|axis: usize| of(&lattices[axis]));
+            quadrants.chunks(together).map(|held| held.iter().sum()).max().unwrap_or(0)
+        };
+        let (intervals, radiance) = (most(|l| l.intervals), most(|l| l.radiance));
+        let tints = if words == 3 { intervals } else { 1 };
+        Self { lattices, together, intervals, radiance, tints }
     }
 
     /// Bytes of intervals, of their third words, and of light.
-    fn bytes(&self) -> [u64; 3] {
-        let (word, two) = (size_of::<u32>() as u64, size_of::<Packed>() as u64);
-        [self.intervals * two, self.tints * word, self.radiance * two]
+    fn bytes(intervals: u64, radiance: u64, words: u32) -> [u64; 3] {
+        let packed = size_of::<Packed>() as u64;
+        let third = u64::from(words - 2) * size_of::<u32>() as u64;
+        [intervals * packed, intervals * third, radiance * packed]
     }
 }
 
@@ -214,7 +229,7 @@ impl Holographic {
         let geometry = GatherGeometry::new(settings);
         let intervals = &self.intervals[usize::from(planner.hints.tinted)];
         let layout = MemoryLayout::new(planner, geometry.level, intervals.words);
-        let MemoryLayout { intervals: held, tints, radiance, .. } = layout;
+        let MemoryLayout { together, intervals: held, tints, radiance, .. } = layout;
 
         let footprints = Footprints::new(geometry, settings.bundle_rays);
         let ends = layout.lattices.each_ref().map(|lattice| lattice.end);
@@ -250,6 +265,7 @@ impl Holographic {
             settings.bundle_rays,
             intervals.tiles,
             intervals.words,
+            together,
         );
         let sky = planner.has_panorama().then(|| ConeSky::new(cones, buffers.cones.clone()));
         // Bounces after the first are all the same.
@@ -308,7 +324,8 @@ impl Holographic {
             }
         }
         dispatches.extend(last);
-        dispatches.push(planner.over_cells(&self.faces, SHOW, &faces, None));
+        let show = planner.over_cells(&self.faces, SHOW, &faces, None);
+        dispatches.push(show.moving(traffic::of_shown_faces(planner.cells())));
         if matches!(self.bounce, Bounce::Feedback(_)) {
             dispatches.push(scatter);
         }
@@ -381,9 +398,8 @@ impl Holographic {
             Work::Faces => (&self.gather_faces, 0, &bindings.gather),
         };
         let pipeline = &pipelines.entries[entry];
-        let mut dispatch = Dispatch::new(pipeline, bound, Some(planned.sweep), planned.groups);
-        dispatch.traffic = planned.traffic;
-        dispatch
+        let dispatch = Dispatch::new(pipeline, bound, Some(planned.step), planned.groups);
+        dispatch.moving(planned.traffic)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::lattice::{Lattice, TILE, TRACED};
 use super::sky::ConeTable;
-use super::sweep::Sweep;
+use super::sweep::{QUADRANTS, STEPS, Sweep, Together};
 use super::tables::Footprints;
 use super::tiles::{Tiles, WAVES};
 use super::traffic::traffic;
@@ -29,10 +29,18 @@ pub struct Axis {
 #[derive(Debug)]
 pub struct PlannedWork {
     pub work: Work,
-    /// The index of its sweep.
-    pub sweep: u32,
+    /// The step of its sweeps.
+    pub step: u32,
     pub groups: [u32; 3],
     pub traffic: Traffic,
+}
+
+/// A quadrant's part of a dispatch.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    work: Work,
+    sweep: Sweep,
+    groups: [u32; 3],
 }
 
 /// Plans gathers, and collects the sweeps of their dispatches.
@@ -50,8 +58,11 @@ pub struct Quadrant {
     tiles: Tiles,
     /// Words of an interval.
     words: u32,
-    sweeps: Vec<Sweep>,
-    planned: Vec<PlannedWork>,
+    /// Quadrants that share dispatches.
+    together: usize,
+    sweeps: Vec<Together>,
+    /// The parts of the quadrant that is being planned.
+    parts: Vec<Part>,
 }
 
 impl Quadrant {
@@ -62,34 +73,84 @@ impl Quadrant {
         width: u32,
         tiles: Tiles,
         words: u32,
+        together: usize,
     ) -> Self {
         let Footprints { bundles, views, .. } = *footprints;
-        let (cones, sweeps, planned) = (cones.entries(), Vec::new(), Vec::new());
-        Self { geometry, bundles, views, cones, width, tiles, words, sweeps, planned }
+        let (cones, sweeps, parts) = (cones.entries(), Vec::new(), Vec::new());
+        Self { geometry, bundles, views, cones, width, tiles, words, together, sweeps, parts }
     }
 
     /// The sweeps of all dispatches planned so far.
-    pub fn sweeps(&self) -> &[Sweep] {
+    pub fn sweeps(&self) -> &[Together] {
         &self.sweeps
     }
 
     /// Plans a gather of light from all sides. `indirect`: with scattered radiance; `all`: for all pixels, else
     /// for faces and media only.
     pub fn gather(&mut self, axes: &[Axis], indirect: bool, all: bool) -> Vec<PlannedWork> {
+        let mut slabs = Vec::new();
+        let mut quadrants = Vec::new();
+        let mut place = [0; 2];
         for axis in axes {
             let sweep = self.sweep(axis, indirect);
-            let Lattice { depth, rows, .. } = axis.lattice;
+            let Lattice { depth, rows, intervals, radiance, .. } = axis.lattice;
             self.push(Work::Slabs, sweep, [depth.div_ceil(64), rows.div_ceil(32), 1]);
-        }
-        for axis in axes {
+            slabs.push(std::mem::take(&mut self.parts));
             for reversed in [0, 1] {
                 let first_quadrant = u32::from(axis.axis == 0 && reversed == 0);
                 let sky = ConeTable::light_of(self.cones, axis.axis, reversed);
-                let sweep = Sweep { reversed, first_quadrant, sky, ..self.sweep(axis, indirect) };
-                self.quadrant(axis, sweep, all);
+                self.quadrant(axis, Sweep { reversed, first_quadrant, sky, ..sweep }, all);
+                if quadrants.len() % self.together == 0 {
+                    place = [0; 2];
+                }
+                self.parts.iter_mut().for_each(|part| part.sweep = part.sweep.moved(place));
+                place = [place[0] + intervals as u32, place[1] + radiance as u32];
+                quadrants.push(std::mem::take(&mut self.parts));
             }
         }
-        std::mem::take(&mut self.planned)
+        let mut planned = self.share(&slabs);
+        for together in quadrants.chunks(self.together) {
+            planned.extend(self.share(together));
+        }
+        planned
+    }
+
+    /// Plans dispatches that quadrants share: each does the earliest kind of work that any of them needs next.
+    fn share(&mut self, quadrants: &[Vec<Part>]) -> Vec<PlannedWork> {
+        let mut left: Vec<&[Part]> = quadrants.iter().map(Vec::as_slice).collect();
+        let mut planned = Vec::new();
+        while let Some(work) = left.iter().filter_map(|parts| Some(parts.first()?.work)).min() {
+            let mut parts = Vec::new();
+            for left in &mut left {
+                if let Some((part, rest)) = left.split_first()
+                    && part.work == work
+                    && (parts.is_empty() || work.is_apart())
+                {
+                    parts.push(*part);
+                    *left = rest;
+                }
+            }
+            planned.push(self.plan(work, &parts));
+        }
+        planned
+    }
+
+    fn plan(&mut self, work: Work, parts: &[Part]) -> PlannedWork {
+        let quadrants = parts.len() as u32;
+        let most = |i: usize| parts.iter().map(|part| part.groups[i]).max().unwrap_or(0);
+        let mut together = [Sweep::default(); QUADRANTS];
+        for (sweep, part) in together.iter_mut().zip(parts) {
+            *sweep = Sweep { quadrants, ..part.sweep };
+        }
+        let step = STEPS * self.sweeps.len() as u32;
+        self.sweeps.push(together);
+        let traffic = |part: &Part| traffic(work, &part.sweep, part.groups, self.words.into());
+        PlannedWork {
+            work,
+            step,
+            groups: [most(0), most(1), quadrants * most(2)],
+            traffic: parts.iter().map(traffic).sum(),
+        }
     }
 
     /// The parameters that all dispatches of an axis share.
@@ -108,10 +169,8 @@ impl Quadrant {
     fn push(&mut self, work: Work, sweep: Sweep, groups: [usize; 3]) {
         let groups = groups.map(|count| count as u32);
         if groups.iter().all(|&count| count > 0) {
-            let traffic = traffic(work, &sweep, groups, self.words.into());
-            let index = self.sweeps.len() as u32;
-            self.planned.push(PlannedWork { work, sweep: index, groups, traffic });
-            self.sweeps.push(sweep);
+            let planes = groups[if work == Work::Trace { 1 } else { 2 }];
+            self.parts.push(Part { work, sweep: Sweep { planes, ..sweep }, groups });
         }
     }
 
@@ -154,7 +213,9 @@ impl Quadrant {
         for [level, levels] in lattice.groups(lattice.first, top) {
             let above = level + levels;
             let all = 1 << (lattice.chunk - above);
-            let planes = range(chunk * all, all, planes(lattice.depth, above), 0);
+            // Of the grid's first plane only levels in between are needed.
+            let low = usize::from(levels == 1);
+            let planes = range(chunk * all, all, planes(lattice.depth, above), low);
             self.extend_group(lattice, sweep, chunk, [level, levels], planes);
         }
         let (mut level, mut plane) = (lattice.chunk, chunk);
@@ -225,9 +286,9 @@ impl Quadrant {
             let made = range(chunk * all + 1, all, planes(depth, level), 1);
             let sweep = Sweep {
                 first: made.start as u32,
-                far: ((chunk + 1) * all / 2) as u32,
+                far: lattice.last_of_light(level + 1, chunk) as u32,
                 odd_first: [lattice.first_of(level, chunk); 4],
-                below_far: ((chunk + 1) * all) as u32,
+                below_far: lattice.last_of_light(level, chunk) as u32,
                 ..sweep
             };
             self.merge_level(axis, sweep, level, made.len());
@@ -260,15 +321,16 @@ impl Quadrant {
     fn gathered(&self, axis: &Axis, sweep: Sweep, chunk: usize) -> Sweep {
         let lattice = &axis.lattice;
         let level = lattice.first;
+        let far = lattice.last_of_light(level + 1, chunk) as u32;
         Sweep {
             level,
             levels: 1,
-            far: ((chunk + 1) << (lattice.chunk - level - 1)) as u32,
+            far,
             odd: [lattice.odd(level), 0, 0, 0],
             odd_first: [lattice.first_of(level, chunk); 4],
             above: lattice.light(level + 1),
             below: lattice.light(level),
-            below_far: ((chunk + 1) << (lattice.chunk - level)) as u32,
+            below_far: 2 * far,
             cones_above: axis.cones(level + 1),
             footprints: self.views,
             rays: self.geometry.rays,

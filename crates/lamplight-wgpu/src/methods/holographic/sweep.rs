@@ -38,25 +38,58 @@ gpu_struct! {
         pub footprints: u32,
         pub rays: u32,
         pub sky: u32,
-        pub padding: [u32; 2],
+        pub quadrants: u32,
+        pub planes: u32,
     }
 }
 
+impl Sweep {
+    /// The sweep of a quadrant whose intervals and light begin at other places.
+    pub fn moved(self, [intervals, radiance]: [u32; 2]) -> Self {
+        Self {
+            odd: self.odd.map(|at| at + intervals),
+            odd_top: self.odd_top + intervals,
+            even: self.even + intervals,
+            even_top: self.even_top + intervals,
+            above: self.above + radiance,
+            below: self.below + radiance,
+            ..self
+        }
+    }
+}
+
+/// The most quadrants that share a dispatch.
+pub const QUADRANTS: usize = 4;
+
+/// The sweeps of the quadrants of a dispatch.
+pub type Together = [Sweep; QUADRANTS];
+
+/// Steps of the dynamic offset from one dispatch to the next.
+pub const STEPS: u32 = (size_of::<Together>() as u32).div_ceil(STEP_BYTES);
+
 /// The sweeps of all dispatches, indexed by dynamic offset.
 #[derive(Debug)]
-pub struct Sweeps(Buffer);
+pub struct Sweeps {
+    buffer: Buffer,
+    /// Bytes that a dispatch reads.
+    size: NonZeroU64,
+}
 
 impl Sweeps {
-    pub fn new(planner: &FramePlanner, sweeps: &[Sweep]) -> Result<Self> {
-        let mut bytes = vec![0; sweeps.len().max(1) * STEP_BYTES as usize];
-        for (sweep, bytes) in sweeps.iter().zip(bytes.chunks_exact_mut(STEP_BYTES as usize)) {
-            bytes[..size_of::<Sweep>()].copy_from_slice(bytemuck::bytes_of(sweep));
+    /// Stores `N` sweeps of each dispatch.
+    pub fn new<const N: usize>(planner: &FramePlanner, sweeps: &[[Sweep; N]]) -> Result<Self> {
+        let size = size_of::<[Sweep; N]>();
+        let stride = size.next_multiple_of(STEP_BYTES as usize);
+        let mut bytes = vec![0; sweeps.len().max(1) * stride];
+        for (sweeps, bytes) in sweeps.iter().zip(bytes.chunks_exact_mut(stride)) {
+            bytes[..size].copy_from_slice(bytemuck::cast_slice(sweeps));
         }
-        Ok(Self(planner.filled("sweeps", BufferUsages::UNIFORM, &bytes)?))
+        let buffer = planner.filled("sweeps", BufferUsages::UNIFORM, &bytes)?;
+        Ok(Self { buffer, size: NonZeroU64::new(size as u64).unwrap_or(NonZeroU64::MIN) })
     }
 
     pub fn binding(&self) -> BindingResource<'_> {
-        let size = NonZeroU64::new(size_of::<Sweep>() as u64);
-        BindingResource::Buffer(BufferBinding { buffer: &self.0, offset: 0, size })
+        let (buffer, size) = (&self.buffer, Some(self.size));
+        BindingResource::Buffer(BufferBinding { buffer, offset: 0, size })
     }
 }

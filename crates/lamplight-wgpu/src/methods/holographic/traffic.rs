@@ -3,6 +3,7 @@
 use super::lattice::Packed;
 use super::sweep::Sweep;
 use super::work::Work;
+use crate::stages::bounce::FACES;
 use crate::traffic::Traffic;
 use lamplight::internals::holographic::PRIMARY;
 use lamplight::internals::holographic::lattice::{cones, planes};
@@ -24,7 +25,12 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     // Bits of the cells near a row: 128 rows for a tile of 64, four bits each, in `slabs` slabs.
     let bits = |slabs: u64| 4 * slabs * rows * 2 / 8;
     match work {
-        Work::Slabs => Traffic { read: 2 * VEC4 * rows, written: u64::from(BITS) * rows / 8 },
+        Work::Slabs => {
+            // The first axis also clears irradiance.
+            let faces = if sweep.axis == 0 { FACES * PACKED } else { 0 };
+            let cells = u64::from(sweep.depth) * rows;
+            Traffic { read: cells * VEC4, written: cells * u64::from(BITS) / 8 + cells * faces }
+        }
         Work::Trace => Traffic {
             read: across * bits(level_size + 2),
             written: across * (2 * level_size + 1) * rows * interval,
@@ -58,12 +64,23 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
             }
         }
         Work::Gather => {
-            let cones = cones(level + 1) as u64;
+            // Slabs share the planes ahead of them.
+            let ahead = |slab: u32| (slab + sweep.gather_length).div_ceil(1 << level);
+            let last = sweep.first + groups[1] - 1;
+            let end = planes(sweep.depth as usize, level) as u32;
+            let planes = (ahead(last) + 1).min(end).saturating_sub(ahead(sweep.first));
+            let light = u64::from(planes) * cones(level + 1) as u64 * PACKED;
+            let before = if sweep.first_quadrant == 1 { 0 } else { across * VEC4 };
             Traffic {
-                read: across * (bits(2 * level_size) + rows * (cones * PACKED + VEC4)),
+                read: across * bits(2 * level_size) + rows * (light + before),
                 written: across * rows * VEC4,
             }
         }
         Work::Faces => Traffic { read: across * bits(2 * level_size), written: 0 },
     }
+}
+
+/// Returns the traffic of showing the light of faces: all cells are searched for solid ones.
+pub fn of_shown_faces(cells: u64) -> Traffic {
+    Traffic { read: cells * VEC4, written: 0 }
 }

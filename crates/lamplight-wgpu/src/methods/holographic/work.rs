@@ -1,7 +1,7 @@
 //! The kinds of dispatches of a quadrant.
 
-/// The work of a dispatch, one of the programs of `holographic`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The work of a dispatch, one of the programs of `holographic`, in the order of a quadrant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Work {
     Slabs,
     Trace,
@@ -16,4 +16,11 @@ pub enum Work {
     Gather,
     /// That of the irradiance of faces alone, for a bounce.
     Faces,
+}
+
+impl Work {
+    /// Returns whether quadrants can do it at the same time: all but those that add to the same pixels.
+    pub fn is_apart(self) -> bool {
+        !matches!(self, Self::Gather | Self::Faces)
+    }
 }

@@ -276,7 +276,7 @@ impl Paper {
         let footprints =
             planner.filled("footprints", storage, bytemuck::cast_slice(&footprints))?;
         let buffers = PaperBuffers {
-            sweeps: Sweeps::new(planner, &sweeps)?,
+            sweeps: Sweeps::new(planner, &sweeps.iter().map(|&sweep| [sweep]).collect::<Vec<_>>())?,
             traced,
             source,
             footprints,
