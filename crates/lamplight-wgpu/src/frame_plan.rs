@@ -12,7 +12,7 @@
 //! 3. Run the dispatches. Each sees everything that those before it wrote: between two that share a resource which one
 //!    of them writes, most APIs want a barrier.
 //!
-//! What dispatches write stays until the next frame: some of it is history. Drop a resource when a plan no longer lists
+//! Everything that dispatches write stays until the next frame: some of it is history. Drop a resource when a plan no longer lists
 //! it after [`Lighting::reset`](crate::Lighting::reset), or when the size of the grid changes.
 
 // Handles of wgpu are compared by what they stand for, which does not change.
@@ -45,7 +45,7 @@ pub struct FramePlan {
 /// An entry point of a shader with the values of its constants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedProgram {
-    /// The same number for the same program in every frame of a [`Lighting`](crate::Lighting).
+    /// A number that stands for this program in every frame of a [`Lighting`](crate::Lighting).
     pub id: u64,
     /// The shader's name.
     pub shader: &'static str,
@@ -73,7 +73,7 @@ pub struct PlannedSlot {
 /// A buffer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlannedBuffer {
-    /// The same number for the same buffer in every frame of a [`Lighting`](crate::Lighting).
+    /// A number that stands for this buffer in every frame of a [`Lighting`](crate::Lighting).
     pub id: u64,
     /// The variable of the first program that uses it.
     pub name: &'static str,
@@ -81,14 +81,14 @@ pub struct PlannedBuffer {
     pub bytes: u64,
     /// `UNIFORM`, `STORAGE`, `INDIRECT`, or several of them.
     pub usage: BufferUsages,
-    /// What it holds in this frame; `None` if dispatches write it, before they read it or in the frame before.
+    /// Its bytes in this frame; `None` if dispatches write it, before they read it or in the frame before.
     pub contents: Option<Vec<u8>>,
 }
 
 /// A texture with two dimensions, one layer and one mip level.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlannedTexture {
-    /// The same number for the same texture in every frame of a [`Lighting`](crate::Lighting).
+    /// A number that stands for this texture in every frame of a [`Lighting`](crate::Lighting).
     pub id: u64,
     /// The variable of the first program that uses it.
     pub name: &'static str,
@@ -96,7 +96,7 @@ pub struct PlannedTexture {
     pub size: [u32; 2],
     /// The format in which it was planned. Those of matter may have another one with floats or normalised integers.
     pub format: TextureFormat,
-    /// What it holds.
+    /// Its contents.
     pub source: TextureSource,
 }
 
