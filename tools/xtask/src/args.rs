@@ -105,7 +105,10 @@ mod tests {
             ("--help", Chore::Help),
             ("web --help", Chore::Help),
             ("test", Chore::Test { all: false, web: false, python: false, gpu: true }),
-            ("test --all --without-gpu", Chore::Test { all: true, web: false, python: false, gpu: false }),
+            (
+                "test --all --without-gpu",
+                Chore::Test { all: true, web: false, python: false, gpu: false },
+            ),
             ("test --web", Chore::Test { all: false, web: true, python: false, gpu: true }),
             ("test --python", Chore::Test { all: false, web: false, python: true, gpu: true }),
             ("lint --list", Chore::Lint { baseline: false, list: true }),
