@@ -5,10 +5,10 @@ use crate::process::{command, finish, root, succeeds, target_folder};
 use anyhow::Result;
 use std::process::Command;
 
-/// What the step needs beside Rust.
+/// The requirement of the step beside Rust.
 pub const NEEDED: &str = "Python 3.10 or later as `python3`, with venv";
 
-/// What the environment holds: the builder, the package's dependency, the tests'.
+/// The contents of the environment: the builder, the package's dependency, the tests'.
 const PACKAGES: [&str; 4] = ["maturin>=1.16,<2", "numpy", "pytest", "mypy"];
 
 /// Returns true if there is a Python that can make an environment. Debian's can import venv without having ensurepip.
