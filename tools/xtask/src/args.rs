@@ -10,6 +10,7 @@ The project's chores: cargo xtask CHORE
 
   test             Format, lints, tests of the light crates, generated files, the README's first command
     --all          and Bevy, the sandbox, its web page, slow tests, dependencies, packages
+    --python       only the package for Python, in an environment of its own
     --web          only the web page, in a browser
     --without-gpu  without the tests that need a GPU, a software one at least
   lint             Rules of this project's source that Clippy does not have
@@ -36,7 +37,7 @@ const PORT: u16 = 8080;
 #[derive(Debug, PartialEq)]
 pub enum Chore {
     Help,
-    Test { all: bool, web: bool, gpu: bool },
+    Test { all: bool, web: bool, python: bool, gpu: bool },
     Lint { baseline: bool, list: bool },
     Web { bevy: bool, serve: Option<u16> },
     Docs(Part),
@@ -49,7 +50,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Chore> {
     let mut chore = match parser.next()? {
         None | Some(Short('h') | Long("help")) => return Ok(Chore::Help),
         Some(Value(name)) => match name.to_str() {
-            Some("test") => Chore::Test { all: false, web: false, gpu: true },
+            Some("test") => Chore::Test { all: false, web: false, python: false, gpu: true },
             Some("lint") => Chore::Lint { baseline: false, list: false },
             Some("web") => Chore::Web { bevy: false, serve: None },
             Some("docs") => Chore::Docs(Part::All),
@@ -67,6 +68,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Chore> {
         match (&mut chore, flag) {
             (Chore::Test { all, .. }, Long("all")) => *all = true,
             (Chore::Test { web, .. }, Long("web")) => *web = true,
+            (Chore::Test { python, .. }, Long("python")) => *python = true,
             (Chore::Test { gpu, .. }, Long("without-gpu")) => *gpu = false,
             (Chore::Lint { baseline, .. }, Long("baseline")) => *baseline = true,
             (Chore::Lint { list, .. }, Long("list")) => *list = true,
@@ -102,9 +104,13 @@ mod tests {
             ("", Chore::Help),
             ("--help", Chore::Help),
             ("web --help", Chore::Help),
-            ("test", Chore::Test { all: false, web: false, gpu: true }),
-            ("test --all --without-gpu", Chore::Test { all: true, web: false, gpu: false }),
-            ("test --web", Chore::Test { all: false, web: true, gpu: true }),
+            ("test", Chore::Test { all: false, web: false, python: false, gpu: true }),
+            (
+                "test --all --without-gpu",
+                Chore::Test { all: true, web: false, python: false, gpu: false },
+            ),
+            ("test --web", Chore::Test { all: false, web: true, python: false, gpu: true }),
+            ("test --python", Chore::Test { all: false, web: false, python: true, gpu: true }),
             ("lint --list", Chore::Lint { baseline: false, list: true }),
             ("web --serve", Chore::Web { bevy: false, serve: Some(PORT) }),
             ("web --serve 80 --bevy", Chore::Web { bevy: true, serve: Some(80) }),

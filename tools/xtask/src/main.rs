@@ -12,6 +12,7 @@ mod lint;
 mod optional;
 mod process;
 mod publish;
+mod python;
 mod readme;
 mod steps;
 mod test;
@@ -38,6 +39,7 @@ fn run() -> Result<()> {
             Ok(())
         }
         Chore::Test { web: true, .. } => test::web(),
+        Chore::Test { python: true, .. } => test::python(),
         Chore::Test { all, gpu, .. } => test::run(all, gpu),
         Chore::Lint { baseline, list } => lint::run(baseline, list),
         Chore::Web { bevy, serve } => {

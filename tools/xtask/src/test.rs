@@ -7,8 +7,8 @@
 use crate::optional::has_component;
 use crate::process::cargo;
 use crate::steps::Steps;
-use crate::{browser, display, gpu, lint, publish, readme, web};
-use anyhow::Result;
+use crate::{browser, display, gpu, lint, publish, python, readme, web};
+use anyhow::{Result, ensure};
 
 /// Packages of the first tier.
 const LIGHT: [&str; 7] = [
@@ -63,11 +63,25 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     steps.step("the README's first command", readme::first_command)?;
     if all {
         page(&mut steps)?;
+        if python::is_here() {
+            steps.step("the package for Python", python::test)?;
+        } else {
+            println!("== the package for Python is left out; it needs {}", python::NEEDED);
+        }
         steps.step("workflows", publish::workflows)?;
         steps.step("licences and known faults of dependencies", publish::dependencies)?;
         steps.step("compatibility with the last release", publish::compatibility)?;
         steps.step("packages", publish::packages)?;
     }
+    steps.finish();
+    Ok(())
+}
+
+/// Builds the package for Python, and tests it.
+pub fn python() -> Result<()> {
+    let mut steps = Steps::new();
+    ensure!(python::is_here(), "the package needs {}", python::NEEDED);
+    steps.step("the package for Python", python::test)?;
     steps.finish();
     Ok(())
 }

@@ -1,0 +1,68 @@
+//! Arrays in and out: casts of what comes in, read-only views of what goes out.
+
+use crate::json::value_error;
+use numpy::ndarray::{ArrayView, Dimension};
+use numpy::{Element, PyArray, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Copies an array into `into`, which has the given shape. Float32 in C order is copied as it is; other numbers and
+/// layouts are cast by numpy's rule `same_kind`.
+pub fn read<T: Element + Copy>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    shape: &[usize],
+    into: &mut [T],
+) -> PyResult<()> {
+    let py = value.py();
+    let numpy = py.import("numpy")?;
+    let options = PyDict::new(py);
+    options.set_item("order", "C")?;
+    options.set_item("casting", "same_kind")?;
+    options.set_item("copy", false)?;
+    let array = numpy.call_method1("asarray", (value,))?;
+    let array = array.call_method("astype", (numpy::dtype::<T>(py),), Some(&options));
+    let array = array.map_err(|e| value_error(format!("{name}: {}", e.value(py))))?;
+    let array = array.cast::<PyArrayDyn<T>>()?;
+    check_shape(name, array.shape(), shape)?;
+    let array = array.try_readonly().map_err(value_error)?;
+    into.copy_from_slice(array.as_slice().map_err(value_error)?);
+    Ok(())
+}
+
+/// Copies values into the array that the caller gave: float32 in C order, writable, of the given shape.
+pub fn write(out: &Bound<'_, PyAny>, shape: &[usize], values: &[f32]) -> PyResult<()> {
+    let expected =
+        || format!("out: a writable float32 array in C order of shape {shape:?} is needed");
+    let array = out.cast::<PyArrayDyn<f32>>().map_err(|_| value_error(expected()))?;
+    check_shape("out", array.shape(), shape)?;
+    // A slice of an array in Fortran order exists too, in another order.
+    if !array.is_c_contiguous() {
+        return Err(value_error(expected()));
+    }
+    let mut array = array.try_readwrite().map_err(|_| value_error(expected()))?;
+    array.as_slice_mut().map_err(|_| value_error(expected()))?.copy_from_slice(values);
+    Ok(())
+}
+
+fn check_shape(name: &str, found: &[usize], expected: &[usize]) -> PyResult<()> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(value_error(format!("{name} has the shape {found:?}; expected {expected:?}")))
+}
+
+/// A read-only view of memory that `owner` keeps: `owner` must never change or free it.
+pub fn view<'py, T: Element, D: Dimension>(
+    shape: D,
+    values: &[T],
+    owner: Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray<T, D>>> {
+    let array = ArrayView::from_shape(shape, values).map_err(value_error)?;
+    // SAFETY: classes of this module are frozen, never change their arrays, and live as long as the view, whose base
+    // they are; the view cannot be made writable, because its base offers no writable memory.
+    #[allow(unsafe_code)]
+    let view = unsafe { PyArray::borrow_from_array(&array, owner) };
+    view.call_method1("setflags", (false,))?;
+    Ok(view)
+}

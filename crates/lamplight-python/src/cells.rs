@@ -1,0 +1,186 @@
+//! `Cells`: the grid of matter, from arrays.
+
+use crate::arrays::{read, view};
+use crate::json::{object, value_error, without_line, write};
+use lamplight::{Error, Rgb};
+use numpy::ndarray::{Dim, Ix2, Ix3};
+use numpy::{PyArray2, PyArray3};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+/// The grid of matter, lamps, suns and sky. It is copied from arrays, and never changes.
+///
+/// Float32 in C order is copied as it is. Other layouts, float64, integers and booleans are cast to float32 by their
+/// value (an image of 0 to 255 has to be decoded first); complex numbers and text are refused.
+///
+/// Parameters
+/// ----------
+/// shape : tuple of int
+///     Rows and columns, (H, W). Row 0 is the top one.
+/// emission, glow, tint, albedo, color, normals : array_like of shape (H, W, 3), optional
+///     Linear RGB; normals are unit vectors with x to the right, y down and z towards the viewer.
+/// opacity : array_like of shape (H, W), optional
+///     The fraction of light absorbed per px; 1 is solid.
+/// masks : array_like of uint8 of shape (H, W), optional
+///     The layers of every cell, a bit each.
+/// lamps, suns : list of dict, optional
+///     With the keys of a scene file: ``{"position": [8, 8], "color": "#ff8800"}``.
+/// sky : list or dict, optional
+///     A colour, a gradient or a panorama, as in a scene file.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a shape is wrong, or a value is NaN or out of range; the text names the cell and what would be right.
+#[pyclass(module = "lamplight2d", frozen)]
+pub struct Cells(pub lamplight::Cells);
+
+#[pymethods]
+impl Cells {
+    #[new]
+    #[pyo3(signature = (shape, **fields), text_signature = "(shape, *, emission=None, glow=None, opacity=None, \
+        tint=None, albedo=None, color=None, normals=None, masks=None, lamps=None, suns=None, sky=None)")]
+    fn new(shape: [Bound<'_, PyAny>; 2], fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let py = shape[0].py();
+        let scene = PyDict::new(py);
+        let [height, width] = &shape;
+        scene.set_item("size", (width, height))?;
+        let mut arrays = Vec::new();
+        for (name, value) in fields.into_iter().flatten().filter(|(_, value)| !value.is_none()) {
+            let name: String = name.extract()?;
+            match name.as_str() {
+                "lamps" => scene.set_item("lamp", value)?,
+                "suns" => scene.set_item("sun", value)?,
+                "sky" => scene.set_item("sky", value)?,
+                _ => arrays.push((name, value)),
+            }
+        }
+        let scene = lamplight::Scene::from_json(&write(&scene)?).map_err(without_line)?;
+        let mut cells = scene.cells().map_err(value_error)?;
+        for (name, value) in arrays {
+            set(&mut cells, &name, &value)?;
+        }
+        py.detach(|| cells.check()).map_err(value_error)?;
+        Ok(Self(cells))
+    }
+
+    /// Rows and columns.
+    #[getter]
+    pub fn shape(&self) -> (usize, usize) {
+        (self.0.height() as usize, self.0.width() as usize)
+    }
+
+    #[getter]
+    fn emission<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        rgb(slf, slf.get().0.emission())
+    }
+
+    #[getter]
+    fn glow<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
+        slf.get().0.glow().map(|glow| rgb(slf, glow)).transpose()
+    }
+
+    #[getter]
+    fn opacity<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        view(
+            Dim(<[usize; 2]>::from(slf.get().shape())),
+            slf.get().0.opacity(),
+            slf.clone().into_any(),
+        )
+    }
+
+    #[getter]
+    fn tint<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        rgb(slf, slf.get().0.tint())
+    }
+
+    #[getter]
+    fn albedo<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        rgb(slf, slf.get().0.albedo())
+    }
+
+    #[getter]
+    fn color<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
+        slf.get().0.color().map(|color| rgb(slf, color)).transpose()
+    }
+
+    #[getter]
+    fn normals<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
+        slf.get().0.normals().map(|normals| rgb(slf, normals)).transpose()
+    }
+
+    #[getter]
+    fn masks<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
+        let this = slf.get();
+        let masks = this.0.masks();
+        masks
+            .map(|masks| {
+                view::<_, Ix2>(Dim(<[usize; 2]>::from(this.shape())), masks, slf.clone().into_any())
+            })
+            .transpose()
+    }
+
+    #[getter]
+    fn lamps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        object(py, &self.0.lamps())
+    }
+
+    #[getter]
+    fn suns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        object(py, &self.0.suns())
+    }
+
+    #[getter]
+    fn sky<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        object(py, self.0.sky())
+    }
+
+    /// The arguments from which a pickle makes these cells again.
+    fn __getnewargs_ex__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+        let py = slf.py();
+        if slf.get().0.lamps().iter().any(|lamp| lamp.cookie.is_some()) {
+            return Err(PyTypeError::new_err(
+                "a lamp has a cookie: pickle the Scene, not its Cells",
+            ));
+        }
+        let fields = PyDict::new(py);
+        for name in FIELDS {
+            fields.set_item(name, slf.getattr(name)?)?;
+        }
+        Ok((PyTuple::new(py, [slf.get().shape()])?, fields))
+    }
+}
+
+/// Every field, by the name of its keyword.
+const FIELDS: [&str; 11] = [
+    "emission", "glow", "opacity", "tint", "albedo", "color", "normals", "masks", "lamps", "suns",
+    "sky",
+];
+
+/// Fills a field from an array.
+fn set(cells: &mut lamplight::Cells, name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+    let (height, width) = (cells.height() as usize, cells.width() as usize);
+    let rgb = match name {
+        "opacity" => return read(name, value, &[height, width], cells.opacity_mut()),
+        "masks" => return read(name, value, &[height, width], cells.masks_mut()),
+        "emission" => cells.emission_mut(),
+        "glow" => cells.glow_mut(),
+        "tint" => cells.tint_mut(),
+        "albedo" => cells.albedo_mut(),
+        "color" => cells.color_mut(),
+        "normals" => cells.normals_mut(),
+        _ => {
+            let expected = format!("one of {}", FIELDS.join(", "));
+            return Err(PyTypeError::new_err(Error::value("field", name, expected).to_string()));
+        }
+    };
+    read(name, value, &[height, width, 3], rgb.as_flattened_mut())
+}
+
+fn rgb<'py>(cells: &Bound<'py, Cells>, values: &[Rgb]) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (height, width) = cells.get().shape();
+    view::<_, Ix3>(Dim([height, width, 3]), values.as_flattened(), cells.clone().into_any())
+}

@@ -1,0 +1,27 @@
+//! The module `lamplight2d._core`: the solver and the reference over numpy arrays.
+//!
+//! Objects are immutable, so that arrays can be views of them and several threads can read them.
+
+mod arrays;
+mod cells;
+mod json;
+mod light;
+mod reference;
+mod scene;
+mod solver;
+
+use pyo3::pymodule;
+
+#[pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    use crate::cells::Cells;
+    #[pymodule_export]
+    use crate::light::Light;
+    #[pymodule_export]
+    use crate::reference::{Measures, Reference, compare, reference};
+    #[pymodule_export]
+    use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::solver::Solver;
+}

@@ -1,0 +1,60 @@
+//! `Scene`: a scene file.
+
+use crate::cells::Cells;
+use crate::json::{object, value_error};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// A scene as its author writes it.
+#[pyclass(module = "lamplight2d", frozen)]
+pub struct Scene {
+    scene: lamplight::Scene,
+    file: Option<PathBuf>,
+}
+
+#[pymethods]
+impl Scene {
+    /// Reads a scene file.
+    #[staticmethod]
+    fn load(path: PathBuf) -> PyResult<Self> {
+        let scene = lamplight::Scene::load(&path).map_err(value_error)?;
+        Ok(Self { scene, file: Some(path) })
+    }
+
+    /// Reads a scene in TOML.
+    #[staticmethod]
+    fn from_toml(text: &str) -> PyResult<Self> {
+        let scene = lamplight::Scene::from_toml(text).map_err(value_error)?;
+        Ok(Self { scene, file: None })
+    }
+
+    /// Writes the scene as TOML.
+    fn to_toml(&self) -> PyResult<String> {
+        self.scene.to_toml().map_err(value_error)
+    }
+
+    /// Draws the scene.
+    fn cells(&self, py: Python<'_>) -> PyResult<Cells> {
+        py.detach(|| self.scene.cells()).map(Cells).map_err(value_error)
+    }
+
+    #[getter]
+    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        object(py, &self.scene.settings)
+    }
+
+    #[getter]
+    fn display<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        object(py, &self.scene.display)
+    }
+
+    /// A scene from a file is pickled as the file's path, because its images lie beside it; others as their text.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let (reader, source) = match &this.file {
+            Some(file) => ("load", file.into_pyobject(py)?.into_any()),
+            None => ("from_toml", this.to_toml()?.into_pyobject(py)?.into_any()),
+        };
+        Ok((slf.get_type().getattr(reader)?, (source,).into_pyobject(py)?.into_any()))
+    }
+}

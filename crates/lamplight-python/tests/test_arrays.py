@@ -1,0 +1,83 @@
+"""Arrays in and out: casts, views, shapes, values out of range."""
+
+import numpy as np
+import pytest
+
+import lamplight2d as ll
+
+
+def test_views_share_memory_and_are_read_only():
+    light = ll.Solver(bounces=0).solve(ll.Cells((5, 7), sky=[1, 1, 1]))
+    assert light.rgb.shape == (5, 7, 3) and light.rgb.dtype == np.float32
+    assert np.shares_memory(light.rgb, light.rgb)
+    with pytest.raises(ValueError):
+        light.rgb[0, 0, 0] = 2
+    with pytest.raises(ValueError):
+        light.rgb.setflags(write=True)
+    view = light.rgb
+    del light
+    assert np.isfinite(view).all()
+
+
+@pytest.mark.parametrize("cast", [np.float64, np.asfortranarray, lambda a: np.repeat(a, 2, 1)[:, ::2]])
+def test_other_types_and_layouts_are_cast(cast):
+    opacity = np.random.default_rng(1).random((6, 4), np.float32)
+    cells = ll.Cells((6, 4), opacity=cast(opacity))
+    np.testing.assert_array_equal(cells.opacity, opacity)
+
+
+def test_row_0_is_the_top_row():
+    opacity = np.zeros((20, 10))
+    opacity[0] = True
+    sky = {"zenith": [1, 1, 1], "horizon": [0, 0, 0], "ground": [0, 0, 0]}
+    shut = ll.Solver(bounces=0).solve(ll.Cells((20, 10), opacity=opacity, sky=sky))
+    open_ = ll.Solver(bounces=0).solve(ll.Cells((20, 10), opacity=opacity[::-1], sky=sky))
+    assert shut.rgb[1:-1].mean() < 0.5 * open_.rgb[1:-1].mean()
+
+
+@pytest.mark.parametrize(
+    ("shape", "fields", "text"),
+    [
+        ((4, 6), {"emission": np.zeros((6, 4, 3))}, r"expected \[4, 6, 3\]"),
+        ((4, 6), {"opacity": np.full((4, 6), np.nan)}, "opacity"),
+        ((4, 6), {"opacity": np.full((4, 6), 2)}, "0 to 1"),
+        ((4, 6), {"opacity": np.zeros((4, 6), complex)}, "opacity"),
+        ((4, 6), {"sky": [float("nan")] * 3}, "JSON"),
+        ((4, 6), {"lamps": [{"position": [1, 1], "colour": [1, 1, 1]}]}, "colour"),
+        ((0, 6), {}, "0"),
+        ((-1, 6), {}, "-1"),
+        ((100_000, 100_000), {}, "100000"),
+    ],
+)
+def test_bad_cells_are_refused(shape, fields, text):
+    with pytest.raises(ValueError, match=text):
+        ll.Cells(shape, **fields)
+
+
+def test_an_unknown_field_is_refused():
+    with pytest.raises(TypeError, match="opaque"):
+        ll.Cells((4, 6), opaque=np.zeros((4, 6)))
+
+
+def test_out_receives_the_light():
+    cells = ll.Cells((9, 8), lamps=[{"position": [4, 4]}])
+    solver = ll.Solver()
+    expected = solver.solve(cells).rgb.copy()
+    out = np.empty((9, 8, 3), np.float32)
+    assert solver.solve(cells, out=out) is out
+    np.testing.assert_array_equal(out, expected)
+
+
+@pytest.mark.parametrize(
+    "out",
+    [
+        np.empty((8, 9, 3), np.float32),
+        np.empty((9, 8, 3)),
+        np.empty((9, 8, 3), np.float32, order="F"),
+        np.broadcast_to(np.float32(0), (9, 8, 3)),
+        "out",
+    ],
+)
+def test_an_unsuitable_out_is_refused(out):
+    with pytest.raises(ValueError, match="out"):
+        ll.Solver().solve(ll.Cells((9, 8)), out=out)

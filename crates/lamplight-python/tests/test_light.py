@@ -1,0 +1,106 @@
+"""Light against closed forms, the reference, and another run of itself."""
+
+import math
+import pathlib
+import pickle
+import threading
+
+import numpy as np
+import pytest
+
+import lamplight2d as ll
+
+SCENES = pathlib.Path(__file__).parents[3] / "scenes"
+
+
+def room():
+    opacity = np.zeros((40, 50))
+    opacity[:, 20:23] = 1
+    albedo = np.full((40, 50, 3), 0.5)
+    lamp = {"position": [10.5, 20.5], "color": "#ff8800", "intensity": 8}
+    return ll.Cells((40, 50), opacity=opacity, albedo=albedo, lamps=[lamp], sky=[0.01, 0.02, 0.03])
+
+
+def test_an_empty_grid_has_the_light_of_its_sky():
+    cells = ll.Cells((16, 24), sky=[0.5, 1.0, 2.0])
+    for light in [ll.Solver().solve(cells), ll.reference(cells, 16).light]:
+        np.testing.assert_allclose(light.rgb, np.broadcast_to([0.5, 1, 2], (16, 24, 3)), rtol=1e-4)
+
+
+def test_a_glowing_wall_has_its_closed_form():
+    """A wall of radiance L that is seen under an angle α gives a mean radiance of L·α/2π."""
+    opacity = np.zeros((48, 64))
+    opacity[16:33, 8:10] = 1
+    emission = opacity[..., None] * [1.0, 2.0, 3.0]
+    cells = ll.Cells((48, 64), opacity=opacity, emission=emission)
+    expected = 2 * math.atan(8.5 / 40.5) / math.tau * np.array([1, 2, 3])
+    for light in [ll.Solver(bounces=0).solve(cells), ll.reference(cells, 4096, bounces=0).light]:
+        np.testing.assert_allclose(light.sample([[50.5, 24.5]])[0], expected, rtol=0.01)
+
+
+def test_the_comparison_sees_a_perturbation():
+    truth = ll.reference(room(), 64)
+    assert truth.standard_error.shape == truth.light.rgb.shape
+    same = ll.compare(truth.light, truth.light)
+    assert (same.relative_rmse, same.bias, same.p99) == (0, 0, 0)
+    brighter = ll.Light(truth.light.rgb * 1.1, solid=truth.light.solid)
+    assert ll.compare(brighter, truth.light).bias == pytest.approx(0.1, rel=1e-3)
+    with pytest.raises(ValueError, match="shape"):
+        ll.compare(ll.Light(np.zeros((2, 2, 3))), truth.light)
+
+
+def test_the_same_bytes_on_any_number_of_threads():
+    one, two = (ll.Solver(threads=n).solve(room()).rgb.tobytes() for n in (1, 2))
+    assert one == two
+
+
+def test_threads_of_python_share_a_solver():
+    solver, cells = ll.Solver(), room()
+    expected, found = solver.solve(cells).rgb, []
+    threads = [threading.Thread(target=lambda: found.append(solver.solve(cells).rgb)) for _ in range(4)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert len(found) == 4 and all(np.array_equal(light, expected) for light in found)
+
+
+def test_other_threads_run_during_a_solve():
+    ended, count = threading.Event(), 0
+    thread = threading.Thread(target=lambda: (ll.reference(room(), 512), ended.set()))
+    thread.start()
+    while not ended.wait(0.001):
+        count += 1
+    thread.join()
+    assert count > 10
+
+
+def test_pickles():
+    cells = pickle.loads(pickle.dumps(room()))
+    assert cells.lamps == room().lamps and cells.sky == room().sky
+    solver = ll.Solver(threads=1, method="raymarch", raymarch={"rays": 8})
+    again = pickle.loads(pickle.dumps(solver))
+    assert again.settings == solver.settings and again.threads == 1
+    light = solver.solve(room())
+    assert again.solve(cells).rgb.tobytes() == light.rgb.tobytes()
+    light = pickle.loads(pickle.dumps(light))
+    assert light.solid.sum() == 40 * 3
+    for scene in [ll.Scene.load(SCENES / "grove.toml"), ll.Scene.from_toml("size = [8, 6]")]:
+        assert pickle.loads(pickle.dumps(scene)).to_toml() == scene.to_toml()
+
+
+def test_settings_are_checked():
+    with pytest.raises(ValueError, match="holographic"):
+        ll.Solver(method="magic")
+    with pytest.raises(ValueError, match="bounces"):
+        ll.Solver(bounces=-1)
+    with pytest.raises(ValueError, match="samples"):
+        ll.reference(room(), 0)
+
+
+def test_a_scene_is_lit_and_shown():
+    scene = ll.Scene.load(SCENES / "two_rooms.toml")
+    cells = scene.cells()
+    picture = ll.Solver(**scene.settings).solve(cells).compose(cells, **scene.display)
+    assert picture.shape == (*cells.shape, 3) and picture.dtype == np.uint8
+    assert picture.std() > 10
+    with pytest.raises(ValueError, match="missing.toml"):
+        ll.Scene.load("missing.toml")
