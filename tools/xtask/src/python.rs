@@ -3,35 +3,56 @@
 use crate::optional::has_component;
 use crate::process::{command, finish, root, succeeds, target_folder};
 use anyhow::Result;
+use std::path::PathBuf;
 use std::process::Command;
 
 /// The requirement of the step beside Rust.
-pub const NEEDED: &str = "Python 3.10 or later as `python3`, with venv";
+pub const NEEDED: &str =
+    "Python 3.10 or later as `python3`, with venv, and packages of its registry";
 
 /// The contents of the environment: the builder, the package's dependency, the tests'.
 const PACKAGES: [&str; 4] = ["maturin>=1.16,<2", "numpy", "pytest", "mypy"];
 
-/// Returns true if there is a Python that can make an environment. Debian's can import venv without having ensurepip.
-pub fn is_here() -> bool {
-    let check = "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))";
-    succeeds(Command::new("python3").args(["-c", check]))
+/// A virtual environment in the target folder.
+pub struct Environment {
+    folder: PathBuf,
+    /// The folder of its programs.
+    programs: PathBuf,
 }
 
-/// Builds the wheel, installs it, checks its Rust, and runs its tests.
-pub fn test() -> Result<()> {
-    let target = target_folder()?;
-    let environment = target.join("python");
-    finish(Command::new("python3").args(["-m", "venv"]).arg(&environment))?;
-    let programs = environment.join(if cfg!(windows) { "Scripts" } else { "bin" });
-    let python = programs.join("python");
-    let pip = |arguments: &[&str]| {
-        let mut pip = Command::new(&python);
+impl Environment {
+    /// Makes it, or finds it made; `None` without a Python that can, or if packages cannot be downloaded.
+    pub fn new() -> Result<Option<Self>> {
+        // Debian's can import venv without having ensurepip.
+        let check = "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))";
+        if !succeeds(Command::new("python3").args(["-c", check])) {
+            return Ok(None);
+        }
+        let folder = target_folder()?.join("python");
+        finish(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
+        let programs = folder.join(if cfg!(windows) { "Scripts" } else { "bin" });
+        let environment = Self { folder, programs };
+        let is_filled = succeeds(&mut environment.install(&PACKAGES));
+        Ok(is_filled.then_some(environment))
+    }
+
+    fn install(&self, arguments: &[&str]) -> Command {
+        let mut pip = self.python();
         pip.args(["-m", "pip", "--quiet", "--disable-pip-version-check", "install"]);
         pip.args(arguments);
         pip
-    };
-    finish(&mut pip(&PACKAGES))?;
+    }
 
+    fn python(&self) -> Command {
+        Command::new(self.programs.join("python"))
+    }
+}
+
+/// Builds the wheel, installs it, checks its Rust, and runs its tests.
+pub fn test(environment: &Environment) -> Result<()> {
+    let Environment { folder, programs } = environment;
+    let target = target_folder()?;
+    let python = programs.join("python");
     let package = root().join("crates/lamplight-python");
     if has_component("fmt", "rustfmt") {
         finish(command(&package).args(["fmt", "--check"]))?;
@@ -41,12 +62,12 @@ pub fn test() -> Result<()> {
         clippy.args(["clippy", "--release", "--locked", "--no-deps", "--", "-D", "warnings"]);
         finish(clippy.env("CARGO_TARGET_DIR", &target).env("PYO3_PYTHON", &python))?;
     }
-    let wheels = environment.join("wheels");
+    let wheels = folder.join("wheels");
     let mut build = Command::new(programs.join("maturin"));
     build.args(["build", "--quiet", "--release", "--locked", "--interpreter"]).arg(&python);
     build.arg("--out").arg(&wheels).env("CARGO_TARGET_DIR", &target);
     finish(build.current_dir(&package))?;
     let again = ["--force-reinstall", "--no-deps", "--no-index", "--find-links"];
-    finish(pip(&again).arg(&wheels).arg("lamplight2d"))?;
-    finish(Command::new(&python).args(["-m", "pytest", "--quiet"]).current_dir(&package))
+    finish(environment.install(&again).arg(&wheels).arg("lamplight2d"))?;
+    finish(environment.python().args(["-m", "pytest", "--quiet"]).current_dir(&package))
 }

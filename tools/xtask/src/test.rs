@@ -6,9 +6,10 @@
 
 use crate::optional::has_component;
 use crate::process::cargo;
+use crate::python::Environment;
 use crate::steps::Steps;
 use crate::{browser, display, gpu, lint, publish, python, readme, web};
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail};
 
 /// Packages of the first tier.
 const LIGHT: [&str; 7] = [
@@ -63,10 +64,11 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     steps.step("the README's first command", readme::first_command)?;
     if all {
         page(&mut steps)?;
-        if python::is_here() {
-            steps.step("the package for Python", python::test)?;
-        } else {
-            println!("== the package for Python is left out; it needs {}", python::NEEDED);
+        match Environment::new()? {
+            Some(environment) => {
+                steps.step("the package for Python", || python::test(&environment))?;
+            }
+            None => println!("== the package for Python is left out; it needs {}", python::NEEDED),
         }
         steps.step("workflows", publish::workflows)?;
         steps.step("licences and known faults of dependencies", publish::dependencies)?;
@@ -80,8 +82,10 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
 /// Builds the package for Python, and tests it.
 pub fn python() -> Result<()> {
     let mut steps = Steps::new();
-    ensure!(python::is_here(), "the package needs {}", python::NEEDED);
-    steps.step("the package for Python", python::test)?;
+    let Some(environment) = Environment::new()? else {
+        bail!("the package needs {}", python::NEEDED);
+    };
+    steps.step("the package for Python", || python::test(&environment))?;
     steps.finish();
     Ok(())
 }
