@@ -116,20 +116,31 @@ impl Inflow {
         self.between(place, |columns| mean_of_columns(columns, from, to))
     }
 
+    /// The number of the border cell whose outer edge is nearest to a place on the border.
+    pub(crate) fn nearest_cell(&self, place: [f32; 2]) -> usize {
+        let Side { first, count, along } = self.side(place);
+        first + (along.max(0.0) as usize).min(count - 1)
+    }
+
     /// Returns whether nothing enters.
     pub fn is_black(&self) -> bool {
         self.radiance.iter().all(|rgb| *rgb == [0.0; 3])
     }
 
-    /// Interpolates between two border cells.
-    fn between(&self, [x, y]: [f32; 2], of: impl Fn(&[Rgb]) -> [f64; 3]) -> Rgb {
+    /// The side that is nearest to a place on the border, which may be rounded.
+    fn side(&self, [x, y]: [f32; 2]) -> Side {
         let [w, h] = self.size.map(|side| side as f32);
-        // The nearest side, for places that are rounded.
         let distances = [y.abs(), (w - x).abs(), (h - y).abs(), x.abs()];
         let side = (1..4).fold(0, |best, s| if distances[s] < distances[best] { s } else { best });
         let [columns, rows] = self.size.map(|side| side as usize);
         let first = [0, columns, columns + rows, 2 * columns + rows][side];
         let (along, count) = if side % 2 == 0 { (x, columns) } else { (y, rows) };
+        Side { first, count, along }
+    }
+
+    /// Interpolates between two border cells.
+    fn between(&self, place: [f32; 2], of: impl Fn(&[Rgb]) -> [f64; 3]) -> Rgb {
+        let Side { first, count, along } = self.side(place);
         let at = (along - 0.5).clamp(0.0, (count - 1) as f32);
         let before = (at as usize).min(count.saturating_sub(2));
         let past = f64::from(at - before as f32);
@@ -139,6 +150,53 @@ impl Inflow {
         }
         let other = of(self.strip(first + before + 1));
         std::array::from_fn(|c| (one[c] + (other[c] - one[c]) * past) as f32)
+    }
+}
+
+/// A side of the grid, with a place on it.
+struct Side {
+    /// The number of its first border cell, and the count of them.
+    first: usize,
+    count: usize,
+    /// The place, px from the side's beginning.
+    along: f32,
+}
+
+/// The weights of neighbouring columns in their mean between two angles, the same for all border cells.
+#[derive(Debug, Default)]
+pub struct ColumnWeights {
+    first: usize,
+    weights: Vec<f32>,
+}
+
+impl ColumnWeights {
+    /// Becomes that of strips of `count` columns between two angles, radians, the first below the second.
+    pub fn set(&mut self, count: usize, from: f64, to: f64) {
+        let [from, to] = [from, to].map(|angle| column(count, angle));
+        let begin = from.floor();
+        self.first = (begin as i64).rem_euclid(count as i64) as usize;
+        self.weights.clear();
+        self.weights.resize((to.ceil() - begin) as usize + 1, 0.0);
+        for i in 0..self.weights.len() - 1 {
+            let before = begin + i as f64;
+            let [start, end] = [from.max(before) - before, to.min(before + 1.0) - before];
+            // Radiance is linear here: its mean is that in the middle.
+            let (share, past) = ((end - start) / (to - from), 0.5 * (start + end));
+            self.weights[i] += (share * (1.0 - past)) as f32;
+            self.weights[i + 1] += (share * past) as f32;
+        }
+    }
+
+    /// The mean of a strip.
+    #[inline]
+    pub fn mean(&self, strip: &[Rgb]) -> Rgb {
+        let mut sum = [0.0; 3];
+        let mut column = self.first;
+        for weight in &self.weights {
+            (0..3).for_each(|c| sum[c] += weight * strip[column][c]);
+            column = if column + 1 == strip.len() { 0 } else { column + 1 };
+        }
+        sum
     }
 }
 
@@ -193,6 +251,7 @@ mod tests {
     fn inflow_is_read_where_and_whence_it_was_written() {
         let value = |at: [f32; 2], angle: f64| [at[0] + 1.0, at[1], angle.cos() as f32 + 1.0];
         let inflow = Inflow::new(SIZE, 512, |place, angle| value(place.at, angle)).unwrap();
+        let mut weights = ColumnWeights::default();
         for step in 0..100 {
             let angle = TAU * step as f32 / 100.0;
             for place in [[0.5, 0.0], [2.2, 0.0], [5.0, 1.7], [3.3, 3.0], [0.0, 2.5]] {
@@ -203,6 +262,14 @@ mod tests {
                 let [from, to] = [angle - 0.01, angle + 0.01].map(f64::from);
                 let mean = inflow.mean(place, from, to);
                 assert!((0..3).all(|c| (mean[c] - found[c]).abs() < 1e-3), "{mean:?}, {found:?}");
+                // Of a wide angle, and of a cell's own strip.
+                let [from, to] = [angle - 0.4, angle + 0.9].map(f64::from);
+                let cell = inflow.nearest_cell(place);
+                let middle = border_place(SIZE, cell).at;
+                weights.set(512, from, to);
+                let (fast, exact) =
+                    (weights.mean(inflow.strip(cell)), inflow.mean(middle, from, to));
+                assert!((0..3).all(|c| (fast[c] - exact[c]).abs() < 1e-5), "{fast:?}, {exact:?}");
             }
         }
     }

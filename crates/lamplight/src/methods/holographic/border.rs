@@ -5,6 +5,7 @@
 //! them.
 
 use super::lattice::{BEYOND, edges, on_grid, slope};
+use crate::inflow::ColumnWeights;
 use crate::{Inflow, Rgb};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -21,6 +22,8 @@ pub struct Orientation {
 pub struct BorderLight {
     depth: usize,
     rows: usize,
+    /// Border cells along the first row and along the last, slab by slab, and along the far end, row by row.
+    cells: [Vec<usize>; 3],
     levels: Vec<LevelLight>,
 }
 
@@ -43,6 +46,14 @@ impl BorderLight {
         levels: impl ExactSizeIterator<Item = (u32, &'a [f32])>,
     ) {
         (self.depth, self.rows) = (depth, rows);
+        let cell = |place| inflow.nearest_cell(orientation.on_grid(depth, place));
+        for (cells, row) in self.cells.iter_mut().zip([0.0, rows as f32]) {
+            cells.clear();
+            cells.extend((0..depth).map(|slab| cell([slab as f32 + 0.5, row])));
+        }
+        let [first, last, end] = &mut self.cells;
+        end.clear();
+        end.extend((0..rows).map(|row| cell([depth as f32, row as f32 + 0.5])));
         self.levels.resize_with(levels.len(), LevelLight::default);
         for (held, (level, angles)) in self.levels.iter_mut().zip(levels) {
             // Those beyond the quadrant look along its edge.
@@ -53,17 +64,13 @@ impl BorderLight {
             held.slopes.extend(slopes);
             held.light.resize(angles.len() * (depth + rows), [0.0; 3]);
             let cones = held.light.par_chunks_mut(depth + rows).zip(&held.slopes).enumerate();
-            cones.for_each(|(cone, (light, slope))| {
+            cones.for_each_init(ColumnWeights::default, |weights, (cone, (light, slope))| {
                 let [from, to] =
                     on_grid(orientation.along_x, orientation.reversed, edges(level, inside(cone)));
-                for (i, light) in light.iter_mut().enumerate() {
-                    let side = if *slope > 0.0 { rows as f32 } else { 0.0 };
-                    let place = match i.checked_sub(depth) {
-                        None => [i as f32 + 0.5, side],
-                        Some(row) => [depth as f32, row as f32 + 0.5],
-                    };
-                    let place = orientation.on_grid(depth, place);
-                    *light = inflow.mean(place, from, to).map(|v| v * angles[cone]);
+                weights.set(inflow.columns(), from, to);
+                let side = if *slope > 0.0 { &*last } else { &*first };
+                for (light, &cell) in light.iter_mut().zip(side.iter().chain(&*end)) {
+                    *light = weights.mean(inflow.strip(cell)).map(|v| v * angles[cone]);
                 }
             });
         }
