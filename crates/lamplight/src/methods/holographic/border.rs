@@ -76,6 +76,15 @@ impl BorderLight {
         }
     }
 
+    /// Returns whether light of a cone comes from before the first row, and from behind the last.
+    pub fn sides(&self, level: usize, cone: usize) -> [bool; 2] {
+        let slopes = &self.levels[level].slopes;
+        // Paths are bent to the rays of neighbours.
+        let around =
+            &slopes[cone.saturating_sub(2 * BEYOND)..(cone + 2 * BEYOND + 1).min(slopes.len())];
+        [around.iter().any(|slope| *slope < 0.0), around.iter().any(|slope| *slope > 0.0)]
+    }
+
     /// Returns the light of a cone at a place beyond the border, by its slab and row; of a level by its index.
     #[inline]
     pub fn at(&self, level: usize, cone: usize, slab: usize, row: isize) -> Rgb {

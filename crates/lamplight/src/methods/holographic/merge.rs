@@ -418,9 +418,13 @@ impl MergedLight {
         }
         if let Some(border) = border {
             let slab = plane << level;
-            let [before, after] = [-(pad as isize)..0, self.rows as isize..(stride - pad) as isize];
+            let end = self.rows as isize;
+            // Paths from the level below rise by no more rows, those of pixels by no more than the pad's.
+            let most = (1 << level).clamp(pad - TILE, pad);
             for (cone, rows) in rows.chunks_exact_mut(size).enumerate() {
-                for beside in [before.clone(), after.clone()] {
+                let [before, after] =
+                    border.sides(at, cone).map(|is| if is { most as isize } else { 0 });
+                for beside in [-before..0, end..end + after] {
                     border.store(at, cone, slab, beside, pad, channels_mut(rows, stride));
                 }
             }
