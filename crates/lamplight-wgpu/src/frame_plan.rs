@@ -2,18 +2,46 @@
 //!
 //! An engine with a graphics API of its own (Godot's `RenderingDevice`, Vulkan, Metal) cannot hand wgpu its device.
 //! It can run the same shaders all the same: [`Lighting::frame_plan`](crate::Lighting::frame_plan) lists what
-//! [`Lighting::record`](crate::Lighting::record) records, as programs in WGSL or SPIR-V, buffers, textures and dispatches. The lists need no GPU: wgpu's `noop` backend plans without one.
+//! [`Lighting::record`](crate::Lighting::record) records, as programs in WGSL or SPIR-V, buffers, textures and
+//! dispatches. The lists need no GPU: a device of wgpu's `noop` backend (a feature of that crate) plans without one, with
+//! the limits that you request of it.
+//!
+//! ```
+//! use lamplight::{Cells, Method, Settings};
+//! use lamplight_wgpu::{Backend, FrameInput, Lighting, LightingOptions, Tier, required_limits, wgpu};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+//! descriptor.backends = wgpu::Backends::NOOP;
+//! descriptor.backend_options.noop.enable = true;
+//! let instance = wgpu::Instance::new(descriptor);
+//! let adapter = pollster::block_on(instance.request_adapter(&Default::default()))?;
+//! let required_limits = required_limits(Tier::Web, &adapter);
+//! let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+//! let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))?;
+//!
+//! let mut lighting = Lighting::new(&device, &queue, &LightingOptions::on(Backend::Gpu))?;
+//! // Every frame:
+//! let (settings, cells) = (Settings::new(Method::Holographic), Cells::new(64, 64)?);
+//! lighting.prepare(&FrameInput::of_cells(&settings, &cells))?;
+//! let plan = lighting.frame_plan()?;
+//! for dispatch in &plan.dispatches {
+//!     let program = &plan.programs[dispatch.program];
+//!     println!("{} {}: {:?}", program.shader, program.entry, dispatch.groups);
+//! }
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! To run a frame, in this order:
 //!
-//! 1. Compile the programs and create the resources whose `id` is new. A resource keeps its id from frame to frame.
-//!    Buffers begin with zeros.
+//! 1. Compile the programs and create the resources whose `id` is new. Buffers begin with zeros. A resource keeps its id
+//!    as long as every plan lists it.
 //! 2. Write the [`contents`](PlannedBuffer::contents) of buffers, and the textures, which may be new in each frame.
 //! 3. Run the dispatches. Each sees everything that those before it wrote: between two that share a resource which one
 //!    of them writes, most APIs want a barrier.
 //!
-//! Everything that dispatches write stays until the next frame: some of it is history. Drop a resource when a plan no longer lists
-//! it after [`Lighting::reset`](crate::Lighting::reset), or when the size of the grid changes.
+//! Everything that dispatches write stays until the next frame: some of it is history. Drop resources that a plan no
+//! longer lists; programs may come back.
 
 // Handles of wgpu are compared by what they stand for, which does not change.
 #![allow(clippy::mutable_key_type)]
@@ -23,6 +51,7 @@ use crate::pipeline::{BoundResource, Dispatch};
 use crate::programs::Binding;
 use crate::shaders;
 use std::collections::{HashMap, HashSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use wgpu::{
     BindingType, Buffer, BufferUsages, ComputePipeline, ShaderStages, TextureFormat, TextureView,
 };
@@ -45,7 +74,7 @@ pub struct FramePlan {
 /// An entry point of a shader with the values of its constants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedProgram {
-    /// A number that stands for this program in every frame of a [`Lighting`](crate::Lighting).
+    /// A number that stands for the shader, the entry point and the constants, the same in every frame.
     pub id: u64,
     /// The shader's name.
     pub shader: &'static str,
@@ -163,7 +192,7 @@ pub enum PlannedGroups {
     },
 }
 
-/// The numbers by which hosts know resources and programs again.
+/// The numbers by which hosts know resources again.
 #[derive(Debug, Default)]
 pub struct PlanIds {
     known: HashMap<Handle, u64>,
@@ -209,7 +238,7 @@ impl FramePlan {
         };
         let mut indices = PlanIndices::default();
         for dispatch in dispatches {
-            let program = plan.add_program(dispatch, &mut indices, ids);
+            let program = plan.add_program(dispatch, &mut indices);
             let slots = dispatch.pipeline.program.bindings.iter().zip(&*dispatch.resources);
             let mut bindings = Vec::with_capacity(slots.len());
             for (&(name, binding), resource) in slots {
@@ -268,10 +297,14 @@ impl FramePlan {
         &mut self,
         Dispatch { pipeline, .. }: &Dispatch,
         indices: &mut PlanIndices,
-        ids: &mut PlanIds,
     ) -> usize {
         let handle = Handle::Pipeline(pipeline.pipeline.clone());
         indices.of(&handle, || {
+            let mut id = DefaultHasher::new();
+            (pipeline.label, pipeline.entry).hash(&mut id);
+            for (name, value) in &*pipeline.constants {
+                (name, value.to_bits()).hash(&mut id);
+            }
             let program = &pipeline.program;
             let slot = |&(name, binding): &(&'static str, Binding)| {
                 let BindingType::Buffer { ty, min_binding_size, .. } =
@@ -285,7 +318,7 @@ impl FramePlan {
                 PlannedSlot { name, kind }
             };
             self.programs.push(PlannedProgram {
-                id: ids.of(handle.clone()),
+                id: id.finish(),
                 shader: pipeline.label,
                 entry: pipeline.entry,
                 wgsl: shaders::text(program.shader),
