@@ -17,6 +17,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("cpu polar debug_view", "debug views exist on the CPU only"),
     ("cpu stage estimate", "three lists of light and its noise; a buffer on the GPU"),
     ("cpu holographic axis_sweep", "SIMD over rows; a workgroup does that on the GPU"),
+    ("cpu holographic border", "inflow, which the CPU alone reads so far"),
     ("cpu holographic published", "the solver around the published cascades"),
     ("cpu polar lit_ranges", "bounds of shadow_bounds.wgsl; direct.wgsl has no shadow map"),
     ("cpu polar sun_map", "suns are in direct.wgsl, without a shadow map"),
@@ -26,6 +27,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ),
     ("cpu polar sampling", "SIMD sampling; shaders/methods/polar/shadow_ray.wgsl"),
     ("cpu polar angle", "mathematics; shaders/shared/angle.wgsl"),
+    ("cpu raymarch window", "the inflow of a window, which the CPU alone finds so far"),
     // The host side of a method is its `mod.rs`; these files plan it.
     ("host holographic tables", "lattice.rs as tables of numbers"),
     ("host holographic tiles", "sizes of workgroups"),
