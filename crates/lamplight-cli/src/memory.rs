@@ -47,6 +47,7 @@ impl SceneSize {
         Self { cells, normals: false, exact: false, cookies: 0 }
     }
 
+    /// The size of a scene.
     pub fn of(scene: &Scene) -> Self {
         let [width, height] = scene.size.map(u64::from);
         Self {

@@ -255,7 +255,6 @@ impl FramePlan {
                     }
                     BoundResource::Texture(view) => {
                         let handle = Handle::Texture(view.clone());
-                        let filled = source(view).unwrap_or(TextureSource::Written);
                         let index = indices.of(&handle, || {
                             let texture = view.texture();
                             plan.textures.push(PlannedTexture {
@@ -263,7 +262,7 @@ impl FramePlan {
                                 name,
                                 size: [texture.width(), texture.height()],
                                 format: texture.format(),
-                                source: filled,
+                                source: source(view).unwrap_or(TextureSource::Written),
                             });
                             plan.textures.len() - 1
                         });
@@ -307,14 +306,11 @@ impl FramePlan {
             }
             let program = &pipeline.program;
             let slot = |&(name, binding): &(&'static str, Binding)| {
-                let BindingType::Buffer { ty, min_binding_size, .. } =
-                    binding.entry(0, ShaderStages::COMPUTE).ty
-                else {
-                    let kind = binding.entry(0, ShaderStages::COMPUTE).ty;
-                    return PlannedSlot { name, kind };
-                };
-                // Offsets are part of each binding.
-                let kind = BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size };
+                let mut kind = binding.entry(0, ShaderStages::COMPUTE).ty;
+                if let BindingType::Buffer { has_dynamic_offset, .. } = &mut kind {
+                    // Offsets are part of each binding.
+                    *has_dynamic_offset = false;
+                }
                 PlannedSlot { name, kind }
             };
             self.programs.push(PlannedProgram {

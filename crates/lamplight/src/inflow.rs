@@ -6,7 +6,7 @@
 //! [`Panorama`]. A ray that leaves the grid reads it where it crosses the border.
 
 use crate::limits::MAX_SIDE;
-use crate::panorama::{column, mean_of_columns, radiance_of_columns};
+use crate::panorama::{StripPart, column, mean_of_columns, radiance_of_columns, strip_parts};
 use crate::{Error, Panorama, Result, Rgb};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -122,11 +122,6 @@ impl Inflow {
         first + (along.max(0.0) as usize).min(count - 1)
     }
 
-    /// Returns whether nothing enters.
-    pub fn is_black(&self) -> bool {
-        self.radiance.iter().all(|rgb| *rgb == [0.0; 3])
-    }
-
     /// The side that is nearest to a place on the border, which may be rounded.
     fn side(&self, [x, y]: [f32; 2]) -> Side {
         let [w, h] = self.size.map(|side| side as f32);
@@ -173,17 +168,13 @@ impl ColumnWeights {
     /// Becomes that of strips of `count` columns between two angles, radians, the first below the second.
     pub fn set(&mut self, count: usize, from: f64, to: f64) {
         let [from, to] = [from, to].map(|angle| column(count, angle));
-        let begin = from.floor();
-        self.first = (begin as i64).rem_euclid(count as i64) as usize;
+        self.first = (from.floor() as i64).rem_euclid(count as i64) as usize;
         self.weights.clear();
-        self.weights.resize((to.ceil() - begin) as usize + 1, 0.0);
-        for i in 0..self.weights.len() - 1 {
-            let before = begin + i as f64;
-            let [start, end] = [from.max(before) - before, to.min(before + 1.0) - before];
-            // Radiance is linear here: its mean is that in the middle.
-            let (share, past) = ((end - start) / (to - from), 0.5 * (start + end));
+        self.weights.push(0.0);
+        for (i, StripPart { length, past, .. }) in strip_parts(from, to).enumerate() {
+            let share = length / (to - from);
             self.weights[i] += (share * (1.0 - past)) as f32;
-            self.weights[i + 1] += (share * past) as f32;
+            self.weights.push((share * past) as f32);
         }
     }
 

@@ -141,15 +141,30 @@ pub(crate) fn radiance_of_columns(columns: &[Rgb], at: f64) -> [f64; 3] {
 /// Returns the mean radiance between two places on a strip.
 pub(crate) fn mean_of_columns(columns: &[Rgb], from: f64, to: f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
-    let mut column = from.floor();
-    while column < to {
-        let [start, end] = [from.max(column) - column, to.min(column + 1.0) - column];
-        // Radiance is linear here: its mean is that in the middle.
-        let middle = between(columns, column, 0.5 * (start + end));
-        (0..3).for_each(|c| sum[c] += (end - start) * middle[c]);
-        column += 1.0;
+    for StripPart { column, length, past } in strip_parts(from, to) {
+        let middle = between(columns, column, past);
+        (0..3).for_each(|c| sum[c] += length * middle[c]);
     }
     sum.map(|v| v / (to - from))
+}
+
+/// A part of a strip between the middles of two columns. Radiance is linear there: its mean is that in the middle.
+pub(crate) struct StripPart {
+    /// The first of the columns, which may lie on another turn around the circle.
+    pub column: f64,
+    /// The length of the part, in columns.
+    pub length: f64,
+    /// The place of its middle, in columns from the first.
+    pub past: f64,
+}
+
+/// Returns the parts of a strip between two places.
+pub(crate) fn strip_parts(from: f64, to: f64) -> impl Iterator<Item = StripPart> {
+    let columns = std::iter::successors(Some(from.floor()), |column| Some(column + 1.0));
+    columns.take_while(move |column| *column < to).map(move |column| {
+        let [start, end] = [from.max(column) - column, to.min(column + 1.0) - column];
+        StripPart { column, length: end - start, past: 0.5 * (start + end) }
+    })
 }
 
 /// Returns the radiance between a column and the next, at a fraction of the way.

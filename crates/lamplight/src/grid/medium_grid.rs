@@ -46,7 +46,7 @@ impl MediumGrid {
         let w = cells.width() as usize;
         self.size = [cells.width() as i32, cells.height() as i32];
         self.sky.clone_from(cells.sky());
-        self.inflow.clone_from(&cells.inflow().cloned());
+        self.inflow = cells.inflow().cloned();
         self.classes.resize(cells.len(), CellClass::Empty);
         let rows = self.classes.par_chunks_mut(w).enumerate().map(|(y, classes)| {
             for (x, class) in classes.iter_mut().enumerate() {

@@ -1,6 +1,6 @@
 //! Light that enters through the border of the grid, for the cones of a quadrant.
 //!
-//! Whatever lies beyond the border, rows beside the grid and planes behind it, has the light that enters the grid
+//! Rows beside the grid and planes behind it, which lie beyond the border, have the light that enters the grid
 //! where the middle of its cone leaves it. It is found once for every cone and border cell, and is linear between
 //! them.
 

@@ -2,9 +2,9 @@
 // x = j·2ⁿ, and from each cell of a plane the rays `v_n(k) = (2ⁿ, 2k − 2ⁿ)`, k = 0 … 2ⁿ.
 
 #import methods/holographic/sweep
+#import shared/interval
 
 @group(0) @binding(1) var<uniform> sweep: Sweep;
-#import shared/interval
 
 // Floats of an interval: three of radiance; one of transmittance, or three if matter tints.
 override WORDS: u32;
