@@ -7,7 +7,8 @@
 use crate::limits;
 use crate::mask::{self, ALL_LAYERS};
 use crate::relief::UP;
-use crate::{Error, Inflow, Lamp, Normal, Result, Rgb, Sky, Sun};
+use crate::{Error, GridWindow, Inflow, Lamp, Normal, Result, Rgb, Sky, Sun};
+use std::ops::Range;
 
 /// The contents of one cell.
 ///
@@ -158,6 +159,43 @@ impl Cells {
     /// Always false: a grid has at least one cell.
     pub fn is_empty(&self) -> bool {
         self.opacity.is_empty()
+    }
+
+    /// Returns the cells of a window, alone: with the same sky and suns, and with all lamps, wherever they are.
+    ///
+    /// # Errors
+    /// Fails if the window does not lie in the grid.
+    pub fn window(&self, window: GridWindow) -> Result<Self> {
+        window.check([self.width, self.height])?;
+        let [width, height] = window.size;
+        let mut cells = Self::new(width, height)?;
+        let rows = window.rows(self.width);
+        copy_rows(&self.emission, &rows, &mut cells.emission);
+        copy_rows(&self.opacity, &rows, &mut cells.opacity);
+        copy_rows(&self.tint, &rows, &mut cells.tint);
+        copy_rows(&self.albedo, &rows, &mut cells.albedo);
+        if let Some(glow) = self.glow() {
+            copy_rows(glow, &rows, cells.glow_mut());
+        }
+        if let Some(color) = self.color() {
+            copy_rows(color, &rows, cells.color_mut());
+        }
+        if let Some(normals) = self.normals() {
+            copy_rows(normals, &rows, cells.normals_mut());
+        }
+        if let Some(masks) = self.masks() {
+            copy_rows(masks, &rows, cells.masks_mut());
+        }
+        let first = window.first.map(|v| v as f32);
+        cells.lamps.extend(
+            self.lamps
+                .iter()
+                .cloned()
+                .map(|lamp| Lamp { position: [0, 1].map(|a| lamp.position[a] - first[a]), ..lamp }),
+        );
+        cells.suns.clone_from(&self.suns);
+        cells.sky = self.sky.clone();
+        Ok(cells)
     }
 
     /// The index of cell (x, y) in the arrays.
@@ -457,6 +495,14 @@ impl Cells {
             return Err(Error::Cell { x: x as u32, y: y as u32, field, value: part[at], expected });
         }
         Ok(())
+    }
+}
+
+/// Copies the values of a window, by the ranges of its rows.
+pub(crate) fn copy_rows<T: Copy>(from: &[T], rows: &[Range<usize>], to: &mut [T]) {
+    let width = rows.first().map_or(1, Range::len);
+    for (row, to) in rows.iter().zip(to.chunks_exact_mut(width)) {
+        to.copy_from_slice(&from[row.clone()]);
     }
 }
 

@@ -9,6 +9,7 @@ use crate::limits::MAX_SIDE;
 use crate::panorama::{StripPart, column, mean_of_columns, radiance_of_columns, strip_parts};
 use crate::{Error, Panorama, Result, Rgb};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Radiance that enters a grid, by place on its border and by direction.
@@ -33,6 +34,29 @@ pub struct GridWindow {
     pub first: [u32; 2],
     /// Columns and rows.
     pub size: [u32; 2],
+}
+
+impl GridWindow {
+    /// Rejects a window that does not lie in a grid.
+    pub(crate) fn check(self, grid: [u32; 2]) -> Result<()> {
+        let Self { first, size } = self;
+        let fits = |a: usize| {
+            size[a] > 0 && u64::from(first[a]) + u64::from(size[a]) <= u64::from(grid[a])
+        };
+        if fits(0) && fits(1) {
+            return Ok(());
+        }
+        let [w, h] = grid;
+        let found = format!("{}×{} cells from {first:?} on", size[0], size[1]);
+        Err(Error::value("window", found, format!("a part of a grid of {w}×{h} cells")))
+    }
+
+    /// The indices of its cells in a grid of so many columns, row by row.
+    pub(crate) fn rows(self, columns: u32) -> Vec<Range<usize>> {
+        let Self { first: [x, y], size: [width, height] } = self;
+        let start = |row: u32| (y + row) as usize * columns as usize + x as usize;
+        (0..height).map(|row| start(row)..start(row) + width as usize).collect()
+    }
 }
 
 /// A place on the border of a grid, px.

@@ -17,6 +17,7 @@ mod elevation;
 mod error;
 mod exact;
 mod explain;
+mod far_field;
 mod filters;
 mod grid;
 mod inflow;
@@ -47,6 +48,7 @@ pub mod srgb;
 mod stages;
 mod sun;
 mod sun_glow;
+pub mod world;
 
 pub use cells::{Cells, Matter};
 pub use cookie::{Cookie, CookiePicture, CookiePixels};

@@ -1,6 +1,7 @@
 //! The result of a solver: the light at every cell, and queries of it.
 
-use crate::{Cells, Error, Moment, Result, Rgb, elevation};
+use crate::cells::copy_rows;
+use crate::{Cells, Error, GridWindow, Moment, Result, Rgb, elevation};
 
 /// Mean radiance `J = (1/2π) ∫ L dω` at the centre of each cell, linear RGB, in row order.
 ///
@@ -51,6 +52,31 @@ impl Light {
         }
         (self.moment, self.elevation) = (Some(moment), elevation);
         Ok(self)
+    }
+
+    /// Returns the light of a window.
+    ///
+    /// # Panics
+    /// If the window does not lie in the grid.
+    #[must_use]
+    pub fn window(&self, window: GridWindow) -> Self {
+        let [width, height] = window.size;
+        let rows = window.rows(self.width);
+        let count = width as usize * height as usize;
+        let mut light = Self {
+            width,
+            height,
+            rgb: vec![[0.0; 3]; count],
+            solid: vec![false; count],
+            moment: self.moment.as_ref().map(|_| vec![Moment::default(); count]),
+            elevation: self.elevation,
+        };
+        copy_rows(&self.rgb, &rows, &mut light.rgb);
+        copy_rows(&self.solid, &rows, &mut light.solid);
+        if let (Some(from), Some(to)) = (&self.moment, &mut light.moment) {
+            copy_rows(from, &rows, to);
+        }
+        light
     }
 
     /// Columns.

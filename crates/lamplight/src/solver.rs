@@ -17,7 +17,7 @@ use crate::stages::gradient_moment::gradient_moment;
 use crate::stages::walls::Walls;
 use crate::stages::{distance::distance, jump_flood, seed::seed};
 use crate::sun_glow::SunGlow;
-use crate::{Cells, Error, GridWindow, Inflow, Lamp, Light, Result, Settings, elevation};
+use crate::{Cells, GridWindow, Inflow, Lamp, Light, Result, Settings, elevation};
 use fearless_simd::Level;
 use std::time::Duration;
 
@@ -308,18 +308,7 @@ impl Solver {
     /// Fails if the window does not lie in the grid, or as [`Inflow::new`].
     pub fn inflow(&mut self, window: GridWindow, columns: usize) -> Result<Inflow> {
         let Self { settings, cells, glow, raymarch, cascades, holographic, .. } = self;
-        let grid = [cells.width(), cells.height()];
-        let fits =
-            |a: usize| u64::from(window.first[a]) + u64::from(window.size[a]) <= grid[a].into();
-        if !(fits(0) && fits(1)) {
-            let [w, h] = grid;
-            let GridWindow { first, size } = window;
-            return Err(Error::value(
-                "window",
-                format!("{}×{} cells from {first:?} on", size[0], size[1]),
-                format!("a part of a grid of {w}×{h} cells"),
-            ));
-        }
+        window.check([cells.width(), cells.height()])?;
         let glows = settings.method.reads_glow();
         if glows {
             glow.to_media(cells);

@@ -31,3 +31,4 @@ mod smooth_motion;
 mod temporal;
 mod tightness;
 mod walls;
+mod world;

@@ -1,0 +1,96 @@
+//! Rays through the blocks around a window, larger ones farther away.
+
+use super::block::{Bearing, BlockRayState};
+use super::levels::{BlockLevel, EMPTY, SHUT, SOLID, record};
+use super::read::SIDE;
+use crate::Rgb;
+use crate::math::transmittance::OPAQUE_TRANSMITTANCE;
+
+/// The blocks of each level that rays from a window cross before they come to those of the next one: from the first
+/// to the last, exclusive.
+#[derive(Debug)]
+pub struct Rings {
+    levels: Vec<[[i32; 2]; 2]>,
+}
+
+/// A ray that enters a smallest block.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockRay {
+    /// px of the world.
+    pub from: [f64; 2],
+    /// Radians from +x towards +y.
+    pub angle: f64,
+    /// The block that it enters, by column and row, and the axis along which it does.
+    pub block: [i32; 2],
+    pub axis: usize,
+    /// The length after which it enters no more blocks, px.
+    pub reach: f64,
+}
+
+impl Rings {
+    /// Finds those of a window, px, for so many levels, of which each is `width` blocks wide.
+    pub fn new(count: usize, first: [i32; 2], end: [i32; 2], width: i32) -> Self {
+        let mut edges = [first, end];
+        let ring = |level: usize| {
+            let side = (SIDE as i32) << level;
+            if level + 1 == count {
+                return [[i32::MIN; 2], [i32::MAX; 2]];
+            }
+            let [low, high] = &mut edges;
+            for a in 0..2 {
+                low[a] = (low[a] - width * side).div_euclid(2 * side) * 2 * side;
+                high[a] = (high[a] + (width + 2) * side - 1).div_euclid(2 * side) * 2 * side;
+            }
+            edges.map(|edge| edge.map(|v| v / side))
+        };
+        Self { levels: (0..count).map(ring).collect() }
+    }
+}
+
+/// Returns the radiance that blocks send along a ray, and the transmittance of the way out of the world.
+pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
+    let BlockRay { from, angle, block: mut cell, mut axis, reach } = ray;
+    let (sin, cos) = angle.sin_cos();
+    let way = [cos, sin];
+    let bearing = Bearing::new(angle);
+    let ahead = way.map(|v| if v > 0.0 { 1 } else { -1 });
+    let inverse = way.map(|v| 1.0 / if v.abs() < 1e-12 { 1e-12 } else { v.abs() });
+    let mut state = BlockRayState::START;
+    for (number, (level, ring)) in levels.iter().zip(&rings.levels).enumerate() {
+        let side = (SIDE << number) as f64;
+        let mut next = [0, 1].map(|a| {
+            let edge = f64::from(cell[a] + i32::from(ahead[a] > 0)) * side;
+            (edge - from[a]) * f64::from(ahead[a]) * inverse[a]
+        });
+        let step = inverse.map(|v| v * side);
+        let holds = |cell: [i32; 2]| (0..2).all(|a| ring[0][a] <= cell[a] && cell[a] < ring[1][a]);
+        while holds(cell) {
+            let inside = (0..2).all(|a| (0..level.size[a]).contains(&cell[a]));
+            if !inside {
+                return [state.light, state.through];
+            }
+            let crosses = usize::from(next[1] < next[0]);
+            match level.numbers[(cell[1] * level.size[0] + cell[0]) as usize] {
+                EMPTY => {}
+                SOLID => state.cross(None),
+                number => {
+                    state.cross(level.blocks[record(number)].crossed(&bearing, axis));
+                    if number & SHUT != 0 {
+                        state.through = [0.0; 3];
+                    }
+                }
+            }
+            if state.through.iter().all(|v| *v < OPAQUE_TRANSMITTANCE) {
+                return [state.light, [0.0; 3]];
+            }
+            if next[crosses] > reach {
+                return [state.light, state.through];
+            }
+            cell[crosses] += ahead[crosses];
+            next[crosses] += step[crosses];
+            axis = crosses;
+        }
+        cell = cell.map(|v| v.div_euclid(2));
+    }
+    [state.light, state.through]
+}

@@ -1,0 +1,274 @@
+//! Worlds in tiles: the light of one solve of the whole.
+
+use crate::common::*;
+use lamplight::settings::Holographic;
+use lamplight::world::{World, WorldSettings};
+use lamplight::{
+    Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Light, Matter, Settings, Sky, Solver,
+};
+
+const STONE: Matter = Matter { opacity: 1.0, albedo: [0.7, 0.6, 0.5], ..Matter::EMPTY };
+
+fn direct() -> Settings {
+    Settings::direct(Holographic::default())
+}
+
+fn bounces(count: u32) -> Settings {
+    Settings { bounces: Bounces::Count(count), ..direct() }
+}
+
+/// Hills, boxes, slanting walls, fog and lights.
+fn open_world(side: u32) -> Cells {
+    let scale = side as f32 / 1024.0;
+    let random = &mut seeded(3);
+    let ground = |x: f32| {
+        scale * (820.0 + 60.0 * (x / scale * 0.011).sin() + 25.0 * (x / scale * 0.037).sin())
+    };
+    let mut cells =
+        grid(side, side, |x, y| if y as f32 > ground(x as f32) { STONE } else { Matter::EMPTY });
+    for _ in 0..40 {
+        let [cx, cy] = [0; 2].map(|_| random.f32() * side as f32);
+        let (radius, kind) = (scale * (3.0 + 12.0 * random.f32()), random.u32(0..4));
+        let light = Matter { emission: rgb(random).map(|v| 6.0 * v), ..STONE };
+        let slope = random.f32() - 0.5;
+        let fog = Matter { opacity: 0.01, albedo: [0.8; 3], ..Matter::EMPTY };
+        for (x, y) in (0..side).flat_map(|x| (0..side).map(move |y| (x, y))) {
+            let [dx, dy] = [x as f32 + 0.5 - cx, y as f32 + 0.5 - cy];
+            let matter = match kind {
+                0 if dx.hypot(dy) < 0.6 * radius => light,
+                1 if dx.abs().max(dy.abs()) < radius => STONE,
+                2 if dx.abs() < 4.0 * radius && (dy - slope * dx).abs() < 1.0 => STONE,
+                3 if dx.hypot(dy) < 2.0 * radius => fog,
+                _ => continue,
+            };
+            cells.set(x, y, matter);
+        }
+    }
+    cells
+}
+
+/// Tunnels through stone, with lights.
+fn cave(side: u32) -> Cells {
+    let random = &mut seeded(4);
+    let mut cells = grid(side, side, |x, y| {
+        let [x, y] = [x, y].map(|v| v as f32 * 0.03);
+        let rows = (x + 1.3 * (0.7 * y).sin()).sin() + (y + 1.7 * (0.6 * x).cos()).sin();
+        if rows + 0.5 * (2.3 * x + y).sin() > 0.2 { STONE } else { Matter::EMPTY }
+    });
+    for _ in 0..side * side / 8192 {
+        let [left, top] = [0; 2].map(|_| random.u32(4..side - 4));
+        let light = Matter { emission: rgb(random).map(|v| 6.0 * v), ..STONE };
+        for (x, y) in (0..4).flat_map(|x| (0..4).map(move |y| (left + x, top + y))) {
+            cells.set(x, y, light);
+        }
+    }
+    cells
+}
+
+/// The world's light, tile by tile.
+fn in_tiles(cells: &Cells, settings: WorldSettings, tile: u32) -> Light {
+    let world = World::new(cells, settings, |_, _| ()).unwrap();
+    let mut pixels = vec![[0.0; 3]; cells.len()];
+    for window in world.tiles(tile) {
+        let light = world.light(window).unwrap();
+        for (i, rgb) in (0..).zip(light.pixels()) {
+            let [x, y] = [i % window.size[0], i / window.size[0]];
+            pixels[cells.index(window.first[0] + x, window.first[1] + y)] = *rgb;
+        }
+    }
+    Light::from_pixels(cells, pixels).unwrap()
+}
+
+/// The root mean square difference over open cells, and the largest mean jump along a stretch of a seam, relative to
+/// the mean light.
+fn difference(found: &Light, truth: &Light, tile: u32) -> [f64; 2] {
+    const STRETCH: u32 = 64;
+    let width = truth.width();
+    let green = |light: &Light, [x, y]: [u32; 2]| f64::from(light.at(x, y)[1]);
+    let error = |at| green(found, at) - green(truth, at);
+    let is_open = |&[x, y]: &[u32; 2]| !truth.solid()[(y * width + x) as usize];
+    let cells =
+        || (0..truth.height()).flat_map(|y| (0..width).map(move |x| [x, y])).filter(is_open);
+    let count = cells().count() as f64;
+    let mean = cells().map(|at| green(truth, at)).sum::<f64>() / count;
+    let rmse = (cells().map(|at| error(at).powi(2)).sum::<f64>() / count).sqrt() / mean;
+    let mut largest = 0.0f64;
+    for seam in (tile..width).step_by(tile as usize) {
+        for (start, across) in (0..width).step_by(STRETCH as usize).flat_map(|v| [(v, 0), (v, 1)]) {
+            let at = |past: u32, i: u32| {
+                if across == 0 { [seam - past, start + i] } else { [start + i, seam - past] }
+            };
+            let pairs =
+                (0..STRETCH).map(|i| [at(1, i), at(0, i)]).filter(|pair| pair.iter().all(is_open));
+            let jumps: Vec<f64> =
+                pairs.map(|[before, after]| error(after) - error(before)).collect();
+            if jumps.len() as u32 > STRETCH / 2 {
+                largest =
+                    largest.max((jumps.iter().sum::<f64>() / jumps.len() as f64).abs() / mean);
+            }
+        }
+    }
+    [rmse, largest]
+}
+
+/// Largest error of tiles with the default margin against one solve of the whole, and jump of light at a seam.
+const OPEN: [f64; 2] = [0.035, 0.05];
+const SKY: [f64; 2] = [0.02, 0.025];
+const CAVE: [f64; 2] = [0.02, 0.06];
+
+#[test]
+fn tiles_have_the_light_of_their_world() {
+    let (side, tile) = (512, 256);
+    let mut under_sky = open_world(side);
+    under_sky.set_sky(Sky::Uniform([0.3, 0.4, 0.6]));
+    for (name, cells, bounds) in
+        [("open", open_world(side), OPEN), ("sky", under_sky, SKY), ("cave", cave(side), CAVE)]
+    {
+        for wanted in [Bounces::Count(0), Bounces::Converged] {
+            let settings = Settings { bounces: wanted, ..direct() };
+            let truth = Solver::new(settings.clone()).unwrap().solve(&cells).unwrap().clone();
+            let found = in_tiles(&cells, WorldSettings::new(settings.clone()), tile);
+            let [rmse, seam] = difference(&found, &truth, tile);
+            println!("{name}, {wanted:?}: error {:.2} %, seam {:.2} %", 100.0 * rmse, 100.0 * seam);
+            assert!(rmse < bounds[0] && seam < bounds[1], "{name}: {rmse}, {seam}");
+            let alone = in_tiles_alone(&cells, &settings, tile);
+            let [rmse, seam] = difference(&alone, &truth, tile);
+            assert!(rmse > 2.0 * bounds[0] && seam > bounds[1], "tiles alone pass: {rmse}, {seam}");
+        }
+    }
+}
+
+/// The light of tiles that know nothing of each other.
+fn in_tiles_alone(cells: &Cells, settings: &Settings, tile: u32) -> Light {
+    let mut pixels = vec![[0.0; 3]; cells.len()];
+    for (left, top) in [(0, 0), (tile, 0), (0, tile), (tile, tile)] {
+        let own = cells.window(GridWindow { first: [left, top], size: [tile; 2] }).unwrap();
+        let light = Solver::new(settings.clone()).unwrap().solve(&own).unwrap().clone();
+        for (x, y) in (0..tile).flat_map(|x| (0..tile).map(move |y| (x, y))) {
+            pixels[cells.index(left + x, top + y)] = light.at(x, y);
+        }
+    }
+    Light::from_pixels(cells, pixels).unwrap()
+}
+
+/// The inflow of a window, around the middle of its right side, found by the world and by a solve of the whole.
+fn right_side(cells: &Cells, settings: Settings, window: GridWindow) -> [Vec<f64>; 2] {
+    const COLUMNS: usize = 512;
+    let mut solver = Solver::new(settings.clone()).unwrap();
+    solver.solve(cells).unwrap();
+    let exact = solver.inflow(window, COLUMNS).unwrap();
+    let settings = WorldSettings { columns: COLUMNS, ..WorldSettings::new(settings) };
+    let found = World::new(cells, settings, |_, _| ()).unwrap().inflow(window).unwrap();
+    let [width, height] = window.size;
+    let middle = width as usize + height as usize / 2;
+    let strip = |inflow: &Inflow| {
+        let column = |k: usize| {
+            let seen = (middle - 8..middle + 8).map(|cell| f64::from(inflow.strip(cell)[k][0]));
+            seen.sum::<f64>() / 16.0
+        };
+        (0..COLUMNS).map(column).collect()
+    };
+    [strip(&found), strip(&exact)]
+}
+
+#[test]
+fn a_distant_light_is_as_bright_as_it_is() {
+    // A disc of radius 5, which borders of blocks part in every way; nearby blocks are smaller than it.
+    const PARTED: f64 = 0.3;
+    const ON_AVERAGE: f64 = 0.15;
+    let places = [[300.3, 100.2], [500.3, 130.2], [900.3, 500.2], [640.0, 640.0], [333.0, 470.5]];
+    let mut sum = 0.0;
+    for at in places {
+        let cells = grid(1024, 1024, |x, y| {
+            let [dx, dy] = [x as f32 + 0.5 - at[0], y as f32 + 0.5 - at[1]];
+            if dx.hypot(dy) < 5.0 { GLOW } else { Matter::EMPTY }
+        });
+        let window = GridWindow { first: [0; 2], size: [256; 2] };
+        let [found, _] = right_side(&cells, direct(), window);
+        let [dx, dy] = [at[0] - 256.0, at[1] - 128.0].map(f64::from);
+        let expected = 2.0 * (5.0 / dx.hypot(dy)).asin() * 512.0 / std::f64::consts::TAU;
+        let ratio = found.iter().sum::<f64>() / expected;
+        println!("{at:?}: {ratio:.3}");
+        assert!((ratio - 1.0).abs() < PARTED, "{at:?}: {ratio}");
+        sum += ratio;
+    }
+    let mean = sum / places.len() as f64;
+    assert!((mean - 1.0).abs() < ON_AVERAGE, "{mean}");
+}
+
+#[test]
+fn distant_ground_reflects_the_sky() {
+    /// The mean over directions: steps of slanting ground are known as a mean over blocks.
+    const TOLERANCE: f64 = 0.05;
+    for slope in [0.0, 0.1, 0.3, 1.0] {
+        let ground = Matter { opacity: 1.0, albedo: [0.7; 3], ..Matter::EMPTY };
+        let mut cells = grid(768, 768, |x, y| {
+            let height = 503.0 + slope * (x as f32 - 384.0);
+            if y as f32 > height { ground } else { Matter::EMPTY }
+        });
+        cells.set_sky(Sky::Uniform([1.0; 3]));
+        let window = GridWindow { first: [320, 64], size: [128; 2] };
+        let [found, exact] = right_side(&cells, bounces(1), window).map(|strip| {
+            // Only the columns that look down.
+            let down = strip.len() * 3 / 4..;
+            strip[down].iter().sum::<f64>()
+        });
+        println!("slope {slope}: {found:.3}, {exact:.3}");
+        assert!((found / exact - 1.0).abs() < TOLERANCE, "slope {slope}: {found}, {exact}");
+    }
+}
+
+#[test]
+fn walls_beyond_the_border_are_shut() {
+    // A bright room of thin slanting walls, far and near.
+    for scale in [1.0, 3.0] {
+        let [cx, cy] = [256.0 + 60.0 * scale, 128.0];
+        let cells = grid(640, 256, |x, y| {
+            let [dx, dy] = [x as f32 + 0.5 - cx, y as f32 + 0.5 - cy];
+            let [u, v] = [0.8 * dx + 0.6 * dy, 0.8 * dy - 0.6 * dx];
+            let across = u.abs().max(v.abs());
+            match across {
+                a if a < 4.0 => GLOW,
+                a if (14.0 * scale..14.0 * scale + 1.5).contains(&a) => WALL,
+                _ => Matter::EMPTY,
+            }
+        });
+        let window = GridWindow { first: [0; 2], size: [256; 2] };
+        let [found, exact] = right_side(&cells, direct(), window);
+        let [found, exact] = [found, exact].map(|strip| strip.into_iter().sum::<f64>());
+        assert!(exact == 0.0 && found == 0.0, "{scale}: {found}, {exact}");
+    }
+}
+
+#[test]
+fn tiles_are_the_same_in_any_order_and_at_any_edge() {
+    let mut cells = open_world(300);
+    cells.lamps_mut().push(Lamp { position: [150.0, 20.0], ..LAMP });
+    let settings = WorldSettings { halo: 20, columns: 64, ..WorldSettings::new(direct()) };
+    let world = World::new(&cells, settings.clone(), |_, _| ()).unwrap();
+    let windows = world.tiles(128);
+    assert_eq!(windows.len(), 9);
+    assert_eq!(windows[8], GridWindow { first: [256; 2], size: [44; 2] });
+    let again = World::new(&cells, settings, |_, _| ()).unwrap();
+    for window in windows.iter().rev().step_by(2) {
+        let light = world.light(*window).unwrap();
+        assert_eq!([light.width(), light.height()], window.size);
+        assert!(light == again.light(*window).unwrap(), "{window:?}");
+    }
+}
+
+#[test]
+fn what_a_world_cannot_light_is_refused() {
+    let mut cells = Cells::new(64, 64).unwrap();
+    let world = |cells: &Cells| {
+        let made = World::new(cells, WorldSettings::new(direct()), |_, _| ());
+        made.map(|_| ()).unwrap_err().to_string()
+    };
+    cells.lamps_mut().push(Lamp { position: [9.0, 5.0], direct: Direct::Exact, ..LAMP });
+    let error = world(&cells);
+    assert!(error.contains("(9, 5)") && error.contains("glow"), "{error}");
+    cells.lamps_mut().clear();
+    cells.set(3, 4, Matter { opacity: 2.0, ..Matter::EMPTY });
+    let error = world(&cells);
+    assert!(error.contains("opacity") && error.contains("(3, 4)"), "{error}");
+}
