@@ -54,10 +54,11 @@ fn far_of(plane: u32) -> u32 {
     let odd = (plane & 1u) == 1u;
     let slot = select(sweep.far - plane / 2u, sweep.far - (plane + 1u) / 2u, odd);
     let base = select(sweep.above, sweep.below, odd);
-    return base + slot * cone_count(sweep.level + 1u) * sweep.rows;
+    return base + slot * shown_count(sweep.level + 1u) * sweep.rows;
 }
 
-// The light of a cone on the plane ahead, in the rows before, at and after one, times their weights.
+// The light of a cone on the plane ahead, in the rows before, at and after one, times their weights. The first of all
+// cones is not gathered from.
 fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
     let at = pixel.far + cone * sweep.rows;
     var sum = vec3f(0.0);
@@ -71,7 +72,7 @@ fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
         }
     }
     if beyond > 0.0 {
-        sum += beyond * sky_in(cone);
+        sum += beyond * sky_in(cone + 1u);
     }
     return sum;
 }
@@ -116,8 +117,7 @@ fn through_nothing(pixel: Pixel, cone: u32) -> vec3f {
     let end_past = footprints[pixel.view + cone * pixel.size + RAYS + 1u];
     let end = i32(pixel.row) + bitcast<i32>(end_past.x);
     let weights = weights_at(end, bitcast<f32>(end_past.y));
-    // The outermost cones have no light.
-    return far(pixel, cone + 1u, end, weights) / (WEIGHT_EPSILON + weights.x + weights.y + weights.z);
+    return far(pixel, cone, end, weights) / (WEIGHT_EPSILON + weights.x + weights.y + weights.z);
 }
 
 // The light through a cone in which there is matter.
@@ -134,7 +134,7 @@ fn through(pixel: Pixel, cone: u32, emits: bool) -> vec3f {
         let near = march(pixel.slab, pixel.row, pixel.lane, crossings);
         let weights = weights_behind(pixel, row, bitcast<f32>(end_past.y));
         let all = WEIGHT_EPSILON + weights.x + weights.y + weights.z;
-        sum += near.light * angle + near.transmittance * (far(pixel, cone + 1u, i32(pixel.row) + row, weights) / all);
+        sum += near.light * angle + near.transmittance * (far(pixel, cone, i32(pixel.row) + row, weights) / all);
     }
     return sum / f32(count);
 }
