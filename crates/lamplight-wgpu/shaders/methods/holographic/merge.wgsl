@@ -287,23 +287,36 @@ fn halves_before(s: Share, first: i32) {
     }
 }
 
-// The halves on the plane 2q, which is the plane q: each is made of eight lines.
+// The halves on the plane 2q, which is the plane q. Cones go along the same row as far as few lanes read beside the tile.
 fn halves_on(s: Share, first: i32) {
     let n = sweep.level;
     let p = 2u * s.q;
     if p >= planes(n) {
         return;
     }
+    let block = (s.first + 5) / 2;
     let end = min(first + i32(BLOCK / 2u), i32(cone_count(n)));
-    for (var cone = first; cone < end; cone++) {
-        let away = rise(n, cone - BEYOND);
-        if u32(s.row + away) < sweep.rows {
-            let line = 2 * cone - 5 - s.first;
-            var sum = vec3f(0.0);
-            for (var i = 0; i < 4; i++) {
-                sum += f32(2 * i + 1) * (held(s, line + i, away) + held(s, line + 7 - i, away));
+    let together = s.run / 2;
+    for (var begin = first; begin < end; begin += together - (begin - block) % together) {
+        let run = (begin - block) / together;
+        let to = min(end, block + (run + 1) * together);
+        let away = rise(n, s.ray + run * together + together / 2);
+        let row = s.row + away;
+        // A cone is made of four lines, two of which are the next one's too.
+        let line = 2 * begin - 5 - s.first;
+        var low = array(held(s, line, away), held(s, line + 1, away));
+        var before = vec3f(0.0);
+        var own = vec3f(0.0);
+        for (var cone = begin - 1; cone <= to; cone++) {
+            let line = 2 * cone - 1 - s.first;
+            let high = array(held(s, line, away), held(s, line + 1, away));
+            let after = 0.75 * (low[1] + high[0]) + 0.25 * (low[0] + high[1]);
+            if cone > begin && u32(row) < sweep.rows {
+                put(p, cone - 1, row, 0.5 * own + 0.25 * (before + after));
             }
-            put(p, cone, s.row + away, sum / 16.0);
+            low = high;
+            before = own;
+            own = after;
         }
     }
 }

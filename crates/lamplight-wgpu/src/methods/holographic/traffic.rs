@@ -3,7 +3,6 @@
 use super::lattice::{Packed, shown};
 use super::sweep::Sweep;
 use super::work::Work;
-use crate::stages::bounce::FACES;
 use crate::traffic::Traffic;
 use lamplight::internals::holographic::PRIMARY;
 use lamplight::internals::holographic::lattice::{cones, planes};
@@ -34,10 +33,8 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     };
     match work {
         Work::Slabs => {
-            // The first axis also clears irradiance.
-            let faces = if sweep.axis == 0 { FACES * PACKED } else { 0 };
             let cells = u64::from(sweep.depth) * rows;
-            Traffic { read: cells * VEC4, written: cells * u64::from(BITS) / 8 + cells * faces }
+            Traffic { read: cells * VEC4, written: cells * u64::from(BITS) / 8 }
         }
         Work::Trace => Traffic {
             read: across * bits(level_size + 2),
