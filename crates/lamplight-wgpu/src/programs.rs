@@ -215,12 +215,17 @@ programs! {
     HOLOGRAPHIC_EXTEND: "methods/holographic/extend", ["main"], {
         sweeps: Step, intervals: Read, tints: Read, made: Write, made_tints: Write,
     }
-    HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "once", "finish"], {
+    HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "once"], {
         sweeps: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
+    }
+    HOLOGRAPHIC_FINISH: "methods/holographic/merge", ["finish"], {
+        sweeps: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
+        shown_odd: Write, shown_even: Write,
     }
     HOLOGRAPHIC_GATHER: "methods/holographic/gather", ["main"], {
         sweeps: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
-        scattered: Read, cones: Read, radiance: Read, light: Write, irradiance: Write,
+        scattered: Read, cones: Read, shown_odd: Read, shown_even: Read, light: Write,
+        irradiance: Write,
         albedo: Texture,
     }
     HOLOGRAPHIC_FACES: "methods/holographic/faces", ["scatter", "show"], {

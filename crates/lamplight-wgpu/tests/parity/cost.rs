@@ -21,9 +21,9 @@ fn cost(
 }
 
 /// Megabytes that a frame may take at 512² and 1024², by preset. At 512² all quadrants go together.
-const MEMORY: [(&str, [u64; 2]); 2] = [("default", [130, 175]), ("fast", [145, 195])];
+const MEMORY: [(&str, [u64; 2]); 2] = [("default", [115, 160]), ("fast", [130, 180])];
 /// Megabytes that a frame may move.
-const MOVED: [(&str, [f64; 2]); 2] = [("default", [375.0, 1600.0]), ("fast", [420.0, 1900.0])];
+const MOVED: [(&str, [f64; 2]); 2] = [("default", [370.0, 1570.0]), ("fast", [410.0, 1850.0])];
 
 #[test]
 fn holographic_fuses_levels_and_takes_little_memory() {
@@ -59,7 +59,7 @@ fn holographic_fuses_levels_and_takes_little_memory() {
 }
 
 /// Dispatches and megabytes at 1920×1080: each quadrant is one chunk.
-const LARGE: (usize, u64) = (50, 400);
+const LARGE: (usize, u64) = (47, 370);
 
 #[test]
 fn a_large_grid_takes_few_dispatches() {

@@ -22,10 +22,11 @@ override PIXELS: bool;
 override CONES: u32;
 
 @group(0) @binding(7) var<storage, read> cones: array<vec4f>;
-@group(0) @binding(8) var<storage, read> radiance: array<vec2u>;
-@group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
-@group(0) @binding(10) var<storage, read_write> irradiance: array<vec2u>;
-@group(0) @binding(11) var albedo: texture_2d<f32>;
+@group(0) @binding(8) var<storage, read> shown_odd: array<vec2u>;
+@group(0) @binding(9) var<storage, read> shown_even: array<vec2u>;
+@group(0) @binding(10) var<storage, read_write> light: array<vec4f>;
+@group(0) @binding(11) var<storage, read_write> irradiance: array<vec2u>;
+@group(0) @binding(12) var albedo: texture_2d<f32>;
 
 // The distance of a step that does not exist, px: farther than any light comes down.
 const FAR_AWAY: f32 = 1e9;
@@ -40,8 +41,10 @@ struct Pixel {
     lane: u32,
     // Slabs to the plane.
     ahead: u32,
-    // The first entry of the light on the plane, and whether there is any: beyond the grid is sky.
+    // The first entry of the light on the plane, whether its index is odd, and whether there is any: beyond the grid
+    // is sky.
     far: u32,
+    odd: bool,
     stored: bool,
     // The first cone's entry in the table, and the entries of each.
     view: u32,
@@ -66,7 +69,13 @@ fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
     for (var i = 0; i < 3; i++) {
         let end = u32(row + i - 1);
         if pixel.stored && end < sweep.rows {
-            sum += weights[i] * unpack_rgb(radiance[at + end]);
+            var words: vec2u;
+            if pixel.odd {
+                words = shown_odd[at + end];
+            } else {
+                words = shown_even[at + end];
+            }
+            sum += weights[i] * unpack_rgb(words);
         } else {
             beyond += weights[i];
         }
@@ -238,7 +247,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let view = footprints[sweep.footprints + ahead - sweep.gather_length].x;
     let size = RAYS + 2u * (sweep.rays + 1u) + ahead + 1u;
     let stored = plane < planes(sweep.level);
-    let pixel = Pixel(slab, TILE * group.x + lane, lane, ahead, far_of(plane), stored, view, size);
+    let pixel = Pixel(slab, TILE * group.x + lane, lane, ahead, far_of(plane), (plane & 1u) == 1u, stored, view, size);
     fetch(lane, TILE, slab, i32(TILE * group.x), max(ahead, REACH));
     workgroupBarrier();
     find_met(pixel);

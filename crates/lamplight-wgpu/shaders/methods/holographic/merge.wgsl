@@ -36,6 +36,9 @@ const WAVES: i32 = 4;
 @group(0) @binding(3) var<storage, read> intervals: array<vec2u>;
 @group(0) @binding(4) var<storage, read> tints: array<u32>;
 @group(0) @binding(5) var<storage, read_write> radiance: array<vec2u>;
+// Bound by `finish`: the light that pixels gather, on planes of odd index and of even index.
+@group(0) @binding(6) var<storage, read_write> shown_odd: array<vec2u>;
+@group(0) @binding(7) var<storage, read_write> shown_even: array<vec2u>;
 
 // The lines: BLOCK cones need those of twice as many, and three to each side.
 var<workgroup> lines: array<vec2u, (2u * BLOCK + 6u) * LANES>;
@@ -78,7 +81,7 @@ fn along(interval: Interval, cone: u32, behind: vec3f) -> vec3f {
     return interval.transmittance * behind + interval.light * cones[cone].x;
 }
 
-// Stores the light of a cone, or of a half, of the lowest level.
+// Stores the light of a half cone of the lowest level.
 fn put(p: u32, cone: i32, row: i32, light: vec3f) {
     let slot = (sweep.below_far - p) * cone_count(sweep.level) + u32(cone);
     radiance[sweep.below + slot * sweep.rows + u32(row)] = pack_rgb(light);
@@ -384,7 +387,7 @@ fn finish(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local:
         let entry = u32(first - 1) * sweep.rows;
         let places = sweep.between + (sweep.below_far / 2u - s.q) * size + entry + u32(row);
         for (var line = begin; line < end && inside; line++) {
-            radiance[places + u32(line) * sweep.rows] = lines[u32(line) * LANES + local.x];
+            shown_even[places + u32(line) * sweep.rows] = lines[u32(line) * LANES + local.x];
         }
         let p = 2u * s.q - 1u;
         let below = sweep.below + (sweep.below_far - p) / 2u * size + entry + u32(s.row);
@@ -401,7 +404,7 @@ fn finish(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local:
             let angle = sweep.cones_between + u32(cone);
             let light = weight * along(low, angle, held(s, line, rise(n, ray)))
                 + (1.0 - weight) * along(high, angle, held(s, line, rise(n, ray + 1)));
-            radiance[below + u32(line) * sweep.rows] = pack_rgb(light);
+            shown_odd[below + u32(line) * sweep.rows] = pack_rgb(light);
         }
     }
 }

@@ -3,7 +3,8 @@
 //! A quadrant is swept in chunks of 2^t slabs from the far end of the grid to the near one, in the direction of
 //! light. Of the levels below t all planes of a chunk are stored, except of those between the levels of a group,
 //! which are never stored. Of t and each level above only one plane is: of intervals the one of odd index made last, of
-//! light the one that is needed. So smaller chunks take less memory and more dispatches.
+//! light the one that is needed. So smaller chunks take less memory and more dispatches. The light that pixels gather
+//! lies in buffers of intervals that nothing reads any more by then.
 
 use lamplight::internals::holographic::lattice::{cones, levels, planes, rays};
 
@@ -36,10 +37,13 @@ pub struct Lattice {
     /// The number of each level's intervals.
     pub intervals: Vec<u64>,
     /// The places of the light of levels in a chunk, in turns, and of each level from `chunk` on.
-    turns: [u64; 3],
+    turns: [u64; 2],
     chain: Vec<u64>,
-    /// Entries of all light.
+    /// Entries of that light.
     pub radiance: u64,
+    /// The place, and the entries, of the light that pixels gather: on planes of odd index, and on those of even index.
+    shown_at: u64,
+    pub shown: u64,
 }
 
 impl Lattice {
@@ -57,9 +61,11 @@ impl Lattice {
             odd: Vec::new(),
             even: Vec::new(),
             intervals: Vec::new(),
-            turns: [0; 3],
+            turns: [0; 2],
             chain: Vec::new(),
             radiance: 0,
+            shown_at: 0,
+            shown: 0,
         };
         lattice.lay_out();
         lattice
@@ -75,9 +81,12 @@ impl Lattice {
             self.even.push((odd - missing) * plane);
             self.intervals.push((odd + even - missing) * plane);
         }
+        // Planes of odd index have as many cones as those of even index, of the level above.
+        let planes = self.planes_of_light(self.first + 1);
+        self.shown = (planes * shown(self.first + 1) * self.rows) as u64;
         for turn in 0..self.turns.len() {
             self.turns[turn] = self.radiance;
-            let levels = (self.first..self.chunk).filter(|&level| self.turn(level) == turn);
+            let levels = (self.first + 2..self.chunk).filter(|&level| self.turn(level) == turn);
             let light = levels.map(|level| self.light_of(level)).max();
             self.radiance += light.unwrap_or(0);
         }
@@ -92,14 +101,9 @@ impl Lattice {
         level >= self.chunk || (level - self.first).is_multiple_of(self.fused)
     }
 
-    /// The place, of three, of the light of a level in a chunk: pixels gather that of the first two levels, which is
-    /// made of the third, and groups above use different places in turns.
+    /// The place, of two, of the light of a level in a chunk. Neighbouring groups use different places.
     fn turn(&self, level: u32) -> usize {
-        match level - self.first {
-            above @ 0..2 => above as usize,
-            above if ((above - 2) / self.fused).is_multiple_of(2) => 2,
-            _ => 0,
-        }
+        ((level - self.first - 2) / self.fused % 2) as usize
     }
 
     /// Intervals of a plane.
@@ -119,24 +123,25 @@ impl Lattice {
         of_chunk.min(if odd { all / 2 } else { even } as u64)
     }
 
+    /// The number of planes of a level whose light a chunk stores.
+    fn planes_of_light(&self, level: u32) -> usize {
+        self.last_of_light(level, 0).min(1 << (self.chunk - level))
+    }
+
     /// Entries of the light of a level that a chunk stores.
     fn light_of(&self, level: u32) -> u64 {
-        // Of the first level, planes of odd index are stored, with the cones of the level above.
-        let gathered = level <= self.first + 1;
-        let level = level.max(self.first + 1);
-        let planes = self.last_of_light(level, 0).min(1 << (self.chunk - level));
-        let cones = if gathered { shown(level) } else { cones(level) };
-        (planes * cones * self.rows) as u64
+        (self.planes_of_light(level) * cones(level) * self.rows) as u64
     }
 
     /// Places the lattice in buffers after others, whose intervals of each level and light come first.
-    pub fn after(&self, intervals: &[u64], radiance: u64) -> Self {
+    pub fn after(&self, intervals: &[u64], [radiance, shown]: [u64; 2]) -> Self {
         let moved = |places: &[u64]| places.iter().zip(intervals).map(|(at, by)| at + by).collect();
         Self {
             odd: moved(&self.odd),
             even: moved(&self.even),
             turns: self.turns.map(|at| at + radiance),
             chain: self.chain.iter().map(|at| at + radiance).collect(),
+            shown_at: self.shown_at + shown,
             ..self.clone()
         }
     }
@@ -189,6 +194,9 @@ impl Lattice {
         if let Some(above) = level.checked_sub(self.chunk) {
             return self.chain.get(above as usize).map_or(0, |&at| at as u32);
         }
-        self.turns[self.turn(level)] as u32
+        match level - self.first {
+            0 | 1 => self.shown_at as u32,
+            _ => self.turns[self.turn(level)] as u32,
+        }
     }
 }

@@ -23,7 +23,7 @@ use crate::stages::convergence::Convergence;
 use crate::{programs, shaders};
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
-use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, cones, rays};
+use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, rays};
 use lamplight::internals::holographic::{
     EMISSIVE, EXCHANGED, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON,
 };
@@ -67,6 +67,7 @@ struct IntervalPipelines {
     /// For a single level, and for two.
     extend: [ComputePipelines; 2],
     merge: ComputePipelines,
+    finish: ComputePipelines,
 }
 
 impl IntervalPipelines {
@@ -109,6 +110,7 @@ impl IntervalPipelines {
             trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
             extend: [1, 2].map(extend),
             merge: ComputePipelines::new(device, &programs::HOLOGRAPHIC_MERGE, &merge),
+            finish: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FINISH, &merge),
         }
     }
 }
@@ -121,6 +123,10 @@ struct MemoryLayout {
     /// The most intervals of each level, and values of light, of the quadrants that do.
     intervals: Vec<u64>,
     radiance: u64,
+    /// The most values of the light that pixels gather, on planes of odd index or of even index, and the levels in whose
+    /// buffers they lie in place of intervals: nothing else reads those any more.
+    shown: u64,
+    hosts: [Option<usize>; 2],
 }
 
 impl MemoryLayout {
@@ -160,9 +166,18 @@ impl MemoryLayout {
         let of_level = |level: usize| {
             most(&|lattice: &Lattice| lattice.intervals.get(level).copied().unwrap_or(0))
         };
-        let intervals = (0..levels).map(of_level).collect();
-        let radiance = most(&|lattice: &Lattice| lattice.radiance);
-        Self { lattices, together, intervals, radiance }
+        let mut intervals: Vec<u64> = (0..levels).map(of_level).collect();
+        let [radiance, shown] =
+            [|lattice: &Lattice| lattice.radiance, |lattice: &Lattice| lattice.shown]
+                .map(|of| most(&of));
+        // The first level is read until the end, and those from a chunk's on are kept for the next chunk.
+        let chunk = lattices.iter().map(|lattice| lattice.chunk - lattice.first).min();
+        let mut hosts = (1..chunk.unwrap_or(0) as usize).filter(|&level| intervals[level] > 0);
+        let hosts = [hosts.next(), hosts.next()];
+        for level in hosts.into_iter().flatten() {
+            intervals[level] = intervals[level].max(shown);
+        }
+        Self { lattices, together, intervals, radiance, shown, hosts }
     }
 
     /// Bytes of each buffer: the intervals of each level, their third words, and light.
@@ -170,7 +185,9 @@ impl MemoryLayout {
         let packed = size_of::<Packed>() as u64;
         let third = u64::from(words - 2) * size_of::<u32>() as u64;
         let intervals = self.intervals.iter().flat_map(|count| [count * packed, count * third]);
-        intervals.chain([self.radiance * packed]).collect()
+        let shown = self.hosts.iter().filter(|host| host.is_none()).map(|_| self.shown);
+        let light = shown.chain([self.radiance]).map(|count| count * packed);
+        intervals.chain(light).collect()
     }
 }
 
@@ -178,6 +195,16 @@ impl MemoryLayout {
 struct LevelBuffers {
     intervals: Buffer,
     tints: Buffer,
+}
+
+impl LevelBuffers {
+    fn new(planner: &FramePlanner, count: u64, words: u32) -> Result<Self> {
+        let tints = if words == 3 { count } else { 1 };
+        Ok(Self {
+            intervals: planner.buffer::<Packed>("intervals", count.max(1))?,
+            tints: planner.buffer::<u32>("tints of intervals", tints.max(1))?,
+        })
+    }
 }
 
 /// The buffers of a plan.
@@ -188,6 +215,8 @@ struct Buffers {
     /// Buffers of each level that is stored, from the first on.
     levels: Vec<Option<LevelBuffers>>,
     radiance: Buffer,
+    /// The light that pixels gather, on planes of odd index, and of even index.
+    shown: [Buffer; 2],
     irradiance: Buffer,
     scattered: Buffer,
 }
@@ -200,6 +229,7 @@ struct Bindings {
     extend: BTreeMap<[u32; 2], BoundResources>,
     /// By the level that is read.
     merge: BTreeMap<u32, BoundResources>,
+    finish: BoundResources,
     gather: BoundResources,
 }
 
@@ -212,8 +242,7 @@ impl Holographic {
                 ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
                 ("PIXELS", f64::from(pixels)),
-                // The outermost have no light.
-                ("CONES", (cones(geometry.level + 1) - 2) as f64),
+                ("CONES", lattice::shown(geometry.level + 1) as f64),
                 shaders::moment(moment && pixels),
             ];
             let constants = [CELLS, MARCH, &own].concat();
@@ -244,25 +273,23 @@ impl Holographic {
         let intervals = &self.intervals[usize::from(planner.hints.tinted)];
         let layout = MemoryLayout::new(planner, geometry.level, intervals.words);
         let MemoryLayout { together, radiance, .. } = layout;
+        // The first level is bound, even if the grid is too small for any.
+        let stored = layout.intervals.iter().enumerate().map(|(level, &count)| {
+            let stored = count > 0 || level == 0;
+            stored.then(|| LevelBuffers::new(planner, count, intervals.words)).transpose()
+        });
+        let levels = stored.collect::<Result<Vec<_>>>()?;
+        let shown = |host: Option<usize>| match host.and_then(|level| levels[level].as_ref()) {
+            Some(host) => Ok(host.intervals.clone()),
+            None => planner.buffer::<Packed>("light that pixels gather", layout.shown.max(1)),
+        };
+        let shown = [shown(layout.hosts[0])?, shown(layout.hosts[1])?];
 
         let footprints = Footprints::new(geometry, settings.bundle_rays);
         let ends = layout.lattices.each_ref().map(|lattice| lattice.end);
         let cones = ConeTable::of_bundles(geometry.level, ends);
         let mut axes = Vec::new();
         let mut cell_bits = 0;
-        let mut levels = Vec::new();
-        for (at, &count) in layout.intervals.iter().enumerate() {
-            // The first level is bound, even if the grid is too small for any.
-            levels.push(if count > 0 || at == 0 {
-                let tints = if intervals.words == 3 { count } else { 1 };
-                Some(LevelBuffers {
-                    intervals: planner.buffer::<Packed>("intervals", count.max(1))?,
-                    tints: planner.buffer::<u32>("tints of intervals", tints.max(1))?,
-                })
-            } else {
-                None
-            });
-        }
         for ((axis, lattice), cones) in (0..).zip(layout.lattices).zip(&cones.begins) {
             let words = lattice.depth * lattice.rows.div_ceil(32);
             axes.push(Axis { axis, lattice, cones: cones.clone(), cell_bits });
@@ -280,6 +307,7 @@ impl Holographic {
             cell_bits: planner.buffer::<u32>("cell bits", cell_bits.into())?,
             levels,
             radiance: planner.buffer::<Packed>("light of cones", radiance.max(1))?,
+            shown,
             irradiance: planner.buffer::<Packed>("irradiance", faces)?,
             scattered: self.bounce.kept_buffer::<Packed>(planner, faces)?,
         };
@@ -368,7 +396,7 @@ impl Holographic {
         light: &Buffer,
     ) -> Bindings {
         let Buffers { footprints, cones, cell_bits, levels, .. } = buffers;
-        let Buffers { radiance, irradiance, scattered, .. } = buffers;
+        let Buffers { radiance, shown, irradiance, scattered, .. } = buffers;
         let first = GatherGeometry::new(&self.settings).level;
         let level = |level: u32| {
             let held = levels.get((level - first) as usize)?.as_ref()?;
@@ -394,7 +422,7 @@ impl Holographic {
         ];
         let mut extend = BTreeMap::new();
         let mut merge = BTreeMap::new();
-        let mut trace = Vec::new();
+        let (mut trace, mut finish) = (Vec::new(), Vec::new());
         for at in first..first + levels.len() as u32 {
             let Some(read) = level(at) else { continue };
             for above in [at + 1, at + 2] {
@@ -407,11 +435,13 @@ impl Holographic {
             merge.insert(at, planner.bind(&intervals.merge, &resources));
             if at == first {
                 trace = [&rays[..], &read].concat();
+                finish = [resources, shown.each_ref().map(whole).to_vec()].concat();
             }
         }
         let gather = [
             whole(cones),
-            whole(radiance),
+            whole(&shown[0]),
+            whole(&shown[1]),
             whole(light),
             whole(irradiance),
             view(&planner.textures.albedo),
@@ -421,6 +451,7 @@ impl Holographic {
             trace: planner.bind(&intervals.trace, &trace),
             extend,
             merge,
+            finish: planner.bind(&intervals.finish, &finish),
             gather: planner.bind(&self.gather, &[&rays[..], &gather].concat()),
         }
     }
@@ -438,7 +469,7 @@ impl Holographic {
             Work::Extend => (&intervals.extend[1], 0, &bindings.extend[&planned.levels]),
             Work::Merge => (&intervals.merge, 0, &bindings.merge[&planned.levels[0]]),
             Work::MergeOnce => (&intervals.merge, 1, &bindings.merge[&planned.levels[0]]),
-            Work::Finish => (&intervals.merge, 2, &bindings.merge[&planned.levels[0]]),
+            Work::Finish => (&intervals.finish, 0, &bindings.finish),
             Work::Gather => (&self.gather, 0, &bindings.gather),
             Work::Faces => (&self.gather_faces, 0, &bindings.gather),
         };

@@ -99,7 +99,7 @@ impl Quadrant {
     pub fn gather(&mut self, axes: &[Axis], indirect: bool, all: bool) -> Vec<PlannedWork> {
         let mut slabs = Vec::new();
         let mut quadrants = Vec::new();
-        let (mut intervals, mut radiance) = (Vec::new(), 0);
+        let (mut intervals, mut light) = (Vec::new(), [0; 2]);
         for axis in axes {
             let sweep = self.sweep(axis, indirect);
             let Lattice { depth, rows, .. } = axis.lattice;
@@ -109,14 +109,14 @@ impl Quadrant {
                 let first_quadrant = u32::from(axis.axis == 0 && reversed == 0);
                 let sky = ConeTable::light_of(self.cones, axis.axis, reversed);
                 if quadrants.len() % self.together == 0 {
-                    (intervals, radiance) = (vec![0; u32::BITS as usize], 0);
+                    (intervals, light) = (vec![0; u32::BITS as usize], [0; 2]);
                 }
-                let lattice = axis.lattice.after(&intervals, radiance);
+                let lattice = axis.lattice.after(&intervals, light);
                 let placed = Axis { lattice, ..axis.clone() };
                 self.quadrant(&placed, Sweep { reversed, first_quadrant, sky, ..sweep }, all);
                 let held = &axis.lattice.intervals;
                 intervals.iter_mut().zip(held).for_each(|(place, held)| *place += held);
-                radiance += axis.lattice.radiance;
+                light = [light[0] + axis.lattice.radiance, light[1] + axis.lattice.shown];
                 quadrants.push(std::mem::take(&mut self.parts));
             }
         }
