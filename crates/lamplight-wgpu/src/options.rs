@@ -35,8 +35,8 @@ impl Backend {
 pub struct LightingOptions {
     /// The finder of light.
     pub backend: Backend,
-    /// `holographic`: levels per dispatch, 1 to 3. Intermediate levels stay in workgroup memory, so 3 moves
-    /// about half as many bytes as 1.
+    /// `holographic`: levels per dispatch, 1 or 2. With 2, the level between stays in workgroup memory, and levels move
+    /// about 0.6 times as many bytes.
     pub fused_levels: u32,
 }
 
@@ -47,13 +47,13 @@ impl LightingOptions {
     }
 
     /// The most levels that fit into 16 KiB of workgroup memory.
-    pub const MAX_FUSED_LEVELS: u32 = 3;
+    pub const MAX_FUSED_LEVELS: u32 = 2;
 
     pub(crate) fn check(self) -> Result<(), CreateError> {
         if (1..=Self::MAX_FUSED_LEVELS).contains(&self.fused_levels) {
             return Ok(());
         }
-        let (name, range) = ("fused_levels", "from 1 to 3");
+        let (name, range) = ("fused_levels", "from 1 to 2");
         Err(CreateError::Option { name, value: self.fused_levels, range })
     }
 }

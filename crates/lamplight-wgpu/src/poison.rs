@@ -22,7 +22,7 @@ pub fn text(program: &Program) -> String {
     if POISONED.get() && program.writes_first() { poison(&text) } else { text }
 }
 
-/// Fills arrays of unsigned words in workgroup memory at the beginning of the entry point.
+/// Fills arrays of unsigned words in workgroup memory at the beginning of each entry point.
 fn poison(wgsl: &str) -> String {
     let fill = |line: &str| {
         let (name, array) = line.strip_prefix("var<workgroup> ")?.split_once(": array<")?;
@@ -40,10 +40,12 @@ fn poison(wgsl: &str) -> String {
     let first = first
         .or_else(|| named("local_invocation_id").map(|name| format!("all({name} == vec3u(0u))")));
     let first = first.expect("an index of the invocation");
-    let entry = wgsl.find("@compute").unwrap();
-    let body = entry + wgsl[entry..].find(") {\n").unwrap() + ") {\n".len();
-    let (before, after) = wgsl.split_at(body);
-    format!("{before}if {first} {{\n{fills}}}\nworkgroupBarrier();\n{after}")
+    let (shared, entries) = wgsl.split_at(wgsl.find("@compute").unwrap());
+    let entries = entries.split_inclusive("@compute").map(|entry| {
+        let Some((signature, body)) = entry.split_once(") {\n") else { return entry.to_owned() };
+        format!("{signature}) {{\nif {first} {{\n{fills}}}\nworkgroupBarrier();\n{body}")
+    });
+    shared.to_owned() + &entries.collect::<String>()
 }
 
 #[cfg(test)]
@@ -108,12 +110,13 @@ mod tests {
     fn the_memory_of_every_shader_that_is_not_cleared_is_poisoned() {
         let uncleared: Vec<_> =
             programs::ALL.iter().filter(|program| program.writes_first()).collect();
-        assert_eq!(uncleared.len(), 3);
+        assert_eq!(uncleared.len(), 5);
         for program in uncleared {
             let text = shaders::text(program.shader);
             let arrays = text.matches("var<workgroup>").count();
             assert!(arrays > 0);
-            assert_eq!(poison(&text).matches("(0xffffffffu)").count(), arrays);
+            let filled = poison(&text).matches("(0xffffffffu)").count();
+            assert_eq!(filled, arrays * text.matches("@compute").count());
         }
     }
 }

@@ -75,7 +75,7 @@ impl Program {
     /// Returns whether the program writes all workgroup memory before it reads it (a test poisons it), so that it
     /// need not be cleared. On Metal and DirectX a single thread of each workgroup would do that.
     pub fn writes_first(&self) -> bool {
-        [&HOLOGRAPHIC_TRACE, &HOLOGRAPHIC_EXTEND, &HOLOGRAPHIC_GATHER]
+        [&HOLOGRAPHIC_TRACE, &HOLOGRAPHIC_EXTEND, &HOLOGRAPHIC_MERGE, &HOLOGRAPHIC_GATHER]
             .iter()
             .any(|program| program.shader == self.shader)
     }
@@ -210,17 +210,22 @@ programs! {
     }
     HOLOGRAPHIC_TRACE: "methods/holographic/trace", ["main"], {
         sweeps: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
-        scattered: Read, intervals: Write, tints: Write,
+        scattered: Read, made: Write, made_tints: Write,
     }
     HOLOGRAPHIC_EXTEND: "methods/holographic/extend", ["main"], {
-        sweeps: Step, intervals: Write, tints: Write,
+        sweeps: Step, intervals: Read, tints: Read, made: Write, made_tints: Write,
     }
-    HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "finish"], {
+    HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "once"], {
         sweeps: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
+    }
+    HOLOGRAPHIC_FINISH: "methods/holographic/merge", ["finish"], {
+        sweeps: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
+        shown_odd: Write, shown_even: Write,
     }
     HOLOGRAPHIC_GATHER: "methods/holographic/gather", ["main"], {
         sweeps: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
-        scattered: Read, cones: Read, radiance: Read, light: Write, irradiance: Write,
+        scattered: Read, cones: Read, shown_odd: Read, shown_even: Read, light: Write,
+        irradiance: Write,
         albedo: Texture,
     }
     HOLOGRAPHIC_FACES: "methods/holographic/faces", ["scatter", "show"], {

@@ -20,6 +20,7 @@ const FILES: &[(&str, &str)] = files! {
     "methods/cascades/probe"
     "methods/flood/blur"
     "methods/flood/rays"
+    "methods/holographic/bend"
     "methods/holographic/extend"
     "methods/holographic/faces"
     "methods/holographic/feedback"

@@ -50,6 +50,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("wgsl polar lookup", "part of shadow_map.rs"),
     ("wgsl polar shadow_bounds", "part of shadow_map.rs: needs all rays"),
     ("wgsl polar shadow_ray", "part of shadow_map.rs, imported by it and by lookup"),
+    ("wgsl holographic bend", "part of extend.rs, imported by extend and merge"),
     (
         "wgsl holographic fetch_interval",
         "part of interval.rs; shaders that write have store_interval too",

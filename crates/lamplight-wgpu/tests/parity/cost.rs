@@ -6,28 +6,35 @@ use lamplight::{Cells, Settings};
 use lamplight_wgpu::{Backend, Cost, FrameInput, Lighting, LightingOptions};
 use wgpu::{Device, Queue};
 
-fn cost((device, queue): &(Device, Queue), preset: &str, side: u32, fused_levels: u32) -> Cost {
+fn cost(
+    (device, queue): &(Device, Queue),
+    preset: &str,
+    [width, height]: [u32; 2],
+    fused_levels: u32,
+) -> Cost {
     let settings = Settings::direct(Holographic::preset(preset).unwrap());
     let options = LightingOptions { backend: Backend::Gpu, fused_levels };
     let mut lighting = Lighting::new(device, queue, &options).unwrap();
-    let cells = Cells::new(side, side).unwrap();
+    let cells = Cells::new(width, height).unwrap();
     lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
     lighting.cost().unwrap()
 }
 
 /// Megabytes that a frame may take at 512² and 1024², by preset. At 512² all quadrants go together.
-const MEMORY: [(&str, [u64; 2]); 2] = [("default", [150, 300]), ("fast", [160, 210])];
+const MEMORY: [(&str, [u64; 2]); 2] = [("default", [115, 160]), ("fast", [130, 180])];
+/// Megabytes that a frame may move.
+const MOVED: [(&str, [f64; 2]); 2] = [("default", [370.0, 1570.0]), ("fast", [410.0, 1850.0])];
 
 #[test]
 fn holographic_fuses_levels_and_takes_little_memory() {
     let gpu = device();
-    for (preset, most) in MEMORY {
-        for (side, most) in [512, 1024].into_iter().zip(most) {
+    for ((preset, most), (_, most_moved)) in MEMORY.into_iter().zip(MOVED) {
+        for ((side, most), most_moved) in [512, 1024].into_iter().zip(most).zip(most_moved) {
             let [one, fused] = [1, LightingOptions::MAX_FUSED_LEVELS]
-                .map(|levels| cost(&gpu, preset, side, levels));
+                .map(|levels| cost(&gpu, preset, [side; 2], levels));
             let moved = |cost: &Cost, all: bool| {
-                let levels = |shader, entry| entry == "main" && shader == "holographic/extend";
-                let counted = cost.pipelines.iter().filter(|p| all || levels(p.shader, p.entry));
+                let levels = ["holographic/extend", "holographic/merge"];
+                let counted = cost.pipelines.iter().filter(|p| all || levels.contains(&p.shader));
                 counted.map(|k| k.traffic.read + k.traffic.written).sum::<u64>() as f64 / 1e6
             };
             println!(
@@ -42,11 +49,26 @@ fn holographic_fuses_levels_and_takes_little_memory() {
                 fused.memory as f64 / 1e6
             );
             assert!(fused.memory <= most * 1_000_000, "{} of {most} MB", fused.memory);
+            assert!(moved(&fused, true) <= most_moved, "more than {most_moved} MB moved");
             assert!(
                 moved(&fused, false) <= 0.62 * moved(&one, false),
                 "fused levels move too much"
             );
         }
+    }
+}
+
+/// Dispatches and megabytes at 1920×1080: each quadrant is one chunk.
+const LARGE: (usize, u64) = (47, 370);
+
+#[test]
+fn a_large_grid_takes_few_dispatches() {
+    let gpu = device();
+    for preset in ["default", "fast", "high"] {
+        let cost = cost(&gpu, preset, [1920, 1080], LightingOptions::default().fused_levels);
+        let (dispatches, held) = (cost.dispatches(), cost.memory / 1_000_000);
+        println!("{preset} at 1920×1080: {dispatches} dispatches, {held} MB held");
+        assert!(dispatches <= LARGE.0 && held <= LARGE.1, "{preset}: {dispatches}, {held} MB");
     }
 }
 
@@ -57,7 +79,7 @@ const PUBLISHED: [(u32, u64); 2] = [(512, 75), (1024, 310)];
 fn the_published_cascades_fit_within_the_limits_of_the_web() {
     let gpu = device();
     for (side, most) in PUBLISHED {
-        let cost = cost(&gpu, "paper", side, 1);
+        let cost = cost(&gpu, "paper", [side; 2], 1);
         let moved = cost.traffic();
         println!(
             "paper {side}²: {} dispatches, {:.0} MB moved, {:.0} MB held",

@@ -2,6 +2,7 @@
 // third, which has a single word if matter does not tint.
 
 #import methods/holographic/interval
+#import methods/holographic/quadrant
 
 fn fetch_words(at: u32) -> vec3u {
     var words = vec3u(intervals[at], 0u);
@@ -9,4 +10,14 @@ fn fetch_words(at: u32) -> vec3u {
         words.z = tints[at];
     }
     return words;
+}
+
+// The words of an interval of the lowest level; of nothing outside the grid.
+fn stored(p: u32, ray: i32, row: i32) -> vec3u {
+    let rays = (2u << sweep.level) + 1u;
+    if u32(row) >= sweep.rows || u32(ray) >= rays || p >= planes(sweep.level) {
+        return pack(nothing());
+    }
+    let base = select(sweep.even, sweep.odd, (p & 1u) == 1u);
+    return fetch_words(base + ((p / 2u - sweep.stored) * rays + u32(ray)) * sweep.rows + u32(row));
 }

@@ -22,10 +22,11 @@ override PIXELS: bool;
 override CONES: u32;
 
 @group(0) @binding(7) var<storage, read> cones: array<vec4f>;
-@group(0) @binding(8) var<storage, read> radiance: array<vec2u>;
-@group(0) @binding(9) var<storage, read_write> light: array<vec4f>;
-@group(0) @binding(10) var<storage, read_write> irradiance: array<vec2u>;
-@group(0) @binding(11) var albedo: texture_2d<f32>;
+@group(0) @binding(8) var<storage, read> shown_odd: array<vec2u>;
+@group(0) @binding(9) var<storage, read> shown_even: array<vec2u>;
+@group(0) @binding(10) var<storage, read_write> light: array<vec4f>;
+@group(0) @binding(11) var<storage, read_write> irradiance: array<vec2u>;
+@group(0) @binding(12) var albedo: texture_2d<f32>;
 
 // The distance of a step that does not exist, px: farther than any light comes down.
 const FAR_AWAY: f32 = 1e9;
@@ -40,8 +41,10 @@ struct Pixel {
     lane: u32,
     // Slabs to the plane.
     ahead: u32,
-    // The first entry of the light on the plane, and whether there is any: beyond the grid is sky.
+    // The first entry of the light on the plane, whether its index is odd, and whether there is any: beyond the grid
+    // is sky.
     far: u32,
+    odd: bool,
     stored: bool,
     // The first cone's entry in the table, and the entries of each.
     view: u32,
@@ -54,10 +57,11 @@ fn far_of(plane: u32) -> u32 {
     let odd = (plane & 1u) == 1u;
     let slot = select(sweep.far - plane / 2u, sweep.far - (plane + 1u) / 2u, odd);
     let base = select(sweep.above, sweep.below, odd);
-    return base + slot * cone_count(sweep.level + 1u) * sweep.rows;
+    return base + slot * shown_count(sweep.level + 1u) * sweep.rows;
 }
 
-// The light of a cone on the plane ahead, in the rows before, at and after one, times their weights.
+// The light of a cone on the plane ahead, in the rows before, at and after one, times their weights. The first of all
+// cones is not gathered from.
 fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
     let at = pixel.far + cone * sweep.rows;
     var sum = vec3f(0.0);
@@ -65,13 +69,19 @@ fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
     for (var i = 0; i < 3; i++) {
         let end = u32(row + i - 1);
         if pixel.stored && end < sweep.rows {
-            sum += weights[i] * unpack_rgb(radiance[at + end]);
+            var words: vec2u;
+            if pixel.odd {
+                words = shown_odd[at + end];
+            } else {
+                words = shown_even[at + end];
+            }
+            sum += weights[i] * unpack_rgb(words);
         } else {
             beyond += weights[i];
         }
     }
     if beyond > 0.0 {
-        sum += beyond * sky_in(cone);
+        sum += beyond * sky_in(cone + 1u);
     }
     return sum;
 }
@@ -116,8 +126,7 @@ fn through_nothing(pixel: Pixel, cone: u32) -> vec3f {
     let end_past = footprints[pixel.view + cone * pixel.size + RAYS + 1u];
     let end = i32(pixel.row) + bitcast<i32>(end_past.x);
     let weights = weights_at(end, bitcast<f32>(end_past.y));
-    // The outermost cones have no light.
-    return far(pixel, cone + 1u, end, weights) / (WEIGHT_EPSILON + weights.x + weights.y + weights.z);
+    return far(pixel, cone, end, weights) / (WEIGHT_EPSILON + weights.x + weights.y + weights.z);
 }
 
 // The light through a cone in which there is matter.
@@ -134,7 +143,7 @@ fn through(pixel: Pixel, cone: u32, emits: bool) -> vec3f {
         let near = march(pixel.slab, pixel.row, pixel.lane, crossings);
         let weights = weights_behind(pixel, row, bitcast<f32>(end_past.y));
         let all = WEIGHT_EPSILON + weights.x + weights.y + weights.z;
-        sum += near.light * angle + near.transmittance * (far(pixel, cone + 1u, i32(pixel.row) + row, weights) / all);
+        sum += near.light * angle + near.transmittance * (far(pixel, cone, i32(pixel.row) + row, weights) / all);
     }
     return sum / f32(count);
 }
@@ -238,7 +247,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let view = footprints[sweep.footprints + ahead - sweep.gather_length].x;
     let size = RAYS + 2u * (sweep.rays + 1u) + ahead + 1u;
     let stored = plane < planes(sweep.level);
-    let pixel = Pixel(slab, TILE * group.x + lane, lane, ahead, far_of(plane), stored, view, size);
+    let pixel = Pixel(slab, TILE * group.x + lane, lane, ahead, far_of(plane), (plane & 1u) == 1u, stored, view, size);
     fetch(lane, TILE, slab, i32(TILE * group.x), max(ahead, REACH));
     workgroupBarrier();
     find_met(pixel);

@@ -6,8 +6,13 @@
 
 // The light of the sky in a cone of the level above.
 fn sky_in(cone: u32) -> vec3f {
+    return sky_at(sweep.cones_above + cone);
+}
+
+// The light of the sky in the cone of an entry.
+fn sky_at(entry: u32) -> vec3f {
     let is_panorama = frame.sky_columns > 0u;
-    let part = cones[sweep.cones_above + cone + select(0u, sweep.sky, is_panorama)];
+    let part = cones[entry + select(0u, sweep.sky, is_panorama)];
     if is_panorama {
         return part.rgb;
     }

@@ -1,5 +1,5 @@
 // The cells as quadrants read them: five bits per cell, slab by slab along both axes, 32 rows per word. The
-// irradiance of the gather before is cleared.
+// irradiance that matter has from the gather before is cleared.
 
 #import methods/holographic/packed_rgb
 #import methods/holographic/quadrant
@@ -88,9 +88,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let small = emitting && is_small(at);
             bits |= vec4u(1u, u32(tint_opacity.a < 1.0), u32(emitting), u32(small)) << vec4u(bit);
             primary |= u32(own) << bit;
-        }
-        if sweep.axis == 0u {
-            for (var face = 0u; face < 4u; face++) {
+            for (var face = 0u; face < 4u && sweep.axis == 0u; face++) {
                 irradiance[4u * index(at) + face] = vec2u(0u);
             }
         }

@@ -1,10 +1,11 @@
-// Writes intervals to memory, where fetch_interval.wgsl reads them.
+// Writes intervals to memory, where fetch_interval.wgsl reads them. The importing shader binds `made`, the first two words
+// of each, and `made_tints`, the third.
 
 #import methods/holographic/interval
 
 fn store_words(at: u32, words: vec3u) {
-    intervals[at] = words.xy;
+    made[at] = words.xy;
     if WORDS == 3u {
-        tints[at] = words.z;
+        made_tints[at] = words.z;
     }
 }

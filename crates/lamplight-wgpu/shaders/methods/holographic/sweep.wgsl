@@ -12,34 +12,32 @@ struct Sweep {
     axis: u32,
     // 1: light comes from lower slabs.
     reversed: u32,
-    // The lowest level of a group of levels, and the number of further levels in the group.
+    // The lowest level that a dispatch reads intervals of, or gathers from.
     level: u32,
-    levels: u32,
     // The first plane of the topmost level, or the first slab, of this dispatch.
     first: u32,
     // The plane of the level above that is stored first.
     far: u32,
-    // The first interval of planes of odd index, of the four lowest levels and of the topmost, and half the index
-    // of the first of them.
-    odd: vec4u,
-    odd_first: vec4u,
-    odd_top: u32,
-    odd_top_first: u32,
-    // Likewise for planes of even index, of the lowest level and of the topmost.
+    // The first interval of planes of odd index, and of even index, of the lowest level in its buffer, and half the
+    // index of the first of them.
+    odd: u32,
     even: u32,
-    even_first: u32,
+    stored: u32,
+    // Likewise of the topmost.
+    odd_top: u32,
     even_top: u32,
-    even_top_first: u32,
-    // The first entry of the level above in the table of cones.
+    stored_top: u32,
+    // The first entries of the level above, and of the level between it and the lowest, in the table of cones.
     cones_above: u32,
-    // 1 in the first quadrant, which overwrites light.
-    first_quadrant: u32,
-    // The first entry of the light of the level above and of the level itself; of the latter, the plane that
-    // is stored first, and 1 if half cones are stored.
+    cones_between: u32,
+    // The first entry of the light of the level above, of that between and of the lowest itself; of the latter,
+    // the plane that is stored first.
     above: u32,
+    between: u32,
     below: u32,
     below_far: u32,
-    halves: u32,
+    // 1 in the first quadrant, which overwrites light.
+    first_quadrant: u32,
     // The first word of the cell bits of this axis.
     cell_bits: u32,
     // 1 if scattered radiance is added to emission.
@@ -63,6 +61,11 @@ const BEYOND: i32 = 2;
 // The number of cones of a level, with those beyond the edges.
 fn cone_count(level: u32) -> u32 {
     return (2u << level) + 2u * u32(BEYOND);
+}
+
+// The number of cones that pixels gather from: the outermost of the level have no light.
+fn shown_count(level: u32) -> u32 {
+    return cone_count(level) - 2u;
 }
 
 // The number of planes of a level.

@@ -11,8 +11,8 @@ const STORED: u32 = TILE - 2u;
 // Bundles from a row.
 override BUNDLES: u32;
 
-@group(0) @binding(7) var<storage, read_write> intervals: array<vec2u>;
-@group(0) @binding(8) var<storage, read_write> tints: array<u32>;
+@group(0) @binding(7) var<storage, read_write> made: array<vec2u>;
+@group(0) @binding(8) var<storage, read_write> made_tints: array<u32>;
 
 // Rows of the tile from which each bundle meets matter, and a small source.
 var<workgroup> meets: array<vec4u, BUNDLES>;
@@ -49,8 +49,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let stores = inside && group.y < sweep.planes && lane > 0u && lane <= STORED;
     let open = ~solid_rows();
     let odd = (plane & 1u) == 1u;
-    let place = select(plane / 2u - sweep.even_first, plane / 2u - sweep.odd_first.x, odd);
-    let base = select(sweep.even, sweep.odd.x, odd);
+    let place = plane / 2u - sweep.stored;
+    let base = select(sweep.even, sweep.odd, odd);
     workgroupBarrier();
     for (var ray = 0u; ray < BUNDLES; ray++) {
         let met = meets[ray];

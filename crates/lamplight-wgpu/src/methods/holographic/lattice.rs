@@ -1,9 +1,10 @@
 //! The levels of a quadrant, and where they lie in memory.
 //!
 //! A quadrant is swept in chunks of 2^t slabs from the far end of the grid to the near one, in the direction of
-//! light. Of the levels up to t all planes of a chunk are stored, of each level above only one: of intervals
-//! the plane of odd index made last, of light the one that is needed. So smaller chunks take less memory and
-//! more dispatches.
+//! light. Of the levels below t all planes of a chunk are stored, except of those between the levels of a group,
+//! which are never stored. Of t and each level above only one plane is: of intervals the one of odd index made last, of
+//! light the one that is needed. So smaller chunks take less memory and more dispatches. The light that pixels gather
+//! lies in buffers of intervals that nothing reads any more by then.
 
 use lamplight::internals::holographic::lattice::{cones, levels, planes, rays};
 
@@ -11,11 +12,15 @@ use lamplight::internals::holographic::lattice::{cones, levels, planes, rays};
 pub const TILE: u32 = 64;
 /// Rows that a workgroup traces and stores; it traces one more to each side.
 pub const TRACED: u32 = TILE - 2;
+/// Cones of a level that pixels gather from: the outermost have no light.
+pub const fn shown(level: u32) -> usize {
+    cones(level) - 2
+}
 /// The packed radiance of a cone or a face.
 pub type Packed = [u32; 2];
 
 /// The grid of a quadrant and its opposite.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Lattice {
     pub depth: usize,
     pub rows: usize,
@@ -26,22 +31,26 @@ pub struct Lattice {
     pub chunk: u32,
     /// Levels in a group.
     fused: u32,
+    /// The first interval of each level's planes of odd index, and of even index; levels have a buffer each.
     odd: Vec<u64>,
-    even: [u64; 2],
-    /// The number of all intervals.
-    pub intervals: u64,
+    even: Vec<u64>,
+    /// The number of each level's intervals.
+    pub intervals: Vec<u64>,
     /// The places of the light of levels in a chunk, in turns, and of each level from `chunk` on.
     turns: [u64; 2],
     chain: Vec<u64>,
-    /// Entries of all light.
+    /// Entries of that light.
     pub radiance: u64,
+    /// The place, and the entries, of the light that pixels gather: on planes of odd index, and on those of even index.
+    shown_at: u64,
+    pub shown: u64,
 }
 
 impl Lattice {
     /// Lays out a grid of `depth` slabs. Chunks are halved `halvings` times.
     pub fn new([depth, rows]: [usize; 2], first: u32, fused: u32, halvings: u32) -> Self {
         let end = levels(depth, first);
-        let chunk = end.saturating_sub(halvings).max(first + 1);
+        let chunk = end.saturating_sub(halvings).max(first + 2).min(end);
         let mut lattice = Self {
             depth,
             rows,
@@ -50,48 +59,51 @@ impl Lattice {
             chunk,
             fused,
             odd: Vec::new(),
-            even: [0; 2],
-            intervals: 0,
+            even: Vec::new(),
+            intervals: Vec::new(),
             turns: [0; 2],
             chain: Vec::new(),
             radiance: 0,
+            shown_at: 0,
+            shown: 0,
         };
         lattice.lay_out();
         lattice
     }
 
     fn lay_out(&mut self) {
-        let mut even = [0; 2];
         for level in self.first..self.end {
-            let held = self.held(level) * self.plane(level);
-            self.odd.push(self.intervals);
-            self.intervals += held;
-            // The first plane is only needed by its pixels.
-            if planes(self.depth, level) > 2 {
-                let even = &mut even[self.turn(level)];
-                *even = held.max(*even);
-            }
+            let [odd, even] = [true, false].map(|odd| self.held(level, odd));
+            // The grid's first plane is only needed by its pixels, which it would be stored before.
+            let missing = u64::from(self.chunks() == 1 && even > 0);
+            let plane = self.plane(level);
+            self.odd.push(0);
+            self.even.push((odd - missing) * plane);
+            self.intervals.push((odd + even - missing) * plane);
         }
-        self.even = [self.intervals, self.intervals + even[0]];
-        self.intervals += even[0] + even[1];
-        let light = |level: u32| self.planes_of_light(level) * cones(level) * self.rows;
-        let all = (self.first + 1..=self.chunk).map(light).max().unwrap_or(0) as u64;
-        self.turns = [0, all];
-        self.radiance = 2 * all;
+        // Planes of odd index have as many cones as those of even index, of the level above.
+        let planes = self.planes_of_light(self.first + 1);
+        self.shown = (planes * shown(self.first + 1) * self.rows) as u64;
+        for turn in 0..self.turns.len() {
+            self.turns[turn] = self.radiance;
+            let levels = (self.first + 2..self.chunk).filter(|&level| self.turn(level) == turn);
+            let light = levels.map(|level| self.light_of(level)).max();
+            self.radiance += light.unwrap_or(0);
+        }
         for level in self.chunk..self.end {
             self.chain.push(self.radiance);
             self.radiance += (cones(level) * self.rows) as u64;
         }
     }
 
-    /// The place, of two, for planes of even index of a level. Neighbouring groups use different places.
+    /// Returns whether intervals of a level are stored.
+    fn is_stored(&self, level: u32) -> bool {
+        level >= self.chunk || (level - self.first).is_multiple_of(self.fused)
+    }
+
+    /// The place, of two, of the light of a level in a chunk. Neighbouring groups use different places.
     fn turn(&self, level: u32) -> usize {
-        let of_group = |level: u32| (level - self.first).div_ceil(self.fused);
-        let groups = match level.checked_sub(self.chunk) {
-            Some(above) => of_group(self.chunk) + above,
-            None => of_group(level),
-        };
-        groups as usize % 2
+        ((level - self.first - 2) / self.fused % 2) as usize
     }
 
     /// Intervals of a plane.
@@ -100,10 +112,15 @@ impl Lattice {
     }
 
     /// The number of planes of odd index, or of even index, of a level that are stored at a time.
-    fn held(&self, level: u32) -> u64 {
-        let all = planes(self.depth, level).div_ceil(2) as u64;
+    fn held(&self, level: u32, odd: bool) -> u64 {
+        if !self.is_stored(level) {
+            return 0;
+        }
+        let all = planes(self.depth, level);
+        // The first plane alone is not needed.
+        let even = if all > 2 { all.div_ceil(2) } else { 0 };
         let of_chunk = 1 << self.chunk.saturating_sub(level + 1);
-        of_chunk.min(all)
+        of_chunk.min(if odd { all / 2 } else { even } as u64)
     }
 
     /// The number of planes of a level whose light a chunk stores.
@@ -111,15 +128,35 @@ impl Lattice {
         self.last_of_light(level, 0).min(1 << (self.chunk - level))
     }
 
+    /// Entries of the light of a level that a chunk stores.
+    fn light_of(&self, level: u32) -> u64 {
+        (self.planes_of_light(level) * cones(level) * self.rows) as u64
+    }
+
+    /// Places the lattice in buffers after others, whose intervals of each level and light come first.
+    pub fn after(&self, intervals: &[u64], [radiance, shown]: [u64; 2]) -> Self {
+        let moved = |places: &[u64]| places.iter().zip(intervals).map(|(at, by)| at + by).collect();
+        Self {
+            odd: moved(&self.odd),
+            even: moved(&self.even),
+            turns: self.turns.map(|at| at + radiance),
+            chain: self.chain.iter().map(|at| at + radiance).collect(),
+            shown_at: self.shown_at + shown,
+            ..self.clone()
+        }
+    }
+
     /// The plane of a level, up to that of chunks, that a chunk stores light of first: its far end, or what follows
     /// the last plane of the grid.
     pub fn last_of_light(&self, level: u32, chunk: usize) -> usize {
-        ((chunk + 1) << (self.chunk - level)).min(planes(self.depth, level))
+        // The level that pixels gather from has a last plane beyond that of the level above.
+        let beyond = usize::from(level == self.first + 1);
+        ((chunk + 1) << (self.chunk - level)).min(planes(self.depth, level) - 1 + beyond)
     }
 
     /// Returns whether chunks are as small as they can be.
     pub fn is_smallest(&self) -> bool {
-        self.chunk == self.first + 1
+        self.chunk <= self.first + 2
     }
 
     pub fn chunks(&self) -> usize {
@@ -138,9 +175,9 @@ impl Lattice {
         self.odd.get((level - self.first) as usize).map_or(0, |&at| at as u32)
     }
 
-    /// The first interval of planes of even index of a level.
+    /// Likewise of planes of even index.
     pub fn even(&self, level: u32) -> u32 {
-        self.even[self.turn(level)] as u32
+        self.even.get((level - self.first) as usize).map_or(0, |&at| at as u32)
     }
 
     /// Half the index of the first plane of a level that is stored in a chunk.
@@ -152,11 +189,14 @@ impl Lattice {
         }
     }
 
-    /// The place of the light of a level. Neighbouring levels use different places.
+    /// The place of the light of a level.
     pub fn light(&self, level: u32) -> u32 {
         if let Some(above) = level.checked_sub(self.chunk) {
             return self.chain.get(above as usize).map_or(0, |&at| at as u32);
         }
-        self.turns[(level - self.first) as usize % 2] as u32
+        match level - self.first {
+            0 | 1 => self.shown_at as u32,
+            _ => self.turns[self.turn(level)] as u32,
+        }
     }
 }

@@ -23,7 +23,7 @@ use crate::stages::convergence::Convergence;
 use crate::{programs, shaders};
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
-use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, cones, rays};
+use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, rays};
 use lamplight::internals::holographic::{
     EMISSIVE, EXCHANGED, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON,
 };
@@ -31,9 +31,10 @@ use lamplight::settings::Holographic as Settings;
 use lattice::{Lattice, Packed};
 use quadrant::{Axis, PlannedWork, Quadrant, RUN};
 use sky::{ConeSky, ConeTable};
+use std::collections::BTreeMap;
 use sweep::Sweeps;
 use tables::Footprints;
-use tiles::Tiles;
+use tiles::{BLOCK, EXTENDED, LINES, LINES_LAST, MERGED, WIDTH, held_pairs};
 use traffic::BITS;
 use wgpu::{Buffer, BufferUsages, Device};
 use work::Work;
@@ -62,49 +63,54 @@ pub struct Holographic {
 struct IntervalPipelines {
     /// Words of an interval.
     words: u32,
-    /// Workgroups that extend them.
-    tiles: Tiles,
     trace: ComputePipelines,
-    /// For a single level, and for fused ones.
+    /// For a single level, and for two.
     extend: [ComputePipelines; 2],
     merge: ComputePipelines,
+    finish: ComputePipelines,
 }
 
 impl IntervalPipelines {
     fn new(device: &Device, level: u32, words: u32) -> Self {
         let stored = ("WORDS", f64::from(words));
-        let tiles = Tiles::new(device.limits().max_compute_workgroup_storage_size, words);
         let exchanged = ("EXCHANGED", EXCHANGED.into());
         let bundles = ("BUNDLES", rays(level) as f64);
         let trace = [CELLS, MARCH, &[("FOURTH", SMALL_BIT), stored, exchanged, bundles]].concat();
-        let extend = |fused: bool| {
-            let (rows, before, pairs) = if fused {
-                (tiles.rows(), tiles::BEFORE, tiles.held_pairs(words))
-            } else {
-                (tiles.lanes, 0, 1)
+        let bent = ("BENT", BENT.into());
+        let extend = |levels: u32| {
+            let (rows, before, pairs) = match levels {
+                1 => (tiles::LANES, 0, 1),
+                _ => (EXTENDED.rows, EXTENDED.before, held_pairs(words)),
             };
             let constants = [
                 stored,
-                ("FUSED", f64::from(fused)),
-                ("BENT", BENT.into()),
+                bent,
+                ("LEVELS", levels.into()),
                 ("TILE", rows.into()),
                 ("BEFORE", before.into()),
-                ("LANES", tiles.lanes.into()),
-                ("RAYS_1", tiles::RAYS[0].into()),
-                ("RAYS_2", tiles::RAYS[1].into()),
-                ("PLANES_1", tiles::PLANES[0].into()),
+                ("LANES", tiles::LANES.into()),
+                ("WIDTH", WIDTH.into()),
                 ("HELD", pairs.into()),
-                ("FIRST_TINT", tiles.held().into()),
+                ("FIRST_TINT", tiles::HELD.into()),
             ];
             ComputePipelines::new(device, &programs::HOLOGRAPHIC_EXTEND, &constants)
         };
-        let merge = [stored, ("RUN", RUN.into())];
+        let merge = [
+            stored,
+            bent,
+            ("RUN", RUN.into()),
+            ("BLOCK", BLOCK.into()),
+            ("LINES", LINES.into()),
+            ("LINES_LAST", LINES_LAST.into()),
+            ("TILE", MERGED.rows.into()),
+            ("BEFORE", MERGED.before.into()),
+        ];
         Self {
             words,
-            tiles,
             trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
-            extend: [false, true].map(extend),
+            extend: [1, 2].map(extend),
             merge: ComputePipelines::new(device, &programs::HOLOGRAPHIC_MERGE, &merge),
+            finish: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FINISH, &merge),
         }
     }
 }
@@ -114,11 +120,13 @@ struct MemoryLayout {
     lattices: [Lattice; 2],
     /// Quadrants that share dispatches, in a chunk each.
     together: usize,
-    /// The most intervals, and values of light, of the quadrants that do.
-    intervals: u64,
+    /// The most intervals of each level, and values of light, of the quadrants that do.
+    intervals: Vec<u64>,
     radiance: u64,
-    /// Third words of intervals: one if matter does not tint.
-    tints: u64,
+    /// The most values of the light that pixels gather, on planes of odd index or of even index, and the levels in whose
+    /// buffers they lie in place of intervals: nothing else reads those any more.
+    shown: u64,
+    hosts: [Option<usize>; 2],
 }
 
 impl MemoryLayout {
@@ -131,40 +139,71 @@ impl MemoryLayout {
         // Chunks are smaller if much memory would be needed, or more than the device can bind.
         let padded = sides.map(|[depth, rows]| (depth.next_power_of_two() * rows) as u64);
         let enough = (padded.iter().sum::<u64>() / 2 * u64::from(words) * MAX_HELD).max(LITTLE);
-        let fits = |intervals: u64, radiance: u64| {
-            let bytes = Self::bytes(intervals, radiance, words);
+        let fits = |layout: &Self| {
+            let bytes = layout.bytes(words);
             let bound = bytes.iter().all(|&bytes| bytes <= planner.max_buffer_bytes());
             bound && bytes.iter().sum::<u64>() <= enough
         };
-        let in_one_chunk =
-            |together| Self::of(sides.map(|sides| lattice(sides, 0)), together, words);
-        let found = [4, 2].into_iter().map(in_one_chunk);
-        let mut found = found.filter(|layout| fits(layout.intervals, layout.radiance));
+        let in_one_chunk = |together| Self::of(sides.map(|sides| lattice(sides, 0)), together);
+        let mut found = [4, 2].into_iter().map(in_one_chunk).filter(fits);
         found.next().unwrap_or_else(|| {
             let in_chunks = sides.map(|sides| {
+                let alone = |lattice: &Lattice| Self::of([lattice.clone(), lattice.clone()], 1);
                 let mut halved = (0..u32::BITS).map(|halvings| lattice(sides, halvings));
-                let found = halved.find(|l| l.is_smallest() || fits(l.intervals, l.radiance));
+                let found = halved.find(|lattice| lattice.is_smallest() || fits(&alone(lattice)));
                 found.unwrap_or_else(|| lattice(sides, u32::BITS))
             });
-            Self::of(in_chunks, 1, words)
+            Self::of(in_chunks, 1)
         })
     }
 
-    fn of(lattices: [Lattice; 2], together: usize, words: u32) -> Self {
-        let most = |of: fn(&Lattice) -> u64| {
+    fn of(lattices: [Lattice; 2], together: usize) -> Self {
+        let most = |of: &dyn Fn(&Lattice) -> u64| {
             let quadrants = [0, 0, 1, 1].map(|axis: usize| of(&lattices[axis]));
             quadrants.chunks(together).map(|held| held.iter().sum()).max().unwrap_or(0)
         };
-        let (intervals, radiance) = (most(|l| l.intervals), most(|l| l.radiance));
-        let tints = if words == 3 { intervals } else { 1 };
-        Self { lattices, together, intervals, radiance, tints }
+        let levels = lattices.iter().map(|lattice| lattice.intervals.len()).max().unwrap_or(0);
+        let of_level = |level: usize| {
+            most(&|lattice: &Lattice| lattice.intervals.get(level).copied().unwrap_or(0))
+        };
+        let mut intervals: Vec<u64> = (0..levels).map(of_level).collect();
+        let [radiance, shown] =
+            [|lattice: &Lattice| lattice.radiance, |lattice: &Lattice| lattice.shown]
+                .map(|of| most(&of));
+        // The first level is read until the end, and those from a chunk's on are kept for the next chunk.
+        let chunk = lattices.iter().map(|lattice| lattice.chunk - lattice.first).min();
+        let mut hosts = (1..chunk.unwrap_or(0) as usize).filter(|&level| intervals[level] > 0);
+        let hosts = [hosts.next(), hosts.next()];
+        for level in hosts.into_iter().flatten() {
+            intervals[level] = intervals[level].max(shown);
+        }
+        Self { lattices, together, intervals, radiance, shown, hosts }
     }
 
-    /// Bytes of intervals, of their third words, and of light.
-    fn bytes(intervals: u64, radiance: u64, words: u32) -> [u64; 3] {
+    /// Bytes of each buffer: the intervals of each level, their third words, and light.
+    fn bytes(&self, words: u32) -> Vec<u64> {
         let packed = size_of::<Packed>() as u64;
         let third = u64::from(words - 2) * size_of::<u32>() as u64;
-        [intervals * packed, intervals * third, radiance * packed]
+        let intervals = self.intervals.iter().flat_map(|count| [count * packed, count * third]);
+        let shown = self.hosts.iter().filter(|host| host.is_none()).map(|_| self.shown);
+        let light = shown.chain([self.radiance]).map(|count| count * packed);
+        intervals.chain(light).collect()
+    }
+}
+
+/// The intervals of a level, and their third words: one if matter does not tint.
+struct LevelBuffers {
+    intervals: Buffer,
+    tints: Buffer,
+}
+
+impl LevelBuffers {
+    fn new(planner: &FramePlanner, count: u64, words: u32) -> Result<Self> {
+        let tints = if words == 3 { count } else { 1 };
+        Ok(Self {
+            intervals: planner.buffer::<Packed>("intervals", count.max(1))?,
+            tints: planner.buffer::<u32>("tints of intervals", tints.max(1))?,
+        })
     }
 }
 
@@ -173,9 +212,11 @@ struct Buffers {
     footprints: Buffer,
     cones: Buffer,
     cell_bits: Buffer,
-    intervals: Buffer,
-    tints: Buffer,
+    /// Buffers of each level that is stored, from the first on.
+    levels: Vec<Option<LevelBuffers>>,
     radiance: Buffer,
+    /// The light that pixels gather, on planes of odd index, and of even index.
+    shown: [Buffer; 2],
     irradiance: Buffer,
     scattered: Buffer,
 }
@@ -184,8 +225,11 @@ struct Buffers {
 struct Bindings {
     slabs: BoundResources,
     trace: BoundResources,
-    extend: BoundResources,
-    merge: BoundResources,
+    /// By the level that is read, and the level that is made.
+    extend: BTreeMap<[u32; 2], BoundResources>,
+    /// By the level that is read.
+    merge: BTreeMap<u32, BoundResources>,
+    finish: BoundResources,
     gather: BoundResources,
 }
 
@@ -198,8 +242,7 @@ impl Holographic {
                 ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
                 ("PIXELS", f64::from(pixels)),
-                // The outermost have no light.
-                ("CONES", (cones(geometry.level + 1) - 2) as f64),
+                ("CONES", lattice::shown(geometry.level + 1) as f64),
                 shaders::moment(moment && pixels),
             ];
             let constants = [CELLS, MARCH, &own].concat();
@@ -229,7 +272,18 @@ impl Holographic {
         let geometry = GatherGeometry::new(settings);
         let intervals = &self.intervals[usize::from(planner.hints.tinted)];
         let layout = MemoryLayout::new(planner, geometry.level, intervals.words);
-        let MemoryLayout { together, intervals: held, tints, radiance, .. } = layout;
+        let MemoryLayout { together, radiance, .. } = layout;
+        // The first level is bound, even if the grid is too small for any.
+        let stored = layout.intervals.iter().enumerate().map(|(level, &count)| {
+            let stored = count > 0 || level == 0;
+            stored.then(|| LevelBuffers::new(planner, count, intervals.words)).transpose()
+        });
+        let levels = stored.collect::<Result<Vec<_>>>()?;
+        let shown = |host: Option<usize>| match host.and_then(|level| levels[level].as_ref()) {
+            Some(host) => Ok(host.intervals.clone()),
+            None => planner.buffer::<Packed>("light that pixels gather", layout.shown.max(1)),
+        };
+        let shown = [shown(layout.hosts[0])?, shown(layout.hosts[1])?];
 
         let footprints = Footprints::new(geometry, settings.bundle_rays);
         let ends = layout.lattices.each_ref().map(|lattice| lattice.end);
@@ -251,9 +305,9 @@ impl Holographic {
             )?,
             cones: cones.buffer(planner)?,
             cell_bits: planner.buffer::<u32>("cell bits", cell_bits.into())?,
-            intervals: planner.buffer::<Packed>("intervals", held)?,
-            tints: planner.buffer::<u32>("tints of intervals", tints)?,
-            radiance: planner.buffer::<Packed>("light of cones", radiance)?,
+            levels,
+            radiance: planner.buffer::<Packed>("light of cones", radiance.max(1))?,
+            shown,
             irradiance: planner.buffer::<Packed>("irradiance", faces)?,
             scattered: self.bounce.kept_buffer::<Packed>(planner, faces)?,
         };
@@ -263,7 +317,6 @@ impl Holographic {
             &footprints,
             &cones,
             settings.bundle_rays,
-            intervals.tiles,
             intervals.words,
             together,
         );
@@ -342,8 +395,13 @@ impl Holographic {
         sweeps: &Sweeps,
         light: &Buffer,
     ) -> Bindings {
-        let Buffers { footprints, cones, cell_bits, intervals: held, tints, .. } = buffers;
-        let Buffers { radiance, irradiance, scattered, .. } = buffers;
+        let Buffers { footprints, cones, cell_bits, levels, .. } = buffers;
+        let Buffers { radiance, shown, irradiance, scattered, .. } = buffers;
+        let first = GatherGeometry::new(&self.settings).level;
+        let level = |level: u32| {
+            let held = levels.get((level - first) as usize)?.as_ref()?;
+            Some([whole(&held.intervals), whole(&held.tints)])
+        };
         let emission = view(&planner.textures.emission);
         let matter = view(&planner.textures.tint_opacity);
         let slabs = [
@@ -362,21 +420,38 @@ impl Holographic {
             matter,
             whole(scattered),
         ];
-        let merge = [sweeps.binding(), whole(cones), whole(held), whole(tints), whole(radiance)];
+        let mut extend = BTreeMap::new();
+        let mut merge = BTreeMap::new();
+        let (mut trace, mut finish) = (Vec::new(), Vec::new());
+        for at in first..first + levels.len() as u32 {
+            let Some(read) = level(at) else { continue };
+            for above in [at + 1, at + 2] {
+                let Some(made) = level(above) else { continue };
+                let resources = [&[sweeps.binding()], &read[..], &made[..]].concat();
+                extend.insert([at, above], planner.bind(&intervals.extend[0], &resources));
+            }
+            let light = [whole(radiance)];
+            let resources = [&[sweeps.binding(), whole(cones)], &read[..], &light].concat();
+            merge.insert(at, planner.bind(&intervals.merge, &resources));
+            if at == first {
+                trace = [&rays[..], &read].concat();
+                finish = [resources, shown.each_ref().map(whole).to_vec()].concat();
+            }
+        }
         let gather = [
             whole(cones),
-            whole(radiance),
+            whole(&shown[0]),
+            whole(&shown[1]),
             whole(light),
             whole(irradiance),
             view(&planner.textures.albedo),
         ];
         Bindings {
             slabs: planner.bind(&self.slabs, &slabs),
-            trace: planner
-                .bind(&intervals.trace, &[&rays[..], &[whole(held), whole(tints)]].concat()),
-            extend: planner
-                .bind(&intervals.extend[0], &[sweeps.binding(), whole(held), whole(tints)]),
-            merge: planner.bind(&intervals.merge, &merge),
+            trace: planner.bind(&intervals.trace, &trace),
+            extend,
+            merge,
+            finish: planner.bind(&intervals.finish, &finish),
             gather: planner.bind(&self.gather, &[&rays[..], &gather].concat()),
         }
     }
@@ -390,10 +465,11 @@ impl Holographic {
         let (pipelines, entry, bound) = match planned.work {
             Work::Slabs => (&self.slabs, 0, &bindings.slabs),
             Work::Trace => (&intervals.trace, 0, &bindings.trace),
-            Work::ExtendOnce => (&intervals.extend[0], 0, &bindings.extend),
-            Work::Extend => (&intervals.extend[1], 0, &bindings.extend),
-            Work::Merge => (&intervals.merge, 0, &bindings.merge),
-            Work::Finish => (&intervals.merge, 1, &bindings.merge),
+            Work::ExtendOnce => (&intervals.extend[0], 0, &bindings.extend[&planned.levels]),
+            Work::Extend => (&intervals.extend[1], 0, &bindings.extend[&planned.levels]),
+            Work::Merge => (&intervals.merge, 0, &bindings.merge[&planned.levels[0]]),
+            Work::MergeOnce => (&intervals.merge, 1, &bindings.merge[&planned.levels[0]]),
+            Work::Finish => (&intervals.finish, 0, &bindings.finish),
             Work::Gather => (&self.gather, 0, &bindings.gather),
             Work::Faces => (&self.gather_faces, 0, &bindings.gather),
         };

@@ -4,17 +4,17 @@ use super::lattice::{Lattice, TILE, TRACED};
 use super::sky::ConeTable;
 use super::sweep::{QUADRANTS, STEPS, Sweep, Together};
 use super::tables::Footprints;
-use super::tiles::{Tiles, WAVES};
+use super::tiles::{BLOCK, EXTENDED, LANES, LINES_LAST, MERGED, WAVES, WIDTH};
 use super::traffic::traffic;
 use super::work::Work;
 use crate::traffic::Traffic;
 use lamplight::internals::holographic::lattice::{GatherGeometry, cones, planes};
 
-/// Cones that a thread merges, one after another.
+/// Cones that a thread merges if a dispatch makes one level, one after another.
 pub const RUN: u32 = 8;
 
 /// The grid along an axis.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Axis {
     /// 0: slabs are columns; 1: rows.
     pub axis: u32,
@@ -29,6 +29,8 @@ pub struct Axis {
 #[derive(Debug)]
 pub struct PlannedWork {
     pub work: Work,
+    /// The lowest level, and the one that intervals are extended to.
+    pub levels: [u32; 2],
     /// The step of its sweeps.
     pub step: u32,
     pub groups: [u32; 3],
@@ -39,8 +41,18 @@ pub struct PlannedWork {
 #[derive(Clone, Copy, Debug)]
 struct Part {
     work: Work,
+    levels: [u32; 2],
     sweep: Sweep,
     groups: [u32; 3],
+}
+
+impl Part {
+    /// The order in which quadrants that share dispatches do their work: upwards, then downwards through the levels.
+    /// Parts that are equal in it can share one.
+    fn order(&self) -> (Work, [i64; 2]) {
+        let levels = self.levels.map(i64::from);
+        (self.work, if self.work.is_merge() { levels.map(|level| -level) } else { levels })
+    }
 }
 
 /// Plans gathers, and collects the sweeps of their dispatches.
@@ -54,8 +66,6 @@ pub struct Quadrant {
     cones: u32,
     /// Rays of a bundle.
     width: u32,
-    /// Workgroups that extend intervals.
-    tiles: Tiles,
     /// Words of an interval.
     words: u32,
     /// Quadrants that share dispatches.
@@ -71,13 +81,12 @@ impl Quadrant {
         footprints: &Footprints,
         cones: &ConeTable,
         width: u32,
-        tiles: Tiles,
         words: u32,
         together: usize,
     ) -> Self {
         let Footprints { bundles, views, .. } = *footprints;
         let (cones, sweeps, parts) = (cones.entries(), Vec::new(), Vec::new());
-        Self { geometry, bundles, views, cones, width, tiles, words, together, sweeps, parts }
+        Self { geometry, bundles, views, cones, width, words, together, sweeps, parts }
     }
 
     /// The sweeps of all dispatches planned so far.
@@ -90,21 +99,24 @@ impl Quadrant {
     pub fn gather(&mut self, axes: &[Axis], indirect: bool, all: bool) -> Vec<PlannedWork> {
         let mut slabs = Vec::new();
         let mut quadrants = Vec::new();
-        let mut place = [0; 2];
+        let (mut intervals, mut light) = (Vec::new(), [0; 2]);
         for axis in axes {
             let sweep = self.sweep(axis, indirect);
-            let Lattice { depth, rows, intervals, radiance, .. } = axis.lattice;
+            let Lattice { depth, rows, .. } = axis.lattice;
             self.push(Work::Slabs, sweep, [depth.div_ceil(64), rows.div_ceil(32), 1]);
             slabs.push(std::mem::take(&mut self.parts));
             for reversed in [0, 1] {
                 let first_quadrant = u32::from(axis.axis == 0 && reversed == 0);
                 let sky = ConeTable::light_of(self.cones, axis.axis, reversed);
-                self.quadrant(axis, Sweep { reversed, first_quadrant, sky, ..sweep }, all);
                 if quadrants.len() % self.together == 0 {
-                    place = [0; 2];
+                    (intervals, light) = (vec![0; u32::BITS as usize], [0; 2]);
                 }
-                self.parts.iter_mut().for_each(|part| part.sweep = part.sweep.moved(place));
-                place = [place[0] + intervals as u32, place[1] + radiance as u32];
+                let lattice = axis.lattice.after(&intervals, light);
+                let placed = Axis { lattice, ..axis.clone() };
+                self.quadrant(&placed, Sweep { reversed, first_quadrant, sky, ..sweep }, all);
+                let held = &axis.lattice.intervals;
+                intervals.iter_mut().zip(held).for_each(|(place, held)| *place += held);
+                light = [light[0] + axis.lattice.radiance, light[1] + axis.lattice.shown];
                 quadrants.push(std::mem::take(&mut self.parts));
             }
         }
@@ -119,23 +131,24 @@ impl Quadrant {
     fn share(&mut self, quadrants: &[Vec<Part>]) -> Vec<PlannedWork> {
         let mut left: Vec<&[Part]> = quadrants.iter().map(Vec::as_slice).collect();
         let mut planned = Vec::new();
-        while let Some(work) = left.iter().filter_map(|parts| Some(parts.first()?.work)).min() {
+        while let Some(next) = left.iter().filter_map(|parts| Some(parts.first()?.order())).min() {
             let mut parts = Vec::new();
             for left in &mut left {
                 if let Some((part, rest)) = left.split_first()
-                    && part.work == work
-                    && (parts.is_empty() || work.is_apart())
+                    && part.order() == next
+                    && (parts.is_empty() || part.work.is_apart())
                 {
                     parts.push(*part);
                     *left = rest;
                 }
             }
-            planned.push(self.plan(work, &parts));
+            planned.push(self.plan(&parts));
         }
         planned
     }
 
-    fn plan(&mut self, work: Work, parts: &[Part]) -> PlannedWork {
+    fn plan(&mut self, parts: &[Part]) -> PlannedWork {
+        let Part { work, levels, .. } = parts[0];
         let quadrants = parts.len() as u32;
         let most = |i: usize| parts.iter().map(|part| part.groups[i]).max().unwrap_or(0);
         let mut together = [Sweep::default(); QUADRANTS];
@@ -147,6 +160,7 @@ impl Quadrant {
         let traffic = |part: &Part| traffic(work, &part.sweep, part.groups, self.words.into());
         PlannedWork {
             work,
+            levels,
             step,
             groups: [most(0), most(1), quadrants * most(2)],
             traffic: parts.iter().map(traffic).sum(),
@@ -167,10 +181,14 @@ impl Quadrant {
     }
 
     fn push(&mut self, work: Work, sweep: Sweep, groups: [usize; 3]) {
+        self.push_levels(work, [sweep.level; 2], sweep, groups);
+    }
+
+    fn push_levels(&mut self, work: Work, levels: [u32; 2], sweep: Sweep, groups: [usize; 3]) {
         let groups = groups.map(|count| count as u32);
         if groups.iter().all(|&count| count > 0) {
             let planes = groups[if work == Work::Trace { 1 } else { 2 }];
-            self.parts.push(Part { work, sweep: Sweep { planes, ..sweep }, groups });
+            self.parts.push(Part { work, levels, sweep: Sweep { planes, ..sweep }, groups });
         }
     }
 
@@ -191,14 +209,12 @@ impl Quadrant {
         let level = lattice.first;
         let all = 1 << (lattice.chunk - level);
         let planes = range(chunk * all, all, planes(lattice.depth, level), 1);
-        let first = lattice.first_of(level, chunk);
         let sweep = Sweep {
             level,
             first: planes.start as u32,
-            odd: [lattice.odd(level), 0, 0, 0],
-            odd_first: [first; 4],
+            odd: lattice.odd(level),
             even: lattice.even(level),
-            even_first: first,
+            stored: lattice.first_of(level, chunk),
             footprints: self.bundles,
             rays: self.width,
             ..sweep
@@ -208,14 +224,11 @@ impl Quadrant {
 
     /// Plans the levels above: those within the chunk, and those that its near end completes.
     fn extend(&mut self, lattice: &Lattice, sweep: Sweep, chunk: usize) {
-        // Nothing needs what begins at the grid's near end.
-        let top = if chunk == 0 { lattice.chunk - 1 } else { lattice.chunk };
-        for [level, levels] in lattice.groups(lattice.first, top) {
+        for [level, levels] in lattice.groups(lattice.first, lattice.chunk) {
             let above = level + levels;
+            // Nothing needs what begins at the grid's near end.
             let all = 1 << (lattice.chunk - above);
-            // Of the grid's first plane only levels in between are needed.
-            let low = usize::from(levels == 1);
-            let planes = range(chunk * all, all, planes(lattice.depth, above), low);
+            let planes = range(chunk * all, all, planes(lattice.depth, above), 1);
             self.extend_group(lattice, sweep, chunk, [level, levels], planes);
         }
         let (mut level, mut plane) = (lattice.chunk, chunk);
@@ -234,32 +247,26 @@ impl Quadrant {
         [level, levels]: [u32; 2],
         planes: std::ops::Range<usize>,
     ) {
-        let of = |up: usize| level + up as u32;
-        let first = |level| lattice.first_of(level, chunk);
+        let above = level + levels;
         let sweep = Sweep {
             level,
-            levels,
             first: planes.start as u32,
-            odd: std::array::from_fn(|up| lattice.odd(of(up))),
-            odd_first: std::array::from_fn(|up| first(of(up))),
-            odd_top: lattice.odd(level + levels),
-            odd_top_first: first(level + levels),
+            odd: lattice.odd(level),
             even: lattice.even(level),
-            even_first: first(level),
-            even_top: lattice.even(level + levels),
-            even_top_first: first(level + levels),
+            stored: lattice.first_of(level, chunk),
+            odd_top: lattice.odd(above),
+            even_top: lattice.even(above),
+            stored_top: lattice.first_of(above, chunk),
             ..sweep
         };
-        let rays = 2 << level;
-        if levels == 1 {
-            let tiles = lattice.rows.div_ceil(self.tiles.lanes as usize);
-            self.push(Work::ExtendOnce, sweep, [tiles, rays / WAVES, planes.len()]);
-        } else {
-            // Planes are slanted by up to so many rows.
-            let slant = ((1usize << levels) - 2) << level;
-            let tiles = (lattice.rows + slant).div_ceil(self.tiles.rows() as usize);
-            self.push(Work::Extend, sweep, [tiles, rays, planes.len()]);
-        }
+        let rays = 2usize << level;
+        let (work, rows, width) = match levels {
+            1 => (Work::ExtendOnce, LANES, WAVES),
+            _ => (Work::Extend, EXTENDED.rows, WIDTH),
+        };
+        let tiles = lattice.rows.div_ceil(rows as usize);
+        let groups = [tiles, rays.div_ceil(width as usize), planes.len()];
+        self.push_levels(work, [level, above], sweep, groups);
     }
 
     /// Plans light at the far end of the chunk, from that at the planes of higher levels behind it.
@@ -268,11 +275,11 @@ impl Quadrant {
             let sweep = Sweep {
                 first: plane as u32,
                 far: plane.div_ceil(2) as u32,
-                odd_first: [plane as u32 / 2; 4],
+                stored: plane as u32 / 2,
                 below_far: plane as u32,
                 ..sweep
             };
-            self.merge_level(axis, sweep, level, 1);
+            self.merge_group(axis, sweep, [level, 1], 1);
         }
     }
 
@@ -280,41 +287,65 @@ impl Quadrant {
     fn merge(&mut self, axis: &Axis, sweep: Sweep, chunk: usize) {
         let lattice = &axis.lattice;
         let (first, depth) = (lattice.first, lattice.depth);
-        for level in (first + 1..lattice.chunk).rev() {
-            let all = 1 << (lattice.chunk - level);
-            // From behind the near end of the chunk to its far end.
-            let made = range(chunk * all + 1, all, planes(depth, level), 1);
+        for [level, levels] in lattice.groups(first + 2, lattice.chunk).rev() {
+            // From behind the near end of the chunk to its far end. Two levels are made from planes between them.
+            let all = 1 << (lattice.chunk - level - levels + 1);
+            let end = planes(depth, level) / levels as usize + levels as usize - 1;
+            let made = range(chunk * all + 1, all, end, 1);
             let sweep = Sweep {
                 first: made.start as u32,
-                far: lattice.last_of_light(level + 1, chunk) as u32,
-                odd_first: [lattice.first_of(level, chunk); 4],
+                far: lattice.last_of_light(level + levels, chunk) as u32,
+                stored: lattice.first_of(level, chunk),
                 below_far: lattice.last_of_light(level, chunk) as u32,
                 ..sweep
             };
-            self.merge_level(axis, sweep, level, made.len());
+            self.merge_group(axis, sweep, [level, levels], made.len());
         }
         let all = 1 << (lattice.chunk - first - 1);
-        let sources = range(chunk * all + 1, all, planes(depth, first) / 2 + 1, 1);
-        let sweep = Sweep { first: sources.start as u32, ..self.gathered(axis, sweep, chunk) };
-        let rows = lattice.rows.div_ceil(TILE as usize);
-        self.push(Work::Finish, sweep, [rows, cones(first + 1) / 2, sources.len()]);
-    }
-
-    /// Plans light at some planes of a level, from that of the level above.
-    fn merge_level(&mut self, axis: &Axis, sweep: Sweep, level: u32, planes: usize) {
-        let lattice = &axis.lattice;
+        let between = range(chunk * all + 1, all, planes(depth, first) / 2 + 1, 1);
+        // The smallest grids have no level above these two.
+        let above = (first + 2).min(lattice.end);
         let sweep = Sweep {
-            level,
-            odd: [lattice.odd(level), 0, 0, 0],
-            above: lattice.light(level + 1),
-            below: lattice.light(level),
-            halves: u32::from(level > lattice.first + 1),
-            cones_above: axis.cones(level + 1),
+            level: first,
+            first: between.start as u32,
+            far: lattice.last_of_light(above, chunk) as u32,
+            odd: lattice.odd(first),
+            even: lattice.even(first),
+            stored: lattice.first_of(first, chunk),
+            cones_above: axis.cones(above),
+            cones_between: axis.cones(first + 1),
+            above: lattice.light(above),
+            between: lattice.light(first + 1),
+            below: lattice.light(first),
+            below_far: 2 * lattice.last_of_light(first + 1, chunk) as u32,
             ..sweep
         };
-        let rows = lattice.rows.div_ceil(TILE as usize);
-        let runs = cones(level).div_ceil(RUN as usize);
-        self.push(Work::Merge, sweep, [rows, runs, planes]);
+        let blocks = cones(first + 1).div_ceil((WAVES * LINES_LAST) as usize);
+        self.push(Work::Finish, sweep, [merged_tiles(lattice, first), blocks, between.len()]);
+    }
+
+    /// Plans light at some planes of the lowest level of a group, or of the one above it if there are two.
+    fn merge_group(&mut self, axis: &Axis, sweep: Sweep, [level, levels]: [u32; 2], planes: usize) {
+        let lattice = &axis.lattice;
+        let above = level + levels;
+        let sweep = Sweep {
+            level,
+            odd: lattice.odd(level),
+            even: lattice.even(level),
+            above: lattice.light(above),
+            below: lattice.light(level),
+            cones_above: axis.cones(above),
+            cones_between: axis.cones(level + 1),
+            ..sweep
+        };
+        if levels == 1 {
+            let rows = lattice.rows.div_ceil(LANES as usize);
+            let runs = cones(level).div_ceil(RUN as usize);
+            self.push(Work::MergeOnce, sweep, [rows, runs, planes]);
+        } else {
+            let blocks = cones(level).div_ceil(BLOCK as usize);
+            self.push(Work::Merge, sweep, [merged_tiles(lattice, level), blocks, planes]);
+        }
     }
 
     /// The parameters of dispatches that gather from the first level.
@@ -324,13 +355,9 @@ impl Quadrant {
         let far = lattice.last_of_light(level + 1, chunk) as u32;
         Sweep {
             level,
-            levels: 1,
             far,
-            odd: [lattice.odd(level), 0, 0, 0],
-            odd_first: [lattice.first_of(level, chunk); 4],
             above: lattice.light(level + 1),
             below: lattice.light(level),
-            below_far: 2 * far,
             cones_above: axis.cones(level + 1),
             footprints: self.views,
             rays: self.geometry.rays,
@@ -357,6 +384,12 @@ impl Axis {
     fn cones(&self, level: u32) -> u32 {
         self.cones[(level - self.lattice.first - 1) as usize]
     }
+}
+
+/// The tiles of workgroups that merge two levels, from `level` up. They are slanted by as many rows as its rays.
+fn merged_tiles(lattice: &Lattice, level: u32) -> usize {
+    let slant = (1 << level) + BLOCK as usize;
+    (lattice.rows + slant).div_ceil(MERGED.rows as usize)
 }
 
 /// The plane of each level, from a chunk's on, whose light is stored.

@@ -15,23 +15,21 @@ gpu_struct! {
         pub axis: u32,
         pub reversed: u32,
         pub level: u32,
-        pub levels: u32,
         pub first: u32,
         pub far: u32,
-        pub odd: [u32; 4],
-        pub odd_first: [u32; 4],
-        pub odd_top: u32,
-        pub odd_top_first: u32,
+        pub odd: u32,
         pub even: u32,
-        pub even_first: u32,
+        pub stored: u32,
+        pub odd_top: u32,
         pub even_top: u32,
-        pub even_top_first: u32,
+        pub stored_top: u32,
         pub cones_above: u32,
-        pub first_quadrant: u32,
+        pub cones_between: u32,
         pub above: u32,
+        pub between: u32,
         pub below: u32,
         pub below_far: u32,
-        pub halves: u32,
+        pub first_quadrant: u32,
         pub cell_bits: u32,
         pub indirect: u32,
         pub gather_length: u32,
@@ -40,21 +38,6 @@ gpu_struct! {
         pub sky: u32,
         pub quadrants: u32,
         pub planes: u32,
-    }
-}
-
-impl Sweep {
-    /// The sweep of a quadrant whose intervals and light begin at other places.
-    pub fn moved(self, [intervals, radiance]: [u32; 2]) -> Self {
-        Self {
-            odd: self.odd.map(|at| at + intervals),
-            odd_top: self.odd_top + intervals,
-            even: self.even + intervals,
-            even_top: self.even_top + intervals,
-            above: self.above + radiance,
-            below: self.below + radiance,
-            ..self
-        }
     }
 }
 

@@ -1,57 +1,51 @@
-//! Workgroups that fuse levels of intervals: their lanes, and what they hold in workgroup memory (extend.wgsl).
+//! Workgroups that fuse two levels, of intervals (extend.wgsl) or of light (merge.wgsl): their tiles, and what they
+//! hold in workgroup memory.
 //!
-//! A lane is a row. Rays that spread and bend need rows beside the tile, which the next tile makes again: more
-//! lanes repeat less.
+//! A lane is a row. Rays that spread and bend need rows beside the tile, which the next tile makes again.
 
-use crate::options::LightingOptions;
+/// Lanes of a row of invocations: as many as waves of most GPUs have.
+pub const LANES: u32 = 64;
+/// Rows of invocations. They share the rays or cones of a group, or each has a ray of its own if a dispatch makes one
+/// level of intervals.
+pub const WAVES: u32 = 4;
 
-/// The most lanes of a row of invocations: as many as waves of most GPUs have.
-const MOST_LANES: u32 = 64;
-/// Rows of invocations. They share the rays of a group, or each has a pair of its own if a dispatch makes one level.
-pub const WAVES: usize = 4;
-/// Rows before a tile, for paths that bend away from it: one for each level that is held.
-pub const BEFORE: u32 = LightingOptions::MAX_FUSED_LEVELS - 1;
-/// Rows after it: as far as the rays from the first plane to the last spread, and one for a path that bends.
-const AFTER: u32 = (1 << LightingOptions::MAX_FUSED_LEVELS) - 1;
-/// Planes of the first and the second level above the lowest that are held, of the most fused levels.
-pub const PLANES: [u32; 2] = [4, 2];
-/// Rays of each of their planes: those of the group, and the ones beside it that bent paths need.
-pub const RAYS: [u32; 2] = [5, 6];
-/// Bytes of two words of an interval, which are held together.
-const PAIR: u32 = 8;
-
-/// A workgroup's share of the grid.
+/// A tile of rows.
 #[derive(Clone, Copy, Debug)]
-pub struct Tiles {
-    pub lanes: u32,
+pub struct Tile {
+    /// Lanes before it.
+    pub before: u32,
+    pub rows: u32,
 }
 
-impl Tiles {
-    /// Chooses the lanes for a workgroup memory of `bytes`, and intervals of `words`.
-    pub fn new(bytes: u32, words: u32) -> Self {
-        let mut tiles = Self { lanes: MOST_LANES };
-        while tiles.rows() > 1 && tiles.held_pairs(words) * PAIR > bytes {
-            tiles.lanes /= 2;
-        }
-        tiles
-    }
-
-    /// Rows of a tile.
-    pub fn rows(self) -> u32 {
-        self.lanes.saturating_sub(BEFORE + AFTER).max(1)
-    }
-
-    /// Intervals in workgroup memory.
-    pub fn held(self) -> u32 {
-        self.lanes * (PLANES[0] * RAYS[0] + PLANES[1] * RAYS[1])
-    }
-
-    /// Pairs of words in workgroup memory, of intervals of `words`: one array, because browsers count each array as up
-    /// to 16 bytes more.
-    pub fn held_pairs(self, words: u32) -> u32 {
-        self.held() * words.div_ceil(2)
+impl Tile {
+    const fn new(before: u32, after: u32) -> Self {
+        Self { before, rows: LANES - before - after }
     }
 }
+
+/// Rays of the lowest level from one group of intervals to the next.
+pub const WIDTH: u32 = 2;
+/// The tile of intervals. A path that bends away from it needs a row before, and rays spread to rows after it.
+pub const EXTENDED: Tile = Tile::new(1, 2 * WIDTH);
+
+/// Intervals of the level between that a workgroup holds: two planes, with a ray more to both sides for paths that bend.
+pub const HELD: u32 = 2 * (2 * WIDTH + 2) * LANES;
+
+/// Pairs of words in workgroup memory, of intervals of `words`: one array, because browsers count each array as up
+/// to 16 bytes more.
+pub const fn held_pairs(words: u32) -> u32 {
+    HELD * words.div_ceil(2)
+}
+
+/// Cones of the lower level that a workgroup merges light of.
+pub const BLOCK: u32 = 12;
+/// Lines of light that a wave makes: a cone of the level between each, from all rows. The block's and three to each side
+/// are just few enough for the workgroup memory of browsers.
+pub const LINES: u32 = (2 * BLOCK + 6).div_ceil(WAVES);
+/// Lines for the level that pixels gather from: one workgroup makes all of `default`.
+pub const LINES_LAST: u32 = 5;
+/// The tile of light. Lines of a run are slanted alike, and up to three rows less or more than a ray.
+pub const MERGED: Tile = Tile::new(3, 3);
 
 #[cfg(test)]
 mod tests {
@@ -59,12 +53,11 @@ mod tests {
 
     #[test]
     fn tiles_fit_into_the_memory_of_workgroups() {
-        for (bytes, words, rows) in
-            [(16 << 10, 2, 55), (16 << 10, 3, 23), (32 << 10, 2, 55), (32 << 10, 3, 55)]
-        {
-            let tiles = Tiles::new(bytes, words);
-            assert_eq!(tiles.rows(), rows, "{bytes} bytes, {words} words");
-            assert!(tiles.held_pairs(words) * PAIR <= bytes);
+        let most = wgpu::Limits::default().max_compute_workgroup_storage_size;
+        let pair = size_of::<[u32; 2]>() as u32;
+        for pairs in [held_pairs(2), held_pairs(3), (2 * BLOCK + 6) * LANES] {
+            assert!(pairs * pair + 16 <= most, "{pairs} pairs");
         }
+        const { assert!(WAVES * LINES_LAST <= 2 * BLOCK + 6) };
     }
 }

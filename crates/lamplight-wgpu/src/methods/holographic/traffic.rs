@@ -1,9 +1,8 @@
 //! The traffic of the dispatches of a quadrant: everything that a dispatch reads or writes, once.
 
-use super::lattice::Packed;
+use super::lattice::{Packed, shown};
 use super::sweep::Sweep;
 use super::work::Work;
-use crate::stages::bounce::FACES;
 use crate::traffic::Traffic;
 use lamplight::internals::holographic::PRIMARY;
 use lamplight::internals::holographic::lattice::{cones, planes};
@@ -18,50 +17,69 @@ pub const BITS: u32 = PRIMARY.trailing_zeros() + 1;
 
 /// Returns the traffic of a dispatch, with intervals of `words`.
 pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traffic {
-    let Sweep { level, levels, .. } = *sweep;
+    let level = sweep.level;
     let [rows, level_size] = [u64::from(sweep.rows), 1 << level];
     let [_, across, deep] = groups.map(u64::from);
     let interval = words * WORD;
     // Bits of the cells near a row: 128 rows for a tile of 64, four bits each, in `slabs` slabs.
     let bits = |slabs: u64| 4 * slabs * rows * 2 / 8;
+    let light_of = |level: u32, planes: u64| planes * cones(level) as u64 * rows * PACKED;
+    // The light of a level that leads to the planes from one to another of the level below. Beyond the last plane there is
+    // sky, which is not stored.
+    let stored = |level: u32, first: u64, last: u64| {
+        let end = planes(sweep.depth as usize, level) as u64;
+        let held = (last.div_ceil(2) + 1).min(end).saturating_sub(first.div_ceil(2));
+        light_of(level, held)
+    };
     match work {
         Work::Slabs => {
-            // The first axis also clears irradiance.
-            let faces = if sweep.axis == 0 { FACES * PACKED } else { 0 };
             let cells = u64::from(sweep.depth) * rows;
-            Traffic { read: cells * VEC4, written: cells * u64::from(BITS) / 8 + cells * faces }
+            Traffic { read: cells * VEC4, written: cells * u64::from(BITS) / 8 }
         }
         Work::Trace => Traffic {
             read: across * bits(level_size + 2),
             written: across * (2 * level_size + 1) * rows * interval,
         },
         Work::ExtendOnce | Work::Extend => {
-            // All planes of the lowest level; of those above the ones of odd index, of the topmost all.
-            // A ray of the lowest level is as many of a higher one as that is levels up.
-            let written: u64 =
-                (1..=levels).map(|up| (1u64 << (levels - up)).div_ceil(2) << up).sum();
-            let [read, written] =
-                [1 << levels, written].map(|rays| 2 * level_size * deep * rays * rows * interval);
+            // All planes of the lowest level, and of the topmost.
+            let levels = if work == Work::Extend { 2 } else { 1 };
+            let rays = |level: u32| (2 << level) + 1;
+            let [read, written] = [(deep << levels) * rays(level), deep * rays(level + levels)];
+            let [read, written] = [read, written].map(|rays| rays * rows * interval);
             Traffic { read, written }
         }
-        Work::Merge => {
+        Work::MergeOnce => {
             let first = u64::from(sweep.first);
             let last = first + deep - 1;
             let odd = last.div_ceil(2) - first / 2;
-            // Beyond the last plane there is sky, which is not stored.
-            let end = planes(sweep.depth as usize, level + 1) as u64;
-            let stored = (last.div_ceil(2) + 1).min(end).saturating_sub(first.div_ceil(2));
             let near = odd * (2 * level_size + 1) * rows * interval;
-            let light = |level: u32, planes: u64| planes * cones(level) as u64 * rows * PACKED;
-            Traffic { read: near + light(level + 1, stored), written: light(level, deep) }
+            let light = stored(level + 1, first, last) + near;
+            Traffic { read: light, written: light_of(level, deep) }
         }
-        Work::Finish => {
-            // Each ray serves two cones; the outermost have no light.
-            let cones = cones(level + 1) as u64 - 2;
-            Traffic {
-                read: deep * rows * (cones * PACKED + across * interval),
-                written: deep * rows * cones * PACKED,
-            }
+        Work::Merge | Work::Finish => {
+            // From a plane between of odd index, intervals of the lowest level lead from the plane before, from it
+            // and from the next; from one of even index only those from the plane before are read.
+            let [first, last] = [u64::from(sweep.first), u64::from(sweep.first) + deep - 1];
+            let end = planes(sweep.depth as usize, level) as u64;
+            let odd = |q: &u64| q % 2 == 1;
+            let read = (first..=last).map(|q| {
+                let next = if odd(&q) { 2 * q + 1 } else { 2 * q - 1 };
+                // The plane before one of even index was read already.
+                let from = if odd(&q) || q == first { 2 * q - 1 } else { 2 * q };
+                (next + 1).min(end).saturating_sub(from)
+            });
+            let near = read.sum::<u64>() * (2 * level_size + 1) * rows * interval;
+            let made = (2 * first - 1..=2 * last).filter(|&p| p < end);
+            let written = if work == Work::Merge {
+                light_of(level, made.count() as u64)
+            } else {
+                // Those of odd index have as many cones as the level above.
+                let above = planes(sweep.depth as usize, level + 1) as u64;
+                let planes =
+                    made.filter(odd).count() + (first..=last).filter(|&q| q < above).count();
+                planes as u64 * shown(level + 1) as u64 * rows * PACKED
+            };
+            Traffic { read: near + stored(level + 2, first, last), written }
         }
         Work::Gather => {
             // Slabs share the planes ahead of them.
@@ -69,7 +87,7 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
             let last = sweep.first + groups[1] - 1;
             let end = planes(sweep.depth as usize, level) as u32;
             let planes = (ahead(last) + 1).min(end).saturating_sub(ahead(sweep.first));
-            let light = u64::from(planes) * cones(level + 1) as u64 * PACKED;
+            let light = u64::from(planes) * shown(level + 1) as u64 * PACKED;
             let before = if sweep.first_quadrant == 1 { 0 } else { across * VEC4 };
             Traffic {
                 read: across * bits(2 * level_size) + rows * (light + before),

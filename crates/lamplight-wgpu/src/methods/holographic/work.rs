@@ -7,10 +7,13 @@ pub enum Work {
     Trace,
     /// The next level of intervals.
     ExtendOnce,
-    /// The next levels, fused.
+    /// The next two levels, fused.
     Extend,
+    /// The level of light below.
+    MergeOnce,
+    /// The two levels below, fused.
     Merge,
-    /// The last merge, down to the level that pixels gather from.
+    /// The last merge of two levels, down to the level that pixels gather from.
     Finish,
     /// The final gather of the light of pixels and the irradiance of faces.
     Gather,
@@ -19,6 +22,11 @@ pub enum Work {
 }
 
 impl Work {
+    /// Returns whether light goes down through the levels.
+    pub fn is_merge(self) -> bool {
+        matches!(self, Self::MergeOnce | Self::Merge)
+    }
+
     /// Returns whether quadrants can do it at the same time: all but those that add to the same pixels.
     pub fn is_apart(self) -> bool {
         !matches!(self, Self::Gather | Self::Faces)

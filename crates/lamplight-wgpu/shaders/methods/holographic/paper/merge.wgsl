@@ -23,7 +23,7 @@ fn word(level: u32, at: u32) -> f32 {
 }
 
 fn is_top() -> bool {
-    return sweep.levels == 0u;
+    return planes(sweep.level) == 1u;
 }
 
 // The light of a cone of the level above.

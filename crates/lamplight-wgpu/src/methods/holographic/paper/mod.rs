@@ -254,7 +254,6 @@ impl Paper {
                     axis: axis.axis,
                     reversed,
                     level,
-                    levels: u32::from(level < axis.top()),
                     cones_above: cones.begins[axis.axis as usize][level as usize],
                     first_quadrant: u32::from(axis.axis == 0 && reversed == 0),
                     sky: ConeTable::light_of(cones.entries(), axis.axis, reversed),
