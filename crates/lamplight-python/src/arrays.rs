@@ -2,7 +2,9 @@
 
 use crate::json::value_error;
 use numpy::ndarray::{ArrayView, Dimension};
-use numpy::{Element, PyArray, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{
+    Element, PyArray, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -23,6 +25,8 @@ pub fn read<T: Element + Copy>(
     let array = numpy.call_method1("asarray", (value,))?;
     let array = array.call_method("astype", (numpy::dtype::<T>(py),), Some(&options));
     let array = array.map_err(|e| value_error(format!("{name}: {}", e.value(py))))?;
+    // Arrays over received bytes, as from a pickle that came in frames, may lie at odd addresses.
+    let array = numpy.call_method1("require", (array, py.None(), ["C", "A"]))?;
     let array = array.cast::<PyArrayDyn<T>>()?;
     check_shape(name, array.shape(), shape)?;
     let array = array.try_readonly().map_err(value_error)?;
@@ -30,8 +34,11 @@ pub fn read<T: Element + Copy>(
     Ok(())
 }
 
-/// Copies values into the array that the caller gave: float32 in C order, writable, of the given shape.
-pub fn write(out: &Bound<'_, PyAny>, shape: &[usize], values: &[f32]) -> PyResult<()> {
+/// The array that the caller gave to be filled: float32 in C order, writable, of the given shape.
+pub fn writable<'py>(
+    out: &Bound<'py, PyAny>,
+    shape: &[usize],
+) -> PyResult<PyReadwriteArrayDyn<'py, f32>> {
     let expected =
         || format!("out: a writable float32 array in C order of shape {shape:?} is needed");
     let array = out.cast::<PyArrayDyn<f32>>().map_err(|_| value_error(expected()))?;
@@ -40,9 +47,7 @@ pub fn write(out: &Bound<'_, PyAny>, shape: &[usize], values: &[f32]) -> PyResul
     if !array.is_c_contiguous() {
         return Err(value_error(expected()));
     }
-    let mut array = array.try_readwrite().map_err(|_| value_error(expected()))?;
-    array.as_slice_mut().map_err(|_| value_error(expected()))?.copy_from_slice(values);
-    Ok(())
+    array.try_readwrite().map_err(|_| value_error(expected()))
 }
 
 fn check_shape(name: &str, found: &[usize], expected: &[usize]) -> PyResult<()> {

@@ -19,7 +19,24 @@ def test_views_share_memory_and_are_read_only():
     assert np.isfinite(view).all()
 
 
-@pytest.mark.parametrize("cast", [np.float64, np.asfortranarray, lambda a: np.repeat(a, 2, 1)[:, ::2]])
+def misaligned(array):
+    """An array at an odd address, as over bytes that came from elsewhere."""
+    array = np.frombuffer(b"." + array.tobytes(), array.dtype, offset=1).reshape(array.shape)
+    assert not array.flags.aligned
+    return array
+
+
+@pytest.mark.parametrize(
+    "cast",
+    [
+        np.float64,
+        np.asfortranarray,
+        lambda a: np.repeat(a, 2, 1)[:, ::2],
+        lambda a: a[::-1].copy()[::-1],
+        lambda a: a.astype(">f4"),
+        misaligned,
+    ],
+)
 def test_other_types_and_layouts_are_cast(cast):
     opacity = np.random.default_rng(1).random((6, 4), np.float32)
     cells = ll.Cells((6, 4), opacity=cast(opacity))
