@@ -8,22 +8,44 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Copies an array into `into`, which has the given shape. Float32 in C order is copied as it is; other numbers and
-/// layouts are cast by numpy's rule `same_kind`.
-pub fn read<T: Element + Copy>(
+/// Copies an array of numbers into `into`, which has the given shape. Float32 in C order is copied as it is; other
+/// numbers and layouts are cast.
+pub fn read(
     name: &str,
     value: &Bound<'_, PyAny>,
     shape: &[usize],
+    into: &mut [f32],
+) -> PyResult<()> {
+    cast(name, value, shape, "same_kind", into)
+}
+
+/// Copies an array of bytes. Only booleans are cast: of other integers bits could be lost.
+pub fn read_bytes(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    shape: &[usize],
+    into: &mut [u8],
+) -> PyResult<()> {
+    cast(name, value, shape, "safe", into)
+}
+
+/// Copies an array, cast by one of numpy's rules.
+fn cast<T: Element + Copy>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    shape: &[usize],
+    rule: &str,
     into: &mut [T],
 ) -> PyResult<()> {
     let py = value.py();
     let numpy = py.import("numpy")?;
     let options = PyDict::new(py);
     options.set_item("order", "C")?;
-    options.set_item("casting", "same_kind")?;
+    options.set_item("casting", rule)?;
     options.set_item("copy", false)?;
-    let array = numpy.call_method1("asarray", (value,))?;
-    let array = array.call_method("astype", (numpy::dtype::<T>(py),), Some(&options));
+    let array = numpy.call_method1("asarray", (value,));
+    let array = array
+        .and_then(|array| array.call_method("astype", (numpy::dtype::<T>(py),), Some(&options)));
     let array = array.map_err(|e| value_error(format!("{name}: {}", e.value(py))))?;
     // Arrays over received bytes, as from a pickle that came in frames, may lie at odd addresses.
     let array = numpy.call_method1("require", (array, py.None(), ["C", "A"]))?;
@@ -47,7 +69,10 @@ pub fn writable<'py>(
     if !array.is_c_contiguous() {
         return Err(value_error(expected()));
     }
-    array.try_readwrite().map_err(|_| value_error(expected()))
+    let mut array = array.try_readwrite().map_err(|_| value_error(expected()))?;
+    // It may be misaligned.
+    array.as_slice_mut().map_err(|_| value_error(expected()))?;
+    Ok(array)
 }
 
 fn check_shape(name: &str, found: &[usize], expected: &[usize]) -> PyResult<()> {

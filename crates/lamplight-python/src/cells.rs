@@ -1,6 +1,6 @@
 //! `Cells`: the grid of matter, from arrays.
 
-use crate::arrays::{read, view};
+use crate::arrays::{read, read_bytes, view};
 use crate::json::{object, value_error, without_line, write};
 use crate::threads::SHARED;
 use lamplight::{Error, Rgb};
@@ -148,6 +148,10 @@ impl Cells {
         object(py, self.0.sky())
     }
 
+    fn __repr__(&self) -> String {
+        format!("<Cells of shape {:?}>", self.shape())
+    }
+
     /// The arguments from which a pickle makes these cells again.
     fn __getnewargs_ex__<'py>(
         slf: &Bound<'py, Self>,
@@ -177,7 +181,7 @@ fn set(cells: &mut lamplight::Cells, name: &str, value: &Bound<'_, PyAny>) -> Py
     let (height, width) = (cells.height() as usize, cells.width() as usize);
     let rgb = match name {
         "opacity" => return read(name, value, &[height, width], cells.opacity_mut()),
-        "masks" => return read(name, value, &[height, width], cells.masks_mut()),
+        "masks" => return read_bytes(name, value, &[height, width], cells.masks_mut()),
         "emission" => cells.emission_mut(),
         "glow" => cells.glow_mut(),
         "tint" => cells.tint_mut(),

@@ -2,9 +2,9 @@
 
 use crate::arrays::{read, view};
 use crate::cells::Cells;
-use crate::json::{from_keywords, value_error};
+use crate::json::{self, value_error};
 use crate::threads::SHARED;
-use lamplight::{Display, Moment, Settings};
+use lamplight::{Moment, Settings};
 use numpy::ndarray::Dim;
 use numpy::{PyArray2, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
@@ -150,12 +150,16 @@ impl Light {
         cells: &Cells,
         display: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let display: Display = from_keywords(display)?;
+        let display = json::display(py, display)?;
         display.check().map_err(value_error)?;
         let picture =
             SHARED.run(py, || self.0.compose(&cells.0, &display))?.map_err(value_error)?;
         let [height, width] = self.size();
         numpy::PyArray1::from_vec(py, picture.into_raw()).reshape([height, width, 3])
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Light of shape {:?}>", self.shape())
     }
 
     /// The arguments from which a pickle makes this light again.

@@ -2,7 +2,7 @@
 
 use crate::arrays::{read, view};
 use crate::cells::Cells;
-use crate::json::{settings, value_error};
+use crate::json::{settings, value_error, whole};
 use crate::light::Light;
 use crate::threads::{SHARED, Threads};
 use lamplight::Rgb;
@@ -88,8 +88,8 @@ impl Reference {
 pub fn reference(
     py: Python<'_>,
     cells: &Cells,
-    samples: u32,
-    threads: Option<usize>,
+    samples: i128,
+    threads: Option<i128>,
     settings: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Reference> {
     let tracer = tracer(samples, settings)?;
@@ -110,10 +110,10 @@ pub fn reference(
     of_estimate(py, estimate)
 }
 
-fn tracer(samples: u32, settings: Option<&Bound<'_, PyDict>>) -> PyResult<PathTracer> {
+fn tracer(samples: i128, settings: Option<&Bound<'_, PyDict>>) -> PyResult<PathTracer> {
     let settings = self::settings(settings)?;
     Ok(PathTracer {
-        samples,
+        samples: whole("samples", samples, "1 to 4294967295")?,
         bounces: settings.bounces,
         wall_depth: settings.wall_depth,
         elevation: settings.elevation,
@@ -137,7 +137,7 @@ pub fn trace_part<'py>(
     cells: &Cells,
     first: usize,
     count: usize,
-    samples: u32,
+    samples: i128,
     settings: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let tracer = tracer(samples, settings)?;
@@ -160,7 +160,7 @@ pub fn join_parts(
     py: Python<'_>,
     cells: &Cells,
     parts: &Bound<'_, PyAny>,
-    samples: u32,
+    samples: i128,
     settings: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Reference> {
     let tracer = tracer(samples, settings)?;

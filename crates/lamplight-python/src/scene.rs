@@ -73,6 +73,10 @@ impl Scene {
         object(py, &self.scene.display)
     }
 
+    fn __repr__(&self) -> String {
+        format!("<Scene of shape {:?}>", self.shape())
+    }
+
     /// A scene from a file is pickled as the file's path, because its images lie beside it; others as their text.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (py, this) = (slf.py(), slf.get());

@@ -60,7 +60,7 @@ impl Solver {
 impl Solver {
     #[new]
     #[pyo3(signature = (*, threads=None, **settings), text_signature = "(*, threads=None, **settings)")]
-    fn new(threads: Option<usize>, settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(threads: Option<i128>, settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let settings = self::settings(settings)?;
         let solver = lamplight::Solver::new(settings.clone()).map_err(value_error)?;
         let own = threads.map(Threads::new).transpose()?;

@@ -6,7 +6,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Most threads that may be asked for, as in the command.
-const MOST: usize = 1024;
+const MOST: i128 = 1024;
 
 /// A pool, made when it is first needed.
 pub struct Threads {
@@ -22,12 +22,12 @@ pub static SHARED: Threads = Threads { count: None, pool: Mutex::new(None) };
 
 impl Threads {
     /// A pool of its own.
-    pub fn new(count: usize) -> PyResult<Self> {
+    pub fn new(count: i128) -> PyResult<Self> {
         if !(1..=MOST).contains(&count) {
             let expected = format!("1 to {MOST}");
             return Err(value_error(lamplight::Error::value("threads", count, expected)));
         }
-        Ok(Self { count: Some(count), pool: Mutex::new(None) })
+        Ok(Self { count: Some(count as usize), pool: Mutex::new(None) })
     }
 
     /// The number that was asked for.

@@ -59,7 +59,13 @@ def test_row_0_is_the_top_row():
         ((4, 6), {"opacity": np.full((4, 6), np.nan)}, "opacity"),
         ((4, 6), {"opacity": np.full((4, 6), 2)}, "0 to 1"),
         ((4, 6), {"opacity": np.zeros((4, 6), complex)}, "opacity"),
-        ((4, 6), {"sky": [float("nan")] * 3}, "JSON"),
+        ((4, 6), {"sky": [float("nan")] * 3}, "NaN"),
+        ((4, 6), {"emission": np.full((4, 6, 3), -1)}, "0 or more"),
+        ((4, 6), {"emission": np.full((4, 6, 3), np.inf)}, "finite"),
+        ((4, 6), {"masks": np.full((4, 6), 256, np.uint16)}, "masks"),
+        ((4, 6), {"opacity": "opaque"}, "opacity"),
+        ((4, 6), {"opacity": [[1], [1, 0]]}, "opacity"),
+        ((4, 6, 3), {}, "2"),
         ((4, 6), {"lamps": [{"position": [1, 1], "colour": [1, 1, 1]}]}, "colour"),
         ((0, 6), {}, "0"),
         ((-1, 6), {}, "-1"),
@@ -69,6 +75,19 @@ def test_row_0_is_the_top_row():
 def test_bad_cells_are_refused(shape, fields, text):
     with pytest.raises(ValueError, match=text):
         ll.Cells(shape, **fields)
+
+
+def test_numbers_of_other_kinds_are_refused():
+    with pytest.raises(TypeError, match="array"):
+        ll.Cells((4, 6), lamps=[{"position": {1, 2}}])
+    for call in [
+        lambda: ll.Solver(threads=-1),
+        lambda: ll.reference(ll.Cells((4, 6)), -1),
+        lambda: ll.reference(ll.Cells((4, 6)), 2**40),
+        lambda: ll.reference(ll.Cells((4, 6)), threads=0),
+    ]:
+        with pytest.raises(ValueError, match="must be 1 to"):
+            call()
 
 
 def test_an_unknown_field_is_refused():
@@ -92,6 +111,9 @@ def test_out_receives_the_light():
         np.empty((9, 8, 3)),
         np.empty((9, 8, 3), np.float32, order="F"),
         np.broadcast_to(np.float32(0), (9, 8, 3)),
+        np.empty((18, 8, 3), np.float32)[::2],
+        np.frombuffer(bytearray(9 * 8 * 3 * 4 + 1), np.float32, offset=1).reshape(9, 8, 3),
+        ll.Solver().solve(ll.Cells((9, 8))).rgb,
         "out",
     ],
 )

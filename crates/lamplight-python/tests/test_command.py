@@ -59,7 +59,7 @@ def test_light_is_that_of_the_package():
 def test_errors(arguments, code, text, tmp_path):
     done = lamplight(*arguments, folder=tmp_path)
     assert done.returncode == code and text in done.stderr and "Traceback" not in done.stderr
-    assert done.stdout == "" and not list(tmp_path.iterdir())
+    assert done.stdout == "" and [path.name for path in tmp_path.iterdir()] == ["scenes"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals as on Unix")
@@ -74,7 +74,7 @@ def test_a_signal_ends_it(number, tmp_path):
         running.send_signal(number)
         assert running.wait(10) == 128 + number
         assert running.stderr.read() == ""
-    assert not list(tmp_path.iterdir())
+    assert [path.name for path in tmp_path.iterdir()] == ["scenes"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes as on Unix")

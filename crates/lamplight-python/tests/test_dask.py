@@ -158,6 +158,12 @@ def test_bad_input_is_refused_at_once():
         ll.dask.render_frames([dask.delayed(frame)(0)])
     with pytest.raises(ValueError, match=r"frame 1 .*\(2, 2\); expected \(30, 40\)"):
         ll.dask.render_frames([frame(0), ll.Cells((2, 2))])
+    with pytest.raises(TypeError, match="frame 0 is a str"):
+        ll.dask.render_frames("frames")
+    with pytest.raises(TypeError, match="scene 0 is a str"):
+        ll.dask.sweep("scenes", [{}])
+    with pytest.raises(ValueError, match="tonmap"):
+        ll.dask.render_frames([frame(0)], display={"tonmap": "aces"})
     with pytest.raises(ValueError, match="bounce"):
         ll.dask.reference(frame(0), 16, bounce=1)
     with pytest.raises(ValueError, match="samples"):

@@ -112,11 +112,16 @@ def test_settings_are_checked():
 def test_a_scene_is_lit_and_shown():
     scene = ll.Scene.load(SCENES / "two_rooms.toml")
     cells = scene.cells()
-    picture = ll.Solver(**scene.settings).solve(cells).compose(cells, **scene.display)
+    light = ll.Solver(**scene.settings).solve(cells)
+    picture = light.compose(cells, **scene.display)
     assert picture.shape == (*cells.shape, 3) and picture.dtype == np.uint8
     assert picture.std() > 10
     with pytest.raises(ValueError, match="missing.toml"):
         ll.Scene.load("missing.toml")
+    with pytest.raises(ValueError, match="`display.tonemapp` is not a known key; did you mean `tonemap`"):
+        light.compose(cells, tonemapp="aces")
+    with pytest.raises(ValueError, match="exposure"):
+        light.compose(cells, exposure=1e9)
 
 
 def test_ctrl_c_stops_the_reference():

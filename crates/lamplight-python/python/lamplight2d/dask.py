@@ -20,7 +20,7 @@ import dask.array as da
 import numpy as np
 from dask.delayed import Delayed
 
-from lamplight2d._core import Cells, Reference, Scene, Solver, compare, join_parts, trace_part
+from lamplight2d._core import Cells, Light, Reference, Scene, Solver, compare, join_parts, trace_part
 
 __all__ = ["Source", "reference", "render_frames", "sweep"]
 
@@ -59,11 +59,16 @@ def render_frames(
     if shape is None:
         if isinstance(frames[0], Delayed):
             raise ValueError("shape is missing: that of a Delayed is not known before it is computed")
+        _check_source("frame 0", frames[0])
         shape = frames[0].shape
     height, width = shape
     for index, frame in enumerate(frames):
+        _check_source(f"frame {index}", frame)
         if not isinstance(frame, Delayed):
             _check_shape(f"frame {index}", frame.shape, shape)
+    if display is not None:
+        # Refuses bad keys here instead of on a worker.
+        Light([[[0, 0, 0]]]).compose(Cells((1, 1)), **display)
     settings = None if solver is None else solver.settings
     threads = 1 if solver is None else solver.threads
     dtype = np.float32 if display is None else np.uint8
@@ -93,6 +98,7 @@ def reference(source: Source, samples: int = 256, *, parts: int = 64, **settings
     """
     if parts < 1:
         raise ValueError(f"parts is {parts}; expected 1 or more")
+    _check_source("source", source)
     # Refuses bad settings here instead of on a worker.
     trace_part(Cells((1, 1)), 0, 0, samples, **settings)
     # Cells are a task of their own, so that a worker receives them once.
@@ -134,6 +140,7 @@ def sweep(
     measure = dask.delayed(_measure, pure=False)
     rows = []
     for name, source in named:
+        _check_source(f"scene {name}", source)
         bounces = {count for _, count in cases}
         truths = {count: reference(source, samples, parts=parts, bounces=count) for count in bounces}
         rows += [measure(name, source, case, truths[count]) for case, count in cases]
@@ -155,6 +162,11 @@ def _solver(settings: dict[str, Any], threads: int | None) -> Solver:
 
 def _cells(source: Scene | Cells) -> Cells:
     return source.cells() if isinstance(source, Scene) else source
+
+
+def _check_source(name: str, source: Source) -> None:
+    if not isinstance(source, (Scene, Cells, Delayed)):
+        raise TypeError(f"{name} is a {type(source).__name__}; expected a Scene, Cells or a Delayed")
 
 
 def _check_shape(name: str, found: tuple[int, int], expected: tuple[int, int]) -> None:
