@@ -1,7 +1,7 @@
 //! Checks of what is published: dependencies, compatibility, packages, workflows.
 
 use crate::optional::{has_program, has_subcommand};
-use crate::process::{cargo, finish, root};
+use crate::process::{cargo, command, finish, root};
 use anyhow::{Context, Result};
 use std::process::Command;
 
@@ -12,7 +12,7 @@ const PUBLISHED: [&str; 5] =
 const LIBRARIES: [&str; 4] = ["lamplight", "lamplight-truth", "lamplight-wgpu", "bevy_lamplight"];
 
 /// Workspaces with a lock file of their own.
-const WORKSPACES: [&str; 2] = ["Cargo.toml", "crates/lamplight-python/Cargo.toml"];
+const WORKSPACES: [&str; 2] = [".", "crates/lamplight-python"];
 
 /// Checks licences, sources and known faults of dependencies, by `deny.toml`. The faults only where
 /// their database can be fetched.
@@ -21,20 +21,20 @@ pub fn dependencies() -> Result<()> {
         return Ok(());
     }
     for workspace in WORKSPACES {
-        deny(workspace, &["check", "bans", "licenses", "sources"])?;
+        deny(workspace, "check", &["bans", "licenses", "sources"])?;
     }
-    if deny(WORKSPACES[0], &["fetch", "db"]).is_err() {
+    if deny(WORKSPACES[0], "fetch", &["db"]).is_err() {
         println!("== the database of known faults cannot be fetched: they are not checked");
         return Ok(());
     }
-    WORKSPACES.into_iter().try_for_each(|workspace| deny(workspace, &["check", "advisories"]))
+    WORKSPACES.into_iter().try_for_each(|workspace| deny(workspace, "check", &["advisories"]))
 }
 
-/// Runs `cargo deny` on a workspace.
-fn deny(manifest: &str, arguments: &[&str]) -> Result<()> {
-    let of_workspace =
-        ["deny", "--manifest-path", manifest, "--config", "deny.toml", "--workspace"];
-    cargo(&[&of_workspace[..], arguments].concat())
+/// Runs a command of `cargo deny` on a workspace, by the one `deny.toml`.
+fn deny(workspace: &str, subcommand: &str, arguments: &[&str]) -> Result<()> {
+    let mut deny = command(&root().join(workspace));
+    deny.args(["deny", "--workspace", subcommand, "--config"]).arg(root().join("deny.toml"));
+    finish(deny.args(arguments))
 }
 
 /// Checks that the interfaces since the last release are what the versions promise.

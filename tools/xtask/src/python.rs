@@ -12,7 +12,7 @@ pub const NEEDED: &str =
 
 /// The contents of the environment: the builder, the package's dependencies, the tests'.
 const PACKAGES: [&str; 6] =
-    ["maturin>=1.16,<2", "numpy", "dask[array,distributed]", "pytest", "mypy", "pillow"];
+    ["maturin>=1.16,<2", "numpy", "dask[array,distributed]", "pytest", "mypy", "matplotlib"];
 
 /// A virtual environment in the target folder.
 pub struct Environment {
