@@ -1,7 +1,7 @@
 """Frames, sweeps and references on many cores or machines, by Dask (``pip install "lamplight2d[dask]"``).
 
 Everything is lazy: ``compute()`` runs it, on any scheduler of Dask. The result has the same bytes on all of them, on any
-number of workers, and if workers are lost on the way.
+number of workers, and if workers are lost on the way; processors with other vector units may round differently.
 
 A task takes one core, so give workers as many threads as they have cores. What is to be lit is a `Scene`, `Cells`, or a
 ``dask.delayed`` that makes either on its worker. A scene that was loaded travels as the path of its file, which workers
