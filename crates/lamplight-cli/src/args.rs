@@ -60,9 +60,9 @@ pub fn by_name<T: Copy + Send + Sync + 'static>(
 
 /// A point of a scene, px.
 #[derive(Clone, Copy, Debug)]
-pub struct Point(pub [f32; 2]);
+pub struct Position(pub [f32; 2]);
 
-impl FromStr for Point {
+impl FromStr for Position {
     type Err = &'static str;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {

@@ -1,6 +1,20 @@
-//! The device that computed something, for reports.
+//! Devices for reports: those of this machine, and the one that computed something.
 
 use std::fmt::{Display, Formatter, Result};
+
+/// A GPU of this machine.
+pub struct AdapterInfo {
+    pub name: String,
+    /// The interface that it is used by.
+    pub api: &'static str,
+    /// The kind of hardware, or software.
+    pub kind: &'static str,
+    pub driver: String,
+    /// Most cells a side.
+    pub side: u32,
+    /// True if it can time each stage.
+    pub times_stages: bool,
+}
 
 /// The device that computed something; displayed as the end of "lit by raymarch …".
 #[derive(Clone, Debug)]

@@ -2,7 +2,6 @@
 
 use anstyle::{AnsiColor, Style};
 use std::fmt::Display;
-use std::process::ExitCode;
 
 /// The result of a command or a part of one.
 pub type Result<T = (), E = CliError> = std::result::Result<T, E>;
@@ -21,8 +20,8 @@ enum Cause {
     BadInput,
     /// The request failed here: exit code 1.
     Failed,
-    /// The reader of stdout has left, as `head` does: no message, exit code 0.
-    ReaderLeft,
+    /// There is nothing left to print: this exit code.
+    Silent(u8),
 }
 
 impl CliError {
@@ -36,9 +35,14 @@ impl CliError {
         Self { cause: Cause::Failed, message: message.to_string(), hint: None }
     }
 
-    /// The end of a command whose stdout nobody reads any more.
+    /// The end of a command whose stdout nobody reads any more, as `head` leaves it: exit code 0.
     pub fn reader_left() -> Self {
-        Self { cause: Cause::ReaderLeft, message: String::new(), hint: None }
+        Self::silent(0)
+    }
+
+    /// The end of a command that has printed everything already.
+    pub fn silent(code: u8) -> Self {
+        Self { cause: Cause::Silent(code), message: String::new(), hint: None }
     }
 
     /// Adds advice for the user.
@@ -51,14 +55,14 @@ impl CliError {
     pub fn refusal(self) -> Result<String> {
         match self.cause {
             Cause::BadInput => Ok(self.message),
-            Cause::Failed | Cause::ReaderLeft => Err(self),
+            Cause::Failed | Cause::Silent(_) => Err(self),
         }
     }
 
     /// Prints the error to stderr and returns the exit code.
-    pub fn report(self) -> ExitCode {
+    pub fn report(self) -> u8 {
         let code = match self.cause {
-            Cause::ReaderLeft => return ExitCode::SUCCESS,
+            Cause::Silent(code) => return code,
             Cause::Failed => 1,
             Cause::BadInput => 2,
         };
@@ -66,7 +70,7 @@ impl CliError {
         if let Some(hint) = self.hint {
             print_labelled(AnsiColor::Cyan, "hint", &hint);
         }
-        ExitCode::from(code)
+        code
     }
 }
 

@@ -1,12 +1,13 @@
 //! Light found on the GPU.
 
 use crate::args::{Backend, Renderer};
-use crate::device_info::DeviceInfo;
+use crate::device_info::{AdapterInfo, DeviceInfo};
 use crate::error::{CliError, Result};
+use crate::frame_cost::{FrameCost, KernelCost};
 use crate::lit::{Lit, to_json};
 use crate::stage::Fields;
 use crate::stderr;
-use lamplight::{Cells, Light, Settings};
+use lamplight::{Cells, Light, Method, Settings};
 use lamplight_wgpu::error::{CreateError, PrepareError, ReadBackError, RecordError};
 use lamplight_wgpu::read_back::{self, read_back};
 use lamplight_wgpu::wgpu::{
@@ -14,8 +15,8 @@ use lamplight_wgpu::wgpu::{
     InstanceDescriptor, PollType, PowerPreference, Queue, RequestAdapterOptions,
 };
 use lamplight_wgpu::{
-    Cost, FrameInput, Lighting, LightingOptions, Stage, Tier, Timer, required_features,
-    required_limits,
+    Cost, FrameInput, Lighting, LightingOptions, PipelineCost, Stage, Tier, Timer,
+    required_features, required_limits,
 };
 use std::time::{Duration, Instant};
 
@@ -90,7 +91,7 @@ impl Gpu {
         &'a self,
         cells: &'a Cells,
         settings: Settings,
-    ) -> Result<(GpuFrames<'a>, Cost)> {
+    ) -> Result<(GpuFrames<'a>, FrameCost)> {
         let (device, queue) = (&self.device, &self.queue);
         let mut lighting = Lighting::new(device, queue, &on_gpu())?;
         lighting.prepare(&FrameInput::of_cells(&settings, cells))?;
@@ -98,7 +99,7 @@ impl Gpu {
         // This one is never run: the next is the first.
         lighting.reset();
         let timer = Timer::new(device, queue);
-        Ok((GpuFrames { gpu: self, cells, settings, lighting, timer }, cost))
+        Ok((GpuFrames { gpu: self, cells, settings, lighting, timer }, frame_cost(&cost)))
     }
 
     /// Solves some frames and returns the light of the last.
@@ -204,15 +205,46 @@ enum Candidates {
     Hardware,
 }
 
+/// The methods that it runs.
+pub const METHODS: &[Method] = Method::ALL;
+
 /// All GPUs, software ones too.
-pub fn adapters() -> Vec<Adapter> {
+pub fn adapters() -> Vec<AdapterInfo> {
     let enumerate = || pollster::block_on(instance().enumerate_adapters(Backends::PRIMARY));
-    stderr::captured(enumerate).0
+    stderr::captured(enumerate).0.iter().map(adapter_info).collect()
 }
 
-/// True if an adapter can time each stage.
-pub fn times_stages(adapter: &Adapter) -> bool {
-    required_features(Tier::Native, adapter).contains(Features::TIMESTAMP_QUERY)
+fn adapter_info(adapter: &Adapter) -> AdapterInfo {
+    let info = adapter.get_info();
+    AdapterInfo {
+        name: info.name,
+        api: info.backend.to_str(),
+        kind: kind(info.device_type),
+        driver: info.driver_info,
+        side: adapter.limits().max_texture_dimension_2d,
+        times_stages: required_features(Tier::Native, adapter).contains(Features::TIMESTAMP_QUERY),
+    }
+}
+
+fn kind(device: DeviceType) -> &'static str {
+    match device {
+        DeviceType::DiscreteGpu => "discrete",
+        DeviceType::IntegratedGpu => "integrated",
+        DeviceType::VirtualGpu => "virtual",
+        DeviceType::Cpu => "software",
+        DeviceType::Other => "of another kind",
+    }
+}
+
+fn frame_cost(cost: &Cost) -> FrameCost {
+    let kernel = |pipeline: &PipelineCost| KernelCost {
+        shader: pipeline.shader,
+        entry: pipeline.entry,
+        dispatches: pipeline.dispatches,
+        bytes_read: pipeline.traffic.read,
+        bytes_written: pipeline.traffic.written,
+    };
+    FrameCost { kernels: cost.pipelines.iter().map(kernel).collect(), bytes_held: cost.memory }
 }
 
 fn instance() -> Instance {

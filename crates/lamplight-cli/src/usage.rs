@@ -4,15 +4,21 @@ use crate::commands::Cli;
 use crate::error::{CliError, Result};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use std::borrow::Cow;
+use std::ffi::OsString;
 
-/// Parses the command line. Help, versions and most errors are printed by clap, which ends the
-/// program.
-pub fn parse() -> Result<Cli> {
-    Cli::try_parse().or_else(|error| {
-        let typed: Vec<String> = std::env::args().skip(1).collect();
+/// Parses the command line, which begins with the program's name. Help, versions and most errors are
+/// printed by clap.
+pub fn parse(arguments: &[OsString]) -> Result<Cli> {
+    Cli::try_parse_from(arguments).map_err(|error| {
+        let typed: Vec<_> = arguments.iter().skip(1).map(|a| a.to_string_lossy()).collect();
         match explain(error, &typed) {
-            Explained::Ours(error) => Err(error),
-            Explained::Clap(error) => error.exit(),
+            Explained::Ours(error) => error,
+            Explained::Clap(error) => {
+                // Nobody may be reading.
+                let _ = error.print();
+                CliError::silent(error.exit_code().try_into().unwrap_or(1))
+            }
         }
     })
 }
@@ -23,12 +29,12 @@ enum Explained {
 }
 
 /// An error of clap with a better hint, or an error of ours in its place.
-fn explain(mut error: Error, typed: &[String]) -> Explained {
+fn explain(mut error: Error, typed: &[Cow<str>]) -> Explained {
     let unknown = match (error.kind(), error.get(ContextKind::InvalidArg)) {
         (ErrorKind::UnknownArgument, Some(ContextValue::String(argument))) => argument.clone(),
         _ => return Explained::Clap(error),
     };
-    let command = typed.first().map_or("", String::as_str);
+    let command = typed.first().map_or("", |text| text);
     // clap names `-5` of `-5,-5`.
     if let ("probe", Some(point)) = (command, typed.iter().find(|text| is_negative_point(text))) {
         let outside = format_args!("the point {point} lies outside the scene");

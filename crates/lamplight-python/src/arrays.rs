@@ -2,27 +2,53 @@
 
 use crate::json::value_error;
 use numpy::ndarray::{ArrayView, Dimension};
-use numpy::{Element, PyArray, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{
+    Element, PyArray, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Copies an array into `into`, which has the given shape. Float32 in C order is copied as it is; other numbers and
-/// layouts are cast by numpy's rule `same_kind`.
-pub fn read<T: Element + Copy>(
+/// Copies an array of numbers into `into`, which has the given shape. Float32 in C order is copied as it is; other
+/// numbers and layouts are cast.
+pub fn read(
     name: &str,
     value: &Bound<'_, PyAny>,
     shape: &[usize],
+    into: &mut [f32],
+) -> PyResult<()> {
+    cast(name, value, shape, "same_kind", into)
+}
+
+/// Copies an array of bytes. Only booleans are cast: of other integers bits could be lost.
+pub fn read_bytes(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    shape: &[usize],
+    into: &mut [u8],
+) -> PyResult<()> {
+    cast(name, value, shape, "safe", into)
+}
+
+/// Copies an array, cast by one of numpy's rules.
+fn cast<T: Element + Copy>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    shape: &[usize],
+    rule: &str,
     into: &mut [T],
 ) -> PyResult<()> {
     let py = value.py();
     let numpy = py.import("numpy")?;
     let options = PyDict::new(py);
     options.set_item("order", "C")?;
-    options.set_item("casting", "same_kind")?;
+    options.set_item("casting", rule)?;
     options.set_item("copy", false)?;
-    let array = numpy.call_method1("asarray", (value,))?;
-    let array = array.call_method("astype", (numpy::dtype::<T>(py),), Some(&options));
+    let array = numpy.call_method1("asarray", (value,));
+    let array = array
+        .and_then(|array| array.call_method("astype", (numpy::dtype::<T>(py),), Some(&options)));
     let array = array.map_err(|e| value_error(format!("{name}: {}", e.value(py))))?;
+    // Arrays over received bytes, as from a pickle that came in frames, may lie at odd addresses.
+    let array = numpy.call_method1("require", (array, py.None(), ["C", "A"]))?;
     let array = array.cast::<PyArrayDyn<T>>()?;
     check_shape(name, array.shape(), shape)?;
     let array = array.try_readonly().map_err(value_error)?;
@@ -30,8 +56,11 @@ pub fn read<T: Element + Copy>(
     Ok(())
 }
 
-/// Copies values into the array that the caller gave: float32 in C order, writable, of the given shape.
-pub fn write(out: &Bound<'_, PyAny>, shape: &[usize], values: &[f32]) -> PyResult<()> {
+/// The array that the caller gave to be filled: float32 in C order, writable, of the given shape.
+pub fn writable<'py>(
+    out: &Bound<'py, PyAny>,
+    shape: &[usize],
+) -> PyResult<PyReadwriteArrayDyn<'py, f32>> {
     let expected =
         || format!("out: a writable float32 array in C order of shape {shape:?} is needed");
     let array = out.cast::<PyArrayDyn<f32>>().map_err(|_| value_error(expected()))?;
@@ -41,8 +70,9 @@ pub fn write(out: &Bound<'_, PyAny>, shape: &[usize], values: &[f32]) -> PyResul
         return Err(value_error(expected()));
     }
     let mut array = array.try_readwrite().map_err(|_| value_error(expected()))?;
-    array.as_slice_mut().map_err(|_| value_error(expected()))?.copy_from_slice(values);
-    Ok(())
+    // It may be misaligned.
+    array.as_slice_mut().map_err(|_| value_error(expected()))?;
+    Ok(array)
 }
 
 fn check_shape(name: &str, found: &[usize], expected: &[usize]) -> PyResult<()> {

@@ -1,7 +1,8 @@
 //! `Cells`: the grid of matter, from arrays.
 
-use crate::arrays::{read, view};
+use crate::arrays::{read, read_bytes, view};
 use crate::json::{object, value_error, without_line, write};
+use crate::threads::SHARED;
 use lamplight::{Error, Rgb};
 use numpy::ndarray::{Dim, Ix2, Ix3};
 use numpy::{PyArray2, PyArray3};
@@ -61,26 +62,29 @@ impl Cells {
         for (name, value) in arrays {
             set(&mut cells, &name, &value)?;
         }
-        py.detach(|| cells.check()).map_err(value_error)?;
+        SHARED.run(py, || cells.check())?.map_err(value_error)?;
         Ok(Self(cells))
     }
 
-    /// Rows and columns.
+    /// Rows and columns, (H, W).
     #[getter]
     pub fn shape(&self) -> (usize, usize) {
         (self.0.height() as usize, self.0.width() as usize)
     }
 
+    /// Emitted radiance of matter, linear RGB, float32 of shape (H, W, 3).
     #[getter]
     fn emission<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
         rgb(slf, slf.get().0.emission())
     }
 
+    /// Radiance added per px, which needs no opacity, linear RGB, float32 of shape (H, W, 3), or None.
     #[getter]
     fn glow<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
         slf.get().0.glow().map(|glow| rgb(slf, glow)).transpose()
     }
 
+    /// The fraction of light absorbed per px, 0 to 1, float32 of shape (H, W); 1 is solid.
     #[getter]
     fn opacity<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         view(
@@ -90,26 +94,31 @@ impl Cells {
         )
     }
 
+    /// The colour filter per px, 0 to 1, float32 of shape (H, W, 3); 1 transmits everything.
     #[getter]
     fn tint<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
         rgb(slf, slf.get().0.tint())
     }
 
+    /// The reflectance of solid cells, and the scattering albedo of others, 0 to 1, float32 of shape (H, W, 3).
     #[getter]
     fn albedo<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
         rgb(slf, slf.get().0.albedo())
     }
 
+    /// The colour that a picture shows, linear RGB, float32 of shape (H, W, 3), or None: white.
     #[getter]
     fn color<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
         slf.get().0.color().map(|color| rgb(slf, color)).transpose()
     }
 
+    /// Unit vectors, x to the right, y down, z towards the viewer, float32 of shape (H, W, 3), or None.
     #[getter]
     fn normals<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
         slf.get().0.normals().map(|normals| rgb(slf, normals)).transpose()
     }
 
+    /// The layers of every cell, a bit each, uint8 of shape (H, W), or None: all layers.
     #[getter]
     fn masks<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
         let this = slf.get();
@@ -121,19 +130,26 @@ impl Cells {
             .transpose()
     }
 
+    /// The lamps, a dict each, with the keys of a scene file.
     #[getter]
     fn lamps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         object(py, &self.0.lamps())
     }
 
+    /// The suns, a dict each, with the keys of a scene file.
     #[getter]
     fn suns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         object(py, &self.0.suns())
     }
 
+    /// The radiance from beyond the grid, as in a scene file.
     #[getter]
     fn sky<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         object(py, self.0.sky())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Cells of shape {:?}>", self.shape())
     }
 
     /// The arguments from which a pickle makes these cells again.
@@ -165,7 +181,7 @@ fn set(cells: &mut lamplight::Cells, name: &str, value: &Bound<'_, PyAny>) -> Py
     let (height, width) = (cells.height() as usize, cells.width() as usize);
     let rgb = match name {
         "opacity" => return read(name, value, &[height, width], cells.opacity_mut()),
-        "masks" => return read(name, value, &[height, width], cells.masks_mut()),
+        "masks" => return read_bytes(name, value, &[height, width], cells.masks_mut()),
         "emission" => cells.emission_mut(),
         "glow" => cells.glow_mut(),
         "tint" => cells.tint_mut(),

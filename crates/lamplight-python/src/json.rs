@@ -1,15 +1,13 @@
 //! Dictionaries to and from the notation of scene files, whose reader is the library's own.
 
-use lamplight::{Error, Settings, SettingsTable};
-use pyo3::exceptions::PyValueError;
+use lamplight::{Display, Error, Scene, Settings, SettingsTable};
+use pyo3::exceptions::{PyAttributeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
-use serde::de::DeserializeOwned;
-use std::fmt::Display;
 
 /// A `ValueError` with the library's text.
-pub fn value_error(error: impl Display) -> PyErr {
+pub fn value_error(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
@@ -27,9 +25,19 @@ pub fn write(value: &Bound<'_, PyAny>) -> PyResult<String> {
     let options = PyDict::new(py);
     options
         .set_item("default", py.import("operator")?.call_method1("methodcaller", ("tolist",))?)?;
-    // JSON has no NaN and no infinity: a ValueError.
+    // JSON has no NaN and no infinity.
     options.set_item("allow_nan", false)?;
-    py.import("json")?.call_method("dumps", (value,), Some(&options))?.extract()
+    let text = py.import("json")?.call_method("dumps", (value,), Some(&options));
+    let text = text.map_err(|error| {
+        if error.is_instance_of::<PyAttributeError>(py) {
+            PyTypeError::new_err("a value is neither a number, text, a list, a dict nor an array")
+        } else if error.is_instance_of::<PyValueError>(py) {
+            value_error("a number is NaN or infinite; all must be finite")
+        } else {
+            error
+        }
+    });
+    text?.extract()
 }
 
 /// A value of the library as Python objects.
@@ -38,13 +46,22 @@ pub fn object<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'p
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// A value of the library from keywords.
-pub fn from_keywords<T: DeserializeOwned>(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<T> {
-    let text = keywords.map_or(Ok("{}".to_owned()), |keywords| write(keywords))?;
-    serde_json::from_str(&text).map_err(value_error)
-}
-
 /// Settings from keywords: the keys of a scene file's `[light]`.
 pub fn settings(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Settings> {
-    from_keywords::<SettingsTable>(keywords)?.resolve().map_err(value_error)
+    let text = keywords.map_or(Ok("{}".to_owned()), |keywords| write(keywords))?;
+    let table: SettingsTable = serde_json::from_str(&text).map_err(value_error)?;
+    table.resolve().map_err(value_error)
+}
+
+/// A display from keywords: the keys of a scene file's `[display]`.
+pub fn display(py: Python<'_>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Display> {
+    let scene = PyDict::new(py);
+    scene.set_item("size", (1, 1))?;
+    scene.set_item("display", keywords.map_or_else(|| PyDict::new(py), Clone::clone))?;
+    Ok(Scene::from_json(&write(&scene)?).map_err(without_line)?.display)
+}
+
+/// A whole number from Python, of which none is too large or too small for a message of the library.
+pub fn whole<T: TryFrom<i128>>(name: &str, value: i128, expected: &str) -> PyResult<T> {
+    T::try_from(value).map_err(|_| value_error(Error::value(name, value, expected)))
 }

@@ -4,11 +4,13 @@
 
 mod arrays;
 mod cells;
+mod command;
 mod json;
 mod light;
 mod reference;
 mod scene;
 mod solver;
+mod threads;
 
 use pyo3::pymodule;
 
@@ -17,9 +19,11 @@ mod _core {
     #[pymodule_export]
     use crate::cells::Cells;
     #[pymodule_export]
+    use crate::command::run_command;
+    #[pymodule_export]
     use crate::light::Light;
     #[pymodule_export]
-    use crate::reference::{Measures, Reference, compare, reference};
+    use crate::reference::{Measures, Reference, compare, join_parts, reference, trace_part};
     #[pymodule_export]
     use crate::scene::Scene;
     #[pymodule_export]

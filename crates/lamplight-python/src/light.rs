@@ -2,8 +2,9 @@
 
 use crate::arrays::{read, view};
 use crate::cells::Cells;
-use crate::json::{from_keywords, value_error};
-use lamplight::{Display, Moment, Settings};
+use crate::json::{self, value_error};
+use crate::threads::SHARED;
+use lamplight::{Moment, Settings};
 use numpy::ndarray::Dim;
 use numpy::{PyArray2, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
@@ -64,17 +65,22 @@ impl Light {
         Ok(Self(light))
     }
 
+    /// Rows and columns, (H, W).
     #[getter]
     fn shape(&self) -> (usize, usize) {
         self.size().into()
     }
 
+    /// The mean radiance that arrives at every cell, linear RGB, float32 of shape (H, W, 3). In solid cells it is the
+    /// light that sinks in from their faces.
     #[getter]
     fn rgb<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let [height, width] = slf.get().size();
         view(Dim([height, width, 3]), slf.get().0.pixels().as_flattened(), slf.clone().into_any())
     }
 
+    /// The first moment of the light, float32 of shape (H, W, 2, 3): its x and its y component. None unless the solver
+    /// has ``moment=True`` or the cells have normals.
     #[getter]
     fn moment<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray4<f32>>>> {
         let [height, width] = slf.get().size();
@@ -84,17 +90,28 @@ impl Light {
             .transpose()
     }
 
+    /// The solid cells, bool of shape (H, W).
     #[getter]
     fn solid<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<bool>>> {
         view(Dim(slf.get().size()), slf.get().0.solid(), slf.clone().into_any())
     }
 
+    /// The elevation above the plane at which light arrives at tilted surfaces, radians.
     #[getter]
     fn elevation(&self) -> f32 {
         self.0.elevation()
     }
 
-    /// The light at points of shape (N, 2), x and y in px, between the nearest cell centres, of shape (N, 3).
+    /// The light at points, interpolated between the nearest cell centres.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : array_like of shape (N, 2)
+    ///     x and y, px.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of shape (N, 3)
     fn sample<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let py = points.py();
         let shape: Vec<usize> = py.import("numpy")?.call_method1("shape", (points,))?.extract()?;
@@ -108,9 +125,24 @@ impl Light {
         numpy::PyArray1::from_vec(py, light).reshape([count, 3])
     }
 
-    /// The final picture, uint8 sRGB of shape (H, W, 3): colour × light, exposed and tone mapped.
+    /// The final picture: colour × light, exposed and tone mapped.
     ///
-    /// The keywords are the keys of a scene file's ``[display]``: ``tonemap="aces"``, ``exposure=1``.
+    /// Parameters
+    /// ----------
+    /// cells : Cells
+    ///     Their colour and their emission are shown.
+    /// **display
+    ///     The keys of a scene file's ``[display]``: ``tonemap="aces"``, ``exposure=1``.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of uint8 of shape (H, W, 3)
+    ///     sRGB.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the cells have another shape, or a key is unknown or its value out of range.
     #[pyo3(signature = (cells, **display), text_signature = "($self, cells, **display)")]
     fn compose<'py>(
         &self,
@@ -118,11 +150,16 @@ impl Light {
         cells: &Cells,
         display: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let display: Display = from_keywords(display)?;
+        let display = json::display(py, display)?;
         display.check().map_err(value_error)?;
-        let picture = py.detach(|| self.0.compose(&cells.0, &display)).map_err(value_error)?;
+        let picture =
+            SHARED.run(py, || self.0.compose(&cells.0, &display))?.map_err(value_error)?;
         let [height, width] = self.size();
         numpy::PyArray1::from_vec(py, picture.into_raw()).reshape([height, width, 3])
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Light of shape {:?}>", self.shape())
     }
 
     /// The arguments from which a pickle makes this light again.

@@ -2,10 +2,11 @@
 
 use crate::cells::Cells;
 use crate::json::{object, value_error};
+use crate::threads::SHARED;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// A scene as its author writes it.
+/// A scene as its author writes it. `Scene.load` and `Scene.from_toml` make one.
 #[pyclass(module = "lamplight2d", frozen)]
 pub struct Scene {
     scene: lamplight::Scene,
@@ -15,13 +16,24 @@ pub struct Scene {
 #[pymethods]
 impl Scene {
     /// Reads a scene file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path-like
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the file, or an image that it names, is missing or invalid; the text names it, and the line.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         let scene = lamplight::Scene::load(&path).map_err(value_error)?;
-        Ok(Self { scene, file: Some(path) })
+        // It is also read again elsewhere, from a pickle.
+        let file = std::path::absolute(path).map_err(value_error)?;
+        Ok(Self { scene, file: Some(file) })
     }
 
-    /// Reads a scene in TOML.
+    /// Reads a scene in TOML. Paths of its images are relative to the working directory.
     #[staticmethod]
     fn from_toml(text: &str) -> PyResult<Self> {
         let scene = lamplight::Scene::from_toml(text).map_err(value_error)?;
@@ -33,19 +45,36 @@ impl Scene {
         self.scene.to_toml().map_err(value_error)
     }
 
-    /// Draws the scene.
-    fn cells(&self, py: Python<'_>) -> PyResult<Cells> {
-        py.detach(|| self.scene.cells()).map(Cells).map_err(value_error)
+    /// Rows and columns, (H, W).
+    #[getter]
+    fn shape(&self) -> (u32, u32) {
+        let [width, height] = self.scene.size;
+        (height, width)
     }
 
+    /// Draws the scene.
+    ///
+    /// Returns
+    /// -------
+    /// Cells
+    fn cells(&self, py: Python<'_>) -> PyResult<Cells> {
+        SHARED.run(py, || self.scene.cells())?.map(Cells).map_err(value_error)
+    }
+
+    /// The settings in its ``[light]``, as keywords for a solver.
     #[getter]
     fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         object(py, &self.scene.settings)
     }
 
+    /// The settings in its ``[display]``, as keywords for ``Light.compose``.
     #[getter]
     fn display<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         object(py, &self.scene.display)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Scene of shape {:?}>", self.shape())
     }
 
     /// A scene from a file is pickled as the file's path, because its images lie beside it; others as their text.

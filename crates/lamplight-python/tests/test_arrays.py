@@ -19,7 +19,24 @@ def test_views_share_memory_and_are_read_only():
     assert np.isfinite(view).all()
 
 
-@pytest.mark.parametrize("cast", [np.float64, np.asfortranarray, lambda a: np.repeat(a, 2, 1)[:, ::2]])
+def misaligned(array):
+    """An array at an odd address, as over bytes that came from elsewhere."""
+    array = np.frombuffer(b"." + array.tobytes(), array.dtype, offset=1).reshape(array.shape)
+    assert not array.flags.aligned
+    return array
+
+
+@pytest.mark.parametrize(
+    "cast",
+    [
+        np.float64,
+        np.asfortranarray,
+        lambda a: np.repeat(a, 2, 1)[:, ::2],
+        lambda a: a[::-1].copy()[::-1],
+        lambda a: a.astype(">f4"),
+        misaligned,
+    ],
+)
 def test_other_types_and_layouts_are_cast(cast):
     opacity = np.random.default_rng(1).random((6, 4), np.float32)
     cells = ll.Cells((6, 4), opacity=cast(opacity))
@@ -42,7 +59,13 @@ def test_row_0_is_the_top_row():
         ((4, 6), {"opacity": np.full((4, 6), np.nan)}, "opacity"),
         ((4, 6), {"opacity": np.full((4, 6), 2)}, "0 to 1"),
         ((4, 6), {"opacity": np.zeros((4, 6), complex)}, "opacity"),
-        ((4, 6), {"sky": [float("nan")] * 3}, "JSON"),
+        ((4, 6), {"sky": [float("nan")] * 3}, "NaN"),
+        ((4, 6), {"emission": np.full((4, 6, 3), -1)}, "0 or more"),
+        ((4, 6), {"emission": np.full((4, 6, 3), np.inf)}, "finite"),
+        ((4, 6), {"masks": np.full((4, 6), 256, np.uint16)}, "masks"),
+        ((4, 6), {"opacity": "opaque"}, "opacity"),
+        ((4, 6), {"opacity": [[1], [1, 0]]}, "opacity"),
+        ((4, 6, 3), {}, "2"),
         ((4, 6), {"lamps": [{"position": [1, 1], "colour": [1, 1, 1]}]}, "colour"),
         ((0, 6), {}, "0"),
         ((-1, 6), {}, "-1"),
@@ -52,6 +75,19 @@ def test_row_0_is_the_top_row():
 def test_bad_cells_are_refused(shape, fields, text):
     with pytest.raises(ValueError, match=text):
         ll.Cells(shape, **fields)
+
+
+def test_numbers_of_other_kinds_are_refused():
+    with pytest.raises(TypeError, match="array"):
+        ll.Cells((4, 6), lamps=[{"position": {1, 2}}])
+    for call in [
+        lambda: ll.Solver(threads=-1),
+        lambda: ll.reference(ll.Cells((4, 6)), -1),
+        lambda: ll.reference(ll.Cells((4, 6)), 2**40),
+        lambda: ll.reference(ll.Cells((4, 6)), threads=0),
+    ]:
+        with pytest.raises(ValueError, match="must be 1 to"):
+            call()
 
 
 def test_an_unknown_field_is_refused():
@@ -75,6 +111,9 @@ def test_out_receives_the_light():
         np.empty((9, 8, 3)),
         np.empty((9, 8, 3), np.float32, order="F"),
         np.broadcast_to(np.float32(0), (9, 8, 3)),
+        np.empty((18, 8, 3), np.float32)[::2],
+        np.frombuffer(bytearray(9 * 8 * 3 * 4 + 1), np.float32, offset=1).reshape(9, 8, 3),
+        ll.Solver().solve(ll.Cells((9, 8))).rgb,
         "out",
     ],
 )

@@ -1,8 +1,10 @@
 """Light against closed forms, the reference, and another run of itself."""
 
 import math
+import os
 import pathlib
 import pickle
+import signal
 import threading
 
 import numpy as np
@@ -52,6 +54,8 @@ def test_the_comparison_sees_a_perturbation():
 def test_the_same_bytes_on_any_number_of_threads():
     one, two = (ll.Solver(threads=n).solve(room()).rgb.tobytes() for n in (1, 2))
     assert one == two
+    one, two = (ll.reference(room(), 16, threads=n).light.rgb.tobytes() for n in (1, 2))
+    assert one == two
 
 
 def test_threads_of_python_share_a_solver():
@@ -83,6 +87,13 @@ def test_pickles():
     assert again.solve(cells).rgb.tobytes() == light.rgb.tobytes()
     light = pickle.loads(pickle.dumps(light))
     assert light.solid.sum() == 40 * 3
+    truth = ll.reference(room(), 16)
+    again = pickle.loads(pickle.dumps(truth))
+    for field in ["rgb", "moment", "solid"]:
+        assert getattr(again.light, field).tobytes() == getattr(truth.light, field).tobytes()
+    assert again.standard_error.tobytes() == truth.standard_error.tobytes()
+    measures = ll.compare(light, truth.light)
+    assert repr(pickle.loads(pickle.dumps(measures))) == repr(measures)
     for scene in [ll.Scene.load(SCENES / "grove.toml"), ll.Scene.from_toml("size = [8, 6]")]:
         assert pickle.loads(pickle.dumps(scene)).to_toml() == scene.to_toml()
 
@@ -94,13 +105,51 @@ def test_settings_are_checked():
         ll.Solver(bounces=-1)
     with pytest.raises(ValueError, match="samples"):
         ll.reference(room(), 0)
+    with pytest.raises(ValueError, match="1 to 1024"):
+        ll.Solver(threads=0)
 
 
 def test_a_scene_is_lit_and_shown():
     scene = ll.Scene.load(SCENES / "two_rooms.toml")
     cells = scene.cells()
-    picture = ll.Solver(**scene.settings).solve(cells).compose(cells, **scene.display)
+    light = ll.Solver(**scene.settings).solve(cells)
+    picture = light.compose(cells, **scene.display)
     assert picture.shape == (*cells.shape, 3) and picture.dtype == np.uint8
     assert picture.std() > 10
     with pytest.raises(ValueError, match="missing.toml"):
         ll.Scene.load("missing.toml")
+    with pytest.raises(ValueError, match="`display.tonemapp` is not a known key; did you mean `tonemap`"):
+        light.compose(cells, tonemapp="aces")
+    with pytest.raises(ValueError, match="exposure"):
+        light.compose(cells, exposure=1e9)
+
+
+def test_ctrl_c_stops_the_reference():
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        ll.reference(room(), 1_000_000)
+    timer.join()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="forks")
+def test_a_forked_child_has_threads_of_its_own():
+    solvers = [ll.Solver(), ll.Solver(threads=2)]
+    expected = [solver.solve(room()).rgb.tobytes() for solver in solvers]
+    child = os.fork()
+    if child == 0:
+        found = [solver.solve(room()).rgb.tobytes() for solver in solvers]
+        os._exit(0 if found == expected else 1)
+    limit = threading.Timer(30, os.kill, [child, signal.SIGKILL])
+    limit.start()
+    _, status = os.waitpid(child, 0)
+    limit.cancel()
+    assert os.waitstatus_to_exitcode(status) == 0
+
+
+def test_history_is_forgotten():
+    solver, cells = ll.Solver(method="raymarch", temporal={"history_length": 8}), room()
+    first, second = (solver.solve(cells).rgb.copy() for _ in range(2))
+    assert not np.array_equal(first, second)
+    solver.reset()
+    np.testing.assert_array_equal(solver.solve(cells).rgb, first)

@@ -4,13 +4,10 @@ use crate::lamps::{Vertex, direct};
 use crate::random::Random;
 use crate::sky;
 use crate::traverse::{Event, Grid, Stretch, Traversal};
-use lamplight::internals::Walls;
 use lamplight::internals::direct::clamp;
-use lamplight::internals::elevation::longest_moment;
-use lamplight::{ALL_LAYERS, Bounces, Cells, Error, Lamp, Light, Moment, Result, Rgb, Sun};
+use lamplight::{ALL_LAYERS, Bounces, Cells, Error, Lamp, Light, Result, Rgb, Sun};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The number of independent estimates of every cell, whose spread gives its standard error.
 pub(crate) const BATCHES: u32 = 16;
@@ -18,8 +15,6 @@ pub(crate) const BATCHES: u32 = 16;
 const OPAQUE: f64 = 1e-10;
 /// The number of bounces after which Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 3;
-/// The number of cells that a thread takes at a time, and between two calls of `progress`.
-const CHUNK: usize = 128;
 /// The steps of a sequence that fills a cube evenly with any number of points: g⁻¹, g⁻², g⁻³ with
 /// g⁴ = g + 1 (the R₃ sequence of Roberts 2018). First directions are even already; it
 /// spreads the next three.
@@ -35,7 +30,7 @@ const ACROSS: f64 = 0.618_033_988_749_894_8;
 /// - **Open cell**: the mean radiance arriving at its centre over all directions, J.
 /// - **Solid cell** with a face towards an open cell: the mean of the normalised irradiance
 ///   `E/2 = ½∫ L cosθ dθ` over those faces and their length. Faces on the grid's border touch no cell and do not count.
-///   [`PathTracer::render`] then completes solid cells with [`Walls::sink`].
+///   [`PathTracer::render`] then lets the light sink into solid cells.
 /// - A path that crosses `s` px of a cell with opacity α < 1 gains `(1 − T)·L_e + ∫ j·T(t) dt`,
 ///   `T(s) = ((1 − α)·tint)^s`; it then either continues, or is scattered from the cell's *centre* into
 ///   a random direction. The choice is random, with weights that keep every channel unbiased.
@@ -81,41 +76,8 @@ impl PathTracer {
     /// # Errors
     /// Returns an error if the cells are invalid ([`Cells::check`]) or `samples` is 0.
     pub fn render(&self, cells: &Cells, progress: &(dyn Fn(f32) + Sync)) -> Result<Estimate> {
-        self.check(cells)?;
-        let cells = cells.drawn();
-        let grid = Grid::new(&cells);
-        let tracer = Tracer::new(self, &cells, &grid);
-        let (lamps, suns) = (cells.lamps(), cells.suns());
-        let (width, total) = (cells.width() as usize, cells.len());
-        let done = AtomicUsize::new(0);
-        let mut rgb = vec![[0.0; 3]; total];
-        let mut standard_error = vec![[0.0; 3]; total];
-        let mut moment = vec![Moment::default(); total];
-        let chunks = rgb.par_chunks_mut(CHUNK).zip(standard_error.par_chunks_mut(CHUNK));
-        chunks.zip(moment.par_chunks_mut(CHUNK)).enumerate().for_each(
-            |(chunk, ((rgb, error), moment))| {
-                for (k, ((rgb, error), moment)) in rgb.iter_mut().zip(error).zip(moment).enumerate()
-                {
-                    let i = chunk * CHUNK + k;
-                    let at = [i % width, i / width].map(|v| v as i32);
-                    let [light, x, y] = tracer.receive(at, |[x, y]| [1.0, x, y]);
-                    (*rgb, *error) = light;
-                    if !cells.is_solid(i) {
-                        *moment = [x.0, y.0];
-                    }
-                }
-                let done = done.fetch_add(rgb.len(), Ordering::Relaxed) + rgb.len();
-                progress(done as f32 / total as f32);
-            },
-        );
-        clamp(&mut rgb, Some(&mut moment), longest_moment(lamps, suns, self.elevation));
-        let mut walls = Walls::default();
-        walls.sink_moment(&cells, self.wall_depth, &rgb, &mut moment);
-        walls.sink(&cells, self.wall_depth, &mut rgb);
-        let light = Light::from_pixels(&cells, rgb);
-        let light = light.and_then(|light| light.with_moment(moment, self.elevation));
-        let light = light.expect("one value a cell");
-        Ok(Estimate { light, standard_error })
+        let tracing = self.prepare(cells)?;
+        tracing.finish(tracing.trace(0..cells.len(), progress))
     }
 
     /// Computes the mean and the standard error of a few cells, `[x, y]`. In solid cells it is the

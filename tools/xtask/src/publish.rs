@@ -1,7 +1,7 @@
 //! Checks of what is published: dependencies, compatibility, packages, workflows.
 
 use crate::optional::{has_program, has_subcommand};
-use crate::process::{cargo, finish, root};
+use crate::process::{cargo, command, finish, root};
 use anyhow::{Context, Result};
 use std::process::Command;
 
@@ -11,18 +11,30 @@ const PUBLISHED: [&str; 5] =
 /// Those of them with an interface that others compile against.
 const LIBRARIES: [&str; 4] = ["lamplight", "lamplight-truth", "lamplight-wgpu", "bevy_lamplight"];
 
+/// Workspaces with a lock file of their own.
+const WORKSPACES: [&str; 2] = [".", "crates/lamplight-python"];
+
 /// Checks licences, sources and known faults of dependencies, by `deny.toml`. The faults only where
 /// their database can be fetched.
 pub fn dependencies() -> Result<()> {
     if !has_subcommand("deny") {
         return Ok(());
     }
-    cargo(&["deny", "--workspace", "check", "bans", "licenses", "sources"])?;
-    if cargo(&["deny", "--workspace", "fetch", "db"]).is_err() {
+    for workspace in WORKSPACES {
+        deny(workspace, "check", &["bans", "licenses", "sources"])?;
+    }
+    if deny(WORKSPACES[0], "fetch", &["db"]).is_err() {
         println!("== the database of known faults cannot be fetched: they are not checked");
         return Ok(());
     }
-    cargo(&["deny", "--workspace", "check", "advisories"])
+    WORKSPACES.into_iter().try_for_each(|workspace| deny(workspace, "check", &["advisories"]))
+}
+
+/// Runs a command of `cargo deny` on a workspace, by the one `deny.toml`.
+fn deny(workspace: &str, subcommand: &str, arguments: &[&str]) -> Result<()> {
+    let mut deny = command(&root().join(workspace));
+    deny.args(["deny", "--workspace", subcommand, "--config"]).arg(root().join("deny.toml"));
+    finish(deny.args(arguments))
 }
 
 /// Checks that the interfaces since the last release are what the versions promise.
@@ -74,6 +86,7 @@ mod tests {
     use super::*;
     use crate::lint::packages as all;
     use std::fs;
+    use std::path::Path;
 
     /// A package is published or has `publish = false`, and what is published has what crates.io shows.
     #[test]
@@ -87,10 +100,18 @@ mod tests {
                 for key in ["description", "readme", "keywords", "categories"] {
                     assert!(manifest.contains(&format!("\n{key} = ")), "{name} has no {key}");
                 }
-                for file in ["README.md", "LICENSE-MIT", "LICENSE-APACHE"] {
-                    assert!(package.folder.join(file).exists(), "{name} has no {file}");
-                }
+                assert!(package.folder.join("README.md").exists(), "{name} has no README.md");
+                assert_licensed(&package.folder);
             }
+        }
+        assert_licensed(&root().join("crates/lamplight-python"));
+    }
+
+    /// A package holds the texts themselves: links out of it are lost on the way.
+    fn assert_licensed(folder: &Path) {
+        for file in ["LICENSE-MIT", "LICENSE-APACHE"] {
+            let text = |folder: &Path| fs::read_to_string(folder.join(file)).unwrap_or_default();
+            assert_eq!(text(folder), text(root()), "{}", folder.join(file).display());
         }
     }
 }

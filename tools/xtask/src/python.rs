@@ -10,8 +10,9 @@ use std::process::Command;
 pub const NEEDED: &str =
     "Python 3.10 or later as `python3`, with venv, and packages of its registry";
 
-/// The contents of the environment: the builder, the package's dependency, the tests'.
-const PACKAGES: [&str; 4] = ["maturin>=1.16,<2", "numpy", "pytest", "mypy"];
+/// The contents of the environment: the builder, the package's dependencies, the tests'.
+const PACKAGES: [&str; 6] =
+    ["maturin>=1.16,<2", "numpy", "dask[array,distributed]", "pytest", "mypy", "matplotlib"];
 
 /// A virtual environment in the target folder.
 pub struct Environment {
@@ -59,7 +60,10 @@ pub fn test(environment: &Environment) -> Result<()> {
     }
     if has_component("clippy", "clippy") {
         let mut clippy = command(&package);
-        clippy.args(["clippy", "--release", "--locked", "--no-deps", "--", "-D", "warnings"]);
+        // The command too: only here it is built without the GPU.
+        clippy.args(["clippy", "--release", "--locked", "--no-deps"]);
+        clippy.args(["--package", "lamplight-python", "--package", "lamplight-cli"]);
+        clippy.args(["--", "-D", "warnings"]);
         finish(clippy.env("CARGO_TARGET_DIR", &target).env("PYO3_PYTHON", &python))?;
     }
     let wheels = folder.join("wheels");

@@ -4,6 +4,7 @@ use crate::args::{Backend, MachineArgs, Renderer, SettingArgs, by_name};
 use crate::bench_scene::{bench_scene, bench_scene_of_lamps};
 use crate::device_info::DeviceInfo;
 use crate::error::{CliError, Result};
+use crate::frame_cost::FrameCost;
 use crate::gpu::Gpu;
 use crate::job::read_cells;
 use crate::lit::ms;
@@ -15,7 +16,6 @@ use crate::table::table;
 use lamplight::internals::glow::Glow;
 use lamplight::internals::holographic::paper::Paper;
 use lamplight::{Cells, Display, Method, Scene, Settings, SettingsTable, Solver};
-use lamplight_wgpu::{Cost, PipelineCost};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -61,15 +61,6 @@ pub struct BenchArgs {
     settings: SettingArgs,
     #[command(flatten)]
     machine: MachineArgs,
-}
-
-/// The cost of all dispatches of a pipeline, for `--json`.
-fn pipeline_json(pipeline: &PipelineCost) -> Value {
-    let PipelineCost { shader, entry, dispatches, traffic } = *pipeline;
-    json!({
-        "shader": shader, "entry": entry, "dispatches": dispatches,
-        "bytes_read": traffic.read, "bytes_written": traffic.written,
-    })
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -169,10 +160,10 @@ impl Case<'_> {
         if let (Some(gpu), Some(cost)) = (gpu, &times.cost) {
             line["adapter"] = gpu.name().into();
             line["dispatches"] = cost.dispatches().into();
-            line["bytes_read"] = cost.traffic().read.into();
-            line["bytes_written"] = cost.traffic().written.into();
-            line["bytes_held"] = cost.memory.into();
-            line["kernels"] = cost.pipelines.iter().map(pipeline_json).collect();
+            line["bytes_read"] = cost.bytes_read().into();
+            line["bytes_written"] = cost.bytes_written().into();
+            line["bytes_held"] = cost.bytes_held.into();
+            line["kernels"] = json!(cost.kernels);
         }
         if let Some(scene) = &args.scene {
             line["scene"] = scene.display().to_string().into();
@@ -200,9 +191,9 @@ impl Case<'_> {
             row.extend([times.runs.to_string(), stages.join(", ")]);
         }
         if let Some(cost) = &times.cost {
-            let moved = cost.traffic().read + cost.traffic().written;
+            let moved = cost.bytes_read() + cost.bytes_written();
             row.push(cost.dispatches().to_string());
-            row.extend([moved, cost.memory].map(|bytes| format!("{:.0}", bytes as f64 / 1e6)));
+            row.extend([moved, cost.bytes_held].map(|bytes| format!("{:.0}", bytes as f64 / 1e6)));
         }
         if let Some(yardstick) = times.yardstick {
             row.push(format!("{:.2}", ms(yardstick)));
@@ -273,7 +264,7 @@ struct Times {
     /// The median of the yardstick, with `--yardstick`.
     yardstick: Option<Duration>,
     /// The cost of a frame on the GPU.
-    cost: Option<Cost>,
+    cost: Option<FrameCost>,
 }
 
 impl Times {

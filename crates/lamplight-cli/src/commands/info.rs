@@ -1,10 +1,10 @@
 //! `lamplight info`: the abilities of this program and this machine.
 
+use crate::device_info::AdapterInfo;
 use crate::error::Result;
-use crate::gpu::{adapters, times_stages};
+use crate::gpu;
 use crate::output;
 use lamplight::{Cells, Method};
-use lamplight_wgpu::wgpu::DeviceType;
 use serde_json::{Map, json};
 
 /// Show backends, limits and versions
@@ -18,8 +18,8 @@ pub struct InfoArgs {
 pub fn run(args: InfoArgs) -> Result {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let features = vector_features();
-    let on_gpu: Vec<_> = Method::ALL.iter().map(|m| m.name()).collect();
-    let methods: Vec<_> = on_gpu.iter().copied().chain(["reference"]).collect();
+    let on_gpu: Vec<_> = gpu::METHODS.iter().map(|m| m.name()).collect();
+    let methods: Vec<_> = Method::ALL.iter().map(|m| m.name()).chain(["reference"]).collect();
     if args.json {
         return output::print(json!({
             "version": env!("CARGO_PKG_VERSION"),
@@ -27,13 +27,11 @@ pub fn run(args: InfoArgs) -> Result {
                 "cpu": { "threads": threads, "features": features },
                 "gpu": { "methods": on_gpu },
             },
-            "adapters": adapters().iter().map(|adapter| {
-                let info = adapter.get_info();
+            "adapters": gpu::adapters().iter().map(|adapter| {
+                let AdapterInfo { name, api, kind, driver, side, times_stages } = adapter;
                 json!({
-                    "name": info.name, "api": info.backend.to_str(),
-                    "kind": kind(info.device_type), "driver": info.driver_info, "tier": "native",
-                    "side": adapter.limits().max_texture_dimension_2d,
-                    "times_stages": times_stages(adapter),
+                    "name": name, "api": api, "kind": kind, "driver": driver, "tier": "native",
+                    "side": side, "times_stages": times_stages,
                 })
             }).collect::<Vec<_>>(),
             "methods": methods,
@@ -46,15 +44,13 @@ pub fn run(args: InfoArgs) -> Result {
         if features.is_empty() { "no known vector units".into() } else { features.join(", ") };
     let presets: Vec<_> =
         Method::ALL.iter().map(|m| format!("{}: {}", m.name(), m.presets().join(", "))).collect();
-    let adapters: Vec<_> = adapters()
+    let adapters: Vec<_> = gpu::adapters()
         .iter()
         .map(|adapter| {
-            let info = adapter.get_info();
-            let (kind, side) = (kind(info.device_type), adapter.limits().max_texture_dimension_2d);
-            let times =
-                if times_stages(adapter) { "times stages" } else { "without times of stages" };
-            let about = format!("{kind}, {}, {}", info.backend, info.driver_info);
-            format!("{} ({about}): tier native, up to {side} cells a side, {times}", info.name)
+            let AdapterInfo { name, api, kind, driver, side, times_stages } = adapter;
+            let times = if *times_stages { "times stages" } else { "without times of stages" };
+            let about = format!("{kind}, {api}, {driver}");
+            format!("{name} ({about}): tier native, up to {side} cells a side, {times}")
         })
         .collect();
     let adapters = if adapters.is_empty() { "none".into() } else { adapters.join("\n          ") };
@@ -69,21 +65,11 @@ limits    {side} cells a side, {cells} million cells in all",
         version = env!("CARGO_PKG_VERSION"),
         arch = std::env::consts::ARCH,
         methods = methods.join(", "),
-        gpu = on_gpu.join(", "),
+        gpu = if on_gpu.is_empty() { "not in this build".into() } else { on_gpu.join(", ") },
         presets = presets.join("\n          "),
         side = Cells::MAX_SIDE,
         cells = Cells::MAX_CELLS / 1_000_000,
     ))
-}
-
-fn kind(device: DeviceType) -> &'static str {
-    match device {
-        DeviceType::DiscreteGpu => "discrete",
-        DeviceType::IntegratedGpu => "integrated",
-        DeviceType::VirtualGpu => "virtual",
-        DeviceType::Cpu => "software",
-        DeviceType::Other => "of another kind",
-    }
 }
 
 /// The vector units of this processor, best last.

@@ -1,6 +1,6 @@
 //! `lamplight probe`: the light at points, as gameplay code asks for it.
 
-use crate::args::{DisplayArgs, LightingArgs, Point};
+use crate::args::{DisplayArgs, LightingArgs, Position};
 use crate::error::{CliError, Result};
 use crate::job::RenderJob;
 use crate::output;
@@ -18,7 +18,7 @@ pub struct ProbeArgs {
     /// Points in px from the top left, such as 160,90 or 40.5,30.5; the centre of the first cell is
     /// 0.5,0.5
     #[arg(required = true, value_name = "X,Y")]
-    points: Vec<Point>,
+    points: Vec<Position>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -27,7 +27,7 @@ pub struct ProbeArgs {
 }
 
 /// The cell that a point lies in.
-fn cell_of(Point([x, y]): Point, cells: &Cells) -> Result<usize> {
+fn cell_of(Position([x, y]): Position, cells: &Cells) -> Result<usize> {
     let (w, h) = (cells.width(), cells.height());
     if (0.0..w as f32).contains(&x) && (0.0..h as f32).contains(&y) {
         return Ok(cells.index(x as u32, y as u32));
@@ -40,7 +40,7 @@ pub fn run(args: ProbeArgs) -> Result {
     args.lighting.machine.run(|_| {
         let display = DisplayArgs::default();
         let job = RenderJob::resolve(&args.scene, &args.lighting, &display, true)?;
-        let at: Vec<(Point, usize)> = args
+        let at: Vec<(Position, usize)> = args
             .points
             .iter()
             .map(|&point| Ok((point, cell_of(point, &job.cells)?)))
@@ -48,7 +48,7 @@ pub fn run(args: ProbeArgs) -> Result {
         let lit = job.light()?;
         let answers = at
             .into_iter()
-            .map(|(Point([x, y]), cell)| (x, y, lit.light.sample([x, y]), lit.light.solid()[cell]));
+            .map(|(Position([x, y]), cell)| (x, y, lit.light.sample([x, y]), lit.light.solid()[cell]));
         if args.json {
             let points: Vec<_> = answers
                 .map(|(x, y, light, solid)| {

@@ -1,6 +1,6 @@
 //! `lamplight sight`: what viewers see of a scene, as a picture.
 
-use crate::args::{Backend, DisplayArgs, MachineArgs, Point, Renderer};
+use crate::args::{Backend, DisplayArgs, MachineArgs, Position, Renderer};
 use crate::device_info::DeviceInfo;
 use crate::error::{CliError, Result};
 use crate::job::read_cells;
@@ -20,7 +20,7 @@ pub struct SightArgs {
     /// The eye of a viewer in px from the top left, such as 160,90. Repeat it for more viewers, of whom the
     /// picture shows what any sees
     #[arg(long, value_name = "X,Y", required = true, allow_hyphen_values = true)]
-    from: Vec<Point>,
+    from: Vec<Position>,
     /// The file to write: .png (plain values, white is 1) or .exr (floats)
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
@@ -56,7 +56,7 @@ impl SightArgs {
             profile: None,
         });
         let Self { size, range, fade, .. } = *self;
-        let sight = |&Point(position): &Point| Sight { position, size, range, fade, cone };
+        let sight = |&Position(position): &Position| Sight { position, size, range, fade, cone };
         self.from.iter().map(sight).collect()
     }
 }

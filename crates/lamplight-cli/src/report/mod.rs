@@ -9,9 +9,9 @@ use crate::comparison::Row;
 use crate::error::{CliError, Result};
 use crate::lit::ms;
 use crate::output::{self, OutputFiles};
+use crate::plot::{self, Point, Series};
 use crate::stage::enlarge;
 use lamplight::{Light, Method};
-use lamplight_cli::plot::{self, Point, Series};
 use lamplight_truth::heat;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use super::subject::{ReferenceStats, Subject};
 use crate::comparison::{Refusal, Row};
 use crate::lit::ms;
-use lamplight_cli::plot;
+use crate::plot;
 use lamplight_truth::heat;
 use std::fmt::Write;
 

@@ -1,8 +1,8 @@
 //! Invariants of every scene.
 
 use crate::common::*;
-use lamplight::{Bounces, Cells, Error, Matter, Rgb, Sky};
-use lamplight_truth::{Estimate, Measures, PathTracer};
+use lamplight::{Bounces, Cells, Error, Lamp, Matter, Rgb, Sky};
+use lamplight_truth::{Estimate, Measures, PathTracer, Received};
 use std::sync::Mutex;
 
 /// Walls, fog, glass and lights, in no order; 1 of 3 cells holds something.
@@ -185,6 +185,37 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
         let here = tracer.at(&cells, &[at]).unwrap()[0];
         assert_eq!(here, (all.light.pixels()[i], all.standard_error[i]));
     }
+}
+
+#[test]
+fn parts_of_any_size_have_the_bytes_of_the_whole() {
+    let mut generator = fresh();
+    let mut cells = jumble(37, 11);
+    cells.lamps_mut().push(Lamp { position: [9.5, 5.5], ..Lamp::default() });
+    let tracer = PathTracer { wall_depth: 2.0, ..tracer(32, Bounces::Count(1)) };
+    let whole = render(&tracer, &cells);
+    let parts = |mut size: Box<dyn FnMut() -> usize>, tracer: PathTracer| {
+        let mut received = Received::default();
+        while received.rgb.len() < cells.len() {
+            let first = received.rgb.len();
+            // Prepared anew, as elsewhere.
+            let tracing = tracer.prepare(&cells).unwrap();
+            received.append(tracing.trace(first..first + size(), &|_| ()));
+        }
+        tracer.prepare(&cells).unwrap().finish(received).unwrap()
+    };
+    for _ in 0..3 {
+        let mut generator = generator.fork();
+        let joined = parts(Box::new(move || generator.usize(1..200)), tracer);
+        assert_eq!(joined.light, whole.light);
+        assert_eq!(joined.standard_error, whole.standard_error);
+    }
+    let other = parts(Box::new(|| 100), PathTracer { seed: 2, ..tracer });
+    assert_ne!(other.light, whole.light);
+    let tracing = tracer.prepare(&cells).unwrap();
+    let one_too_few = tracing.trace(1..cells.len() + 9, &|_| ());
+    let error = tracing.finish(one_too_few).unwrap_err().to_string();
+    assert!(error.contains("406") && error.contains("407"), "{error}");
 }
 
 #[test]

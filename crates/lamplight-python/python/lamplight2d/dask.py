@@ -1,0 +1,211 @@
+"""Frames, sweeps and references on many cores or machines, by Dask (``pip install "lamplight2d[dask]"``).
+
+Everything is lazy: ``compute()`` runs it, on any scheduler of Dask. The result has the same bytes on all of them, on any
+number of workers, and if workers are lost on the way; processors with other vector units may round differently.
+
+A task takes one core, so give workers as many threads as they have cores. What is to be lit is a `Scene`, `Cells`, or a
+``dask.delayed`` that makes either on its worker. A scene that was loaded travels as the path of its file, which workers
+must be able to read; cells travel with all of their arrays.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterable, Mapping
+from typing import Any, Union
+
+import dask
+import dask.array as da
+import numpy as np
+from dask.delayed import Delayed
+
+from lamplight2d._core import Cells, Light, Reference, Scene, Solver, compare, join_parts, trace_part
+
+__all__ = ["Source", "reference", "render_frames", "sweep"]
+
+Source = Union[Scene, Cells, Delayed]
+"""What can be lit."""
+
+
+def render_frames(
+    frames: Iterable[Source],
+    solver: Solver | None = None,
+    *,
+    shape: tuple[int, int] | None = None,
+    display: Mapping[str, Any] | None = None,
+) -> da.Array:
+    """Lights frames, each for itself: none has a history.
+
+    Parameters
+    ----------
+    frames : iterable of Scene, Cells or Delayed
+    solver : Solver, optional
+        Its settings and threads are used, the latter by every task: ``Solver(threads=1, ...)``. By default each scene
+        is lit by its own settings, cells by those of ``Solver()``, and both on one thread.
+    shape : tuple of int, optional
+        Rows and columns of every frame. Only needed if the first frame is a Delayed.
+    display : dict, optional
+        Makes pictures, as `Light.compose` does, with these keys over those of the scene: ``{}`` for the scene's.
+
+    Returns
+    -------
+    dask.array.Array of shape (frames, H, W, 3)
+        A chunk per frame: linear light, float32, or pictures, uint8.
+    """
+    frames = list(frames)
+    if not frames:
+        raise ValueError("frames is empty; expected at least one")
+    if shape is None:
+        if isinstance(frames[0], Delayed):
+            raise ValueError("shape is missing: that of a Delayed is not known before it is computed")
+        _check_source("frame 0", frames[0])
+        shape = frames[0].shape
+    height, width = shape
+    for index, frame in enumerate(frames):
+        _check_source(f"frame {index}", frame)
+        if not isinstance(frame, Delayed):
+            _check_shape(f"frame {index}", frame.shape, shape)
+    if display is not None:
+        # Refuses bad keys here instead of on a worker.
+        Light([[[0, 0, 0]]]).compose(Cells((1, 1)), **display)
+    settings = None if solver is None else solver.settings
+    threads = 1 if solver is None else solver.threads
+    dtype = np.float32 if display is None else np.uint8
+    task = dask.delayed(_frame, pure=False)
+    arguments = ((height, width), settings, threads, display)
+    chunks = (da.from_delayed(task(frame, *arguments), (1, height, width, 3), dtype) for frame in frames)
+    return da.concatenate(list(chunks))
+
+
+def reference(source: Source, samples: int = 256, *, parts: int = 64, **settings: Any) -> Delayed:
+    """Computes the reference of one scene, by cells.
+
+    Parameters
+    ----------
+    source : Scene, Cells or Delayed
+    samples : int, optional
+        Paths per cell, rounded up to a multiple of 16.
+    parts : int, optional
+        The number of tasks. The result has the same bytes for any.
+    **settings
+        As for `lamplight2d.reference`: ``**scene.settings`` for those of the scene.
+
+    Returns
+    -------
+    Delayed of Reference
+        With the bytes of `lamplight2d.reference`.
+    """
+    if parts < 1:
+        raise ValueError(f"parts is {parts}; expected 1 or more")
+    _check_source("source", source)
+    # Refuses bad settings here instead of on a worker.
+    trace_part(Cells((1, 1)), 0, 0, samples, **settings)
+    # Cells are a task of their own, so that a worker receives them once.
+    shared = source if isinstance(source, Scene) else dask.delayed(source, traverse=False, pure=False)
+    trace = dask.delayed(_trace, pure=False)
+    traced = [trace(shared, part, parts, samples, settings) for part in range(parts)]
+    return dask.delayed(_join, pure=False)(shared, traced, samples, settings)
+
+
+def sweep(
+    scenes: Mapping[str, Source] | Iterable[Source],
+    settings: Iterable[Mapping[str, Any]],
+    *,
+    samples: int = 256,
+    parts: int = 16,
+) -> Delayed:
+    """Measures the error and the time of every scene with all of some settings.
+
+    Parameters
+    ----------
+    scenes : dict or iterable of Scene, Cells or Delayed
+        With their names; without, they are numbered.
+    settings : iterable of dict
+        Keywords of `Solver`.
+    samples : int, optional
+        Paths per cell of the reference, of which there is one per scene and number of bounces.
+    parts : int, optional
+        The number of tasks of each reference.
+
+    Returns
+    -------
+    Delayed of list of dict
+        A row per scene and settings: ``scene``, the keywords, the errors of `Measures`, and ``seconds``, the time of one
+        frame on one thread. ``pandas.DataFrame`` takes it as it is.
+    """
+    named = scenes.items() if isinstance(scenes, Mapping) else enumerate(scenes)
+    # Settings are checked here, and the bounces of defaults and presets are known.
+    cases = [(dict(case), Solver(**case).settings["bounces"]) for case in settings]
+    measure = dask.delayed(_measure, pure=False)
+    rows = []
+    for name, source in named:
+        _check_source(f"scene {name}", source)
+        bounces = {count for _, count in cases}
+        truths = {count: reference(source, samples, parts=parts, bounces=count) for count in bounces}
+        rows += [measure(name, source, case, truths[count]) for case, count in cases]
+    return dask.delayed(list)(rows)
+
+
+_kept = threading.local()
+
+
+def _solver(settings: dict[str, Any], threads: int | None) -> Solver:
+    """The solver of this thread of a worker, which keeps its buffers from task to task."""
+    key = (settings, threads)
+    if getattr(_kept, "key", None) != key:
+        _kept.key, _kept.solver = key, Solver(threads=threads, **settings)
+    # What a frame looks like must not depend on which were here before.
+    _kept.solver.reset()
+    return _kept.solver
+
+
+def _cells(source: Scene | Cells) -> Cells:
+    return source.cells() if isinstance(source, Scene) else source
+
+
+def _check_source(name: str, source: Source) -> None:
+    if not isinstance(source, (Scene, Cells, Delayed)):
+        raise TypeError(f"{name} is a {type(source).__name__}; expected a Scene, Cells or a Delayed")
+
+
+def _check_shape(name: str, found: tuple[int, int], expected: tuple[int, int]) -> None:
+    if tuple(found) != tuple(expected):
+        raise ValueError(f"{name} has the shape {tuple(found)}; expected {tuple(expected)}")
+
+
+def _frame(
+    source: Scene | Cells,
+    shape: tuple[int, int],
+    settings: dict[str, Any] | None,
+    threads: int | None,
+    display: Mapping[str, Any] | None,
+) -> np.ndarray:
+    cells = _cells(source)
+    _check_shape("a frame", cells.shape, shape)
+    own_settings, own_display = (source.settings, source.display) if isinstance(source, Scene) else ({}, {})
+    solver = _solver(own_settings if settings is None else settings, threads)
+    if display is None:
+        return solver.solve(cells, out=np.empty((*shape, 3), np.float32))[None]
+    return solver.solve(cells).compose(cells, **{**own_display, **display})[None]
+
+
+def _trace(source: Scene | Cells, part: int, parts: int, samples: int, settings: dict[str, Any]) -> np.ndarray:
+    cells = _cells(source)
+    height, width = cells.shape
+    first, end = (height * width * k // parts for k in (part, part + 1))
+    return trace_part(cells, first, end - first, samples, **settings)
+
+
+def _join(source: Scene | Cells, parts: list[np.ndarray], samples: int, settings: dict[str, Any]) -> Reference:
+    return join_parts(_cells(source), np.concatenate(parts), samples, **settings)
+
+
+def _measure(name: Any, source: Scene | Cells, settings: dict[str, Any], truth: Reference) -> dict[str, Any]:
+    cells, solver = _cells(source), _solver(settings, 1)
+    start = time.perf_counter()
+    light = solver.solve(cells)
+    seconds = time.perf_counter() - start
+    errors = compare(light, truth.light)
+    measures = {key: getattr(errors, key) for key in ("relative_rmse", "bias", "median", "p99", "mean")}
+    return {"scene": name, **settings, **measures, "seconds": seconds}

@@ -1,0 +1,176 @@
+"""The same bytes on any scheduler and any number of workers, also if one is lost."""
+
+import os
+import pathlib
+import signal
+import threading
+import time
+
+import dask
+import numpy as np
+import pytest
+from distributed import Client, LocalCluster
+
+import lamplight2d as ll
+import lamplight2d.dask
+
+SCENES = pathlib.Path(__file__).parents[3] / "scenes"
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        yield cluster
+
+
+@pytest.fixture
+def client(cluster):
+    with Client(cluster) as client:
+        yield client
+
+
+def scale(cluster, client, count):
+    cluster.scale(count)
+    wait_for(client, count)
+
+
+def wait_for(client, count):
+    """Waits for the number of workers, also if they are too many."""
+    limit = time.monotonic() + 60
+    while len(client.nthreads()) != count:
+        assert time.monotonic() < limit, client.nthreads()
+        time.sleep(0.05)
+
+
+def frame(turn):
+    """A lamp that goes round a pillar."""
+    opacity = np.zeros((30, 40))
+    opacity[12:18, 18:22] = 1
+    lamp = {"position": [20 + 14 * np.cos(turn), 15 + 10 * np.sin(turn)], "intensity": 8}
+    return ll.Cells((30, 40), opacity=opacity, albedo=np.full((30, 40, 3), 0.5), lamps=[lamp])
+
+
+def frame_or_death(turn, mark):
+    """A frame, in place of which the first worker that is asked for it dies."""
+    try:
+        mark.touch(exist_ok=False)
+    except FileExistsError:
+        return frame(turn)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+TURNS = np.linspace(0, 6, 12)
+# With a history, which no frame may inherit from another.
+SOLVER = ll.Solver(threads=1, method="raymarch", raymarch={"rays": 8}, temporal={"history_length": 8})
+
+
+def loop():
+    """The frames without Dask."""
+    frames = []
+    for turn in TURNS:
+        SOLVER.reset()
+        frames.append(SOLVER.solve(frame(turn)).rgb)
+    return np.stack(frames)
+
+
+def test_frames_have_the_same_bytes_everywhere(cluster, client):
+    expected = loop()
+    frames = ll.dask.render_frames(map(frame, TURNS), SOLVER)
+    assert (frames.shape, frames.dtype, frames.numblocks[0]) == (expected.shape, np.float32, len(TURNS))
+    for count in [1, 2, 4]:
+        scale(cluster, client, count)
+        np.testing.assert_array_equal(frames.compute(), expected)
+    for scheduler in ["sync", "threads"]:
+        np.testing.assert_array_equal(frames.compute(scheduler=scheduler), expected)
+    assert not np.array_equal(frames[::-1].compute(), expected)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
+def test_a_lost_worker_changes_no_frame(cluster, client, tmp_path):
+    scale(cluster, client, 2)
+    lazy = [dask.delayed(frame)(turn) for turn in TURNS]
+    lazy[7] = dask.delayed(frame_or_death)(TURNS[7], tmp_path / "mark")
+    before = set(client.run(os.getpid).values())
+    frames = ll.dask.render_frames(lazy, SOLVER, shape=(30, 40)).compute()
+    assert (tmp_path / "mark").exists()
+    np.testing.assert_array_equal(frames, loop())
+    wait_for(client, 2)
+    assert set(client.run(os.getpid).values()) != before
+
+
+def test_the_reference_has_the_bytes_of_one_machine(cluster, client):
+    settings = {"bounces": 2, "wall_depth": 3}
+    cells = frame(0)
+    expected = ll.reference(cells, 64, **settings)
+    for count, parts in [(1, 1), (2, 7), (4, 64)]:
+        scale(cluster, client, count)
+        found = ll.dask.reference(cells, 64, parts=parts, **settings).compute()
+        same(found, expected)
+    same(ll.dask.reference(dask.delayed(cells), 64, **settings).compute(scheduler="threads"), expected)
+    other = ll.dask.reference(cells, 64, seed=1, **settings).compute()
+    assert other.light.rgb.tobytes() != expected.light.rgb.tobytes()
+
+
+def same(found, expected):
+    for field in ["rgb", "moment", "solid"]:
+        assert getattr(found.light, field).tobytes() == getattr(expected.light, field).tobytes(), field
+    assert found.standard_error.tobytes() == expected.standard_error.tobytes()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
+def test_a_lost_worker_changes_no_reference(cluster, client):
+    scale(cluster, client, 2)
+    scene = ll.Scene.load(SCENES / "grove.toml")
+    [*_, victim] = client.run(os.getpid).values()
+    timer = threading.Timer(0.5, os.kill, [victim, signal.SIGKILL])
+    timer.start()
+    found = ll.dask.reference(scene, 64, bounces=1).compute()
+    assert not timer.is_alive()
+    same(found, ll.reference(scene.cells(), 64, bounces=1))
+
+
+def test_pictures_of_scenes_are_those_of_their_files(client):
+    scenes = [ll.Scene.load(SCENES / f"{name}.toml") for name in ["two_rooms", "fog"]]
+    pictures = ll.dask.render_frames(scenes, display={"exposure": 1}).compute()
+    for picture, scene in zip(pictures, scenes):
+        cells = scene.cells()
+        light = ll.Solver(**scene.settings).solve(cells)
+        np.testing.assert_array_equal(picture, light.compose(cells, **{**scene.display, "exposure": 1}))
+
+
+def test_a_sweep_is_a_table(client):
+    settings = [{"method": "holographic", "bounces": 1}, {"method": "raymarch", "raymarch": {"rays": 4}, "bounces": 0}]
+    scenes = {"left": frame(3), "right": dask.delayed(frame)(0)}
+    table = ll.dask.sweep(scenes, settings, samples=64).compute()
+    assert [row["scene"] for row in table] == ["left", "left", "right", "right"]
+    for row, case in zip(table, settings * 2):
+        cells = frame(3 if row["scene"] == "left" else 0)
+        truth = ll.reference(cells, 64, bounces=case["bounces"]).light
+        expected = ll.compare(ll.Solver(**case).solve(cells), truth)
+        assert row["relative_rmse"] == expected.relative_rmse and row["seconds"] > 0
+        assert row["method"] == case["method"]
+
+
+def test_bad_input_is_refused_at_once():
+    with pytest.raises(ValueError, match="empty"):
+        ll.dask.render_frames([])
+    with pytest.raises(ValueError, match="shape"):
+        ll.dask.render_frames([dask.delayed(frame)(0)])
+    with pytest.raises(ValueError, match=r"frame 1 .*\(2, 2\); expected \(30, 40\)"):
+        ll.dask.render_frames([frame(0), ll.Cells((2, 2))])
+    with pytest.raises(TypeError, match="frame 0 is a str"):
+        ll.dask.render_frames("frames")
+    with pytest.raises(TypeError, match="scene 0 is a str"):
+        ll.dask.sweep("scenes", [{}])
+    with pytest.raises(ValueError, match="tonmap"):
+        ll.dask.render_frames([frame(0)], display={"tonmap": "aces"})
+    with pytest.raises(ValueError, match="bounce"):
+        ll.dask.reference(frame(0), 16, bounce=1)
+    with pytest.raises(ValueError, match="samples"):
+        ll.dask.reference(frame(0), 0)
+    with pytest.raises(ValueError, match="parts"):
+        ll.dask.reference(frame(0), 16, parts=0)
+    with pytest.raises(ValueError, match="magic"):
+        ll.dask.sweep([frame(0)], [{"method": "magic"}])
+    with pytest.raises(ValueError, match=r"\(9, 9\)"):
+        ll.dask.render_frames([dask.delayed(frame)(0)], shape=(9, 9)).compute(scheduler="sync")
