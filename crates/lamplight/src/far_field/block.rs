@@ -69,6 +69,9 @@ impl FarBlock {
     }
 }
 
+/// The fraction of light from which on what stops it counts as a surface; what glows or is thin does not.
+pub const LEAST_SURFACE: f32 = 1.0 / 16.0;
+
 /// A ray on its way through blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockRayState {
@@ -90,7 +93,7 @@ impl BlockRayState {
         for c in 0..3 {
             self.light[c] += self.through[c] * sent[c];
             self.through[c] *= 1.0 - stopped[c];
-            if stopped[c] > 0.0 {
+            if stopped[c] > LEAST_SURFACE {
                 self.surface[c] = sent[c] / stopped[c];
             }
         }

@@ -1,6 +1,6 @@
 //! The light that blocks reflect and scatter.
 
-use super::block::{Bearing, PackedRgb, Sent};
+use super::block::{Bearing, LEAST_SURFACE, PackedRgb, Sent};
 use super::levels::BlockLevel;
 use super::march::{BlockRay, Rings, march};
 use super::read::{LOOKS, NEAR, Reflection, SIDE, face, look_angle};
@@ -87,7 +87,7 @@ fn light_around(levels: &[BlockLevel], sky: &Sky, reflector: &Reflector) -> Arou
         let surface: Rgb = std::array::from_fn(|c| {
             let hidden = 1.0 - (1.0 - stopped[c]) * near[1][c];
             let light = sent[c] + (1.0 - stopped[c]) * near[0][c];
-            if hidden > 0.0 { light / hidden } else { 0.0 }
+            if hidden > LEAST_SURFACE { light / hidden } else { 0.0 }
         });
         let from = [0, 1].map(|a| f64::from(first[a]) + 0.5 * SIDE as f64 + NEAR * way[a]);
         let block = from.map(|v| (v / SIDE as f64).floor() as i32);

@@ -121,10 +121,13 @@ fn tiles_have_the_light_of_their_world() {
     let (side, tile) = (512, 256);
     let mut under_sky = open_world(side);
     under_sky.set_sky(Sky::Uniform([0.3, 0.4, 0.6]));
-    for (name, cells, bounds) in
-        [("open", open_world(side), OPEN), ("sky", under_sky, SKY), ("cave", cave(side), CAVE)]
-    {
-        for wanted in [Bounces::Count(0), Bounces::Converged] {
+    let worlds = [
+        ("open", open_world(side), OPEN, vec![Bounces::Count(0), Bounces::Converged]),
+        ("sky", under_sky, SKY, vec![Bounces::Count(0)]),
+        ("cave", cave(side), CAVE, vec![Bounces::Converged]),
+    ];
+    for (name, cells, bounds, bounces) in worlds {
+        for wanted in bounces {
             let settings = Settings { bounces: wanted, ..direct() };
             let truth = Solver::new(settings.clone()).unwrap().solve(&cells).unwrap().clone();
             let found = in_tiles(&cells, WorldSettings::new(settings.clone()), tile);
@@ -237,6 +240,26 @@ fn walls_beyond_the_border_are_shut() {
         let [found, exact] = right_side(&cells, direct(), window);
         let [found, exact] = [found, exact].map(|strip| strip.into_iter().sum::<f64>());
         assert!(exact == 0.0 && found == 0.0, "{scale}: {found}, {exact}");
+    }
+}
+
+#[test]
+fn a_lamp_under_a_roof_lights_what_it_sees() {
+    /// A hut of a few blocks.
+    const TOLERANCE: f64 = 0.3;
+    // A lamp glows: it stops nothing, and is no surface that rays could end at.
+    let mut cells = grid(768, 256, |x, y| {
+        let [dx, dy] = [i64::from(x) - 430, i64::from(y) - 110];
+        let beside = (0..44).contains(&dx) && (0..30).contains(&dy);
+        if beside && (dy < 3 || !(3..41).contains(&dx) && dy < 16) { WALL } else { Matter::EMPTY }
+    });
+    cells.lamps_mut().push(Lamp { position: [452.0, 118.0], size: 3.0, ..LAMP });
+    for first in [[0, 0], [120, 0], [0, 128]] {
+        let window = GridWindow { first, size: [256, 128] };
+        let [found, exact] = right_side(&cells, direct(), window);
+        let [found, exact] = [found, exact].map(|strip| strip.into_iter().sum::<f64>());
+        println!("{first:?}: {found:.3}, {exact:.3}");
+        assert!((found - exact).abs() < TOLERANCE * exact.max(0.1), "{first:?}: {found}, {exact}");
     }
 }
 
