@@ -24,6 +24,10 @@ const COOKIE: u64 = 40;
 const EXACT: u64 = 50;
 /// Bytes per cell of the first moment of light that the GPU found: as it arrives, and as the library keeps it.
 const MOMENT_READ: u64 = 60;
+/// Bytes per cell of a tile with inflow, beside those of the method: border rows, and the copy that the source made.
+const INFLOW: u64 = 500;
+/// Bytes per cell of a world in its far field, if two fifths of its blocks hold matter that reflects.
+const FAR_FIELD: u64 = 24;
 /// Bytes per cell of the light of a row, kept until all rows are compared.
 const ROW: u64 = 16;
 /// Bytes per cell of FLIP.
@@ -82,6 +86,11 @@ pub fn estimate(size: SceneSize, renderer: Renderer, settings: &Settings, backen
     };
     let of_cells = cells.saturating_mul(per_cell + if_so(normals, NORMALS));
     BASE + of_cells.saturating_add(cookies.saturating_mul(COOKIE))
+}
+
+/// The number of bytes that lighting a world tile by tile takes, with `tile` cells in a tile and its margin.
+pub fn estimate_world(cells: u64, tile: u64, settings: &Settings) -> u64 {
+    BASE + tile.saturating_mul(of_method(settings) + INFLOW) + cells.saturating_mul(FAR_FIELD)
 }
 
 /// The number of bytes that a comparison of some rows needs in addition to lighting.

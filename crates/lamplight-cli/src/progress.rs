@@ -31,6 +31,12 @@ impl Progress {
         self.0.inc(1);
     }
 
+    /// Sets the number of finished steps, and of all.
+    pub fn of(&self, step: u64, steps: u64) {
+        self.0.set_length(steps);
+        self.0.set_position(step);
+    }
+
     /// Sets the number of finished steps.
     pub fn at(&self, step: u64) {
         self.0.set_position(step);

@@ -11,12 +11,13 @@
 use crate::far_field::{ALIGNMENT, FarField, MARGIN};
 use crate::stages::glow::Glow;
 use crate::sun_glow::SunGlow;
-use crate::{
-    Bounces, Cells, Error, GridWindow, Inflow, Lamp, Light, Result, Settings, Sky, Solver, Sun,
-};
+use crate::{Bounces, Cells, Error, GridWindow, Inflow, Light, Result, Settings, Sky, Solver, Sun};
 
 /// Side of the parts in which a world is read, px.
 const PART: u32 = ALIGNMENT;
+
+/// The longest side of a world, px: a block of 4×4 cells takes 4 bytes, even if it is empty.
+pub const MAX_SIDE: u32 = 1 << 16;
 
 /// The cells of a world, from a file, a generator, or memory.
 pub trait WorldSource: Sync {
@@ -110,6 +111,11 @@ impl<'a> World<'a> {
         mut progress: impl FnMut(usize, usize),
     ) -> Result<Self> {
         let mut settings = settings;
+        let size = source.size();
+        if !size.iter().all(|side| (1..=MAX_SIDE).contains(side)) {
+            let found = format!("{}×{} cells", size[0], size[1]);
+            return Err(Error::value("size", found, format!("1 to {MAX_SIDE} a side")));
+        }
         if settings.solver.bounces == Bounces::Feedback {
             settings.solver.bounces = Bounces::Converged;
         }
@@ -127,7 +133,7 @@ impl<'a> World<'a> {
             let around = expanded(part, MARGIN, source.size(), 1);
             let mut cells = source.cells(around)?;
             cells.check()?;
-            refuse_exact_lamps(&cells)?;
+            refuse_exact_lamps(&cells, around.first)?;
             settings.solver.method.draw_lamps(&mut cells);
             Glow::default().to_media(&mut cells);
             far_field.add(part, &cells, around.first);
@@ -192,13 +198,12 @@ fn expanded(window: GridWindow, margin: u32, world: [u32; 2], aligned: u32) -> G
     GridWindow { first: begin, size: [0, 1].map(|a| end[a] - begin[a]) }
 }
 
-fn refuse_exact_lamps(cells: &Cells) -> Result<()> {
-    match cells.lamps().iter().find(|lamp| lamp.is_exact()) {
-        None => Ok(()),
-        Some(Lamp { position: [x, y], .. }) => Err(Error::value(
-            "lamp",
-            format!("one at ({x}, {y}) that is lit by a shadow map"),
-            "one that glows: with `direct = \"glow\"`, no cone, cookie, height or mask, and an intensity from 0 on",
-        )),
-    }
+fn refuse_exact_lamps(cells: &Cells, first: [u32; 2]) -> Result<()> {
+    let Some(lamp) = cells.lamps().iter().find(|lamp| lamp.is_exact()) else { return Ok(()) };
+    let [x, y] = [0, 1].map(|a| lamp.position[a] + first[a] as f32);
+    Err(Error::value(
+        "lamp",
+        format!("one at ({x}, {y}) that is lit by a shadow map"),
+        "one that glows: with `direct = \"glow\"`, no cone, cookie, height or mask, and an intensity from 0 on",
+    ))
 }

@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod bake;
 mod bench;
 mod compare;
 mod documents;
@@ -35,6 +36,7 @@ pub struct Cli {
 pub enum Command {
     Render(render::RenderArgs),
     Compare(compare::CompareArgs),
+    Bake(bake::BakeArgs),
     Stages(stages::StagesArgs),
     Probe(probe::ProbeArgs),
     Sight(sight::SightArgs),
@@ -51,6 +53,7 @@ pub fn run(command: Command) -> Result {
     match command {
         Command::Render(args) => render::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Bake(args) => bake::run(args),
         Command::Stages(args) => stages::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Probe(args) => probe::run(args),

@@ -1,6 +1,7 @@
 //! The command `lamplight`, from the outside.
 
 mod bad_input;
+mod bake;
 mod commands;
 mod files;
 mod hints;

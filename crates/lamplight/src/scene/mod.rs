@@ -12,12 +12,14 @@ mod shape;
 mod sky;
 mod source;
 mod thin_wall;
+mod window;
 
 pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 pub use layers::{Layers, NormalY};
 pub use material::Material;
 pub use shape::{Only, Shape};
 pub use sky::{SceneSky, SkyPicture};
+pub use window::SceneWorld;
 
 use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sun, exact};
 use coverage::Window;

@@ -1,0 +1,201 @@
+//! `lamplight bake`: light a scene of any size, tile by tile.
+
+use crate::args::{Backend, DisplayArgs, MachineArgs, Renderer, SettingArgs, by_name};
+use crate::error::{CliError, Result, warn};
+use crate::lit::ms;
+use crate::memory;
+use crate::output::{self, OutputFiles};
+use crate::progress::Progress;
+use lamplight::scene::SceneWorld;
+use lamplight::world::{World, WorldSettings, WorldSource};
+use lamplight::{Cells, Display, GridWindow, Light, Method, Scene};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The file that says what the tiles of a directory are.
+const MANIFEST: &str = "bake.json";
+
+/// Light a scene of any size, tile by tile, into a directory of pictures
+///
+/// Each tile has the light of the whole scene. The scene may be larger than a grid (up to 65536 a side); it is then
+/// drawn with shapes and sprites. Tiles are named by column and row: 0-0.png is the one at the top left. bake.json says
+/// what they show.
+#[derive(clap::Args, Debug)]
+pub struct BakeArgs {
+    /// The scene file (TOML or JSON)
+    scene: PathBuf,
+    /// The directory to write tiles into
+    #[arg(long, short, value_name = "DIR")]
+    output: PathBuf,
+    /// What a tile is written as
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    format: TileFormat,
+    /// The side of a tile in px: larger is faster and takes more memory
+    #[arg(long, value_name = "PX", default_value_t = 1024,
+          value_parser = clap::value_parser!(u32).range(64..=2048))]
+    tile: u32,
+    /// The margin of a tile in px that is lit with it: wider is closer to one solve of the whole, and slower
+    #[arg(long, value_name = "PX", default_value_t = WorldSettings::HALO,
+          value_parser = clap::value_parser!(u32).range(0..=512))]
+    halo: u32,
+    /// Keep the tiles that an earlier run with the same scene and flags has written
+    #[arg(long)]
+    resume: bool,
+    /// Print a summary as one JSON object
+    #[arg(long)]
+    json: bool,
+    /// The method that computes the light [default: the scene's method, else holographic]
+    #[arg(long, value_name = "METHOD", value_parser = by_name(Method::ALL, Method::name))]
+    method: Option<Method>,
+    #[command(flatten)]
+    settings: SettingArgs,
+    #[command(flatten)]
+    machine: MachineArgs,
+    #[command(flatten)]
+    display: DisplayArgs,
+}
+
+/// The format of tiles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum TileFormat {
+    /// The picture: 8 bits, sRGB, tone-mapped
+    #[default]
+    Png,
+    /// The light: 32-bit floats, linear
+    Exr,
+}
+
+impl TileFormat {
+    fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Exr => "exr",
+        }
+    }
+
+    /// A tile as the bytes of a file.
+    fn encode(self, light: &Light, cells: &Cells, display: &Display) -> Result<Vec<u8>> {
+        match self {
+            Self::Png => output::png(&light.compose(cells, display)?),
+            Self::Exr => {
+                let layers = [("", light.pixels().to_vec())];
+                output::exr(light.width(), light.height(), &layers)
+            }
+        }
+    }
+}
+
+pub fn run(args: BakeArgs) -> Result {
+    if args.machine.backend == Backend::Gpu {
+        return Err(CliError::bad_input("tiles are lit by the CPU so far")
+            .hint("leave --backend out, or say --backend cpu"));
+    }
+    if args.display.scale != 1 {
+        return Err(CliError::bad_input("--scale is not for tiles, which have a px for each cell"));
+    }
+    args.machine.run(|_| bake(&args))
+}
+
+fn bake(args: &BakeArgs) -> Result {
+    let start = Instant::now();
+    let quiet = args.machine.quiet;
+    let scene = Scene::load(&args.scene)?;
+    let table = args.settings.over(&scene.settings, args.method.map(Renderer::Method))?;
+    let settings = WorldSettings { halo: args.halo, ..WorldSettings::new(table.resolve()?) };
+    let display = args.display.resolve(scene.display)?;
+    let [width, height] = scene.size;
+    let side = u64::from(args.tile + 2 * args.halo);
+    let cells = u64::from(width) * u64::from(height);
+    let needed = memory::estimate_world(cells, side * side, &settings.solver);
+    memory::check(needed, format_args!("lighting {width}×{height} cells in tiles"))?;
+
+    let source = SceneWorld::new(&scene)?;
+    let outputs = OutputFiles::protecting(scene.files());
+    output::make_directory(&args.output)?;
+    let manifest = json!({
+        "scene": scene.to_toml()?, "size": scene.size, "tile": args.tile, "halo": args.halo,
+        "columns": width.div_ceil(args.tile), "rows": height.div_ceil(args.tile),
+        "format": args.format.extension(), "settings": table, "display": display,
+    });
+    if args.resume {
+        check_manifest(&args.output, &manifest)?;
+    }
+
+    let progress = Progress::new("reading", 1, quiet);
+    let world =
+        World::new(&source, settings, |part, parts| progress.of(part as u64, parts as u64))?;
+    let tiles = world.tiles(args.tile);
+    let name = |window: &GridWindow| {
+        let [x, y] = window.first.map(|v| v / args.tile);
+        args.output.join(format!("{x}-{y}.{}", args.format.extension()))
+    };
+    if !args.resume {
+        // Those of another scene would pass for finished ones.
+        for window in &tiles {
+            outputs.remove(&name(window))?;
+        }
+    }
+    let text = serde_json::to_string_pretty(&manifest).unwrap_or_default() + "\n";
+    outputs.write(&args.output.join(MANIFEST), text.as_bytes())?;
+    progress.label("lighting");
+    let mut lit = 0;
+    for (number, window) in tiles.iter().enumerate() {
+        progress.of(number as u64, tiles.len() as u64);
+        let path = name(window);
+        if args.resume && path.is_file() {
+            continue;
+        }
+        let light = world.light(*window)?;
+        let bytes = args.format.encode(&light, &source.cells(*window)?, &display)?;
+        outputs.write(&path, &bytes)?;
+        lit += 1;
+    }
+    drop(progress);
+
+    let (count, kept) = (tiles.len(), tiles.len() - lit);
+    let took = ms(start.elapsed());
+    if args.json {
+        return output::print(json!({
+            "scene": args.scene, "output": args.output, "size": scene.size, "tiles": count,
+            "kept": kept, "total_ms": took,
+        }));
+    }
+    if quiet {
+        return Ok(());
+    }
+    if args.resume && kept == 0 {
+        warn("--resume found no finished tile");
+    }
+    let folder = args.output.display();
+    let of_those = if kept > 0 { format!(", {kept} of them from before") } else { String::new() };
+    let seconds = took / 1000.0;
+    output::print(format_args!(
+        "wrote {count} tiles of {width}×{height} cells into {folder}{of_those}, in {seconds:.1} s"
+    ))
+}
+
+/// Refuses to go on with the tiles of another scene, or of other flags.
+fn check_manifest(directory: &Path, manifest: &Value) -> Result {
+    let path = directory.join(MANIFEST);
+    let shown = path.display();
+    let text = match fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(CliError::failed(format_args!("cannot read {shown}: {error}"))),
+    };
+    let before: Value = serde_json::from_str(&text)
+        .map_err(|error| CliError::bad_input(format_args!("cannot read {shown}: {error}")))?;
+    // Through text, as the other came.
+    let now: Value = serde_json::from_str(&manifest.to_string()).unwrap_or_default();
+    let keys = now.as_object().into_iter().flat_map(|all| all.keys());
+    match keys.into_iter().find(|key| before.get(key) != now.get(key)) {
+        None => Ok(()),
+        Some(key) => Err(CliError::bad_input(format_args!(
+            "--resume: `{key}` is not what it was for the tiles in {}",
+            directory.display()
+        ))
+        .hint("leave --resume out to light all tiles anew, or name another directory")),
+    }
+}

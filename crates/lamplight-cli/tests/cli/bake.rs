@@ -1,0 +1,98 @@
+//! `lamplight bake`: worlds in tiles.
+
+use super::sandbox::Sandbox;
+use serde_json::Value;
+
+const WORLD: &str = r##"
+size = [200, 120]
+sky = [0.1, 0.2, 0.3]
+[[shape]]
+rect = { min = [0, 90], max = [200, 120] }
+albedo = [0.6, 0.4, 0.2]
+[[lamp]]
+position = [150, 40]
+color = "#ffb060"
+"##;
+
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.write("world.toml", WORLD);
+    sandbox
+}
+
+#[test]
+fn tiles_make_the_picture_of_the_whole() {
+    let sandbox = sandbox();
+    let said = sandbox.run("bake world.toml -o tiles --tile 100 --bounces 0").done();
+    assert!(said.contains("wrote 4 tiles of 200×120 cells into tiles"), "{said}");
+    sandbox.run("render world.toml -q --bounces 0").done();
+    let whole = sandbox.picture("world.png");
+    let mut largest = 0;
+    for (column, row) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let tile = sandbox.picture(&format!("tiles/{column}-{row}.png"));
+        assert_eq!(tile.dimensions(), (100, if row == 0 { 100 } else { 20 }));
+        for (x, y, found) in tile.enumerate_pixels() {
+            let expected = whole.get_pixel(100 * column + x, 100 * row + y);
+            for c in 0..3 {
+                largest = largest.max(found[c].abs_diff(expected[c]));
+            }
+        }
+    }
+    // Of 255: the far field, and another place of the method's lattice.
+    assert!(largest < 12, "{largest}");
+    let manifest: Value = serde_json::from_slice(&sandbox.read("tiles/bake.json")).unwrap();
+    assert_eq!((&manifest["columns"], &manifest["rows"]), (&2.into(), &2.into()));
+    assert_eq!(manifest["settings"]["bounces"], 0);
+}
+
+#[test]
+fn a_run_goes_on_where_it_was_broken_off() {
+    let sandbox = sandbox();
+    sandbox.run("bake world.toml -o tiles --tile 100 --format exr -q").done();
+    let all = ["0-0", "1-0", "0-1", "1-1"].map(|tile| format!("tiles/{tile}.exr"));
+    let before = all.each_ref().map(|name| sandbox.read(name));
+    std::fs::remove_file(sandbox.path(&all[1])).unwrap();
+    sandbox.write(&all[2], "finished before");
+    let said = sandbox.run("bake world.toml -o tiles --tile 100 --format exr --resume").done();
+    assert!(said.contains("3 of them from before"), "{said}");
+    assert!(sandbox.read(&all[1]) == before[1], "the same tile has other bytes");
+    assert!(sandbox.read(&all[2]) == b"finished before");
+    let again = "bake world.toml -o tiles --tile 100 --format exr";
+    sandbox.run(&format!("{again} --resume --halo 8")).failed(2, &["halo", "leave --resume out"]);
+    sandbox.run(&format!("{again} --resume --bounces 5")).failed(2, &["settings"]);
+    sandbox.write("world.toml", WORLD.replace("150", "151"));
+    sandbox.run(&format!("{again} --resume")).failed(2, &["scene"]);
+    sandbox.write("tiles/bake.json", "no JSON");
+    sandbox.run(&format!("{again} --resume")).failed(2, &["bake.json"]);
+    let said = sandbox.run(&format!("{again} --json")).done();
+    let summary: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!((&summary["tiles"], &summary["kept"]), (&4.into(), &0.into()));
+    assert!(sandbox.read(&all[2]) != b"finished before");
+}
+
+#[test]
+fn scenes_are_larger_than_a_grid() {
+    let sandbox = sandbox();
+    sandbox.write("world.toml", WORLD.replace("[200, 120]", "[5000, 120]"));
+    sandbox.run("render world.toml").failed(2, &["5000×120", "4096"]);
+    sandbox.run("bake world.toml -o tiles --tile 2048 --halo 16 --bounces 0 -q").done();
+    assert_eq!(sandbox.picture("tiles/2-0.png").dimensions(), (904, 120));
+    sandbox.write(
+        "world.toml",
+        WORLD.replace("[200, 120]", "[5000, 120]\nlayers.opacity = \"a.png\""),
+    );
+    sandbox.run("bake world.toml -o tiles").failed(2, &["layers", "4096"]);
+    sandbox.write("world.toml", WORLD.replace("[200, 120]", "[70000, 120]"));
+    sandbox.run("bake world.toml -o tiles").failed(2, &["70000×120", "65536"]);
+}
+
+#[test]
+fn what_cannot_be_baked_is_refused() {
+    let sandbox = sandbox();
+    sandbox.run("bake world.toml -o tiles --backend gpu").failed(2, &["CPU", "--backend cpu"]);
+    sandbox.run("bake world.toml -o tiles --scale 2").failed(2, &["--scale"]);
+    sandbox.run("bake world.toml -o world.toml").failed(2, &["it is a file, not a directory"]);
+    sandbox.run("bake missing.toml -o tiles").failed(2, &["missing.toml"]);
+    sandbox.write("world.toml", format!("{WORLD}direct = \"exact\"\n"));
+    sandbox.run("bake world.toml -o tiles").failed(2, &["(150, 40)", "shadow map", "glow"]);
+}
