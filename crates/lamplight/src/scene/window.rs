@@ -25,9 +25,10 @@ impl<'a> SceneWorld<'a> {
         let fits = Cells::check_size(width, height).is_ok();
         if !scene.layers.is_empty() && !fits {
             let problem = format!(
-                "are images of the scene's size, which then must be one that a grid may have (at most {} a side); \
-                 draw larger worlds with shapes and sprites",
-                Cells::MAX_SIDE
+                "are images of the scene's size, which then must be one that a grid may have (at most {} a side, \
+                 {} in all); draw larger worlds with shapes and sprites",
+                Cells::MAX_SIDE,
+                Cells::MAX_CELLS
             );
             return Err(Error::Key { key: "layers".into(), problem });
         }
