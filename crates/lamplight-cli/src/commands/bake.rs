@@ -29,7 +29,7 @@ pub struct BakeArgs {
     /// The directory to write tiles into
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
-    /// What a tile is written as
+    /// The format of tiles
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     format: TileFormat,
     /// The side of a tile in px: larger is faster and takes more memory
@@ -57,7 +57,7 @@ pub struct BakeArgs {
     display: DisplayArgs,
 }
 
-/// The format of tiles.
+/// The formats of tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum TileFormat {
     /// The picture: 8 bits, sRGB, tone-mapped
