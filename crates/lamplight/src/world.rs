@@ -111,11 +111,7 @@ impl<'a> World<'a> {
         mut progress: impl FnMut(usize, usize),
     ) -> Result<Self> {
         let mut settings = settings;
-        let size = source.size();
-        if !size.iter().all(|side| (1..=MAX_SIDE).contains(side)) {
-            let found = format!("{}×{} cells", size[0], size[1]);
-            return Err(Error::value("size", found, format!("1 to {MAX_SIDE} a side")));
-        }
+        check_size(source.size())?;
         if settings.solver.bounces == Bounces::Feedback {
             settings.solver.bounces = Bounces::Converged;
         }
@@ -177,6 +173,15 @@ impl<'a> World<'a> {
         let first = [0, 1].map(|a| window.first[a] - around.first[a]);
         Ok(light.window(GridWindow { first, ..window }))
     }
+}
+
+/// Rejects sizes of zero and sizes beyond [`MAX_SIDE`].
+pub(crate) fn check_size([width, height]: [u32; 2]) -> Result<()> {
+    if [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
+        return Ok(());
+    }
+    let found = format!("{width}×{height} cells");
+    Err(Error::value("size", found, format!("1 to {MAX_SIDE} a side")))
 }
 
 /// Returns the windows of tiles, row by row.

@@ -101,7 +101,7 @@ pub fn run(args: BakeArgs) -> Result {
 fn bake(args: &BakeArgs) -> Result {
     let start = Instant::now();
     let quiet = args.machine.quiet;
-    let scene = Scene::load(&args.scene)?;
+    let scene = Scene::load_world(&args.scene)?;
     let table = args.settings.over(&scene.settings, args.method.map(Renderer::Method))?;
     let settings = WorldSettings { halo: args.halo, ..WorldSettings::new(table.resolve()?) };
     let display = args.display.resolve(scene.display)?;

@@ -75,19 +75,20 @@ fn a_run_goes_on_where_it_was_broken_off() {
     assert!(sandbox.read(&all[2]) != b"finished before");
 }
 
+fn sized(size: &str) -> String {
+    WORLD.replace("size = [200, 120]", &format!("size = {size}"))
+}
+
 #[test]
 fn scenes_are_larger_than_a_grid() {
     let sandbox = sandbox();
-    sandbox.write("world.toml", WORLD.replace("[200, 120]", "[20000, 60]"));
-    sandbox.run("render world.toml").failed(2, &["20000×60", "16384"]);
+    sandbox.write("world.toml", sized("[20000, 120]"));
+    sandbox.run("render world.toml").failed(2, &["20000×120", "16384"]);
     sandbox.run("bake world.toml -o tiles --tile 2048 --halo 16 --bounces 0 -q").done();
-    assert_eq!(sandbox.picture("tiles/9-0.png").dimensions(), (1568, 60));
-    sandbox.write(
-        "world.toml",
-        WORLD.replace("[200, 120]", "[20000, 60]\nlayers.opacity = \"a.png\""),
-    );
+    assert_eq!(sandbox.picture("tiles/9-0.png").dimensions(), (1568, 120));
+    sandbox.write("world.toml", sized("[20000, 120]\nlayers.opacity = \"a.png\""));
     sandbox.run("bake world.toml -o tiles").failed(2, &["layers", "16384"]);
-    sandbox.write("world.toml", WORLD.replace("[200, 120]", "[70000, 120]"));
+    sandbox.write("world.toml", sized("[70000, 120]"));
     sandbox.run("bake world.toml -o tiles").failed(2, &["70000×120", "65536"]);
 }
 

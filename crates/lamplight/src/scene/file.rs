@@ -15,7 +15,15 @@ const MAX_BYTES: u64 = 16 << 20;
 impl Scene {
     /// Reads a scene file, TOML or JSON by its ending, else by its first character.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
-        let path = path.as_ref();
+        Self::load_checked(path.as_ref(), Self::check)
+    }
+
+    /// Reads a scene file that may be larger than a grid, for [`SceneWorld`](super::SceneWorld).
+    pub fn load_world(path: impl AsRef<Path>) -> Result<Self> {
+        Self::load_checked(path.as_ref(), Self::check_world)
+    }
+
+    fn load_checked(path: &Path, check: fn(&Self) -> Result<()>) -> Result<Self> {
         let text = read(path)?;
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
         let json = match ending.to_ascii_lowercase().as_str() {
@@ -23,7 +31,8 @@ impl Scene {
             "toml" => false,
             _ => text.trim_start().starts_with('{'),
         };
-        let scene = if json { Self::from_json(&text) } else { Self::from_toml(&text) };
+        let parse = if json { Self::json_checked } else { Self::toml_checked };
+        let scene = parse(&text, check);
         let mut scene = scene.map_err(|e| e.in_file(path))?;
         scene.file = path.to_owned();
         Ok(scene)
@@ -31,6 +40,10 @@ impl Scene {
 
     /// Reads a scene in TOML. Relative paths in it start at the current folder.
     pub fn from_toml(text: &str) -> Result<Self> {
+        Self::toml_checked(text, Self::check)
+    }
+
+    fn toml_checked(text: &str, check: fn(&Self) -> Result<()>) -> Result<Self> {
         let syntax = |e: toml::de::Error| {
             let (line, column) = place(text, e.span().map_or(0, |span| span.start));
             Error::Syntax { line, column, problem: e.message().to_owned() }
@@ -46,12 +59,16 @@ impl Scene {
             let (line, _) = place(text, error.span().map_or(0, |span| span.start));
             Error::AtLine { line, source: Box::new(explain(&key, error.message())) }
         })?;
-        scene.check().map_err(|e| at_its_line(e, text))?;
+        check(&scene).map_err(|e| at_its_line(e, text))?;
         Ok(scene)
     }
 
     /// Reads a scene in JSON. Relative paths in it start at the current folder.
     pub fn from_json(text: &str) -> Result<Self> {
+        Self::json_checked(text, Self::check)
+    }
+
+    fn json_checked(text: &str, check: fn(&Self) -> Result<()>) -> Result<Self> {
         let mut document = serde_json::Deserializer::from_str(text);
         let scene: Self = serde_path_to_error::deserialize(&mut document).map_err(|e| {
             let key = e.path().to_string();
@@ -64,7 +81,7 @@ impl Scene {
             }
         })?;
         document.end().map_err(|e| json_syntax(&e))?;
-        scene.check()?;
+        check(&scene)?;
         Ok(scene)
     }
 

@@ -21,7 +21,7 @@ pub use shape::{Only, Shape};
 pub use sky::{SceneSky, SkyPicture};
 pub use window::SceneWorld;
 
-use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sun, exact};
+use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sun, exact, world};
 use coverage::Window;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -179,6 +179,16 @@ impl Scene {
     fn check(&self) -> Result<()> {
         let [width, height] = self.size.map(u64::from);
         Cells::check_size(width, height)?;
+        self.check_contents()
+    }
+
+    /// Like [`Self::check`], of a scene that may be larger than a grid.
+    fn check_world(&self) -> Result<()> {
+        world::check_size(self.size)?;
+        self.check_contents()
+    }
+
+    fn check_contents(&self) -> Result<()> {
         self.sky.check()?;
         self.layers.check()?;
         for (i, shape) in self.shapes.iter().enumerate() {
