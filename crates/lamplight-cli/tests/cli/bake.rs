@@ -84,7 +84,9 @@ fn scenes_are_larger_than_a_grid() {
     let sandbox = sandbox();
     sandbox.write("world.toml", sized("[17000, 120]"));
     sandbox.run("render world.toml").failed(2, &["17000×120", "16384"]);
-    sandbox.run("bake world.toml -o tiles --tile 2048 --halo 16 --bounces 0 --quality fast -q").done();
+    sandbox
+        .run("bake world.toml -o tiles --tile 2048 --halo 16 --bounces 0 --quality fast -q")
+        .done();
     assert_eq!(sandbox.picture("tiles/8-0.png").dimensions(), (616, 120));
     sandbox.write("world.toml", sized("[17000, 120]\nlayers.opacity = \"a.png\""));
     sandbox.run("bake world.toml -o tiles").failed(2, &["layers", "16384"]);
