@@ -125,11 +125,14 @@ def test_a_scene_is_lit_and_shown():
 
 
 def test_ctrl_c_stops_the_reference():
+    # What a shell starts in the background ignores Ctrl-C.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         ll.reference(room(), 1_000_000)
     timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="forks")
