@@ -11,7 +11,9 @@
 use crate::far_field::{ALIGNMENT, FarField, MARGIN};
 use crate::stages::glow::Glow;
 use crate::sun_glow::SunGlow;
-use crate::{Bounces, Cells, Error, GridWindow, Inflow, Light, Result, Settings, Sky, Solver, Sun};
+use crate::{
+    Bounces, Cells, Direct, Error, GridWindow, Inflow, Light, Result, Settings, Sky, Solver, Sun,
+};
 
 /// Side of the parts in which a world is read, px.
 const PART: u32 = ALIGNMENT;
@@ -38,7 +40,7 @@ pub trait WorldSource: Sync {
     /// to the window. The sky and the suns of the cells are not read.
     ///
     /// # Errors
-    /// Whatever keeps the source from reading it.
+    /// Fails if the source cannot read it.
     fn cells(&self, window: GridWindow) -> Result<Cells>;
 }
 
@@ -115,12 +117,10 @@ impl<'a> World<'a> {
         if settings.solver.bounces == Bounces::Feedback {
             settings.solver.bounces = Bounces::Converged;
         }
+        settings.solver.method.takes_inflow()?;
         let method = settings.solver.method();
-        let glowing: Vec<Sun> = source
-            .suns()
-            .into_iter()
-            .map(|sun| Sun { direct: crate::Direct::Glow, ..sun })
-            .collect();
+        let glowing: Vec<Sun> =
+            source.suns().into_iter().map(|sun| Sun { direct: Direct::Glow, ..sun }).collect();
         let sky = SunGlow::default().draw(method, &source.sky(), &glowing);
         let mut far_field = FarField::new(source.size(), sky);
         let parts = tiles(source.size(), PART);

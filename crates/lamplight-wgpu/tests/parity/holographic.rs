@@ -182,7 +182,7 @@ fn the_published_cascades_agree_in_example_scenes() {
     }
 }
 
-/// More workgroup memory makes taller tiles, which save work and change no bit.
+/// The work is the same with more workgroup memory.
 #[test]
 fn tiers_agree_to_the_bit() {
     for (name, cells) in [("walls", solid(211, 127, 5)), ("tint", cells(211, 127, 5))] {

@@ -81,7 +81,7 @@ fn light_around(levels: &[BlockLevel], sky: &Sky, reflector: &Reflector) -> Arou
         let Some(ray) = leaving(first, at, angle, next(), *open) else { continue };
         let way = [angle.cos(), angle.sin()];
         // What hides the rest is in the block itself, or behind it.
-        let own = levels[0].blocks[reflector.record as usize];
+        let own = &levels[0].blocks[reflector.record as usize];
         let [sent, stopped] = own.crossed(&Bearing::new(angle), ray.axis).unwrap_or([[0.0; 3]; 2]);
         let near = march(levels, &rings, BlockRay { reach: NEAR, ..ray });
         let surface: Rgb = std::array::from_fn(|c| {

@@ -5,15 +5,13 @@ use super::march::{BlockRay, Rings, march};
 use super::read::SIDE;
 use crate::{GridWindow, Inflow, Panorama, Result, Rgb, Sky};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
+use std::f64::consts::{GOLDEN_RATIO, TAU};
 
 /// Blocks that a ray from the border of a tile crosses before they become twice as large: more are sharper shadows,
 /// and take time.
 const RING: i32 = 24;
 /// Rays of a column of inflow, for each block along the border.
 const RAYS: usize = 4;
-/// Multiples of it, without the whole, are spread evenly over any number of them.
-const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 /// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions.
 ///
@@ -81,7 +79,7 @@ fn strip(
         let middle = Panorama::angle(columns, column);
         let sky = sky.mean(middle - 0.5 * width, middle + 0.5 * width);
         for ray in 0..RAYS {
-            // Along the block, rays of neighbouring columns start between each other.
+            // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
             let place = (GOLDEN_RATIO * (column * RAYS + ray) as f64).fract();
             let spread = (ray as f64 + 0.5) / RAYS as f64 - 0.5;
             let mut angle = middle + spread * width;

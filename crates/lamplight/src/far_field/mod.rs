@@ -103,7 +103,7 @@ impl FarField {
             Found::Matter { .. } => Content::Mixed,
         });
         let swept = Swept {
-            cells,
+            reader: &reader,
             origin: local(begin, SIDE),
             blocks: [0, 1].map(|a| (end[a] - begin[a]) as usize),
             contents: contents.collect(),

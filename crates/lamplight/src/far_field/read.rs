@@ -60,18 +60,38 @@ impl<'a> BlockReader<'a> {
         Self { cells, paths: Paths::new(SIDE) }
     }
 
-    fn class(&self, x: i64, y: i64) -> CellClass {
+    /// Returns the class of a cell; what lies outside the grid is empty.
+    pub fn class(&self, [x, y]: [i64; 2]) -> CellClass {
         let inside = |v: i64, side: u32| (0..i64::from(side)).contains(&v);
         if !(inside(x, self.cells.width()) && inside(y, self.cells.height())) {
             return CellClass::Empty;
         }
-        CellClass::of(self.cells, y as usize * self.cells.width() as usize + x as usize, 0.0)
+        CellClass::of(self.cells, self.index([x, y]), 0.0)
+    }
+
+    fn index(&self, [x, y]: [i64; 2]) -> usize {
+        y as usize * self.cells.width() as usize + x as usize
+    }
+
+    /// Returns the emission and the albedo of a cell with matter, and the fractions of light that it stops on a length
+    /// and lets pass.
+    pub fn crossed(&self, at: [i64; 2], class: CellClass, length: f32) -> [Rgb; 4] {
+        let matter = self.cells.matter(self.index(at));
+        let [stopped, passed] = match class {
+            CellClass::Medium => {
+                let crossed = extinction(matter.opacity, matter.tint)
+                    .map(|sigma| attenuation(sigma * length));
+                [crossed.map(|v| v.1), crossed.map(|v| v.0)]
+            }
+            _ => [[1.0; 3], [0.0; 3]],
+        };
+        [matter.emission, matter.albedo, stopped, passed]
     }
 
     /// Returns the solid cells of a square, at most 8×8, a bit each.
     pub fn solid(&self, [left, top]: [i64; 2], side: u32) -> u64 {
-        let at = |i: u32| (left + i64::from(i % side), top + i64::from(i / side));
-        let is_solid = |i: u32| self.class(at(i).0, at(i).1) == CellClass::Solid;
+        let at = |i: u32| [left + i64::from(i % side), top + i64::from(i / side)];
+        let is_solid = |i: u32| self.class(at(i)) == CellClass::Solid;
         (0..side * side).filter(|&i| is_solid(i)).fold(0, |all, i| all | 1 << i)
     }
 
@@ -80,7 +100,7 @@ impl<'a> BlockReader<'a> {
         let mut classes = [CellClass::Empty; WITH_MARGIN * WITH_MARGIN];
         for (i, class) in classes.iter_mut().enumerate() {
             let [x, y] = [i % WITH_MARGIN, i / WITH_MARGIN].map(|v| v as i64 - 1);
-            *class = self.class(left + x, top + y);
+            *class = self.class([left + x, top + y]);
         }
         let inner = |i: usize| (i / SIDE + 1) * WITH_MARGIN + i % SIDE + 1;
         let own = |class: CellClass| (0..SIDE * SIDE).all(|i| classes[inner(i)] == class);
@@ -89,7 +109,7 @@ impl<'a> BlockReader<'a> {
         }
         let cell = |at: usize| {
             let [x, y] = [at % WITH_MARGIN, at / WITH_MARGIN].map(|v| v as i64 - 1);
-            ((top + y) * i64::from(self.cells.width()) + left + x) as usize
+            [left + x, top + y]
         };
         let mut block = Box::new(FarBlock::CLEAR);
         let mut walls = [[PackedRgb::default(); 2]; SLOTS];
@@ -101,25 +121,20 @@ impl<'a> BlockReader<'a> {
                 sum.count += path.weight;
                 let mut through = [path.weight; 3];
                 for step in &path.steps {
-                    match classes[step.cell] {
-                        CellClass::Empty | CellClass::Outside => {}
-                        CellClass::Solid => {
-                            let cell = cell(step.cell);
-                            add(&mut sum.sent, through, self.cells.emission()[cell]);
-                            add(&mut sum.walls[step.axis], through, self.cells.albedo()[cell]);
-                            through = [0.0; 3];
-                            break;
-                        }
-                        CellClass::Medium => {
-                            let matter = self.cells.matter(cell(step.cell));
-                            let crossed = extinction(matter.opacity, matter.tint)
-                                .map(|sigma| attenuation(sigma * step.length));
-                            let stopped = [0, 1, 2].map(|c| through[c] * crossed[c].1);
-                            add(&mut sum.sent, stopped, matter.emission);
-                            add(&mut sum.media, stopped, matter.albedo);
-                            (0..3).for_each(|c| through[c] *= crossed[c].0);
-                        }
+                    let class = classes[step.cell];
+                    if class == CellClass::Empty {
+                        continue;
                     }
+                    let [emission, albedo, stopped, passed] =
+                        self.crossed(cell(step.cell), class, step.length);
+                    let stopped = [0, 1, 2].map(|c| through[c] * stopped[c]);
+                    add(&mut sum.sent, stopped, emission);
+                    (0..3).for_each(|c| through[c] *= passed[c]);
+                    if class == CellClass::Solid {
+                        add(&mut sum.walls[step.axis], stopped, albedo);
+                        break;
+                    }
+                    add(&mut sum.media, stopped, albedo);
                 }
                 add(&mut sum.stopped, [1.0; 3], through.map(|v| path.weight - v));
             }
@@ -158,18 +173,16 @@ impl<'a> BlockReader<'a> {
         let is_cut = is_cut(self.solid([left, top], SIDE as u32), SIDE as u32);
         Found::Matter { block, is_cut, reflection }
     }
-}
 
-impl BlockReader<'_> {
     /// Finds how far the faces of a block see.
     fn sees(&self, [left, top]: [i64; 2]) -> [[u8; 2]; LOOKS] {
         let mut faces: [Vec<[i64; 2]>; 4] = Default::default();
         let side = SIDE as i64;
         let cells = (top..top + side).flat_map(|y| (left..left + side).map(move |x| [x, y]));
-        for cell in cells.filter(|&[x, y]| self.class(x, y) == CellClass::Solid) {
+        for cell in cells.filter(|&cell| self.class(cell) == CellClass::Solid) {
             for (of_normal, normal) in faces.iter_mut().zip(NORMALS) {
                 let front: [i64; 2] = std::array::from_fn(|a| cell[a] + i64::from(normal[a]));
-                if self.class(front[0], front[1]) != CellClass::Solid {
+                if self.class(front) != CellClass::Solid {
                     of_normal.push(front);
                 }
             }
@@ -203,7 +216,7 @@ impl BlockReader<'_> {
             }
             cell[a] += ahead[a];
             next[a] += step[a];
-            if self.class(cell[0], cell[1]) == CellClass::Solid {
+            if self.class(cell) == CellClass::Solid {
                 return false;
             }
         }

@@ -6,10 +6,9 @@
 
 use super::block::{FarBlock, PackedRgb};
 use super::paths::{DIRECTIONS, direction, slot};
-use super::read::SIDE;
+use super::read::{BlockReader, SIDE};
+use crate::Rgb;
 use crate::grid::class::CellClass;
-use crate::math::transmittance::{attenuation, extinction};
-use crate::{Cells, Rgb};
 use rayon::prelude::*;
 
 /// Lines per px along the side that most of them enter by.
@@ -27,8 +26,8 @@ pub enum Content {
 
 /// The window that lines go through.
 pub struct Swept<'a> {
-    pub cells: &'a Cells,
-    /// The place of its first cell among the cells.
+    pub reader: &'a BlockReader<'a>,
+    /// The place of its first cell among those of the reader.
     pub origin: [i64; 2],
     /// Columns and rows of finest blocks, and what is in each, row by row.
     pub blocks: [usize; 2],
@@ -111,13 +110,9 @@ impl Swept<'_> {
         occupied
     }
 
-    fn class(&self, [x, y]: [i64; 2]) -> CellClass {
-        let at = [x + self.origin[0], y + self.origin[1]];
-        let size = [self.cells.width(), self.cells.height()];
-        if (0..2).any(|a| !(0..i64::from(size[a])).contains(&at[a])) {
-            return CellClass::Empty;
-        }
-        CellClass::of(self.cells, (at[1] * i64::from(size[0]) + at[0]) as usize, 0.0)
+    /// Returns the place of a cell of the window among those of the reader.
+    fn place(&self, cell: [i64; 2]) -> [i64; 2] {
+        [0, 1].map(|a| cell[a] + self.origin[a])
     }
 
     /// Draws all lines of a direction.
@@ -169,14 +164,14 @@ impl Swept<'_> {
             (true, false) => last[a],
             _ => (from[a] as i64).clamp(0, last[a]),
         });
-        let columns: Vec<usize> = (1..=sums.len()).map(|size| self.side(0, size)).collect();
+        let columns: [usize; MOST] = std::array::from_fn(|size| self.side(0, size + 1));
         let mut crossings = [LineState::default(); MOST];
         let crossings = &mut crossings[..sums.len()];
         let mut at = 0.0;
         let enter = |crossings: &mut [LineState], cell: [i64; 2], axis: usize, sizes: usize| {
             let mut outside = cell;
             outside[axis] -= ahead[axis];
-            let reachable = sizes > 0 && self.class(outside) != CellClass::Solid;
+            let reachable = sizes > 0 && self.reader.class(self.place(outside)) != CellClass::Solid;
             let block = cell.map(|v| v as usize / SIDE);
             for (size, crossing) in crossings[..sizes].iter_mut().enumerate() {
                 let block = (block[1] >> (size + 1)) * columns[size] + (block[0] >> (size + 1));
@@ -259,25 +254,16 @@ impl Swept<'_> {
     /// Crosses a cell.
     #[inline]
     fn cross(&self, cell: [i64; 2], length: f32, crossings: &mut [LineState]) {
-        let class = self.class(cell);
+        let at = self.place(cell);
+        let class = self.reader.class(at);
         if class == CellClass::Empty {
             return;
         }
-        let at = [cell[0] + self.origin[0], cell[1] + self.origin[1]];
-        let index = at[1] as usize * self.cells.width() as usize + at[0] as usize;
-        let emission = self.cells.emission()[index];
-        let [stopped, through] = match class {
-            CellClass::Medium => {
-                let crossed = extinction(self.cells.opacity()[index], self.cells.tint()[index])
-                    .map(|sigma| attenuation(sigma * length));
-                [crossed.map(|v| v.1), crossed.map(|v| v.0)]
-            }
-            _ => [[1.0; 3], [0.0; 3]],
-        };
+        let [emission, _, stopped, passed] = self.reader.crossed(at, class, length);
         for crossing in crossings {
             for c in 0..3 {
                 crossing.sent[c] += crossing.through[c] * stopped[c] * emission[c];
-                crossing.through[c] *= through[c];
+                crossing.through[c] *= passed[c];
             }
         }
     }

@@ -128,6 +128,22 @@ impl MethodSettings {
         }
     }
 
+    /// Rejects a method that does not read [`Inflow`](crate::Inflow): a part of a world would be lit alone.
+    pub(crate) fn takes_inflow(&self) -> Result<()> {
+        let takes_it = match self {
+            Self::Raymarch(_) | Self::Cascades(_) => true,
+            Self::Holographic(settings) => settings.variant != Variant::Paper,
+            Self::Polar(_) | Self::Flood(_) => false,
+        };
+        let problem = "knows no light from beyond a grid; choose raymarch, cascades, or holographic with its \
+                       own variant";
+        if takes_it {
+            Ok(())
+        } else {
+            Err(Error::Unsuited { method: self.method().name(), problem })
+        }
+    }
+
     /// Returns the bounces that the method makes where some are `wanted`: the published variant of `holographic` has
     /// no feedback, and makes all bounces in each frame instead.
     pub fn bounces(&self, wanted: Bounces) -> Bounces {

@@ -4,7 +4,7 @@ use crate::common::*;
 use lamplight::settings::Holographic;
 use lamplight::world::{World, WorldSettings};
 use lamplight::{
-    Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Light, Matter, Settings, Sky, Solver,
+    Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Light, Matter, Method, Settings, Sky, Solver,
 };
 
 const STONE: Matter = Matter { opacity: 1.0, albedo: [0.7, 0.6, 0.5], ..Matter::EMPTY };
@@ -287,6 +287,11 @@ fn what_a_world_cannot_light_is_refused() {
         let made = World::new(cells, WorldSettings::new(direct()), |_, _| ());
         made.map(|_| ()).unwrap_err().to_string()
     };
+    for method in [Method::Polar, Method::Flood] {
+        let settings = WorldSettings::new(Settings::direct(method));
+        let error = World::new(&cells, settings, |_, _| ()).map(|_| ()).unwrap_err().to_string();
+        assert!(error.starts_with(method.name()) && error.contains("holographic"), "{error}");
+    }
     cells.lamps_mut().push(Lamp { position: [9.0, 5.0], direct: Direct::Exact, ..LAMP });
     let error = world(&cells);
     assert!(error.contains("(9, 5)") && error.contains("glow"), "{error}");
