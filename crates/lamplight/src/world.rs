@@ -5,18 +5,23 @@
 //! into its [far field](crate::far_field), which is small enough to be held whole. Then every tile is solved with a
 //! narrow margin of its own cells and with the light that enters there from everywhere else ([`Inflow`]).
 //!
+//! Bounces go around all parts one after the other: each part is solved for what its surfaces send on, and from that
+//! come the far field of the next bounce and, at last, the light of tiles. So every bounce has the light of the bounce
+//! before from everywhere, as in one solve of the whole.
+//!
 //! Tiles do not depend on each other: they may be solved in any order, on any machine, and again after a break, with
 //! the same result to the bit.
 
-use crate::far_field::{ALIGNMENT, FarField, MARGIN};
+use crate::far_field::{ALIGNMENT, FarField, PartLight};
+use crate::stages::bounce::{CONVERGED, KnownSurfaces, SurfaceLight};
 use crate::stages::glow::Glow;
 use crate::sun_glow::SunGlow;
 use crate::{
     Bounces, Cells, Direct, Error, GridWindow, Inflow, Light, Result, Settings, Sky, Solver, Sun,
 };
 
-/// Side of the parts in which a world is read, px.
-const PART: u32 = ALIGNMENT;
+/// Side of the parts in which a world is read and its surfaces are lit, px.
+const PART: u32 = 2 * ALIGNMENT;
 
 /// The longest side of a world, px: a block of 4×4 cells takes 4 bytes, even if it is empty.
 pub const MAX_SIDE: u32 = 1 << 16;
@@ -93,16 +98,19 @@ impl WorldSettings {
     }
 }
 
-/// A world whose far field is known, ready to light its tiles.
+/// A world whose far field is known, and what its surfaces send on: ready to light its tiles.
 pub struct World<'a> {
     source: &'a dyn WorldSource,
     settings: WorldSettings,
+    sky: Sky,
     far_field: FarField,
+    /// Radiance that surfaces send on, part by part; nothing without bounces.
+    surfaces: Vec<PartLight>,
 }
 
 impl<'a> World<'a> {
-    /// Reads a world, in parts of 512×512 cells, and finds the light that these send each other. `progress` receives the
-    /// number of parts read and of all.
+    /// Reads a world, in parts of 1024×1024 cells, and once more for every bounce. `progress` receives the number of
+    /// parts read, and of all that may have to be.
     ///
     /// # Errors
     /// Fails if the source fails, if a cell or a setting is invalid, if the method does not read inflow, or if there
@@ -114,31 +122,93 @@ impl<'a> World<'a> {
     ) -> Result<Self> {
         let mut settings = settings;
         check_size(source.size())?;
-        if settings.solver.bounces == Bounces::Feedback {
-            settings.solver.bounces = Bounces::Converged;
+        let bounces = &mut settings.solver.bounces;
+        if *bounces == Bounces::Feedback {
+            *bounces = Bounces::Converged;
         }
+        let bounces = *bounces;
         settings.solver.method.takes_inflow()?;
         let method = settings.solver.method();
         let glowing: Vec<Sun> =
             source.suns().into_iter().map(|sun| Sun { direct: Direct::Glow, ..sun }).collect();
         let sky = SunGlow::default().draw(method, &source.sky(), &glowing);
-        let mut far_field = FarField::new(source.size(), sky);
-        let parts = tiles(source.size(), PART);
-        for (number, &part) in parts.iter().enumerate() {
-            progress(number, parts.len());
-            let around = expanded(part, MARGIN, source.size(), 1);
-            let mut cells = source.cells(around)?;
+        let far_field = FarField::new(source.size(), sky.clone());
+        let mut world = Self { source, settings, sky, far_field, surfaces: Vec::new() };
+        let parts = tiles(world.size(), PART);
+        let most = parts.len() * (1 + bounces.limit() as usize);
+        let mut done = 0;
+        let mut next = || {
+            progress(done, most);
+            done += 1;
+        };
+        world.read(&parts, &mut next)?;
+        for _ in 0..bounces.limit() {
+            let change = world.bounce(&parts, &mut next)?;
+            if change == 0.0 || bounces == Bounces::Converged && change < CONVERGED {
+                break;
+            }
+        }
+        progress(most, most);
+        Ok(world)
+    }
+
+    /// Reads all parts into the far field.
+    fn read(&mut self, parts: &[GridWindow], mut next: impl FnMut()) -> Result<()> {
+        let mut far_field = FarField::new(self.size(), self.sky.clone());
+        for &part in parts {
+            next();
+            let around = expanded(part, 1, self.size(), 1);
+            let cells = self.source.cells(around)?;
             cells.check()?;
             refuse_exact_lamps(&cells, around.first)?;
-            settings.solver.method.draw_lamps(&mut cells);
-            Glow::default().to_media(&mut cells);
-            far_field.add(part, &cells, around.first);
+            add(&mut far_field, &self.settings, (part, around), cells, &SurfaceLight::default());
         }
         far_field.merge();
-        let mut world = Self { source, settings, far_field };
-        world.far_field.bounces(world.settings.solver.bounces);
-        progress(parts.len(), parts.len());
-        Ok(world)
+        self.far_field = far_field;
+        Ok(())
+    }
+
+    /// Finds what surfaces send on one bounce later, and the far field with it. Returns the change, relative to all that
+    /// they send.
+    fn bounce(&mut self, parts: &[GridWindow], mut next: impl FnMut()) -> Result<f32> {
+        let mut found = Vec::with_capacity(parts.len());
+        let mut far_field = FarField::new(self.size(), self.sky.clone());
+        let mut solver = Solver::new(self.settings.solver.clone())?;
+        let (mut sum, mut change) = (0.0, 0.0);
+        for (number, &part) in parts.iter().enumerate() {
+            next();
+            let (cells, around) = self.surroundings(part)?;
+            let light = self.surface_light(around);
+            solver.solve_known(&cells, Some(KnownSurfaces { light: &light, bounce: true }))?;
+            let Some(surfaces) = solver.surfaces() else { continue };
+            let of_part = PartLight::of(surfaces, around.size[0], around.first, part);
+            let [sent, changed] = of_part.change(self.surfaces.get(number));
+            sum += sent;
+            change += changed;
+            let mut light = SurfaceLight::default();
+            of_part.add_to(&mut light, around);
+            add(&mut far_field, &self.settings, (part, around), cells, &light);
+            found.push(of_part);
+        }
+        far_field.merge();
+        (self.surfaces, self.far_field) = (found, far_field);
+        Ok(if sum == 0.0 { 0.0 } else { (change / sum) as f32 })
+    }
+
+    /// Returns the cells of a window with its halo, with all light that enters, and the window that they fill.
+    fn surroundings(&self, window: GridWindow) -> Result<(Cells, GridWindow)> {
+        let around = expanded(window, self.settings.halo, self.size(), 4);
+        let mut cells = self.source.cells(around)?;
+        cells.suns_mut().clear();
+        cells.set_inflow(Some(self.inflow(around)?))?;
+        Ok((cells, around))
+    }
+
+    /// Returns what the surfaces in a window send on.
+    fn surface_light(&self, window: GridWindow) -> SurfaceLight {
+        let mut light = SurfaceLight::default();
+        self.surfaces.iter().for_each(|part| part.add_to(&mut light, window));
+        light
     }
 
     /// Columns and rows.
@@ -164,15 +234,27 @@ impl<'a> World<'a> {
     /// # Errors
     /// Fails if the source does, or as [`Solver::solve`].
     pub fn light(&self, window: GridWindow) -> Result<Light> {
-        let around = expanded(window, self.settings.halo, self.size(), 4);
-        let mut cells = self.source.cells(around)?;
-        cells.suns_mut().clear();
-        cells.set_inflow(Some(self.inflow(around)?))?;
+        let (cells, around) = self.surroundings(window)?;
+        let light = self.surface_light(around);
         let mut solver = Solver::new(self.settings.solver.clone())?;
-        let light = solver.solve(&cells)?;
+        let light =
+            solver.solve_known(&cells, Some(KnownSurfaces { light: &light, bounce: false }))?;
         let first = [0, 1].map(|a| window.first[a] - around.first[a]);
         Ok(light.window(GridWindow { first, ..window }))
     }
+}
+
+/// Adds a part, of a window around it, to the far field.
+fn add(
+    far_field: &mut FarField,
+    settings: &WorldSettings,
+    (part, around): (GridWindow, GridWindow),
+    mut cells: Cells,
+    light: &SurfaceLight,
+) {
+    settings.solver.method.draw_lamps(&mut cells);
+    Glow::default().to_media(&mut cells);
+    far_field.add(part, &cells, light, around.first);
 }
 
 /// Rejects sizes of zero and sizes beyond [`MAX_SIDE`].

@@ -1,7 +1,8 @@
 //! Rays through the blocks around a window, larger ones farther away.
 
 use super::block::{Bearing, BlockRayState};
-use super::levels::{BlockLevel, EMPTY, SHUT, SOLID, record};
+use super::levels::{BlockLevel, CLIPPED, EMPTY, SHUT, SOLID, record};
+use super::paths::Across;
 use super::read::SIDE;
 use crate::Rgb;
 use crate::math::transmittance::OPAQUE_TRANSMITTANCE;
@@ -13,18 +14,31 @@ pub struct Rings {
     levels: Vec<[[i32; 2]; 2]>,
 }
 
+/// A direction of rays.
+#[derive(Clone, Debug)]
+pub struct RayDirection {
+    /// The unit vector.
+    pub way: [f64; 2],
+    across: Across,
+    bearing: Bearing,
+}
+
 /// A ray that enters a smallest block.
 #[derive(Clone, Copy, Debug)]
-pub struct BlockRay {
+pub struct BlockRay<'a> {
     /// px of the world.
     pub from: [f64; 2],
-    /// Radians from +x towards +y.
-    pub angle: f64,
-    /// The block that it enters, by column and row, and the axis along which it does.
+    pub direction: &'a RayDirection,
+    /// The block that it enters, by column and row.
     pub block: [i32; 2],
-    pub axis: usize,
-    /// The length after which it enters no more blocks, px.
-    pub reach: f64,
+}
+
+impl RayDirection {
+    /// Returns that of an angle, radians from +x towards +y.
+    pub fn new(angle: f64) -> Self {
+        let way = [angle.cos(), angle.sin()];
+        Self { way, across: Across::new(way), bearing: Bearing::new(angle) }
+    }
 }
 
 impl Rings {
@@ -49,10 +63,9 @@ impl Rings {
 
 /// Returns the radiance that blocks send along a ray, and the transmittance of the way out of the world.
 pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
-    let BlockRay { from, angle, block: mut cell, mut axis, reach } = ray;
-    let (sin, cos) = angle.sin_cos();
-    let way = [cos, sin];
-    let bearing = Bearing::new(angle);
+    let BlockRay { from, direction, block: mut cell } = ray;
+    let RayDirection { way, across, bearing } = direction;
+    let offset = across.offset(from);
     let ahead = way.map(|v| if v > 0.0 { 1 } else { -1 });
     let inverse = way.map(|v| 1.0 / if v.abs() < 1e-12 { 1e-12 } else { v.abs() });
     let mut state = BlockRayState::START;
@@ -74,8 +87,16 @@ pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
                 EMPTY => {}
                 SOLID => state.cross(None),
                 number => {
-                    state.cross(level.blocks[record(number)].crossed(&bearing, axis));
-                    if number & SHUT != 0 {
+                    let middle = cell.map(|v| f64::from(v) + 0.5);
+                    let entry = across.entry(offset / side - across.offset(middle));
+                    let crossed = level.blocks[record(number)].crossed(bearing, entry);
+                    state.cross(crossed);
+                    let is_clear = || crossed.is_some_and(|[_, stopped]| stopped == [0.0; 3]);
+                    if number & SHUT != 0 || number & CLIPPED != 0 && !is_clear() {
+                        if number & SHUT == 0 {
+                            // The rest belongs to the wall.
+                            state.cross(None);
+                        }
                         state.through = [0.0; 3];
                     }
                 }
@@ -83,12 +104,8 @@ pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
             if state.through.iter().all(|v| *v < OPAQUE_TRANSMITTANCE) {
                 return [state.light, [0.0; 3]];
             }
-            if next[crosses] > reach {
-                return [state.light, state.through];
-            }
             cell[crosses] += ahead[crosses];
             next[crosses] += step[crosses];
-            axis = crosses;
         }
         cell = cell.map(|v| v.div_euclid(2));
     }
