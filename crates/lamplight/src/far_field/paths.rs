@@ -30,7 +30,7 @@ pub fn direction(number: usize) -> [f64; 2] {
 pub struct Across {
     /// The unit vector to the left of the way.
     normal: [f64; 2],
-    /// Of a block of side 1, seen along the way: its whole width, and the width of the side with the least offsets.
+    /// The width of a block of side 1, seen along the way, and that of its side with the least offsets.
     pub width: f64,
     first: f64,
 }
@@ -151,7 +151,9 @@ impl Paths {
             let middle = 0.5 * (side - 1) as f64;
             let offsets = blocks.map(|block| across.offset(block.map(|v| v as f64 - middle)));
             let ends = strips.ends(across);
-            offsets.flat_map(|offset| ends.map(|ends| offset + ends[0])).collect()
+            offsets
+                .flat_map(|offset| ends.as_flattened().iter().map(move |end| offset + end))
+                .collect()
         })
     }
 

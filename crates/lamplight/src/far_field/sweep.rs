@@ -57,8 +57,8 @@ struct LineState {
 }
 
 /// A line through the window.
-struct Line {
-    /// Where it enters, px.
+struct SweptLine {
+    /// The place at which it enters, px.
     from: [f64; 2],
     /// The unit vector along it, and the signs of its components.
     way: [f64; 2],
@@ -69,7 +69,7 @@ struct Line {
     offset: f64,
 }
 
-impl Line {
+impl SweptLine {
     /// Returns the axis along which it leaves the square of this side around a cell, at a multiple of the side, and the
     /// length up to there.
     #[inline]
@@ -211,7 +211,8 @@ impl Swept<'_> {
                     continue;
                 }
             }
-            let line = Line { from: at, way, ahead, across, strips, offset: across.offset(at) };
+            let line =
+                SweptLine { from: at, way, ahead, across, strips, offset: across.offset(at) };
             self.draw_line(&line, axis, uniform, sums);
         }
     }
@@ -219,7 +220,7 @@ impl Swept<'_> {
     /// Draws a line that enters the window along an axis.
     fn draw_line(
         &self,
-        line: &Line,
+        line: &SweptLine,
         axis: usize,
         uniform: &[Vec<Content>],
         sums: &mut [Vec<[SlotSum; PER_DIRECTION]>],
@@ -277,7 +278,7 @@ impl Swept<'_> {
     }
 
     /// Lets a line enter blocks of the first sizes, by a cell along an axis.
-    fn enter(&self, line: &Line, cell: [i64; 2], axis: usize, crossings: &mut [LineState]) {
+    fn enter(&self, line: &SweptLine, cell: [i64; 2], axis: usize, crossings: &mut [LineState]) {
         if crossings.is_empty() {
             return;
         }
@@ -302,7 +303,7 @@ impl Swept<'_> {
     /// axis along which the line leaves it.
     fn cross_cells(
         &self,
-        line: &Line,
+        line: &SweptLine,
         cell: &mut [i64; 2],
         at: &mut f64,
         mut axis: usize,
