@@ -9,10 +9,12 @@
 //! the same result to the bit.
 
 use crate::far_field::{ALIGNMENT, FarField, MARGIN};
+pub use crate::far_field::{FarBlocks, FarPart};
 use crate::stages::glow::Glow;
 use crate::sun_glow::SunGlow;
 use crate::{
-    Bounces, Cells, Direct, Error, GridWindow, Inflow, Light, Result, Settings, Sky, Solver, Sun,
+    Bounces, Cells, Direct, Error, GridWindow, Inflow, Lamp, Light, Result, Settings, Sky, Solver,
+    Sun,
 };
 
 /// Side of the parts in which a world is read, px.
@@ -60,13 +62,21 @@ impl WorldSource for Cells {
 
     fn cells(&self, window: GridWindow) -> Result<Cells> {
         let mut cells = self.window(window)?;
-        let size = window.size.map(|side| side as f32);
-        cells.lamps_mut().retain(|lamp| {
-            let reach = lamp.size.max(1.0) + 1.0;
-            (0..2).all(|a| (-reach..size[a] + reach).contains(&lamp.position[a]))
-        });
+        *cells.lamps_mut() = lamps_within(self.lamps(), window);
         Ok(cells)
     }
+}
+
+/// Returns the lamps that reach into a window, with positions relative to it.
+pub fn lamps_within(lamps: &[Lamp], window: GridWindow) -> Vec<Lamp> {
+    let [first, size] = [window.first, window.size].map(|of| of.map(|v| v as f32));
+    let relative = |lamp: &Lamp| [0, 1].map(|a| lamp.position[a] - first[a]);
+    let reaches = |lamp: &&Lamp| {
+        let reach = lamp.size.max(1.0) + 1.0;
+        (0..2).all(|a| (-reach..size[a] + reach).contains(&relative(lamp)[a]))
+    };
+    let within = lamps.iter().filter(reaches);
+    within.map(|lamp| Lamp { position: relative(lamp), ..lamp.clone() }).collect()
 }
 
 /// The settings of a world.
@@ -96,8 +106,7 @@ impl WorldSettings {
 /// A world whose far field is known, ready to light its tiles.
 pub struct World<'a> {
     source: &'a dyn WorldSource,
-    settings: WorldSettings,
-    far_field: FarField,
+    far: FarWorld,
 }
 
 impl<'a> World<'a> {
@@ -105,45 +114,27 @@ impl<'a> World<'a> {
     /// number of parts read and of all.
     ///
     /// # Errors
-    /// Fails if the source fails, if a cell or a setting is invalid, if the method does not read inflow, or if there
-    /// are lamps that are lit by a shadow map, which are not known beyond a tile.
+    /// Fails if the source fails, or as [`FarWorld::new`] and [`FarWorld::read`].
     pub fn new(
         source: &'a dyn WorldSource,
         settings: WorldSettings,
         mut progress: impl FnMut(usize, usize),
     ) -> Result<Self> {
-        let mut settings = settings;
-        check_size(source.size())?;
-        if settings.solver.bounces == Bounces::Feedback {
-            settings.solver.bounces = Bounces::Converged;
-        }
-        settings.solver.method.takes_inflow()?;
-        let method = settings.solver.method();
-        let glowing: Vec<Sun> =
-            source.suns().into_iter().map(|sun| Sun { direct: Direct::Glow, ..sun }).collect();
-        let sky = SunGlow::default().draw(method, &source.sky(), &glowing);
-        let mut far_field = FarField::new(source.size(), sky);
-        let parts = tiles(source.size(), PART);
+        let mut far = FarWorld::new(source.size(), &source.sky(), &source.suns(), settings)?;
+        let parts = far.parts();
         for (number, &part) in parts.iter().enumerate() {
             progress(number, parts.len());
-            let around = expanded(part, MARGIN, source.size(), 1);
-            let mut cells = source.cells(around)?;
-            cells.check()?;
-            refuse_exact_lamps(&cells, around.first)?;
-            settings.solver.method.draw_lamps(&mut cells);
-            Glow::default().to_media(&mut cells);
-            far_field.add(part, &cells, around.first);
+            let cells = source.cells(far.around_part(part))?;
+            far.add(far.read(part, cells)?)?;
         }
-        far_field.merge();
-        let mut world = Self { source, settings, far_field };
-        world.far_field.bounces(world.settings.solver.bounces);
+        far.finish();
         progress(parts.len(), parts.len());
-        Ok(world)
+        Ok(Self { source, far })
     }
 
     /// Columns and rows.
     pub fn size(&self) -> [u32; 2] {
-        self.source.size()
+        self.far.size()
     }
 
     /// The windows of all tiles of this side, px, row by row; those at the right and at the bottom may be smaller.
@@ -156,23 +147,165 @@ impl<'a> World<'a> {
     /// # Errors
     /// As [`Inflow::new`].
     pub fn inflow(&self, window: GridWindow) -> Result<Inflow> {
-        self.far_field.inflow(window, self.settings.columns)
+        self.far.inflow(window)
     }
 
     /// Returns the light of a window of the world.
     ///
     /// # Errors
-    /// Fails if the source does, or as [`Solver::solve`].
+    /// Fails if the window does not lie in the world, if the source fails, or as [`Solver::solve`].
     pub fn light(&self, window: GridWindow) -> Result<Light> {
-        let around = expanded(window, self.settings.halo, self.size(), 4);
-        let mut cells = self.source.cells(around)?;
+        window.check(self.size())?;
+        self.far.light(window, self.source.cells(self.far.around_tile(window))?)
+    }
+}
+
+/// The far field of a world without its cells, for programs that read and light it on several machines.
+///
+/// Each reads some of the [`parts`](Self::parts). One [adds](Self::add) what they have read, in the order of the parts,
+/// and [finishes](Self::finish). Then any lights tiles from the cells there and from the [blocks](Self::blocks) that the
+/// tile needs. The light is that of [`World::light`], to the bit.
+#[derive(Debug)]
+pub struct FarWorld {
+    size: [u32; 2],
+    settings: WorldSettings,
+    far_field: FarField,
+}
+
+impl FarWorld {
+    /// Creates that of a world of which nothing has been read.
+    ///
+    /// # Errors
+    /// Fails if the world is empty or too large, a setting is invalid, or the method does not read inflow.
+    pub fn new(size: [u32; 2], sky: &Sky, suns: &[Sun], settings: WorldSettings) -> Result<Self> {
+        let (settings, sky) = prepare(size, sky, suns, settings)?;
+        Ok(Self { size, settings, far_field: FarField::new(size, sky) })
+    }
+
+    /// Creates a finished one from its blocks, or one that lights a tile from the blocks for that.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and if they are those of a world of another size.
+    pub fn of_blocks(
+        size: [u32; 2],
+        sky: &Sky,
+        suns: &[Sun],
+        settings: WorldSettings,
+        blocks: FarBlocks,
+    ) -> Result<Self> {
+        let (settings, sky) = prepare(size, sky, suns, settings)?;
+        Ok(Self { size, settings, far_field: FarField::of_blocks(size, sky, blocks)? })
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The windows of the parts in which it is read, row by row.
+    pub fn parts(&self) -> Vec<GridWindow> {
+        tiles(self.size, PART)
+    }
+
+    /// The window of cells that are read for a part.
+    pub fn around_part(&self, part: GridWindow) -> GridWindow {
+        expanded(part, MARGIN, self.size, 1)
+    }
+
+    /// The window of cells that light a tile.
+    pub fn around_tile(&self, tile: GridWindow) -> GridWindow {
+        expanded(tile, self.settings.halo, self.size, 4)
+    }
+
+    /// Reads a part from the cells [around](Self::around_part) it.
+    ///
+    /// # Errors
+    /// Fails if the window is none of the parts, a cell is invalid, or there are lamps that are lit by a shadow map,
+    /// which are not known beyond a tile.
+    pub fn read(&self, part: GridWindow, mut cells: Cells) -> Result<FarPart> {
+        part.check(self.size)?;
+        if part.first.iter().any(|v| v % PART != 0) || part.size.iter().any(|v| *v > PART) {
+            let expected = format!("at multiples of {PART}, and no larger than that");
+            return Err(Error::value("part", format!("{part:?}"), expected));
+        }
+        let around = self.around_part(part);
+        check_cells(&cells, around)?;
+        cells.check()?;
+        refuse_exact_lamps(&cells, around.first)?;
+        self.settings.solver.method.draw_lamps(&mut cells);
+        Glow::default().to_media(&mut cells);
+        Ok(FarPart::read(part, &cells, around.first))
+    }
+
+    /// Adds what was read of a part.
+    ///
+    /// # Errors
+    /// Fails if it was read of another world.
+    pub fn add(&mut self, part: FarPart) -> Result<()> {
+        self.far_field.insert(part)
+    }
+
+    /// Finds the light that the parts send each other, when all have been added.
+    pub fn finish(&mut self) {
+        self.far_field.merge();
+        self.far_field.bounces(self.settings.solver.bounces);
+    }
+
+    /// Returns the blocks of a finished one: all, or those that light a tile.
+    pub fn blocks(&self, tile: Option<GridWindow>) -> FarBlocks {
+        self.far_field.blocks(tile.map(|tile| self.around_tile(tile)))
+    }
+
+    /// Returns the light that enters a window from the world around it, whose first cell lies at a multiple of 4.
+    ///
+    /// # Errors
+    /// As [`Inflow::new`].
+    pub fn inflow(&self, window: GridWindow) -> Result<Inflow> {
+        self.far_field.inflow(window, self.settings.columns)
+    }
+
+    /// Returns the light of a tile, from the cells [around](Self::around_tile) it.
+    ///
+    /// # Errors
+    /// Fails if the tile does not lie in the world, the cells are not those around it, or as [`Solver::solve`].
+    pub fn light(&self, tile: GridWindow, mut cells: Cells) -> Result<Light> {
+        tile.check(self.size)?;
+        let around = self.around_tile(tile);
+        check_cells(&cells, around)?;
         cells.suns_mut().clear();
         cells.set_inflow(Some(self.inflow(around)?))?;
         let mut solver = Solver::new(self.settings.solver.clone())?;
         let light = solver.solve(&cells)?;
-        let first = [0, 1].map(|a| window.first[a] - around.first[a]);
-        Ok(light.window(GridWindow { first, ..window }))
+        let first = [0, 1].map(|a| tile.first[a] - around.first[a]);
+        Ok(light.window(GridWindow { first, ..tile }))
     }
+}
+
+/// Checks the settings of a world, and draws its suns into its sky.
+fn prepare(
+    size: [u32; 2],
+    sky: &Sky,
+    suns: &[Sun],
+    mut settings: WorldSettings,
+) -> Result<(WorldSettings, Sky)> {
+    check_size(size)?;
+    if settings.solver.bounces == Bounces::Feedback {
+        settings.solver.bounces = Bounces::Converged;
+    }
+    settings.solver.method.takes_inflow()?;
+    let glowing: Vec<Sun> = suns.iter().map(|sun| Sun { direct: Direct::Glow, ..*sun }).collect();
+    let sky = SunGlow::default().draw(settings.solver.method(), sky, &glowing);
+    Ok((settings, sky))
+}
+
+/// Rejects cells that are not those of a window.
+fn check_cells(cells: &Cells, window: GridWindow) -> Result<()> {
+    let found = [cells.width(), cells.height()];
+    if found == window.size {
+        return Ok(());
+    }
+    let [found, expected] = [found, window.size].map(|[w, h]| format!("{w}×{h} cells"));
+    Err(Error::value("cells", found, format!("{expected}, those from {:?} on", window.first)))
 }
 
 /// Rejects sizes of zero and sizes beyond [`MAX_SIDE`].

@@ -1,4 +1,4 @@
-"""Frames, sweeps and references on many cores or machines, by Dask (``pip install "lamplight2d[dask]"``).
+"""Frames, worlds, sweeps and references on many cores or machines, by Dask (``pip install "lamplight2d[dask]"``).
 
 Everything is lazy: ``compute()`` runs it, on any scheduler of Dask. The result has the same bytes on all of them, on any
 number of workers, and if workers are lost on the way; processors with other vector units may round differently.
@@ -10,9 +10,10 @@ must be able to read; cells travel with all of their arrays.
 
 from __future__ import annotations
 
+import os
 import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Union
 
 import dask
@@ -20,9 +21,10 @@ import dask.array as da
 import numpy as np
 from dask.delayed import Delayed
 
-from lamplight2d._core import Cells, Light, Reference, Scene, Solver, compare, join_parts, trace_part
+from lamplight2d._core import Cells, FarWorld, Light, Reference, Scene, Solver, compare, join_parts, trace_part
+from lamplight2d._world import COLUMNS, HALO, ArrayReader, Window, World, WorldSource, cells_of, prepare, tiles
 
-__all__ = ["Source", "reference", "render_frames", "sweep"]
+__all__ = ["Source", "light_world", "reference", "render_frames", "sweep"]
 
 Source = Union[Scene, Cells, Delayed]
 """What can be lit."""
@@ -76,6 +78,81 @@ def render_frames(
     arguments = ((height, width), settings, threads, display)
     chunks = (da.from_delayed(task(frame, *arguments), (1, height, width, 3), dtype) for frame in frames)
     return da.concatenate(list(chunks))
+
+
+def light_world(
+    source: World | WorldSource | Mapping[str, da.Array],
+    *,
+    tile: int = 1024,
+    solver: Solver | None = None,
+    halo: int | None = None,
+    columns: int | None = None,
+    shape: tuple[int, int] | None = None,
+    lamps: list[dict[str, Any]] | None = None,
+    sky: Any = None,
+    suns: list[dict[str, Any]] | None = None,
+) -> da.Array:
+    """Lights a world tile by tile, each with the light of all.
+
+    Workers read its parts, one of them finds the far field, and each tile receives the part of it that it needs: a few
+    megabytes, however large the world is.
+
+    Parameters
+    ----------
+    source : World, Scene, path, Cells, dict of arrays or callable
+        As for `World`; arrays of Dask are read as tasks of their own. Workers open scenes and arrays of ``zarr`` by
+        their paths. Arrays in memory travel to all of them, and so do `Cells`: better is a callable that reads a file.
+        Of a `World`, the far field is known.
+    tile : int, optional
+        Side of a tile, px. Larger ones take less time in all, and more memory.
+    solver, halo, columns, shape, lamps, sky, suns : optional
+        As for `World`; none with one. By default a tile is lit on one thread.
+
+    Returns
+    -------
+    dask.array.Array of shape (H, W, 3)
+        Linear light, float32, a chunk per tile, with the bytes of `World.light`.
+
+    Raises
+    ------
+    ValueError
+        As `World`, and if ``tile`` is below 1. What is wrong with a cell is found when that is read.
+    """
+    if isinstance(source, World):
+        if any(value is not None for value in (solver, halo, columns, shape, lamps, sky, suns)):
+            raise ValueError("source is a World, which has its own solver, halo, columns, shape, lamps, sky and suns")
+        reader, empty, far = source._reader, source._empty, source._far
+    else:
+        if isinstance(source, (str, os.PathLike)):
+            source = Scene.load(source)
+        if solver is None:
+            settings = source.settings if isinstance(source, Scene) else {}
+            solver = Solver(threads=1, **settings)
+        halo, columns = HALO if halo is None else halo, COLUMNS if columns is None else columns
+        reader, empty = prepare(source, solver, halo, columns, shape, lamps, sky, suns)
+        far = None
+    windows = tiles(empty.shape, tile)
+    # A task of its own, so that a worker receives it once.
+    shared = dask.delayed(reader, traverse=False, pure=False)
+    lazy = isinstance(reader, ArrayReader) and any(map(dask.is_dask_collection, reader.arrays.values()))
+
+    def cells(window: Window) -> tuple[Any, ...]:
+        """What a task calls for the cells of a window."""
+        # Arrays of Dask are sliced here, so that a task depends only on the chunks that it needs.
+        return (cells_of, reader.lamps, window, reader.slices(*window)) if lazy else (shared, *window)
+
+    if far is None:
+        read = dask.delayed(_read, pure=False)
+        parts = [read(empty, part, *cells(window)) for part, window in empty.parts()]
+        far = dask.delayed(_finish, pure=False)(empty, parts)
+    else:
+        far = dask.delayed(far, traverse=False, pure=False)
+    cut = dask.delayed(FarWorld.blocks, pure=False)
+    lit = dask.delayed(_tile, pure=False)
+    light = [lit(empty, cut(far, window), window, *cells(empty.around_tile(window))) for window in windows]
+    chunks = [da.from_delayed(one, (*window[2:], 3), np.float32) for one, window in zip(light, windows)]
+    count = -(-empty.shape[1] // tile)
+    return da.block([[[chunk] for chunk in chunks[i : i + count]] for i in range(0, len(chunks), count)])
 
 
 def reference(source: Source, samples: int = 256, *, parts: int = 64, **settings: Any) -> Delayed:
@@ -188,6 +265,18 @@ def _frame(
     if display is None:
         return solver.solve(cells, out=np.empty((*shape, 3), np.float32))[None]
     return solver.solve(cells).compose(cells, **{**own_display, **display})[None]
+
+
+def _read(empty: FarWorld, part: Window, reader: Callable[..., Cells], *arguments: Any) -> bytes:
+    return empty.read(part, reader(*arguments))
+
+
+def _finish(empty: FarWorld, parts: list[bytes]) -> FarWorld:
+    return empty.finished(parts)
+
+
+def _tile(empty: FarWorld, blocks: bytes, tile: Window, reader: Callable[..., Cells], *arguments: Any) -> np.ndarray:
+    return empty.with_blocks(blocks).light(tile, reader(*arguments)).rgb
 
 
 def _trace(source: Scene | Cells, part: int, parts: int, samples: int, settings: dict[str, Any]) -> np.ndarray:

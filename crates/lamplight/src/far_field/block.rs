@@ -2,13 +2,14 @@
 
 use super::paths::{DIRECTIONS, SLOTS, direction, is_missing, slot};
 use crate::Rgb;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Radiance that a block sends, by slot.
 pub type Sent = [PackedRgb; SLOTS];
 
 /// A block: the means over its paths, by slot.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FarBlock {
     /// Radiance that it sends, as seen in this direction.
     pub sent: Sent,
@@ -142,8 +143,24 @@ impl Bearing {
 }
 
 /// A colour in four bytes: three mantissas and a common exponent (Ward 1991), with 1 exact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "u32", into = "u32")]
 pub struct PackedRgb(u32);
+
+impl From<PackedRgb> for u32 {
+    fn from(packed: PackedRgb) -> Self {
+        packed.0
+    }
+}
+
+impl TryFrom<u32> for PackedRgb {
+    type Error = &'static str;
+
+    fn try_from(bits: u32) -> Result<Self, Self::Error> {
+        // The exponent of a mantissa of 8 bits.
+        if bits == 0 || bits >> 24 > 8 { Ok(Self(bits)) } else { Err("a colour is damaged") }
+    }
+}
 
 /// The least exponent that is kept; smaller values are 0.
 const LEAST: i32 = -100;

@@ -7,6 +7,7 @@ use crate::grid::class::CellClass;
 use crate::math::transmittance::{attenuation, extinction};
 use crate::stages::faces::NORMALS;
 use crate::{Cells, Rgb};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Side of the smallest blocks, cells.
@@ -29,7 +30,7 @@ pub enum Found {
 }
 
 /// The fractions of light that a block sends on of what it stops, by slot.
-#[derive(Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reflection {
     /// Shares of the irradiance of its faces: of those that are entered along x, and along y.
     pub walls: [[PackedRgb; 2]; SLOTS],
