@@ -213,7 +213,7 @@ class ArrayReader:
 
 def cells_of(lamps: Lamps, window: Window, fields: dict[str, Any]) -> Cells:
     """The cells of a window with these fields."""
-    arrays = {name: np.asarray(field) for name, field in fields.items()}
+    arrays: dict[str, Any] = {name: np.asarray(field) for name, field in fields.items()}
     return Cells(window[2:], **arrays, lamps=lamps.within(window))
 
 

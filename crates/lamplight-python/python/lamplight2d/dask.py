@@ -11,7 +11,6 @@ must be able to read; cells travel with all of their arrays.
 from __future__ import annotations
 
 import ctypes
-import functools
 import os
 import platform
 import threading
@@ -137,12 +136,13 @@ def light_world(
     windows = tiles(empty.shape, tile)
     # A task of its own, so that a worker receives it once.
     shared = dask.delayed(reader, traverse=False, pure=False)
-    lazy = isinstance(reader, ArrayReader) and any(map(dask.is_dask_collection, reader.arrays.values()))
 
     def cells(window: Window) -> tuple[Any, ...]:
         """What a task calls for the cells of a window."""
-        # Arrays of Dask are sliced here, so that a task depends only on the chunks that it needs.
-        return (cells_of, reader.lamps, window, reader.slices(*window)) if lazy else (shared, *window)
+        if isinstance(reader, ArrayReader) and any(map(dask.is_dask_collection, reader.arrays.values())):
+            # Sliced here, so that a task depends only on the chunks that it needs.
+            return cells_of, reader.lamps, window, reader.slices(*window)
+        return shared, *window
 
     if far is None:
         read = dask.delayed(_read, pure=False)
@@ -227,7 +227,10 @@ def sweep(
     return dask.delayed(list)(rows)
 
 
-@functools.cache
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
+"""Options of glibc's ``mallopt``, from its ``malloc.h``."""
+
+
 def _keep_memory() -> None:
     """Keeps freed memory in a worker process of Dask's, for the arrays of the next task.
 
@@ -240,8 +243,8 @@ def _keep_memory() -> None:
         glibc.mallopt(_M_MMAP_THRESHOLD, 32 << 20)
 
 
-_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
-"""Options of glibc's ``mallopt``, from its ``malloc.h``."""
+# Workers import this module with their first task.
+_keep_memory()
 
 _kept = threading.local()
 
@@ -277,7 +280,6 @@ def _frame(
     threads: int | None,
     display: Mapping[str, Any] | None,
 ) -> np.ndarray:
-    _keep_memory()
     cells = _cells(source)
     _check_shape("a frame", cells.shape, shape)
     own_settings, own_display = (source.settings, source.display) if isinstance(source, Scene) else ({}, {})
@@ -288,7 +290,6 @@ def _frame(
 
 
 def _read(empty: FarWorld, part: Window, reader: Callable[..., Cells], *arguments: Any) -> bytes:
-    _keep_memory()
     return empty.read(part, reader(*arguments))
 
 
@@ -297,7 +298,6 @@ def _finish(empty: FarWorld, parts: list[bytes]) -> FarWorld:
 
 
 def _tile(empty: FarWorld, blocks: bytes, tile: Window, reader: Callable[..., Cells], *arguments: Any) -> np.ndarray:
-    _keep_memory()
     return empty.with_blocks(blocks).light(tile, reader(*arguments)).rgb
 
 
