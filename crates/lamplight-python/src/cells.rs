@@ -3,7 +3,7 @@
 use crate::arrays::{read, read_bytes, view};
 use crate::json::{object, value_error, without_line, write};
 use crate::threads::SHARED;
-use crate::world::window;
+use crate::window::window;
 use lamplight::world::WorldSource;
 use lamplight::{Error, Rgb};
 use numpy::ndarray::{Dim, Ix2, Ix3};

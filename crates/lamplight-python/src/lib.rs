@@ -11,6 +11,7 @@ mod reference;
 mod scene;
 mod solver;
 mod threads;
+mod window;
 mod world;
 
 use pyo3::pymodule;

@@ -3,7 +3,7 @@
 use crate::cells::Cells;
 use crate::json::{object, value_error};
 use crate::threads::SHARED;
-use crate::world::window;
+use crate::window::window;
 use lamplight::GridWindow;
 use lamplight::scene::SceneWorld;
 use lamplight::world::WorldSource;

@@ -6,28 +6,13 @@ use crate::cells::Cells;
 use crate::json::{object, value_error, whole, without_line, write};
 use crate::light::Light;
 use crate::solver::Solver;
+use crate::window::{PyWindow, of_window, window};
 use lamplight::world::{FarPart, WorldSettings, lamps_within};
-use lamplight::{Error, GridWindow, Lamp, Panorama, Scene};
+use lamplight::{Error, Lamp, Panorama, Scene};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyBytes, PyDict};
 use serde::Serialize;
-
-/// A window as Python has it: y, x, height, width.
-pub type PyWindow = (i128, i128, i128, i128);
-
-/// A window of whole numbers, of which none is too large.
-pub fn window((y, x, height, width): PyWindow) -> PyResult<GridWindow> {
-    let side = |name: &str, v: i128| whole(name, v, "0 or more, and lie in the world");
-    Ok(GridWindow {
-        first: [side("x", x)?, side("y", y)?],
-        size: [side("width", width)?, side("height", height)?],
-    })
-}
-
-fn of_window(GridWindow { first, size }: GridWindow) -> PyWindow {
-    (first[1].into(), first[0].into(), size[1].into(), size[0].into())
-}
 
 /// The far field of a world, for `lamplight2d.World` and `lamplight2d.dask`.
 ///

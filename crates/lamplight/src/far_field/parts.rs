@@ -13,7 +13,7 @@ use crate::{Cells, Error, GridWindow, Result, Sky};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// What was read of a part of a world, for its far field.
+/// The matter of a part of a world, as it was read for the far field.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FarPart {
     first: [u32; 2],
@@ -146,11 +146,11 @@ impl FarField {
         // Blocks of a level by which all that was read is moved to its place.
         let moved =
             |level: usize| first.map(|v| ((v as i32 - ALIGNMENT as i32) / SIDE as i32) >> level);
-        let is_aligned = first.iter().all(|v| v % ALIGNMENT == 0 && *v <= crate::world::MAX_SIDE);
-        if !is_aligned
-            || measured.len() != MEASURED
-            || found.size.iter().any(|v| !(0..1024).contains(v))
-        {
+        let is_aligned = first.iter().all(|v| v % ALIGNMENT == 0 && i32::try_from(*v).is_ok());
+        let of_levels = measured.iter().flatten().map(|(at, _)| at);
+        let fits = |at: &[i32; 2]| at.iter().all(|v| (0..=ALIGNMENT as i32).contains(v));
+        let is_small = fits(&found.size) && cut.iter().chain(of_levels).all(fits);
+        if !is_aligned || !is_small || measured.len() != MEASURED {
             return Err(damaged());
         }
         let finest = &mut self.levels[0];

@@ -280,7 +280,7 @@ fn tiles_are_the_same_in_any_order_and_at_any_edge() {
     }
 }
 
-/// What arrives on another machine.
+/// The value as it arrives on another machine.
 fn sent<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
     serde_json::from_str(&serde_json::to_string(value).unwrap()).unwrap()
 }
