@@ -8,44 +8,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Most threads that may be asked for, as in the command.
 const MOST: i128 = 1024;
 
-/// A pool, made when it is first needed, and left to others in the end.
+/// A pool, made when it is first needed.
 pub struct Threads {
     /// None: a thread per core.
     count: Option<usize>,
     /// The pool, and the process that it belongs to: a child made by a fork has none of its parent's threads, and
     /// would wait for them forever.
     pool: Mutex<Option<(u32, Arc<ThreadPool>)>>,
-}
-
-/// Pools that were left, and their processes. A worker of Dask has another solver for every task: threads of its own
-/// would begin and end with each, and every new one fetches memory anew that those before still hold.
-static LEFT: Mutex<Vec<(u32, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
-/// The largest number of pools that are kept there.
-const MOST_LEFT: usize = 16;
-
-impl Drop for Threads {
-    fn drop(&mut self) {
-        let pool = self.pool.get_mut().unwrap_or_else(PoisonError::into_inner).take();
-        let mut left = LEFT.lock().unwrap_or_else(PoisonError::into_inner);
-        match pool {
-            Some((owner, pool)) if owner == std::process::id() && left.len() < MOST_LEFT => {
-                left.push((owner, pool));
-            }
-            // The parent's threads are not here to be ended.
-            Some((owner, pool)) if owner != std::process::id() => std::mem::forget(pool),
-            _ => {}
-        }
-    }
-}
-
-/// Takes a pool of so many threads that was left in this process.
-fn left(process: u32, count: usize) -> Option<Arc<ThreadPool>> {
-    let mut left = LEFT.lock().unwrap_or_else(PoisonError::into_inner);
-    let fits = |(owner, pool): &(u32, Arc<ThreadPool>)| {
-        *owner == process && pool.current_num_threads() == count
-    };
-    let at = left.iter().position(fits)?;
-    Some(left.swap_remove(at).1)
 }
 
 /// A thread per core, for all that asks for no other number.
@@ -81,13 +50,8 @@ impl Threads {
         {
             return Ok(pool.clone());
         }
-        let made = match self.count.and_then(|count| left(process, count)) {
-            Some(pool) => pool,
-            None => {
-                let made = ThreadPoolBuilder::new().num_threads(self.count.unwrap_or(0)).build();
-                Arc::new(made.map_err(value_error)?)
-            }
-        };
+        let made = ThreadPoolBuilder::new().num_threads(self.count.unwrap_or(0)).build();
+        let made = Arc::new(made.map_err(value_error)?);
         // The parent's threads are not here to be ended.
         std::mem::forget(pool.replace((process, made.clone())));
         Ok(made)

@@ -150,16 +150,6 @@ def test_a_forked_child_has_threads_of_its_own():
     assert os.waitstatus_to_exitcode(status) == 0
 
 
-@pytest.mark.skipif(not pathlib.Path("/proc/self/task").exists(), reason="counts threads in /proc")
-def test_threads_of_solvers_that_are_gone_are_used_again():
-    def count():
-        ll.Solver(threads=1).solve(ll.Cells((4, 6)))
-        return len(os.listdir("/proc/self/task"))
-
-    first = count()
-    assert [count() for _ in range(20)] == [first] * 20
-
-
 def test_history_is_forgotten():
     solver, cells = ll.Solver(method="raymarch", temporal={"history_length": 8}), room()
     first, second = (solver.solve(cells).rgb.copy() for _ in range(2))

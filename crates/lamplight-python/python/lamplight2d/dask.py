@@ -134,6 +134,8 @@ def light_world(
         reader, empty = prepare(source, solver, halo, columns, shape, lamps, sky, suns)
         far = None
     windows = tiles(empty.shape, tile)
+    world_shape, around, solver, halo, columns, _ = empty.__getnewargs__()
+    plan = (world_shape, around, solver.settings, solver.threads, halo, columns)
     # A task of its own, so that a worker receives it once.
     shared = dask.delayed(reader, traverse=False, pure=False)
 
@@ -146,13 +148,13 @@ def light_world(
 
     if far is None:
         read = dask.delayed(_read, pure=False)
-        parts = [read(empty, part, *cells(window)) for part, window in empty.parts()]
-        far = dask.delayed(_finish, pure=False)(empty, parts)
+        parts = [read(plan, part, *cells(window)) for part, window in empty.parts()]
+        far = dask.delayed(_finish, pure=False)(plan, parts)
     else:
         far = dask.delayed(far, traverse=False, pure=False)
     cut = dask.delayed(FarWorld.blocks, pure=False)
     lit = dask.delayed(_tile, pure=False)
-    light = [lit(empty, cut(far, window), window, *cells(empty.around_tile(window))) for window in windows]
+    light = [lit(plan, cut(far, window), window, *cells(empty.around_tile(window))) for window in windows]
     chunks = [da.from_delayed(one, (*window[2:], 3), np.float32) for one, window in zip(light, windows)]
     count = -(-empty.shape[1] // tile)
     return da.block([[[chunk] for chunk in chunks[i : i + count]] for i in range(0, len(chunks), count)])
@@ -289,16 +291,28 @@ def _frame(
     return solver.solve(cells).compose(cells, **{**own_display, **display})[None]
 
 
-def _read(empty: FarWorld, part: Window, reader: Callable[..., Cells], *arguments: Any) -> bytes:
-    return empty.read(part, reader(*arguments))
+_Plan = tuple[tuple[int, int], Cells, dict[str, Any], Union[int, None], int, int]
+"""The shape of a world, cells with its sky and suns, and its settings: the solver's, its threads, halo and columns."""
 
 
-def _finish(empty: FarWorld, parts: list[bytes]) -> FarWorld:
-    return empty.finished(parts)
+def _far_world(plan: _Plan) -> FarWorld:
+    # Dask keeps the arguments of tasks, so that a solver among them would keep its threads and their memory.
+    shape, around, settings, threads, halo, columns = plan
+    return FarWorld(shape, around, _solver(settings, threads), halo, columns)
 
 
-def _tile(empty: FarWorld, blocks: bytes, tile: Window, reader: Callable[..., Cells], *arguments: Any) -> np.ndarray:
-    return empty.with_blocks(blocks).light(tile, reader(*arguments)).rgb
+def _read(plan: _Plan, part: Window, reader: Callable[..., Cells], *arguments: Any) -> bytes:
+    return _far_world(plan).read(part, reader(*arguments))
+
+
+def _finish(plan: _Plan, parts: list[bytes]) -> FarWorld:
+    # All tiles wait for it, so it may use all cores.
+    shape, around, settings, _, halo, columns = plan
+    return _far_world((shape, around, settings, None, halo, columns)).finished(parts)
+
+
+def _tile(plan: _Plan, blocks: bytes, tile: Window, reader: Callable[..., Cells], *arguments: Any) -> np.ndarray:
+    return _far_world(plan).with_blocks(blocks).light(tile, reader(*arguments)).rgb
 
 
 def _trace(source: Scene | Cells, part: int, parts: int, samples: int, settings: dict[str, Any]) -> np.ndarray:
