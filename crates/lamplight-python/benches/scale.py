@@ -5,6 +5,7 @@ lit by a bare loop and by Dask in turns. What larger worlds and more machines ta
 """
 
 import argparse
+import math
 import multiprocessing
 import pathlib
 import time
@@ -156,6 +157,15 @@ def table(head: list[str], rows: list[list[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
+def levels(side: int) -> int:
+    """The number of levels of a world: of blocks of 4 px, and twice as large until one has at most 24 in a row."""
+    return 1 + math.ceil(math.log2(side / 4 / 24))
+
+
+RING = 260 * (96**2 - 48**2)
+"""The most bytes of a level that a tile receives: of a ring of 24 blocks around 48, all with matter."""
+
+
 def extrapolated(found: dict[str, float]) -> list[list[str]]:
     """A row per quantity, for the library's largest world and for the one to come."""
     rows: dict[str, list[str]] = {}
@@ -165,13 +175,16 @@ def extrapolated(found: dict[str, float]) -> list[list[str]]:
 
     for side in (LIMIT, GOAL):
         parts, tiles, workers = side**2 / PART**2, side**2 / LARGE_TILE**2, MACHINES * CORES
+        cut = found[f"blocks {LARGE_TILE}"]
+        blocks = cut + RING * (levels(side) - levels(SIDE))
         add("parts of 512², tiles of 1024²", f"{parts:,.0f}, {tiles:,.0f}")
         add("reading, all workers", duration(found["read"] * parts / workers))
         add("parts to the one that merges", size(found["part"] * parts))
         add("merging and bounces, on one core", duration(found["finish"] * parts))
         add("memory of the far field, on one machine", size(found["memory"] * parts))
-        add("blocks to the tiles, in all", size(found[f"blocks {LARGE_TILE}"] * tiles))
-        add("cutting them out, on one core", duration(found[f"cut {LARGE_TILE}"] * tiles))
+        add("blocks to a tile, at most", size(blocks))
+        add("blocks to the tiles, in all", size(blocks * tiles))
+        add("cutting them out, on one core", duration(found[f"cut {LARGE_TILE}"] * blocks / cut * tiles))
         add("tiles, all workers", duration(found[f"light {LARGE_TILE}"] * tiles / workers))
         add("light, 12 bytes a cell", size(12 * side**2))
     return list(rows.values())

@@ -96,8 +96,8 @@ def light_world(
 ) -> da.Array:
     """Lights a world tile by tile, each with the light of all.
 
-    Workers read its parts, one of them finds the far field, and each tile receives the part of it that it needs: a few
-    megabytes, however large the world is.
+    Workers read its parts, one of them finds the far field, and each tile receives the part of it that it needs: about
+    a megabyte, and up to two more whenever the world is twice as wide.
 
     Parameters
     ----------
