@@ -2,15 +2,33 @@
 
 use super::paths::{Across, DIRECTIONS, Entry, PER_DIRECTION, SLOTS, Strips, direction, slot};
 use crate::Rgb;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// A block: the means over its paths, by slot.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FarBlock {
     /// Radiance that it sends, as seen in this direction.
+    #[serde(with = "slots")]
     pub sent: [PackedRgb; SLOTS],
     /// Fraction of light that it stops.
+    #[serde(with = "slots")]
     pub stopped: [PackedRgb; SLOTS],
+}
+
+/// Arrays of more values than serde knows.
+mod slots {
+    use super::{PackedRgb, SLOTS};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(slots: &[PackedRgb; SLOTS], to: S) -> Result<S::Ok, S::Error> {
+        slots.as_slice().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[PackedRgb; SLOTS], D::Error> {
+        let slots = Vec::<PackedRgb>::deserialize(from)?;
+        slots.try_into().map_err(|_| D::Error::custom("a block is damaged"))
+    }
 }
 
 impl FarBlock {
@@ -130,8 +148,24 @@ impl Bearing {
 }
 
 /// A colour in four bytes: three mantissas and a common exponent (Ward 1991), with 1 exact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "u32", into = "u32")]
 pub struct PackedRgb(u32);
+
+impl From<PackedRgb> for u32 {
+    fn from(packed: PackedRgb) -> Self {
+        packed.0
+    }
+}
+
+impl TryFrom<u32> for PackedRgb {
+    type Error = &'static str;
+
+    fn try_from(bits: u32) -> Result<Self, Self::Error> {
+        // The exponent of a mantissa of 8 bits.
+        if bits == 0 || bits >> 24 > 8 { Ok(Self(bits)) } else { Err("a colour is damaged") }
+    }
+}
 
 /// The least exponent that is kept; smaller values are 0.
 const LEAST: i32 = -100;

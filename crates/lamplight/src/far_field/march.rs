@@ -12,6 +12,8 @@ use crate::math::transmittance::OPAQUE_TRANSMITTANCE;
 #[derive(Debug)]
 pub struct Rings {
     levels: Vec<[[i32; 2]; 2]>,
+    /// The smallest blocks of the window itself.
+    window: [[i32; 2]; 2],
 }
 
 /// A direction of rays.
@@ -45,6 +47,7 @@ impl Rings {
     /// Finds those of a window, px, for so many levels, of which each is `width` blocks wide.
     pub fn new(count: usize, first: [i32; 2], end: [i32; 2], width: i32) -> Self {
         let mut edges = [first, end];
+        let window = edges.map(|edge| edge.map(|v| v / SIDE as i32));
         let ring = |level: usize| {
             let side = (SIDE as i32) << level;
             if level + 1 == count {
@@ -57,7 +60,15 @@ impl Rings {
             }
             edges.map(|edge| edge.map(|v| v / side))
         };
-        Self { levels: (0..count).map(ring).collect() }
+        Self { levels: (0..count).map(ring).collect(), window }
+    }
+
+    /// The blocks of a level that rays may cross, from the first to the last, exclusive; of these, all in the second
+    /// rectangle belong to the level before, or to the window.
+    pub fn of_level(&self, level: usize) -> [[[i32; 2]; 2]; 2] {
+        let nearer =
+            level.checked_sub(1).map(|finer| self.levels[finer].map(|edge| edge.map(|v| v / 2)));
+        [self.levels[level], nearer.unwrap_or(self.window)]
     }
 }
 

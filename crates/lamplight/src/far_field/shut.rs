@@ -1,7 +1,9 @@
 //! Blocks that a wall runs through: no light passes, wherever the wall lies in them.
 
+use serde::{Deserialize, Serialize};
+
 /// The way of a wall through a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WallWay {
     None,
     /// It only clips the block, whose open cells are all on one side of it: rays that come near it are stopped.

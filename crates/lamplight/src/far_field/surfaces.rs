@@ -3,16 +3,46 @@
 use super::block::PackedRgb;
 use crate::GridWindow;
 use crate::stages::bounce::{SurfaceLight, Surfaces};
+use serde::{Deserialize, Serialize};
 
 /// The radiance that the surfaces of a part send on, by cell: its index in the part, row by row.
-#[derive(Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PartLight {
-    window: GridWindow,
+    /// The first cell of the part in the world, and its size.
+    first: [u32; 2],
+    size: [u32; 2],
     walls: Vec<(u32, [PackedRgb; 4])>,
     media: Vec<(u32, PackedRgb)>,
 }
 
 impl PartLight {
+    /// That of a part whose surfaces send nothing on.
+    pub fn none(GridWindow { first, size }: GridWindow) -> Self {
+        Self { first, size, walls: Vec::new(), media: Vec::new() }
+    }
+
+    /// The window of the part.
+    pub fn window(&self) -> GridWindow {
+        GridWindow { first: self.first, size: self.size }
+    }
+
+    /// Returns it with no more than the cells of a window, unless none are in both.
+    pub fn within(&self, window: GridWindow) -> Option<Self> {
+        let end = |of: GridWindow, a: usize| of.first[a] + of.size[a];
+        let both = (0..2).all(|a| {
+            self.first[a].max(window.first[a]) < end(self.window(), a).min(end(window, a))
+        });
+        let inside = |cell: u32| {
+            let at = [cell % self.size[0], cell / self.size[0]];
+            (0..2).all(|a| (self.first[a] + at[a]).wrapping_sub(window.first[a]) < window.size[a])
+        };
+        both.then(|| Self {
+            walls: self.walls.iter().filter(|(cell, _)| inside(*cell)).copied().collect(),
+            media: self.media.iter().filter(|(cell, _)| inside(*cell)).copied().collect(),
+            ..Self::none(self.window())
+        })
+    }
+
     /// Keeps what is known of a part, a window of the world, of a grid of so many columns whose first cell lies at
     /// `origin` in the world.
     pub fn of(surfaces: &Surfaces, columns: u32, origin: [u32; 2], window: GridWindow) -> Self {
@@ -28,15 +58,14 @@ impl PartLight {
         let media = surfaces.media.iter().zip(&surfaces.medium_scattered);
         let media = media
             .filter_map(|(&cell, &light)| place(cell).map(|cell| (cell, PackedRgb::new(light))));
-        Self { window, walls: walls.collect(), media: media.collect() }
+        Self { walls: walls.collect(), media: media.collect(), ..Self::none(window) }
     }
 
     /// Adds what is known of the cells of a window of the world.
     pub fn add_to(&self, light: &mut SurfaceLight, window: GridWindow) {
         let place = |cell: u32| {
-            let at = [cell % self.window.size[0], cell / self.window.size[0]];
-            let [x, y] =
-                [0, 1].map(|a| (self.window.first[a] + at[a]).wrapping_sub(window.first[a]));
+            let at = [cell % self.size[0], cell / self.size[0]];
+            let [x, y] = [0, 1].map(|a| (self.first[a] + at[a]).wrapping_sub(window.first[a]));
             (x < window.size[0] && y < window.size[1]).then(|| y * window.size[0] + x)
         };
         let walls = self.walls.iter().filter_map(|(cell, faces)| {
