@@ -26,8 +26,8 @@ const EXACT: u64 = 50;
 const MOMENT_READ: u64 = 60;
 /// Bytes per cell of a tile with inflow, beside those of the method: border rows, and the copy that the source made.
 const INFLOW: u64 = 500;
-/// Bytes per cell of a world in its far field, if two fifths of its blocks hold matter that reflects.
-const FAR_FIELD: u64 = 24;
+/// Bytes per cell of a world in its far field, and in that of the next bounce, if two fifths of its blocks hold matter.
+const FAR_FIELD: u64 = 48;
 /// Bytes per cell of the light of a row, kept until all rows are compared.
 const ROW: u64 = 16;
 /// Bytes per cell of FLIP.

@@ -287,9 +287,10 @@ fn sent<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
 
 #[test]
 fn parts_read_and_tiles_lit_elsewhere_are_the_same() {
-    let (width, height) = (600, 530);
+    // Two parts.
+    let (width, height) = (1100, 200);
     let whole = open_world(width);
-    let first = [0, 70];
+    let first = [0, 800];
     let mut cells = whole.window(GridWindow { first, size: [width, height] }).unwrap();
     cells.lamps_mut().push(Lamp { position: [150.0, 20.0], ..LAMP });
     cells.set_sky(Sky::Uniform([0.1, 0.2, 0.3]));
@@ -303,11 +304,22 @@ fn parts_read_and_tiles_lit_elsewhere_are_the_same() {
         far.add(sent::<FarPart>(&read)).unwrap();
     }
     far.finish();
+    assert!(far.goes_on());
+    let mut after = far.after();
+    for part in far.parts() {
+        let blocks = sent(&far.blocks(Some(part)));
+        let own = FarWorld::of_blocks(far.size(), cells.sky(), &[], settings.clone(), blocks);
+        let found = own.unwrap().bounce(part, source(far.around_tile(part))).unwrap();
+        after.add(sent::<FarPart>(&found)).unwrap();
+    }
+    let mut far = after;
+    far.finish();
+    assert!(!far.goes_on());
     let of_blocks = |size, blocks: FarBlocks| {
         FarWorld::of_blocks(size, cells.sky(), &[], settings.clone(), sent(&blocks))
     };
     let whole = of_blocks(far.size(), far.blocks(None)).unwrap();
-    let tiles = world.tiles(200);
+    let tiles = world.tiles(300);
     for tile in &tiles {
         let expected = world.light(*tile).unwrap();
         let own = of_blocks(far.size(), far.blocks(Some(*tile))).unwrap();
@@ -330,18 +342,18 @@ fn cells_size(cells: &Cells) -> [u32; 2] {
 
 #[test]
 fn cells_of_another_window_are_refused() {
-    let far = FarWorld::new([600, 100], &Sky::BLACK, &[], WorldSettings::new(direct())).unwrap();
+    let far = FarWorld::new([1100, 100], &Sky::BLACK, &[], WorldSettings::new(direct())).unwrap();
     let wrong = || Cells::new(100, 100).unwrap();
     let [part, _] = far.parts()[..] else { panic!("{:?}", far.parts()) };
     let error = far.read(part, wrong()).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("100×100") && error.contains("528×100"), "{error}");
+    assert!(error.contains("100×100") && error.contains("1025×100"), "{error}");
     let inner = GridWindow { first: [4, 0], ..part };
     let error = far.read(inner, wrong()).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("multiples of 512"), "{error}");
+    assert!(error.contains("multiples of 1024"), "{error}");
     assert!(far.light(part, wrong()).is_err());
-    let beyond = GridWindow { first: [590, 0], size: [20, 20] };
+    let beyond = GridWindow { first: [1090, 0], size: [20, 20] };
     let error = far.light(beyond, wrong()).unwrap_err().to_string();
-    assert!(error.contains("600×100"), "{error}");
+    assert!(error.contains("1100×100"), "{error}");
 }
 
 #[test]
