@@ -42,6 +42,7 @@ pub mod frame_plan;
 mod gpu_struct;
 mod grid_size;
 mod hints;
+mod inflow;
 mod lamps;
 mod lighting;
 mod matter;

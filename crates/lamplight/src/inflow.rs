@@ -109,6 +109,18 @@ impl Inflow {
         }
     }
 
+    /// Rejects the inflow of a grid of another size.
+    ///
+    /// # Errors
+    /// Fails if it is one.
+    pub fn check(&self, grid: [u32; 2]) -> Result<()> {
+        if self.size == grid {
+            return Ok(());
+        }
+        let [found, expected] = [self.size, grid].map(|[w, h]| format!("that of {w}×{h} cells"));
+        Err(Error::value("inflow", found, expected))
+    }
+
     /// Columns and rows of the grid.
     pub fn size(&self) -> [u32; 2] {
         self.size
@@ -223,7 +235,7 @@ impl PartialEq for Inflow {
 }
 
 /// The number of cells along a border; those in the corners count for both sides.
-fn border_cells([width, height]: [u32; 2]) -> usize {
+pub fn border_cells([width, height]: [u32; 2]) -> usize {
     2 * (width as usize + height as usize)
 }
 

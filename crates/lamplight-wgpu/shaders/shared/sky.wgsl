@@ -1,8 +1,13 @@
 // The sky: a gradient over the sine of the elevation, or a panorama over the angle (crates/lamplight/src/panorama.rs),
-// which the importing shader binds as `panorama`, one texel per column.
+// which the importing shader binds as `panorama`, one texel per column; with INFLOW, one strip of them per border cell.
 
 #import shared/angle
 #import shared/uniforms
+
+// True if light enters by place on the border, in place of the sky.
+override INFLOW: bool = false;
+// Strips that then lie one below the other; the next lie beside them.
+override STRIPS: u32 = 1u;
 
 const RADIANS_PER_TURN: f32 = 6.2831855;
 
@@ -12,7 +17,7 @@ fn sky(direction: vec2f) -> vec3f {
         return gradient(direction.y);
     }
     let at = sky_place(angle(direction));
-    return between_columns(floor(at), at - floor(at));
+    return between_columns(0u, floor(at), at - floor(at));
 }
 
 // The mean radiance of the sky between two angles, over which the mean of the sine is `sine`.
@@ -20,14 +25,19 @@ fn sky_between(sine: f32, first: f32, last: f32) -> vec3f {
     if frame.sky_columns == 0u {
         return gradient(sine);
     }
-    let start = sky_place(first);
-    let end = sky_place(last);
+    return mean_of_columns(0u, vec2f(sky_place(first), sky_place(last)));
+}
+
+// The mean of a strip between two columns.
+fn mean_of_columns(strip: u32, columns: vec2f) -> vec3f {
+    let start = columns.x;
+    let end = columns.y;
     var sum = vec3f(0.0);
     for (var column = floor(start); column < end; column += 1.0) {
         let enter = max(start, column) - column;
         let leave = min(end, column + 1.0) - column;
         // Radiance is linear here: its mean is that in the middle.
-        sum += (leave - enter) * between_columns(column, 0.5 * (enter + leave));
+        sum += (leave - enter) * between_columns(strip, column, 0.5 * (enter + leave));
     }
     return sum / (end - start);
 }
@@ -42,13 +52,14 @@ fn sky_place(at: f32) -> f32 {
     return frame.sky_origin + at / RADIANS_PER_TURN * f32(frame.sky_columns);
 }
 
-// The radiance between a column and the next, at a fraction of the way.
-fn between_columns(column: f32, past: f32) -> vec3f {
+// The radiance between a column of a strip and the next, at a fraction of the way.
+fn between_columns(strip: u32, column: f32, past: f32) -> vec3f {
     let count = i32(frame.sky_columns);
     // The remainder has the sign of the column.
     let first = (i32(column) % count + count) % count;
     let second = select(first + 1, 0, first + 1 == count);
-    let a = textureLoad(panorama, vec2i(first, 0), 0).rgb;
-    let b = textureLoad(panorama, vec2i(second, 0), 0).rgb;
+    let at = vec2i(count * i32(strip / STRIPS), i32(strip % STRIPS));
+    let a = textureLoad(panorama, at + vec2i(first, 0), 0).rgb;
+    let b = textureLoad(panorama, at + vec2i(second, 0), 0).rgb;
     return mix(a, b, past);
 }

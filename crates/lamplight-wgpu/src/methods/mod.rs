@@ -33,11 +33,16 @@ pub enum Method {
 }
 
 impl Method {
-    /// Compiles the pipelines for these settings.
+    /// Compiles the pipelines for these settings, of a method that reads `inflow` for frames with some or for others.
     ///
     /// # Errors
     /// If the GPU does not have the method.
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> lamplight::Result<Self> {
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        settings: &Settings,
+        inflow: bool,
+    ) -> lamplight::Result<Self> {
         let (bounces, moment) = (settings.method.bounces(settings.bounces), settings.moment);
         Ok(match &settings.method {
             MethodSettings::Cascades(settings) => {
@@ -49,7 +54,8 @@ impl Method {
             MethodSettings::Holographic(settings) => match settings.variant {
                 Variant::Paper => Self::Paper(Box::new(Paper::new(device, bounces, moment))),
                 Variant::Bundles => {
-                    Self::Holographic(Box::new(Holographic::new(device, settings, bounces, moment)))
+                    let holographic = Holographic::new(device, settings, bounces, moment, inflow);
+                    Self::Holographic(Box::new(holographic))
                 }
                 other => return Err(unsupported("holographic.variant", other)),
             },

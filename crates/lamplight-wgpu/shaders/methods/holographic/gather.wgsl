@@ -8,8 +8,8 @@
 // steps of their own wall: of light that comes down s px along the face for each px that it comes nearer, a
 // step that begins k px beside the cell in front blocks the fraction `clamp(s − k, 0, 1)`.
 
+#import methods/holographic/border
 #import methods/holographic/footprint
-#import methods/holographic/sky
 #import shared/moment
 
 // Added to the sum of the weights at a ray's end, so that opaque cells let no light through, instead of 0 / 0.
@@ -27,6 +27,7 @@ override CONES: u32;
 @group(0) @binding(10) var<storage, read_write> light: array<vec4f>;
 @group(0) @binding(11) var<storage, read_write> irradiance: array<vec2u>;
 @group(0) @binding(12) var albedo: texture_2d<f32>;
+@group(0) @binding(13) var panorama: texture_2d<f32>;
 
 // The distance of a step that does not exist, px: farther than any light comes down.
 const FAR_AWAY: f32 = 1e9;
@@ -42,7 +43,7 @@ struct Pixel {
     // Slabs to the plane.
     ahead: u32,
     // The first entry of the light on the plane, whether its index is odd, and whether there is any: beyond the grid
-    // is sky.
+    // is none.
     far: u32,
     odd: bool,
     stored: bool,
@@ -64,8 +65,10 @@ fn far_of(plane: u32) -> u32 {
 // cones is not gathered from.
 fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
     let at = pixel.far + cone * sweep.rows;
+    let entry = sweep.cones_above + cone + 1u;
+    let slab = pixel.slab + pixel.ahead;
     var sum = vec3f(0.0);
-    var beyond = 0.0;
+    var beside = 0.0;
     for (var i = 0; i < 3; i++) {
         let end = u32(row + i - 1);
         if pixel.stored && end < sweep.rows {
@@ -76,12 +79,14 @@ fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
                 words = shown_even[at + end];
             }
             sum += weights[i] * unpack_rgb(words);
+        } else if INFLOW {
+            sum += weights[i] * beyond(entry, slab, row + i - 1);
         } else {
-            beyond += weights[i];
+            beside += weights[i];
         }
     }
-    if beyond > 0.0 {
-        sum += beyond * sky_in(cone + 1u);
+    if beside > 0.0 {
+        sum += beside * beyond(entry, slab, row);
     }
     return sum;
 }

@@ -3,6 +3,7 @@
 //! Quadrant after quadrant, or several together, chunk after chunk ([`lattice`]): trace the first level of intervals, extend
 //! them level by level, merge cones down, and let the pixels of the chunk gather from them.
 
+mod border;
 mod lattice;
 pub mod paper;
 mod quadrant;
@@ -71,7 +72,7 @@ struct IntervalPipelines {
 }
 
 impl IntervalPipelines {
-    fn new(device: &Device, level: u32, words: u32) -> Self {
+    fn new(device: &Device, level: u32, words: u32, inflow: bool) -> Self {
         let stored = ("WORDS", f64::from(words));
         let exchanged = ("EXCHANGED", EXCHANGED.into());
         let bundles = ("BUNDLES", rays(level) as f64);
@@ -105,6 +106,7 @@ impl IntervalPipelines {
             ("TILE", MERGED.rows.into()),
             ("BEFORE", MERGED.before.into()),
         ];
+        let merge = [&merge[..], &shaders::inflow(inflow)].concat();
         Self {
             words,
             trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
@@ -234,7 +236,14 @@ struct Bindings {
 }
 
 impl Holographic {
-    pub fn new(device: &Device, settings: &Settings, bounces: Bounces, moment: bool) -> Self {
+    /// Compiles the pipelines. `inflow`: for frames with light that enters by place.
+    pub fn new(
+        device: &Device,
+        settings: &Settings,
+        bounces: Bounces,
+        moment: bool,
+        inflow: bool,
+    ) -> Self {
         let geometry = GatherGeometry::new(settings);
         let gather = |pixels: bool| {
             let own = [
@@ -245,7 +254,7 @@ impl Holographic {
                 ("CONES", lattice::shown(geometry.level + 1) as f64),
                 shaders::moment(moment && pixels),
             ];
-            let constants = [CELLS, MARCH, &own].concat();
+            let constants = [CELLS, MARCH, &own, &shaders::inflow(inflow)].concat();
             ComputePipelines::new(device, &programs::HOLOGRAPHIC_GATHER, &constants)
         };
         let compared = || ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
@@ -259,7 +268,8 @@ impl Holographic {
                 &programs::HOLOGRAPHIC_SLABS,
                 &[CELLS, &[("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
             ),
-            intervals: [2, 3].map(|words| IntervalPipelines::new(device, geometry.level, words)),
+            intervals: [2, 3]
+                .map(|words| IntervalPipelines::new(device, geometry.level, words, inflow)),
             gather: gather(true),
             gather_faces: gather(false),
             faces: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES, &[marks]),
@@ -430,7 +440,7 @@ impl Holographic {
                 let resources = [&[sweeps.binding()], &read[..], &made[..]].concat();
                 extend.insert([at, above], planner.bind(&intervals.extend[0], &resources));
             }
-            let light = [whole(radiance)];
+            let light = [whole(radiance), planner.panorama()];
             let resources = [&[sweeps.binding(), whole(cones)], &read[..], &light].concat();
             merge.insert(at, planner.bind(&intervals.merge, &resources));
             if at == first {
@@ -445,6 +455,7 @@ impl Holographic {
             whole(light),
             whole(irradiance),
             view(&planner.textures.albedo),
+            planner.panorama(),
         ];
         Bindings {
             slabs: planner.bind(&self.slabs, &slabs),
