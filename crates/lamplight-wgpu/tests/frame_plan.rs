@@ -7,7 +7,10 @@ mod common;
 
 use common::{adapter, cells, device, lighting, open, recorded};
 use lamplight::settings::Variant;
-use lamplight::{Bounces, Cells, Cookie, CookiePixels, Lamp, Method, Panorama, Settings, Sky};
+use lamplight::{
+    BorderPlace, Bounces, Cells, Cookie, CookiePixels, Inflow, Lamp, Method, Panorama, Settings,
+    Sky,
+};
 use lamplight_wgpu::frame_plan::{
     FramePlan, PlannedBinding, PlannedGroups, PlannedProgram, TextureSource,
 };
@@ -233,6 +236,11 @@ fn all_settings() -> Vec<Settings> {
 /// A frame's plan, and its cells with their lamps drawn.
 fn planned(lighting: &mut Lighting, settings: &Settings, frame: u32) -> (FramePlan, Cells) {
     let mut cells = scene(frame);
+    if frame == 1 && settings.method.takes_inflow().is_ok() {
+        let radiance =
+            |place: BorderPlace, angle: f64| [0.1, place.at[0] / 60.0, angle as f32 / 8.0];
+        cells.set_inflow(Some(Inflow::new(SIZE, 24, radiance).unwrap())).unwrap();
+    }
     // The grid moves with its camera, so that history is moved too.
     let input = FrameInput::of_cells(settings, &cells);
     let input = FrameInput { origin: [frame as i32 / 2, 0], ..input };

@@ -16,8 +16,7 @@ fn sky(direction: vec2f) -> vec3f {
     if frame.sky_columns == 0u {
         return gradient(direction.y);
     }
-    let at = sky_place(angle(direction));
-    return between_columns(0u, floor(at), at - floor(at));
+    return mean_of_columns(0u, vec2f(sky_place(angle(direction))));
 }
 
 // The mean radiance of the sky between two angles, over which the mean of the sine is `sine`.
@@ -28,10 +27,13 @@ fn sky_between(sine: f32, first: f32, last: f32) -> vec3f {
     return mean_of_columns(0u, vec2f(sky_place(first), sky_place(last)));
 }
 
-// The mean of a strip between two columns.
+// The mean of a strip between two columns, or what is there if they are the same.
 fn mean_of_columns(strip: u32, columns: vec2f) -> vec3f {
     let start = columns.x;
     let end = columns.y;
+    if start == end {
+        return between_columns(strip, floor(start), start - floor(start));
+    }
     var sum = vec3f(0.0);
     for (var column = floor(start); column < end; column += 1.0) {
         let enter = max(start, column) - column;

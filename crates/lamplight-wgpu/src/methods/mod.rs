@@ -46,7 +46,8 @@ impl Method {
         let (bounces, moment) = (settings.method.bounces(settings.bounces), settings.moment);
         Ok(match &settings.method {
             MethodSettings::Cascades(settings) => {
-                Self::Cascades(Box::new(Cascades::new(device, queue, settings, bounces, moment)?))
+                let cascades = Cascades::new(device, queue, settings, bounces, moment, inflow)?;
+                Self::Cascades(Box::new(cascades))
             }
             MethodSettings::Flood(settings) => {
                 Self::Flood(Box::new(Flood::new(device, queue, settings, moment)))
@@ -63,7 +64,8 @@ impl Method {
                 Self::Polar(Box::new(Polar::new(device, settings, moment)?))
             }
             MethodSettings::Raymarch(settings) => {
-                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings, bounces, moment)?))
+                let raymarch = Raymarch::new(device, queue, settings, bounces, moment, inflow)?;
+                Self::Raymarch(Box::new(raymarch))
             }
             other => return Err(unsupported("method", other.method())),
         })

@@ -2,6 +2,7 @@
 
 use crate::common::{cells, device, device_of, device_with, frame, lighting};
 use crate::compare::{Both, SIZES, agree, differences, scenes};
+use crate::inflow::entered;
 use lamplight::settings::Holographic;
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Settings, Sky};
 use lamplight_wgpu::{Backend, FrameInput, Lighting, LightingOptions, Tier};
@@ -107,7 +108,10 @@ const SAME: f64 = 1e-5;
 
 #[test]
 fn neither_fused_levels_nor_chunks_change_the_light() {
-    for (preset, cells) in [("default", cells(90, 131, 29)), ("fast", solid(131, 90, 31))] {
+    let with_inflow = entered(cells(90, 131, 29), 32, 3);
+    for (preset, cells) in
+        [("default", cells(90, 131, 29)), ("fast", solid(131, 90, 31)), ("fast", with_inflow)]
+    {
         let light = lit(&cells, preset, None, 1);
         for (most_bytes, fused) in [(None, 2), (Some(800_000), 1), (Some(800_000), 2)] {
             let other = lit(&cells, preset, most_bytes, fused);

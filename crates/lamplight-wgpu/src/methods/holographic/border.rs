@@ -1,12 +1,11 @@
 //! The cones of all quadrants at the border of a grid with inflow, as shaders/methods/holographic/border.wgsl reads them.
 
-use super::sky::ConeEntry;
 use lamplight::internals::holographic::lattice::{BEYOND, cones, edges, on_grid, slope};
 use lamplight::internals::sky::column;
 
 /// Returns, quadrant by quadrant, the two columns of strips of so many between which each cone of the levels above `first`
 /// lies, and the slope of its middle: the levels up to the last of each axis, as the table of cones has them.
-pub fn cones_at_border(first: u32, ends: [u32; 2], columns: u32) -> Vec<ConeEntry> {
+pub fn cones_at_border(first: u32, ends: [u32; 2], columns: u32) -> Vec<[f32; 4]> {
     let mut entries = Vec::new();
     for quadrant in 0..4 {
         let (along_x, reversed) = (quadrant < 2, quadrant % 2 == 1);
