@@ -13,6 +13,20 @@ const RING: i32 = 24;
 /// Rays of a column of inflow, for each block along the border.
 const RAYS: usize = 4;
 
+impl Rings {
+    /// Finds those of the rays that enter a window, for so many levels.
+    pub fn around(window: GridWindow, count: usize) -> Self {
+        let [first, end] = edges(window);
+        Self::new(count, first, end, RING)
+    }
+}
+
+/// Returns the beginning and the end of the blocks of a window, px.
+fn edges(GridWindow { first, size }: GridWindow) -> [[i32; 2]; 2] {
+    let first = first.map(|v| v as i32);
+    [first, [0, 1].map(|a| (first[a] + size[a] as i32 + 3) / 4 * 4)]
+}
+
 /// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions.
 ///
 /// # Errors
@@ -23,10 +37,9 @@ pub fn inflow(
     window: GridWindow,
     columns: usize,
 ) -> Result<Inflow> {
-    let GridWindow { first, size } = window;
-    let first = first.map(|v| v as i32);
-    let end = [0, 1].map(|a| (first[a] + size[a] as i32 + 3) / 4 * 4);
-    let rings = Rings::new(levels.len(), first, end, RING);
+    let size = window.size;
+    let [first, end] = edges(window);
+    let rings = Rings::around(window, levels.len());
     let blocks = [0, 1].map(|a| (end[a] - first[a]) / SIDE as i32);
     // By side: top, right, bottom, left.
     let strips = [0, 1, 2, 3].map(|side| {
