@@ -34,12 +34,17 @@ fn mean_of_columns(strip: u32, columns: vec2f) -> vec3f {
     if start == end {
         return between_columns(strip, floor(start), start - floor(start));
     }
+    var place = on_strip(strip, floor(start));
+    var a = textureLoad(panorama, place, 0).rgb;
     var sum = vec3f(0.0);
     for (var column = floor(start); column < end; column += 1.0) {
+        place = next_on_strip(strip, place);
+        let b = textureLoad(panorama, place, 0).rgb;
         let enter = max(start, column) - column;
         let leave = min(end, column + 1.0) - column;
         // Radiance is linear here: its mean is that in the middle.
-        sum += (leave - enter) * between_columns(strip, column, 0.5 * (enter + leave));
+        sum += (leave - enter) * mix(a, b, 0.5 * (enter + leave));
+        a = b;
     }
     return sum / (end - start);
 }
@@ -56,12 +61,23 @@ fn sky_place(at: f32) -> f32 {
 
 // The radiance between a column of a strip and the next, at a fraction of the way.
 fn between_columns(strip: u32, column: f32, past: f32) -> vec3f {
+    let place = on_strip(strip, column);
+    let a = textureLoad(panorama, place, 0).rgb;
+    let b = textureLoad(panorama, next_on_strip(strip, place), 0).rgb;
+    return mix(a, b, past);
+}
+
+// The texel of a column, which may lie on another turn around the circle.
+fn on_strip(strip: u32, column: f32) -> vec2i {
     let count = i32(frame.sky_columns);
     // The remainder has the sign of the column.
     let first = (i32(column) % count + count) % count;
-    let second = select(first + 1, 0, first + 1 == count);
-    let at = vec2i(count * i32(strip / STRIPS), i32(strip % STRIPS));
-    let a = textureLoad(panorama, at + vec2i(first, 0), 0).rgb;
-    let b = textureLoad(panorama, at + vec2i(second, 0), 0).rgb;
-    return mix(a, b, past);
+    return vec2i(count * i32(strip / STRIPS) + first, i32(strip % STRIPS));
+}
+
+// The texel after another one of a strip, around the circle.
+fn next_on_strip(strip: u32, place: vec2i) -> vec2i {
+    let begin = i32(frame.sky_columns * (strip / STRIPS));
+    let next = place.x + 1;
+    return vec2i(select(next, begin, next == begin + i32(frame.sky_columns)), place.y);
 }
