@@ -37,6 +37,7 @@ mod border;
 mod debug_view;
 mod extend;
 mod faces;
+mod fine_rows;
 mod gather;
 mod interval;
 pub mod lattice;
