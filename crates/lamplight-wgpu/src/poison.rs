@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn nothing_is_read_from_workgroup_memory_before_it_is_written() {
         let (device, queue) = device();
-        for (preset, glass) in [("default", true), ("fast", false)] {
+        for (preset, glass) in [("default", true), ("fast", false), ("draft", true)] {
             let cells = cells(glass);
             let mut settings = Settings::direct(Holographic::preset(preset).unwrap());
             settings.bounces = Bounces::Count(1);

@@ -39,9 +39,10 @@ fn is_emitting(at: vec2i) -> bool {
     return any(textureLoad(matter, at, 0) != vec4f(1.0, 1.0, 1.0, 0.0)) && (emits_itself(vec2u(at)) || scatters(vec2u(at)));
 }
 
-// Returns whether at most two points of the lattice emit in a row with this cell, `step` from one cell to the next.
+// Returns whether at most two cells in a row emit with this one, or six if points lie 2 px apart; `step` leads from one to
+// the next.
 fn is_thin(at: vec2i, step: vec2i) -> bool {
-    var left = (2i << sweep.spacing_level) - 1;
+    var left = (4i << sweep.spacing_level) - 3;
     for (var side = -1; side < 2 && left >= 0; side += 2) {
         for (var i = 1; left >= 0 && is_emitting(at + side * i * step); i++) {
             left--;
@@ -50,7 +51,7 @@ fn is_thin(at: vec2i, step: vec2i) -> bool {
     return left >= 0;
 }
 
-// Returns whether a cell that emits is a source at most two points wide and high, with nothing solid around it.
+// Returns whether a cell that emits is a source so wide and high at most, with nothing solid around it.
 fn is_small(at: vec2u) -> bool {
     let cell = vec2i(at);
     return is_alone(at) && is_thin(cell, vec2i(1, 0)) && is_thin(cell, vec2i(0, 1));

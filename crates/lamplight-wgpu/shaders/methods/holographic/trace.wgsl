@@ -21,8 +21,8 @@ override BUNDLES: u32;
 var<workgroup> meets: array<vec4u, BUNDLES>;
 // The light of a bundle from each row: of even bundles, and of odd ones.
 var<workgroup> traced: array<vec2u, 2u * TILE>;
-// The bundles of all rows of cells, where two share a point.
-var<workgroup> halves: array<array<vec3f, 2>, TILE>;
+// The light and the transmittance of the bundles of all rows of cells, where two share a point.
+var<workgroup> halves: array<vec3u, 2u * TILE>;
 
 // The interval of a bundle from a lane's row. Its footprint is a mask with an entry per slab, then the crossings
 // of each ray.
@@ -46,12 +46,14 @@ fn counts(lane: u32, row: i32, rise: i32) -> bool {
 // The mean over the two rows of a lane's point. Of neither that counts it is the first: the second may lie beyond the
 // grid.
 fn mean_of_pair(lane: u32, row: i32, rise: i32) -> Interval {
-    let first = halves[lane & ~1u];
-    let second = halves[lane | 1u];
+    let first = 2u * (lane & ~1u);
     let low = row & ~1;
     var weight = select(1.0, 0.5, counts(lane & ~1u, low, rise));
     weight = select(0.0, weight, counts(lane | 1u, low + 1, rise));
-    return Interval(mix(first[0], second[0], weight), mix(first[1], second[1], weight));
+    return Interval(
+        mix(bitcast<vec3f>(halves[first]), bitcast<vec3f>(halves[first + 2u]), weight),
+        mix(bitcast<vec3f>(halves[first + 1u]), bitcast<vec3f>(halves[first + 3u]), weight),
+    );
 }
 
 @compute @workgroup_size(64)
@@ -83,7 +85,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
             bundle = bundle_of(sweep.footprints + ray * size, slab, u32(row), lane, length);
         }
         if SPACING == 2u {
-            halves[lane] = array(bundle.light, bundle.transmittance);
+            halves[2u * lane] = bitcast<vec3u>(bundle.light);
+            halves[2u * lane + 1u] = bitcast<vec3u>(bundle.transmittance);
             workgroupBarrier();
             bundle = mean_of_pair(lane, row, 2 * i32(ray) - i32(length));
         }

@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn every_vector_unit_gives_the_same_light() {
         let cells = cells().drawn().into_owned();
-        for preset in ["default", "fast", "quality"] {
+        for preset in ["default", "fast", "quality", "draft"] {
             let settings = settings::Holographic::preset(preset).unwrap();
             agree(ROUNDING, |level| {
                 let mut light = Light::default();

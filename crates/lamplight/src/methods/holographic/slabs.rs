@@ -25,8 +25,9 @@ pub const MEDIUM: u8 = 2;
 /// Bit of `Slabs::classes`: the cell emits, reflects or scatters light.
 pub const EMISSIVE: u8 = 4;
 
-/// Bit of `Slabs::classes`: light may come from a source at most two points of the lattice wide and high. The cell
-/// is [`EMISSIVE`], along both axes at most so many in a row are, and none of the eight cells around it is solid.
+/// Bit of `Slabs::classes`: light may come from a source at most two cells wide and high, or six if points of the
+/// lattice lie 2 px apart. The cell is [`EMISSIVE`], along both axes at most so many in a row are, and none of the eight
+/// cells around it is solid.
 pub const SMALL: u8 = 8;
 
 /// Bit of `Slabs::classes`: the cell emits light of its own. What only reflects or scatters has no sharp bright edges,
@@ -145,7 +146,7 @@ impl Slabs {
         for (&at, &i) in self.occupied.iter().zip(&matter) {
             let emits = |at: usize| self.classes.get(at).is_some_and(|class| class & EMISSIVE != 0);
             // At most this many cells in a row emit.
-            let most = 2 * spacing;
+            let most = 4 * spacing - 2;
             let is_thin = |step: usize| {
                 let before = (1..=most).take_while(|i| emits(at.wrapping_sub(i * step))).count();
                 let after = (1..=most).take_while(|i| emits(at + i * step)).count();
