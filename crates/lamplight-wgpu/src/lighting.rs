@@ -447,6 +447,10 @@ impl Lighting {
 
     /// Goes on with the trial of both backends, if there is one: finds a frame on the CPU too, or chooses.
     fn try_backends(&mut self, input: &FrameInput, grid: Grid, moved: [i32; 2]) {
+        // Browsers have no trials, and their page no room for one.
+        if cfg!(target_arch = "wasm32") {
+            return;
+        }
         let Some(mut trial) = self.trial.take() else { return };
         match trial.next() {
             TrialStep::TimeGpu => {}
