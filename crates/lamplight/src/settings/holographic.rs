@@ -26,9 +26,9 @@ settings! {
     pub struct Holographic in "holographic" {
         /// The variant.
         variant: Variant = Variant::Bundles;
-        /// Distance between neighbouring points of the lattice in px. 2: the lattice takes a quarter of the time
-        /// and memory, pixels still trace every cell to the next plane, and no wall lets light through; shadows
-        /// and small lights are less sharp.
+        /// Distance between neighbouring points of the lattice in px. 2: the lattice has a quarter of the points
+        /// and moves a quarter of the bytes. Pixels still trace every cell to the next plane, and no wall lets light
+        /// through; shadows and small lights are less sharp.
         lattice_spacing: u32 = 1, in 1..=2;
         /// Level of the planes at which the final gather ends: they are 2^level px apart, and a
         /// pixel sends 16·2^level ÷ `lattice_spacing` rays to them. Higher: fewer stars and stripes round small lights;

@@ -42,7 +42,7 @@ pub enum Quality {
 
 impl Quality {
     /// All levels.
-    pub const ALL: &'static [Self] = 
+    pub const ALL: &'static [Self] =
         &[Self::Draft, Self::Fast, Self::Default, Self::High, Self::Paper];
 
     /// The name in files and flags.
