@@ -8,7 +8,6 @@
 //! otherwise perhaps behind a wall.
 
 use super::interval::LANES;
-use super::merge::{ConeLight, PlaneLight};
 use super::slabs::{Slabs, is_open};
 use fearless_simd::{f32x16, prelude::*};
 
@@ -35,27 +34,28 @@ impl FineRows {
         }
     }
 
-    /// Returns the light of a cone of the plane that was read last.
+    /// Returns the light of a cone of the plane that was read last, by channel.
     #[inline(always)]
-    pub fn cone(&self, cone: usize) -> ConeLight<'_> {
+    pub fn cone(&self, cone: usize) -> [&[f32]; 3] {
         let rows = &self.rows[3 * cone * self.stride..][..3 * self.stride];
         let (red, rest) = rows.split_at(self.stride);
         let (green, blue) = rest.split_at(self.stride);
-        ConeLight::Rows([red, green, blue])
+        [red, green, blue]
     }
 
-    /// Reads the light of a plane in a slab, whose points lie `stride` apart by channel and start after `pad` others.
+    /// Reads the light of a plane in a slab, cone by cone, channel by channel: `stride` points each, the first `pad` of them
+    /// beside the grid.
     #[inline(always)]
     pub fn read<S: Simd>(
         &mut self,
         simd: S,
         slabs: &Slabs,
         slab: usize,
-        plane: &PlaneLight,
+        light: &[f32],
         [stride, pad]: [usize; 2],
     ) {
         self.find_shares(&slabs.classes[slabs.start(slab)..][..slabs.rows], pad);
-        let channels = plane.all_rows().chunks_exact(stride);
+        let channels = light.chunks_exact(stride);
         self.rows.resize(channels.len() * self.stride, 0.0);
         let [first, second] = &self.shares;
         for (points, rows) in channels.zip(self.rows.chunks_exact_mut(self.stride)) {

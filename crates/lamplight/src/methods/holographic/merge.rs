@@ -52,7 +52,7 @@ pub const WEIGHT_EPSILON: f32 = 1e-6;
 
 /// The light of one plane of a level.
 #[derive(Debug, Default)]
-pub struct PlaneLight {
+struct PlaneLight {
     /// True if it is the light of half cones of the level below, otherwise that of cones.
     halves: bool,
     /// Cone by cone, channel by channel, all rows.
@@ -65,11 +65,6 @@ pub struct PlaneLight {
 }
 
 impl PlaneLight {
-    /// Returns all rows of all cones, channel by channel.
-    pub fn all_rows(&self) -> &[f32] {
-        &self.rows
-    }
-
     /// Returns the light of a cone.
     #[inline(always)]
     fn cone(&self, cone: usize, stride: usize) -> ConeLight<'_> {
@@ -341,7 +336,7 @@ impl MergedLight {
     pub fn cone(&self, cone: usize) -> ConeLight<'_> {
         let shown = &self.levels[self.shown];
         if self.spacing_level > 0 && shown.plane.is_some() {
-            self.fine.cone(cone)
+            ConeLight::Rows(self.fine.cone(cone))
         } else {
             shown.cone(cone, self.stride)
         }
@@ -352,7 +347,7 @@ impl MergedLight {
         let shown = &self.levels[self.shown];
         if self.spacing_level > 0 && shown.plane.is_some() {
             let Self { fine, stride, pad, .. } = self;
-            dispatch_wide!(unit, simd => fine.read(simd, slabs, slab, shown, [*stride, *pad]));
+            dispatch_wide!(unit, simd => fine.read(simd, slabs, slab, &shown.rows, [*stride, *pad]));
         }
     }
 
