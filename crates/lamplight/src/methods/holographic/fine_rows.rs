@@ -54,7 +54,9 @@ impl FineRows {
         light: &[f32],
         [stride, pad]: [usize; 2],
     ) {
-        self.find_shares(&slabs.classes[slabs.start(slab)..][..slabs.rows], pad);
+        // The plane may lie beyond the grid, where light enters.
+        let start = slabs.start(0).wrapping_add_signed(slab as isize * slabs.step());
+        self.find_shares(&slabs.classes[start..][..slabs.rows], pad);
         let channels = light.chunks_exact(stride);
         self.rows.resize(channels.len() * self.stride, 0.0);
         let [first, second] = &self.shares;
