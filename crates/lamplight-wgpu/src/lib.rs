@@ -66,6 +66,7 @@ mod stages;
 mod tier;
 mod timing;
 mod traffic;
+mod trial;
 mod uniforms;
 
 pub use camera::{Camera2dView, GridPlacement, VisibleRect};

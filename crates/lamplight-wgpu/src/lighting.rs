@@ -30,9 +30,12 @@ use crate::stages::reproject::Reproject;
 use crate::stages::sight::{SightList, SightPass, SightPipelines};
 use crate::stages::walls::{MomentWalls, Walls};
 use crate::timing::Timer;
+use crate::trial::{Trial, TrialStep};
 use crate::uniforms::{FrameUniforms, GridPosition, History};
 use lamplight::internals::sky::SunGlow;
 use lamplight::{ALL_LAYERS, Inflow, Settings, Sky};
+use std::sync::PoisonError;
+use std::time::Instant;
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
 /// Finds light on the host's device, or beside it ([`Backend`]).
@@ -53,6 +56,8 @@ pub struct Lighting {
     options: LightingOptions,
     /// Set if the CPU finds the light.
     cpu: Option<CpuBackend>,
+    /// Set while the faster backend is not known.
+    trial: Option<Trial>,
     shared: Shared,
     pipelines: PipelineCache,
     glow: Glow,
@@ -121,6 +126,8 @@ struct PreparedFrame {
     cookies: Option<TextureView>,
     hints: SceneHints,
     capacity: Capacity,
+    /// True if its light comes from the CPU.
+    by_cpu: bool,
     light: Buffer,
     passes: PassList,
     /// The buffers of suns and exact lamps, written before each frame.
@@ -212,10 +219,13 @@ impl Lighting {
         options: &LightingOptions,
     ) -> Result<Self, CreateError> {
         options.check()?;
+        let backend = options.backend.on(device);
         with_error_scope(device, || {
+            let fastest = backend == Backend::Fastest;
             Ok(Self {
                 options: *options,
-                cpu: (options.backend.on(device) == Backend::Cpu).then(CpuBackend::default),
+                cpu: (backend == Backend::Cpu).then(CpuBackend::default),
+                trial: fastest.then(|| Trial::new(device, queue)).flatten(),
                 shared: Shared::new(device, queue),
                 pipelines: PipelineCache::default(),
                 glow: Glow::new(device),
@@ -330,6 +340,7 @@ impl Lighting {
         let inflow = inflow.filter(|_| self.cpu.is_none());
         let lights = Lights { lamps, suns, sky, inflow };
         let (history, moved) = self.history(input, grid.size, sky);
+        self.try_backends(input, *grid, moved);
         if let Some(cpu) = &mut self.cpu {
             let planner = FramePlanner::new(&self.shared, input.settings, self.options, *grid);
             cpu.solve(&planner, input, moved)?;
@@ -374,6 +385,7 @@ impl Lighting {
         }
         let serves = |frame: &PreparedFrame| {
             frame.serves(grid, input.settings, needed)
+                && frame.by_cpu == self.cpu.is_some()
                 && frame.strips.as_ref() == self.strips()
                 && frame.cookies == self.cookies.view
         };
@@ -440,6 +452,33 @@ impl Lighting {
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky });
         self.number = self.number.wrapping_add(1);
         Ok(())
+    }
+
+    /// Goes on with the trial of both backends, if there is one: finds a frame on the CPU too, or chooses.
+    fn try_backends(&mut self, input: &FrameInput, grid: Grid, moved: [i32; 2]) {
+        // Browsers have no trials, and their page no room for one.
+        if cfg!(target_arch = "wasm32") {
+            return;
+        }
+        let Some(mut trial) = self.trial.take() else { return };
+        match trial.next() {
+            TrialStep::TimeGpu => {}
+            TrialStep::TimeCpu => {
+                let start = Instant::now();
+                let planner = FramePlanner::new(&self.shared, input.settings, self.options, grid);
+                // Frames that the CPU cannot light stay with the GPU.
+                if trial.cpu.solve(&planner, input, moved).is_err() {
+                    return;
+                }
+                trial.add_cpu(start.elapsed());
+            }
+            TrialStep::Choose(Backend::Cpu) => {
+                self.cpu = Some(trial.cpu);
+                return;
+            }
+            TrialStep::Choose(_) => return,
+        }
+        self.trial = Some(trial);
     }
 
     /// Keeps a texture for a sky that is a panorama.
@@ -569,6 +608,7 @@ impl Lighting {
                 cookies: self.cookies.view.clone(),
                 hints: grid.hints,
                 capacity: planner.capacity,
+                by_cpu: method.is_none(),
                 memory: planner.memory(),
                 history,
                 resize,
@@ -656,7 +696,7 @@ impl Lighting {
         }
     }
 
-    /// Returns what finds the light: `Gpu` or `Cpu`.
+    /// Returns what finds the light: `Gpu` or `Cpu`. With [`Backend::Fastest`] it may change in the first frames.
     pub fn backend(&self) -> Backend {
         if self.cpu.is_some() { Backend::Cpu } else { Backend::Gpu }
     }
@@ -667,6 +707,11 @@ impl Lighting {
     /// Returns [`RecordError::NotPrepared`] if no frame has been prepared.
     pub fn record(&self, encoder: &mut CommandEncoder) -> Result<(), RecordError> {
         let frame = self.prepared()?;
+        if let Some(timer) = self.trial.as_ref().and_then(Trial::timer) {
+            let mut timer = timer.lock().unwrap_or_else(PoisonError::into_inner);
+            timer.record(encoder, frame.dispatches());
+            return Ok(());
+        }
         let descriptor = ComputePassDescriptor { label: Some("lamplight"), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         frame.dispatches().for_each(|dispatch| dispatch.record(&mut pass));

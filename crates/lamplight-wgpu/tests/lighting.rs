@@ -4,7 +4,7 @@ mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{cells, device, frame, lighting, raymarch_of, recorded};
+use common::{cells, device, device_of, frame, lighting, raymarch_of, recorded};
 use lamplight::surroundings::Surroundings;
 use lamplight::world::{World, WorldSettings};
 use lamplight::{
@@ -12,7 +12,9 @@ use lamplight::{
 };
 use lamplight_wgpu::error::{PrepareError, RecordError};
 use lamplight_wgpu::read_back::light;
-use lamplight_wgpu::{Backend, FrameInput, Lighting, LightingOptions, Lights, Stage, Textures};
+use lamplight_wgpu::{
+    Backend, FrameInput, Lighting, LightingOptions, Lights, Stage, Textures, Tier,
+};
 use textures::{fetch, filled, float, texture, view};
 use wgpu::{Device, DeviceType, Queue, TextureFormat, TextureUsages};
 
@@ -53,6 +55,38 @@ fn invalid_settings_options_and_cells_are_rejected_as_on_the_cpu() {
 /// A [`Lighting`] whose light the CPU finds.
 fn on_cpu(device: &Device, queue: &Queue) -> Lighting {
     Lighting::new(device, queue, &LightingOptions::on(Backend::Cpu)).unwrap()
+}
+
+/// The relative difference, as in tests of parity.
+const TOLERANCE: f32 = 1e-3;
+
+#[test]
+fn the_faster_backend_goes_on_with_the_same_light() {
+    let (device, queue) = device_of(Tier::Native);
+    let settings = Settings::direct(Method::Holographic);
+    let cells = cells(160, 90, 11);
+    let mut lighting =
+        Lighting::new(&device, &queue, &LightingOptions::on(Backend::Fastest)).unwrap();
+    assert_eq!(lighting.backend(), Backend::Gpu);
+    let first = frame(&device, &queue, &mut lighting, &settings, &cells);
+    let mean = first.as_flattened().iter().sum::<f32>() / (4 * first.len()) as f32;
+    for _ in 0..20 {
+        let light = frame(&device, &queue, &mut lighting, &settings, &cells);
+        for (one, other) in light.as_flattened().iter().zip(first.as_flattened()) {
+            assert!((one - other).abs() <= TOLERANCE * other.max(mean), "light flickers");
+        }
+    }
+    // Only on a software GPU it is known which is faster.
+    if device.adapter_info().device_type == DeviceType::Cpu {
+        assert_eq!(lighting.backend(), Backend::Cpu);
+    }
+    let (device, queue) = device_of(Tier::Web);
+    let mut untimed =
+        Lighting::new(&device, &queue, &LightingOptions::on(Backend::Fastest)).unwrap();
+    for _ in 0..20 {
+        frame(&device, &queue, &mut untimed, &settings, &cells);
+    }
+    assert_eq!(untimed.backend(), Backend::Gpu, "chosen without times");
 }
 
 #[test]

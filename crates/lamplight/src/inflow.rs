@@ -153,8 +153,10 @@ impl Inflow {
     }
 
     /// The number of the border cell whose outer edge is nearest to a place on the border.
-    pub(crate) fn nearest_cell(&self, place: [f32; 2]) -> usize {
-        let Side { first, count, along } = self.side(place);
+    /// One beyond counts as on the border: a lattice may end there.
+    pub(crate) fn nearest_cell(&self, [x, y]: [f32; 2]) -> usize {
+        let [w, h] = self.size.map(|side| side as f32);
+        let Side { first, count, along } = self.side([x.min(w), y.min(h)]);
         first + (along.max(0.0) as usize).min(count - 1)
     }
 

@@ -78,7 +78,7 @@ pub mod holographic {
     pub mod lattice {
         pub use crate::methods::holographic::lattice::{
             BENT, BEYOND, Crossing, GatherGeometry, bundle, cones, cones_of_halves, edges, halves,
-            levels, on_grid, planes, rays, slope,
+            levels, on_grid, planes, points, rays, slope,
         };
     }
 

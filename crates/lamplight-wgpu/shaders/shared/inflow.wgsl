@@ -7,17 +7,25 @@
 // The mean light between two columns at a place along a side: 0 for the top, 1 for the right, 2 for the bottom, 3 for the
 // left.
 fn entering(side: u32, along: f32, columns: vec2f) -> vec3f {
+    return entering_between_points(side, along, 0u, columns);
+}
+
+// The same between points that lie 2^spacing_level px apart: `along` counts them, and each has the light of its middle cell.
+fn entering_between_points(side: u32, along: f32, spacing_level: u32, columns: vec2f) -> vec3f {
     let odd = side & 1u;
-    let count = frame.size[odd];
+    let last = frame.size[odd] - 1u;
     let first = odd * frame.size.x + (side >> 1u) * (frame.size.x + frame.size.y);
-    let at = clamp(along - 0.5, 0.0, f32(count - 1u));
-    let before = min(u32(at), max(count, 2u) - 2u);
+    let points = (last >> spacing_level) + 1u;
+    let at = clamp(along - 0.5, 0.0, f32(points - 1u));
+    let before = min(u32(at), max(points, 2u) - 2u);
     let past = at - f32(before);
-    let one = mean_of_columns(first + before, columns);
+    let middle = (1u << spacing_level) >> 1u;
+    let one = mean_of_columns(first + min((before << spacing_level) + middle, last), columns);
     if past == 0.0 {
         return one;
     }
-    return mix(one, mean_of_columns(first + before + 1u, columns), past);
+    let next = min(((before + 1u) << spacing_level) + middle, last);
+    return mix(one, mean_of_columns(first + next, columns), past);
 }
 
 // The same at a place on the border, on the side that is nearest to it.

@@ -22,6 +22,7 @@ fn variants() -> Vec<(&'static str, Settings)> {
         ("holographic", holographic("default")),
         ("fast holographic", holographic("fast")),
         ("high holographic", holographic("high")),
+        ("draft holographic", holographic("draft")),
     ]
 }
 

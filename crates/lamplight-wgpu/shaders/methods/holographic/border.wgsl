@@ -6,7 +6,7 @@
 #import methods/holographic/sky
 #import shared/inflow
 
-// The light of a cone, by its entry, at a place beyond the border.
+// The light of a cone, by its entry, at a point of the lattice beyond the border.
 fn beyond(entry: u32, slab: u32, row: i32) -> vec3f {
     if !INFLOW {
         return sky_at(entry);
@@ -25,5 +25,5 @@ fn beyond(entry: u32, slab: u32, row: i32) -> vec3f {
         along = at.x + (select(0.0, size.y, high) - at.y) / slope;
         along = select(along, size.x - along, back);
     }
-    return cones[entry].x * entering(side, along, cone.xy);
+    return cones[entry].x * entering_between_points(side, along, sweep.spacing_level, cone.xy);
 }

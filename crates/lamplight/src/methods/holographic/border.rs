@@ -37,16 +37,19 @@ struct LevelLight {
 }
 
 impl BorderLight {
-    /// Reads the inflow of a grid, whose cones of each level, by number, stand for these angles.
+    /// Reads the inflow of a grid of `depth` × `rows` points `spacing` px apart, whose cones of each level, by number, stand for these angles.
     pub fn read<'a>(
         &mut self,
         inflow: &Inflow,
         orientation: Orientation,
-        [depth, rows]: [usize; 2],
+        [depth, rows, spacing]: [usize; 3],
         levels: impl ExactSizeIterator<Item = (u32, &'a [f32])>,
     ) {
         (self.depth, self.rows) = (depth, rows);
-        let cell = |place| inflow.nearest_cell(orientation.on_grid(depth, place));
+        let cell = |place| {
+            let place = orientation.on_grid(depth, place);
+            inflow.nearest_cell(place.map(|v| v * spacing as f32))
+        };
         for (cells, row) in self.cells.iter_mut().zip([0.0, rows as f32]) {
             cells.clear();
             cells.extend((0..depth).map(|slab| cell([slab as f32 + 0.5, row])));
