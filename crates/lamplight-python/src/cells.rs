@@ -3,6 +3,8 @@
 use crate::arrays::{read, read_bytes, view};
 use crate::json::{object, value_error, without_line, write};
 use crate::threads::SHARED;
+use crate::window::window;
+use lamplight::world::WorldSource;
 use lamplight::{Error, Rgb};
 use numpy::ndarray::{Dim, Ix2, Ix3};
 use numpy::{PyArray2, PyArray3};
@@ -148,6 +150,43 @@ impl Cells {
         object(py, self.0.sky())
     }
 
+    /// Returns the cells of a window, with the lamps that reach into it.
+    ///
+    /// Parameters
+    /// ----------
+    /// y, x : int
+    ///     Row and column of its first cell.
+    /// height, width : int
+    ///
+    /// Returns
+    /// -------
+    /// Cells
+    ///     With lamps relative to the window, and with the same suns and sky.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the window does not lie in the grid.
+    fn window(
+        &self,
+        py: Python<'_>,
+        y: i128,
+        x: i128,
+        height: i128,
+        width: i128,
+    ) -> PyResult<Self> {
+        let window = window((y, x, height, width))?;
+        let cells = SHARED.run(py, || WorldSource::cells(&self.0, window))?;
+        cells.map(Self).map_err(value_error)
+    }
+
+    /// The names of the fields that are arrays.
+    #[classattr]
+    #[pyo3(name = "FIELDS")]
+    fn fields(py: Python<'_>) -> PyResult<Bound<'_, PyTuple>> {
+        PyTuple::new(py, &FIELDS[..ARRAYS])
+    }
+
     fn __repr__(&self) -> String {
         format!("<Cells of shape {:?}>", self.shape())
     }
@@ -170,11 +209,14 @@ impl Cells {
     }
 }
 
-/// Every field, by the name of its keyword.
+/// Every field, by the name of its keyword; the first ones are arrays.
 const FIELDS: [&str; 11] = [
     "emission", "glow", "opacity", "tint", "albedo", "color", "normals", "masks", "lamps", "suns",
     "sky",
 ];
+
+/// The number of fields that are arrays.
+const ARRAYS: usize = 8;
 
 /// Fills a field from an array.
 fn set(cells: &mut lamplight::Cells, name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {

@@ -11,6 +11,8 @@ mod reference;
 mod scene;
 mod solver;
 mod threads;
+mod window;
+mod world;
 
 use pyo3::pymodule;
 
@@ -28,4 +30,6 @@ mod _core {
     use crate::scene::Scene;
     #[pymodule_export]
     use crate::solver::Solver;
+    #[pymodule_export]
+    use crate::world::{FarWorld, Lamps};
 }

@@ -3,19 +3,44 @@
 use crate::cells::Cells;
 use crate::json::{object, value_error};
 use crate::threads::SHARED;
+use crate::window::window;
+use lamplight::GridWindow;
+use lamplight::scene::SceneWorld;
+use lamplight::world::WorldSource;
 use pyo3::prelude::*;
 use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
 
 /// A scene as its author writes it. `Scene.load` and `Scene.from_toml` make one.
 #[pyclass(module = "lamplight2d", frozen)]
 pub struct Scene {
-    scene: lamplight::Scene,
+    scene: Arc<lamplight::Scene>,
     file: Option<PathBuf>,
+    /// Itself, window by window, when it is first needed.
+    world: OnceLock<SceneWorld<Arc<lamplight::Scene>>>,
+}
+
+impl Scene {
+    fn of(scene: lamplight::Scene, file: Option<PathBuf>) -> Self {
+        Self { scene: Arc::new(scene), file, world: OnceLock::new() }
+    }
+
+    /// Draws a window.
+    fn drawn(&self, window: GridWindow) -> lamplight::Result<lamplight::Cells> {
+        let world = match self.world.get() {
+            Some(world) => world,
+            None => {
+                let made = SceneWorld::new(self.scene.clone())?;
+                self.world.get_or_init(|| made)
+            }
+        };
+        world.cells(window)
+    }
 }
 
 #[pymethods]
 impl Scene {
-    /// Reads a scene file.
+    /// Reads a scene file. One that is larger than a grid is lit by `World`.
     ///
     /// Parameters
     /// ----------
@@ -27,17 +52,17 @@ impl Scene {
     ///     If the file, or an image that it names, is missing or invalid; the text names it, and the line.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
-        let scene = lamplight::Scene::load(&path).map_err(value_error)?;
+        let scene = lamplight::Scene::load_world(&path).map_err(value_error)?;
         // It is also read again elsewhere, from a pickle.
         let file = std::path::absolute(path).map_err(value_error)?;
-        Ok(Self { scene, file: Some(file) })
+        Ok(Self::of(scene, Some(file)))
     }
 
     /// Reads a scene in TOML. Paths of its images are relative to the working directory.
     #[staticmethod]
     fn from_toml(text: &str) -> PyResult<Self> {
         let scene = lamplight::Scene::from_toml(text).map_err(value_error)?;
-        Ok(Self { scene, file: None })
+        Ok(Self::of(scene, None))
     }
 
     /// Writes the scene as TOML.
@@ -59,6 +84,35 @@ impl Scene {
     /// Cells
     fn cells(&self, py: Python<'_>) -> PyResult<Cells> {
         SHARED.run(py, || self.scene.cells())?.map(Cells).map_err(value_error)
+    }
+
+    /// Draws a window of the scene.
+    ///
+    /// Parameters
+    /// ----------
+    /// y, x : int
+    ///     Row and column of its first cell.
+    /// height, width : int
+    ///
+    /// Returns
+    /// -------
+    /// Cells
+    ///     With lamps relative to the window.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the window does not lie in the scene, or is larger than a grid.
+    fn window(
+        &self,
+        py: Python<'_>,
+        y: i128,
+        x: i128,
+        height: i128,
+        width: i128,
+    ) -> PyResult<Cells> {
+        let window = window((y, x, height, width))?;
+        SHARED.run(py, || self.drawn(window))?.map(Cells).map_err(value_error)
     }
 
     /// The settings in its ``[light]``, as keywords for a solver.

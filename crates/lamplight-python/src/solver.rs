@@ -25,7 +25,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 ///     If a setting is unknown or out of its range.
 #[pyclass(module = "lamplight2d", frozen)]
 pub struct Solver {
-    settings: lamplight::Settings,
+    pub settings: lamplight::Settings,
     /// Threads of Python that share a solver wait for each other.
     solver: Mutex<lamplight::Solver>,
     /// Threads of its own.
@@ -40,7 +40,7 @@ impl Solver {
         cells: &Cells,
         take: impl FnOnce(&lamplight::Light) -> T + Send,
     ) -> PyResult<T> {
-        let pool = self.own.as_ref().unwrap_or(&SHARED).pool()?;
+        let pool = self.threads().pool()?;
         let taken = py.detach(|| {
             // Locked outside of the pool, whose threads take up other work while they wait for a part of theirs.
             let mut solver = self.locked();
@@ -48,6 +48,11 @@ impl Solver {
             pool.install(|| solver.solve(&cells.0).map(take))
         });
         taken.map_err(value_error)
+    }
+
+    /// The threads that compute for it.
+    pub fn threads(&self) -> &Threads {
+        self.own.as_ref().unwrap_or(&SHARED)
     }
 
     fn locked(&self) -> MutexGuard<'_, lamplight::Solver> {
@@ -118,8 +123,8 @@ impl Solver {
     }
 
     /// The number of its own threads, or None if it shares those of all solvers.
-    #[getter]
-    fn threads(&self) -> Option<usize> {
+    #[getter(threads)]
+    fn own_threads(&self) -> Option<usize> {
         self.own.as_ref().and_then(Threads::count)
     }
 
@@ -129,7 +134,7 @@ impl Solver {
         py: Python<'py>,
     ) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyAny>)> {
         let keywords = self.settings(py)?;
-        keywords.set_item("threads", self.threads())?;
+        keywords.set_item("threads", self.own_threads())?;
         Ok((PyTuple::empty(py), keywords))
     }
 }

@@ -7,6 +7,7 @@ import threading
 import time
 
 import dask
+import dask.array as da
 import numpy as np
 import pytest
 from distributed import Client, LocalCluster
@@ -129,6 +130,86 @@ def test_a_lost_worker_changes_no_reference(cluster, client):
     same(found, ll.reference(scene.cells(), 64, bounces=1))
 
 
+WORLD = {"solver": ll.Solver(threads=1, bounces=1), "halo": 16, "columns": 32}
+LAMPS = [{"position": [90.5, 40.5]}, {"position": [520.5, 200.5], "intensity": 40}]
+
+
+def world_arrays():
+    opacity = np.zeros((300, 560), np.float32)
+    opacity[40:200, 120:130] = opacity[150:160, 300:500] = 1
+    return {"opacity": opacity, "albedo": np.full((300, 560, 3), 0.5, np.float32)}
+
+
+def world_window(*window):
+    """A window of the world, as a function that workers import."""
+    return ll.Cells((300, 560), **world_arrays(), lamps=LAMPS).window(*window)
+
+
+def slow_world_window(*window):
+    time.sleep(0.3)
+    return world_window(*window)
+
+
+@pytest.fixture(scope="module")
+def world():
+    """The light of the world without Dask, in tiles of 128 px."""
+    world = ll.World(world_arrays(), lamps=LAMPS, **WORLD)
+    light = np.empty((300, 560, 3), np.float32)
+    for y, x, height, width in world.tiles(128):
+        light[y : y + height, x : x + width] = world.light(y, x, height, width).rgb
+    return light
+
+
+def test_a_world_has_the_same_bytes_everywhere(cluster, client, world):
+    lit = ll.dask.light_world(world_window, tile=128, shape=(300, 560), **WORLD)
+    assert (lit.shape, lit.dtype, lit.numblocks) == (world.shape, np.float32, (3, 5, 1))
+    for count in [1, 2, 4]:
+        scale(cluster, client, count)
+        np.testing.assert_array_equal(lit.compute(), world)
+    for scheduler in ["sync", "threads"]:
+        np.testing.assert_array_equal(lit.compute(scheduler=scheduler), world)
+    np.testing.assert_array_equal(lit[100:140, 50:60].compute(), world[100:140, 50:60])
+    known = ll.dask.light_world(ll.World(world_arrays(), lamps=LAMPS, **WORLD), tile=128)
+    np.testing.assert_array_equal(known.compute(), world)
+    dark = ll.dask.light_world(world_arrays(), tile=128, **WORLD)
+    assert not np.array_equal(dark.compute(), world)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
+def test_a_lost_worker_changes_no_tile(cluster, client, world):
+    scale(cluster, client, 2)
+    [*_, victim] = client.run(os.getpid).values()
+    timer = threading.Timer(1.5, os.kill, [victim, signal.SIGKILL])
+    timer.start()
+    lit = ll.dask.light_world(slow_world_window, tile=128, shape=(300, 560), **WORLD).compute()
+    assert not timer.is_alive()
+    np.testing.assert_array_equal(lit, world)
+
+
+def test_a_world_goes_from_zarr_to_zarr(client, world, tmp_path):
+    zarr = pytest.importorskip("zarr")
+    group = zarr.open_group(tmp_path / "world.zarr", mode="w")
+    for name, array in world_arrays().items():
+        group.create_array(name, data=array, chunks=(100, 100, *array.shape[2:]))
+    arrays = {name: group[name] for name in world_arrays()}
+    lazy = {name: da.from_zarr(array) for name, array in arrays.items()}
+    for number, source in enumerate([arrays, lazy, {**arrays, "albedo": lazy["albedo"]}]):
+        lit = ll.dask.light_world(source, tile=128, lamps=LAMPS, **WORLD)
+        path = tmp_path / f"light{number}.zarr"
+        lit.to_zarr(path)
+        found = zarr.open_array(path, mode="r")
+        assert found.chunks == (128, 128, 3)
+        np.testing.assert_array_equal(found[:], world)
+
+
+def test_a_scene_file_is_a_world(client):
+    path = SCENES / "two_rooms.toml"
+    lit = ll.dask.light_world(path, tile=128, halo=16, columns=32).compute()
+    world = ll.World(path, halo=16, columns=32)
+    for y, x, height, width in world.tiles(128):
+        np.testing.assert_array_equal(lit[y : y + height, x : x + width], world.light(y, x, height, width).rgb)
+
+
 def test_pictures_of_scenes_are_those_of_their_files(client):
     scenes = [ll.Scene.load(SCENES / f"{name}.toml") for name in ["two_rooms", "fog"]]
     pictures = ll.dask.render_frames(scenes, display={"exposure": 1}).compute()
@@ -174,3 +255,29 @@ def test_bad_input_is_refused_at_once():
         ll.dask.sweep([frame(0)], [{"method": "magic"}])
     with pytest.raises(ValueError, match=r"\(9, 9\)"):
         ll.dask.render_frames([dask.delayed(frame)(0)], shape=(9, 9)).compute(scheduler="sync")
+
+
+def test_bad_worlds_are_refused_at_once():
+    fields = world_arrays()
+    for options, text in [
+        ({"tile": 0}, "tile is 0; expected 1 or more"),
+        ({"tile": -5}, "tile is -5"),
+        ({"halo": -1}, "`halo` is -1, but must be 0 or more"),
+        ({"columns": 10_000}, "1 to 8192"),
+        ({"solver": ll.Solver(method="flood")}, "flood"),
+        ({"shape": (300, 560)}, "shape is given; arrays have their own"),
+    ]:
+        with pytest.raises(ValueError, match=text):
+            ll.dask.light_world(fields, **options)
+    with pytest.raises(ValueError, match=r"albedo has the shape \(4, 560, 3\); expected \(300, 560\) cells"):
+        ll.dask.light_world({**fields, "albedo": da.zeros((4, 560, 3))})
+    with pytest.raises(ValueError, match="opaque is not a field"):
+        ll.dask.light_world({"opaque": da.zeros((4, 560))})
+    with pytest.raises(ValueError, match="shape is missing"):
+        ll.dask.light_world(world_window)
+    with pytest.raises(ValueError, match="source is a World"):
+        ll.dask.light_world(ll.World(ll.Cells((4, 6))), halo=5)
+    with pytest.raises(TypeError, match="int; expected a Scene"):
+        ll.dask.light_world(5)
+    with pytest.raises(ValueError, match="0 to 1"):
+        ll.dask.light_world({"opacity": da.full((4, 6), 2)}).compute(scheduler="sync")

@@ -10,7 +10,7 @@ use crate::methods::holographic::Holographic;
 use crate::methods::polar::PolarSolver;
 use crate::methods::raymarch::{Input, RaymarchSolver, window};
 use crate::settings::{self, Bounces, Hit, Method, MethodSettings, Traversal, Variant};
-use crate::stages::bounce::{FrameBounces, Surfaces};
+use crate::stages::bounce::{FrameBounces, KnownSurfaces, Surfaces};
 use crate::stages::direct::{self, DirectLight};
 use crate::stages::glow::Glow;
 use crate::stages::gradient_moment::gradient_moment;
@@ -133,6 +133,16 @@ impl Solver {
     /// Fails if a cell, a lamp or the sky is invalid, or if the method cannot light the scene
     /// (`polar` without lamps). The light of the last frame then stays.
     pub fn solve(&mut self, cells: &Cells) -> Result<&Light> {
+        self.solve_known(cells, None)
+    }
+
+    /// Like [`Self::solve`], of a part of a world whose surfaces send light that is `known`. If its next bounce is wanted,
+    /// that is in [`Self::surfaces`], and no light is found.
+    pub(crate) fn solve_known(
+        &mut self,
+        cells: &Cells,
+        known: Option<KnownSurfaces>,
+    ) -> Result<&Light> {
         self.clock.start();
         cells.check()?;
         let method = self.settings.method();
@@ -164,7 +174,7 @@ impl Solver {
         // Cloned, a few bytes, so that a method can borrow the rest of the solver.
         let Settings { method, bounces, .. } = self.settings.clone();
         let moved = std::mem::take(&mut self.moved);
-        let bounces = FrameBounces { bounces: method.bounces(bounces), moved };
+        let bounces = FrameBounces { bounces: method.bounces(bounces), moved, known };
         match &method {
             MethodSettings::Raymarch(settings) => self.raymarch(settings, bounces),
             MethodSettings::Polar(settings) => self.polar(settings),
@@ -188,6 +198,9 @@ impl Solver {
 
         if glows {
             self.glow.restore(&mut self.cells);
+        }
+        if known.is_some_and(|known| known.bounce) {
+            return Ok(&self.light);
         }
         if let Some(moment) = &mut self.light.moment {
             self.direct.add_moment_to(moment);
@@ -235,6 +248,9 @@ impl Solver {
         estimate.moment =
             light.moment.is_some().then(|| estimate.moment.take().unwrap_or_default());
         self.raymarch.solve(input, &mut self.estimate, &mut self.clock);
+        if bounces.known.is_some_and(|known| known.bounce) {
+            return;
+        }
 
         if accumulates {
             let feedback = bounces.bounces == Bounces::Feedback;
@@ -307,18 +323,12 @@ impl Solver {
     /// # Errors
     /// Fails if the window does not lie in the grid, or as [`Inflow::new`].
     pub fn inflow(&mut self, window: GridWindow, columns: usize) -> Result<Inflow> {
-        let Self { settings, cells, glow, raymarch, cascades, holographic, .. } = self;
-        window.check([cells.width(), cells.height()])?;
-        let glows = settings.method.reads_glow();
+        window.check([self.cells.width(), self.cells.height()])?;
+        let glows = self.settings.method.reads_glow();
         if glows {
-            glow.to_media(cells);
+            self.glow.to_media(&mut self.cells);
         }
-        let of_method = match settings.method() {
-            Method::Raymarch => Some(raymarch.surfaces()),
-            Method::Cascades => Some(cascades.surfaces()),
-            Method::Holographic => Some(holographic.surfaces()),
-            _ => None,
-        };
+        let (of_method, cells) = (self.surfaces(), &self.cells);
         let mut dark = Surfaces::default();
         let surfaces = match of_method.filter(|surfaces| surfaces.are_of(cells)) {
             Some(surfaces) => surfaces,
@@ -329,9 +339,19 @@ impl Solver {
         };
         let inflow = window::inflow(Level::new(), cells, surfaces, window, columns);
         if glows {
-            glow.restore(cells);
+            self.glow.restore(&mut self.cells);
         }
         inflow
+    }
+
+    /// The surfaces of the last frame, if the method has any.
+    pub(crate) fn surfaces(&self) -> Option<&Surfaces> {
+        match self.settings.method() {
+            Method::Raymarch => Some(self.raymarch.surfaces()),
+            Method::Cascades => Some(self.cascades.surfaces()),
+            Method::Holographic => Some(self.holographic.surfaces()),
+            _ => None,
+        }
     }
 
     /// The time that each stage of the last frame took, in order.

@@ -5,10 +5,16 @@
 //! into its [far field](crate::far_field), which is small enough to be held whole. Then every tile is solved with a
 //! narrow margin of its own cells and with the light that enters there from everywhere else ([`Inflow`]).
 //!
+//! Bounces go around all parts one after the other: each part is solved for what its surfaces send on, and from that
+//! come the far field of the next bounce and, at last, the light of tiles. So every bounce has the light of the bounce
+//! before from everywhere, as in one solve of the whole.
+//!
 //! Tiles do not depend on each other: they may be solved in any order, on any machine, and again after a break, with
 //! the same result to the bit.
 
-use crate::far_field::{ALIGNMENT, FarField, MARGIN};
+use crate::far_field::{ALIGNMENT, BounceState, FarField, PartLight};
+pub use crate::far_field::{FarBlocks, FarPart};
+use crate::stages::bounce::{CONVERGED, KnownSurfaces, SurfaceLight};
 use crate::stages::glow::Glow;
 use crate::sun_glow::SunGlow;
 use crate::{
@@ -16,8 +22,8 @@ use crate::{
     Sun,
 };
 
-/// Side of the parts in which a world is read, px.
-const PART: u32 = ALIGNMENT;
+/// Side of the parts in which a world is read and its surfaces are lit, px.
+const PART: u32 = 2 * ALIGNMENT;
 
 /// The longest side of a world, px: a block of 4×4 cells takes 4 bytes, even if it is empty.
 pub const MAX_SIDE: u32 = 1 << 16;
@@ -61,13 +67,21 @@ impl WorldSource for Cells {
 
     fn cells(&self, window: GridWindow) -> Result<Cells> {
         let mut cells = self.window(window)?;
-        let size = window.size.map(|side| side as f32);
-        cells.lamps_mut().retain(|lamp| {
-            let reach = lamp.size.max(1.0) + 1.0;
-            (0..2).all(|a| (-reach..size[a] + reach).contains(&lamp.position[a]))
-        });
+        *cells.lamps_mut() = lamps_within(self.lamps(), window);
         Ok(cells)
     }
+}
+
+/// Returns the lamps that reach into a window, with positions relative to it.
+pub fn lamps_within(lamps: &[Lamp], window: GridWindow) -> Vec<Lamp> {
+    let [first, size] = [window.first, window.size].map(|of| of.map(|v| v as f32));
+    let relative = |lamp: &Lamp| [0, 1].map(|a| lamp.position[a] - first[a]);
+    let reaches = |lamp: &&Lamp| {
+        let reach = lamp.size.max(1.0) + 1.0;
+        (0..2).all(|a| (-reach..size[a] + reach).contains(&relative(lamp)[a]))
+    };
+    let within = lamps.iter().filter(reaches);
+    within.map(|lamp| Lamp { position: relative(lamp), ..lamp.clone() }).collect()
 }
 
 /// The settings of a world.
@@ -94,57 +108,53 @@ impl WorldSettings {
     }
 }
 
-/// A world whose far field is known, ready to light its tiles.
+/// A world whose far field is known, and what its surfaces send on: ready to light its tiles.
 pub struct World<'a> {
     source: &'a dyn WorldSource,
-    settings: WorldSettings,
-    far_field: FarField,
+    far: FarWorld,
 }
 
 impl<'a> World<'a> {
-    /// Reads a world, in parts of 512×512 cells, and finds the light that these send each other. `progress` receives the
-    /// number of parts read and of all.
+    /// Reads a world, in parts of 1024×1024 cells, and once more for every bounce. `progress` receives the number of
+    /// parts read, and of all that may have to be.
     ///
     /// # Errors
-    /// Fails if the source fails, if a cell or a setting is invalid, if the method does not read inflow, or if there
-    /// are lamps that are lit by a shadow map, which are not known beyond a tile.
+    /// Fails if the source fails, or as [`FarWorld::new`] and [`FarWorld::read`].
     pub fn new(
         source: &'a dyn WorldSource,
         settings: WorldSettings,
         mut progress: impl FnMut(usize, usize),
     ) -> Result<Self> {
-        let mut settings = settings;
-        check_size(source.size())?;
-        if settings.solver.bounces == Bounces::Feedback {
-            settings.solver.bounces = Bounces::Converged;
+        let most = 1 + settings.solver.bounces.limit() as usize;
+        let mut far = FarWorld::new(source.size(), &source.sky(), &source.suns(), settings)?;
+        let parts = far.parts();
+        let mut done = 0;
+        let mut next = || {
+            progress(done, most * parts.len());
+            done += 1;
+        };
+        for &part in &parts {
+            next();
+            let cells = source.cells(far.around_part(part))?;
+            far.add(far.read(part, cells)?)?;
         }
-        settings.solver.method.takes_inflow()?;
-        let method = settings.solver.method();
-        let glowing: Vec<Sun> =
-            source.suns().into_iter().map(|sun| Sun { direct: Direct::Glow, ..sun }).collect();
-        let sky = SunGlow::default().draw(method, &source.sky(), &glowing);
-        let mut far_field = FarField::new(source.size(), sky);
-        let parts = tiles(source.size(), PART);
-        for (number, &part) in parts.iter().enumerate() {
-            progress(number, parts.len());
-            let around = expanded(part, MARGIN, source.size(), 1);
-            let mut cells = source.cells(around)?;
-            cells.check()?;
-            refuse_exact_lamps(&cells, around.first)?;
-            settings.solver.method.draw_lamps(&mut cells);
-            Glow::default().to_media(&mut cells);
-            far_field.add(part, &cells, around.first);
+        far.finish();
+        while far.goes_on() {
+            let mut after = far.after();
+            for &part in &parts {
+                next();
+                after.add(far.bounce(part, source.cells(far.around_tile(part))?)?)?;
+            }
+            after.finish();
+            far = after;
         }
-        far_field.merge();
-        let mut world = Self { source, settings, far_field };
-        world.far_field.bounces(world.settings.solver.bounces);
-        progress(parts.len(), parts.len());
-        Ok(world)
+        progress(most * parts.len(), most * parts.len());
+        Ok(Self { source, far })
     }
 
     /// Columns and rows.
     pub fn size(&self) -> [u32; 2] {
-        self.source.size()
+        self.far.size()
     }
 
     /// The windows of all tiles of this side, px, row by row; those at the right and at the bottom may be smaller.
@@ -157,7 +167,7 @@ impl<'a> World<'a> {
     /// # Errors
     /// As [`Inflow::new`].
     pub fn inflow(&self, window: GridWindow) -> Result<Inflow> {
-        self.far_field.inflow(window, self.settings.columns)
+        self.far.inflow(window)
     }
 
     /// Returns an [inflow](Self::inflow) of a window with the light of lamps that are not the source's, such as moving ones.
@@ -173,23 +183,256 @@ impl<'a> World<'a> {
         inflow: &Inflow,
         lamps: &[Lamp],
     ) -> Result<Inflow> {
-        self.far_field.with_lamps(window, inflow, lamps)
+        self.far.far_field.with_lamps(window, inflow, lamps)
     }
 
     /// Returns the light of a window of the world.
     ///
     /// # Errors
-    /// Fails if the source does, or as [`Solver::solve`].
+    /// Fails if the window does not lie in the world, if the source fails, or as [`Solver::solve`].
     pub fn light(&self, window: GridWindow) -> Result<Light> {
-        let around = expanded(window, self.settings.halo, self.size(), 4);
-        let mut cells = self.source.cells(around)?;
-        cells.suns_mut().clear();
-        cells.set_inflow(Some(self.inflow(around)?))?;
-        let mut solver = Solver::new(self.settings.solver.clone())?;
-        let light = solver.solve(&cells)?;
-        let first = [0, 1].map(|a| window.first[a] - around.first[a]);
-        Ok(light.window(GridWindow { first, ..window }))
+        window.check(self.size())?;
+        self.far.light(window, self.source.cells(self.far.around_tile(window))?)
     }
+}
+
+/// The far field of a world without its cells, for programs that read and light it on several machines.
+///
+/// Each reads some of the [`parts`](Self::parts). One [adds](Self::add) what they have read, in the order of the parts,
+/// and [finishes](Self::finish). As long as it [goes on](Self::goes_on), each finds the next [bounce](Self::bounce) of
+/// some parts, and these are added to the one [after](Self::after) it. Then any lights tiles from the cells there and
+/// from the [blocks](Self::blocks) that the tile needs. The light is that of [`World::light`], to the bit.
+#[derive(Debug)]
+pub struct FarWorld {
+    size: [u32; 2],
+    settings: WorldSettings,
+    sky: Sky,
+    far_field: FarField,
+    /// Radiance that surfaces send on, part by part.
+    surfaces: Vec<PartLight>,
+    state: BounceState,
+}
+
+impl FarWorld {
+    /// Creates that of a world of which nothing has been read.
+    ///
+    /// # Errors
+    /// Fails if the world is empty or too large, a setting is invalid, or the method does not read inflow.
+    pub fn new(size: [u32; 2], sky: &Sky, suns: &[Sun], settings: WorldSettings) -> Result<Self> {
+        let (settings, sky) = prepare(size, sky, suns, settings)?;
+        let far_field = FarField::new(size, sky.clone());
+        let state = BounceState::default();
+        Ok(Self { size, settings, sky, far_field, surfaces: Vec::new(), state })
+    }
+
+    /// Creates a finished one from its blocks, or one that lights a tile from the blocks for that.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and if they are those of a world of another size.
+    pub fn of_blocks(
+        size: [u32; 2],
+        sky: &Sky,
+        suns: &[Sun],
+        settings: WorldSettings,
+        blocks: FarBlocks,
+    ) -> Result<Self> {
+        let (settings, sky) = prepare(size, sky, suns, settings)?;
+        let FarBlocks { levels, surfaces, state } = blocks;
+        let far_field = FarField::of_levels(size, sky.clone(), levels)?;
+        Ok(Self { size, settings, sky, far_field, surfaces, state })
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The windows of the parts in which it is read, row by row.
+    pub fn parts(&self) -> Vec<GridWindow> {
+        tiles(self.size, PART)
+    }
+
+    /// The window of cells that are read for a part.
+    pub fn around_part(&self, part: GridWindow) -> GridWindow {
+        expanded(part, 1, self.size, 1)
+    }
+
+    /// The window of cells that light a tile, or find the next bounce of a part.
+    pub fn around_tile(&self, tile: GridWindow) -> GridWindow {
+        expanded(tile, self.settings.halo, self.size, 4)
+    }
+
+    /// Reads a part from the cells [around](Self::around_part) it.
+    ///
+    /// # Errors
+    /// Fails if the window is none of the parts, a cell is invalid, or there are lamps that are lit by a shadow map,
+    /// which are not known beyond a tile.
+    pub fn read(&self, part: GridWindow, cells: Cells) -> Result<FarPart> {
+        self.check_part(part)?;
+        let around = self.around_part(part);
+        check_cells(&cells, around)?;
+        cells.check()?;
+        refuse_exact_lamps(&cells, around.first)?;
+        Ok(self.far_part(part, cells, around, PartLight::none(part)))
+    }
+
+    /// Finds one bounce more of a part of a finished one, from the cells [around](Self::around_tile) it.
+    ///
+    /// # Errors
+    /// Fails if the window is none of the parts, the cells are not those around it, or as [`Solver::solve`].
+    pub fn bounce(&self, part: GridWindow, cells: Cells) -> Result<FarPart> {
+        self.check_part(part)?;
+        let around = self.around_tile(part);
+        let cells = self.lit_from_afar(around, cells)?;
+        let light = self.surface_light(around);
+        let mut solver = Solver::new(self.settings.solver.clone())?;
+        solver.solve_known(&cells, Some(KnownSurfaces { light: &light, bounce: true }))?;
+        let light = match solver.surfaces() {
+            Some(surfaces) => PartLight::of(surfaces, around.size[0], around.first, part),
+            None => PartLight::none(part),
+        };
+        Ok(self.far_part(part, cells, around, light))
+    }
+
+    /// Adds what was read of a part, or its next bounce.
+    ///
+    /// # Errors
+    /// Fails if it was read of another world.
+    pub fn add(&mut self, part: FarPart) -> Result<()> {
+        let (light, [sent, changed]) = self.far_field.insert(part)?;
+        self.state.sent += sent;
+        self.state.changed += changed;
+        self.surfaces.push(light);
+        Ok(())
+    }
+
+    /// Makes the larger blocks, when all parts have been added.
+    pub fn finish(&mut self) {
+        self.far_field.merge();
+    }
+
+    /// Returns whether a finished one lacks a bounce.
+    pub fn goes_on(&self) -> bool {
+        let BounceState { bounces, sent, changed } = self.state;
+        let wanted = self.settings.solver.bounces;
+        let least = if wanted == Bounces::Converged { f64::from(CONVERGED) } else { 0.0 };
+        bounces < wanted.limit() && (bounces == 0 || changed > least * sent)
+    }
+
+    /// Returns an empty one, for the next bounce of all parts of this.
+    pub fn after(&self) -> Self {
+        Self {
+            size: self.size,
+            settings: self.settings.clone(),
+            sky: self.sky.clone(),
+            far_field: FarField::new(self.size, self.sky.clone()),
+            surfaces: Vec::new(),
+            state: BounceState { bounces: self.state.bounces + 1, ..BounceState::default() },
+        }
+    }
+
+    /// Returns the blocks of a finished one: all, or those that light a tile.
+    pub fn blocks(&self, tile: Option<GridWindow>) -> FarBlocks {
+        let around = tile.map(|tile| self.around_tile(tile));
+        let surfaces = self.surfaces.iter();
+        let surfaces = match around {
+            Some(around) => surfaces.filter_map(|part| part.within(around)).collect(),
+            None => surfaces.cloned().collect(),
+        };
+        FarBlocks { levels: self.far_field.levels(around), surfaces, state: self.state }
+    }
+
+    /// Returns the light that enters a window from the world around it, whose first cell lies at a multiple of 4.
+    ///
+    /// # Errors
+    /// As [`Inflow::new`].
+    pub fn inflow(&self, window: GridWindow) -> Result<Inflow> {
+        self.far_field.inflow(window, self.settings.columns)
+    }
+
+    /// Returns the light of a tile, from the cells [around](Self::around_tile) it.
+    ///
+    /// # Errors
+    /// Fails if the tile does not lie in the world, the cells are not those around it, or as [`Solver::solve`].
+    pub fn light(&self, tile: GridWindow, cells: Cells) -> Result<Light> {
+        tile.check(self.size)?;
+        let around = self.around_tile(tile);
+        let cells = self.lit_from_afar(around, cells)?;
+        let light = self.surface_light(around);
+        let mut solver = Solver::new(self.settings.solver.clone())?;
+        let light =
+            solver.solve_known(&cells, Some(KnownSurfaces { light: &light, bounce: false }))?;
+        let first = [0, 1].map(|a| tile.first[a] - around.first[a]);
+        Ok(light.window(GridWindow { first, ..tile }))
+    }
+
+    fn check_part(&self, part: GridWindow) -> Result<()> {
+        part.check(self.size)?;
+        if part.first.iter().all(|v| v % PART == 0) && part.size.iter().all(|v| *v <= PART) {
+            return Ok(());
+        }
+        let expected = format!("at multiples of {PART}, and no larger than that");
+        Err(Error::value("part", format!("{part:?}"), expected))
+    }
+
+    /// Reads a part from the cells of a window around it, whose surfaces send this on.
+    fn far_part(
+        &self,
+        part: GridWindow,
+        mut cells: Cells,
+        around: GridWindow,
+        light: PartLight,
+    ) -> FarPart {
+        self.settings.solver.method.draw_lamps(&mut cells);
+        Glow::default().to_media(&mut cells);
+        let mut sent = SurfaceLight::default();
+        light.add_to(&mut sent, around);
+        let before = self.surfaces.iter().find(|before| before.window() == part);
+        let change = light.change(before);
+        FarPart::read(part, &cells, &sent, around.first, light, change)
+    }
+
+    /// Returns the cells of a window with all light that enters.
+    fn lit_from_afar(&self, window: GridWindow, mut cells: Cells) -> Result<Cells> {
+        check_cells(&cells, window)?;
+        cells.suns_mut().clear();
+        cells.set_inflow(Some(self.inflow(window)?))?;
+        Ok(cells)
+    }
+
+    /// Returns what the surfaces in a window send on.
+    fn surface_light(&self, window: GridWindow) -> SurfaceLight {
+        let mut light = SurfaceLight::default();
+        self.surfaces.iter().for_each(|part| part.add_to(&mut light, window));
+        light
+    }
+}
+
+/// Checks the settings of a world, and draws its suns into its sky.
+fn prepare(
+    size: [u32; 2],
+    sky: &Sky,
+    suns: &[Sun],
+    mut settings: WorldSettings,
+) -> Result<(WorldSettings, Sky)> {
+    check_size(size)?;
+    if settings.solver.bounces == Bounces::Feedback {
+        settings.solver.bounces = Bounces::Converged;
+    }
+    settings.solver.method.takes_inflow()?;
+    let glowing: Vec<Sun> = suns.iter().map(|sun| Sun { direct: Direct::Glow, ..*sun }).collect();
+    let sky = SunGlow::default().draw(settings.solver.method(), sky, &glowing);
+    Ok((settings, sky))
+}
+
+/// Rejects cells that are not those of a window.
+fn check_cells(cells: &Cells, window: GridWindow) -> Result<()> {
+    let found = [cells.width(), cells.height()];
+    if found == window.size {
+        return Ok(());
+    }
+    let [found, expected] = [found, window.size].map(|[w, h]| format!("{w}×{h} cells"));
+    Err(Error::value("cells", found, format!("{expected}, those from {:?} on", window.first)))
 }
 
 /// Rejects sizes of zero and sizes beyond [`MAX_SIDE`].

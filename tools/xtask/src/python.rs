@@ -11,8 +11,15 @@ pub const NEEDED: &str =
     "Python 3.10 or later as `python3`, with venv, and packages of its registry";
 
 /// The contents of the environment: the builder, the package's dependencies, the tests'.
-const PACKAGES: [&str; 6] =
-    ["maturin>=1.16,<2", "numpy", "dask[array,distributed]", "pytest", "mypy", "matplotlib"];
+const PACKAGES: [&str; 7] = [
+    "maturin>=1.16,<2",
+    "numpy",
+    "dask[array,distributed]",
+    "pytest",
+    "mypy",
+    "matplotlib",
+    "zarr>=3; python_version >= '3.11'",
+];
 
 /// A virtual environment in the target folder.
 pub struct Environment {

@@ -4,5 +4,6 @@ Row 0 is the top row. Lengths are in cells ("px"); the centre of cell (i, j) lie
 """
 
 from lamplight2d._core import Cells, Light, Measures, Reference, Scene, Solver, compare, reference
+from lamplight2d._world import World
 
-__all__ = ["Cells", "Light", "Measures", "Reference", "Scene", "Solver", "compare", "reference"]
+__all__ = ["Cells", "Light", "Measures", "Reference", "Scene", "Solver", "World", "compare", "reference"]

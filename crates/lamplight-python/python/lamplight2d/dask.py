@@ -1,4 +1,4 @@
-"""Frames, sweeps and references on many cores or machines, by Dask (``pip install "lamplight2d[dask]"``).
+"""Frames, worlds, sweeps and references on many cores or machines, by Dask (``pip install "lamplight2d[dask]"``).
 
 Everything is lazy: ``compute()`` runs it, on any scheduler of Dask. The result has the same bytes on all of them, on any
 number of workers, and if workers are lost on the way; processors with other vector units may round differently.
@@ -10,9 +10,12 @@ must be able to read; cells travel with all of their arrays.
 
 from __future__ import annotations
 
+import ctypes
+import os
+import platform
 import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Union
 
 import dask
@@ -20,9 +23,10 @@ import dask.array as da
 import numpy as np
 from dask.delayed import Delayed
 
-from lamplight2d._core import Cells, Light, Reference, Scene, Solver, compare, join_parts, trace_part
+from lamplight2d._core import Cells, FarWorld, Light, Reference, Scene, Solver, compare, join_parts, trace_part
+from lamplight2d._world import COLUMNS, HALO, ArrayReader, Window, World, WorldSource, cells_of, prepare, settled, tiles
 
-__all__ = ["Source", "reference", "render_frames", "sweep"]
+__all__ = ["Source", "light_world", "reference", "render_frames", "sweep"]
 
 Source = Union[Scene, Cells, Delayed]
 """What can be lit."""
@@ -76,6 +80,101 @@ def render_frames(
     arguments = ((height, width), settings, threads, display)
     chunks = (da.from_delayed(task(frame, *arguments), (1, height, width, 3), dtype) for frame in frames)
     return da.concatenate(list(chunks))
+
+
+def light_world(
+    source: World | WorldSource | Mapping[str, da.Array],
+    *,
+    tile: int = 1024,
+    solver: Solver | None = None,
+    halo: int | None = None,
+    columns: int | None = None,
+    shape: tuple[int, int] | None = None,
+    lamps: list[dict[str, Any]] | None = None,
+    sky: Any = None,
+    suns: list[dict[str, Any]] | None = None,
+) -> da.Array:
+    """Lights a world tile by tile, each with the light of all.
+
+    Workers read its parts and, bounce by bounce, what their surfaces send on; one of them makes the far field of that, and
+    each tile receives what it needs of it. With an open number of bounces (``"converged"``) one worker finds them all.
+
+    Parameters
+    ----------
+    source : World, Scene, path, Cells, dict of arrays or callable
+        As for `World`; arrays of Dask are read as tasks of their own. Workers open scenes and arrays of ``zarr`` by
+        their paths. Arrays in memory travel to all of them, and so do `Cells`: better is a callable that reads a file.
+        Of a `World`, the far field is known.
+    tile : int, optional
+        Side of a tile, px. Larger ones take less time in all, and more memory.
+    solver, halo, columns, shape, lamps, sky, suns : optional
+        As for `World`; none with one. By default a tile is lit on one thread.
+
+    Returns
+    -------
+    dask.array.Array of shape (H, W, 3)
+        Linear light, float32, a chunk per tile, with the bytes of `World.light`.
+
+    Raises
+    ------
+    ValueError
+        As `World`, and if ``tile`` is below 1. What is wrong with a cell is found when that is read.
+    """
+    if isinstance(source, World):
+        if any(value is not None for value in (solver, halo, columns, shape, lamps, sky, suns)):
+            raise ValueError("source is a World, which has its own solver, halo, columns, shape, lamps, sky and suns")
+        reader, empty, far = source._reader, source._empty, source._far
+    else:
+        if isinstance(source, (str, os.PathLike)):
+            source = Scene.load(source)
+        if solver is None:
+            settings = source.settings if isinstance(source, Scene) else {}
+            solver = Solver(threads=1, **settings)
+        halo, columns = HALO if halo is None else halo, COLUMNS if columns is None else columns
+        reader, empty = prepare(source, solver, halo, columns, shape, lamps, sky, suns)
+        far = None
+    windows = tiles(empty.shape, tile)
+    world_shape, around, solver, halo, columns, _ = empty.__getnewargs__()
+    plan = (world_shape, around, solver.settings, solver.threads, halo, columns)
+    # A task of its own, so that a worker receives it once.
+    shared = dask.delayed(reader, traverse=False, pure=False)
+
+    of_dask = isinstance(reader, ArrayReader) and any(map(dask.is_dask_collection, reader.arrays.values()))
+    cut = dask.delayed(FarWorld.blocks, pure=False)
+
+    def cells(window: Window) -> tuple[Any, ...]:
+        """What a task calls for the cells of a window."""
+        if of_dask:
+            # Sliced here, so that a task depends only on the chunks that it needs.
+            return cells_of, reader.lamps, window, reader.slices(*window)
+        return shared, *window
+
+    if far is None:
+        read = dask.delayed(_read, pure=False)
+        parts = [read(plan, part, *cells(window)) for part, window in empty.parts()]
+        far = dask.delayed(_finish, pure=False)(plan, parts)
+        bounces = solver.settings["bounces"]
+        if isinstance(bounces, int):
+            bounce, finish = dask.delayed(_bounce, pure=False), dask.delayed(FarWorld.finished, pure=False)
+            for _ in range(bounces):
+                parts = [
+                    bounce(plan, cut(far, part), part, *cells(empty.around_tile(part))) for part, _ in empty.parts()
+                ]
+                far = finish(far, parts)
+        else:
+            if of_dask:
+                raise ValueError(
+                    "source has arrays of Dask, and the number of bounces is open; "
+                    'set the number, as in Solver(bounces=2), or use arrays of "zarr"'
+                )
+            far = dask.delayed(settled, pure=False)(shared, far)
+    else:
+        far = dask.delayed(far, traverse=False, pure=False)
+    lit = dask.delayed(_tile, pure=False)
+    light = [lit(plan, cut(far, window), window, *cells(empty.around_tile(window))) for window in windows]
+    chunks = [da.from_delayed(one, (*window[2:], 3), np.float32) for one, window in zip(light, windows)]
+    count = -(-empty.shape[1] // tile)
+    return da.block([[[chunk] for chunk in chunks[i : i + count]] for i in range(0, len(chunks), count)])
 
 
 def reference(source: Source, samples: int = 256, *, parts: int = 64, **settings: Any) -> Delayed:
@@ -147,6 +246,25 @@ def sweep(
     return dask.delayed(list)(rows)
 
 
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
+"""Options of glibc's ``mallopt``, from its ``malloc.h``."""
+
+
+def _keep_memory() -> None:
+    """Keeps freed memory in a worker process of Dask's, for the arrays of the next task.
+
+    Dask starts workers with a threshold by which glibc gives every freed array back to the system, and fetches its pages
+    anew, one fault each, for the next: a fifth of the time of a frame. Other values of a user's own are left alone.
+    """
+    if os.environ.get("MALLOC_TRIM_THRESHOLD_") == "65536" and platform.libc_ver()[0] == "glibc":
+        glibc = ctypes.CDLL(None)
+        glibc.mallopt(_M_TRIM_THRESHOLD, 256 << 20)
+        glibc.mallopt(_M_MMAP_THRESHOLD, 32 << 20)
+
+
+# Workers import this module with their first task.
+_keep_memory()
+
 _kept = threading.local()
 
 
@@ -188,6 +306,34 @@ def _frame(
     if display is None:
         return solver.solve(cells, out=np.empty((*shape, 3), np.float32))[None]
     return solver.solve(cells).compose(cells, **{**own_display, **display})[None]
+
+
+_Plan = tuple[tuple[int, int], Cells, dict[str, Any], Union[int, None], int, int]
+"""The shape of a world, cells with its sky and suns, and its settings: the solver's, its threads, halo and columns."""
+
+
+def _far_world(plan: _Plan) -> FarWorld:
+    # Dask keeps the arguments of tasks, so that a solver among them would keep its threads and their memory.
+    shape, around, settings, threads, halo, columns = plan
+    return FarWorld(shape, around, _solver(settings, threads), halo, columns)
+
+
+def _read(plan: _Plan, part: Window, reader: Callable[..., Cells], *arguments: Any) -> bytes:
+    return _far_world(plan).read(part, reader(*arguments))
+
+
+def _finish(plan: _Plan, parts: list[bytes]) -> FarWorld:
+    # All tiles wait for it, so it may use all cores.
+    shape, around, settings, _, halo, columns = plan
+    return _far_world((shape, around, settings, None, halo, columns)).finished(parts)
+
+
+def _bounce(plan: _Plan, blocks: bytes, part: Window, reader: Callable[..., Cells], *arguments: Any) -> bytes:
+    return _far_world(plan).with_blocks(blocks).bounce(part, reader(*arguments))
+
+
+def _tile(plan: _Plan, blocks: bytes, tile: Window, reader: Callable[..., Cells], *arguments: Any) -> np.ndarray:
+    return _far_world(plan).with_blocks(blocks).light(tile, reader(*arguments)).rgb
 
 
 def _trace(source: Scene | Cells, part: int, parts: int, samples: int, settings: dict[str, Any]) -> np.ndarray:

@@ -1,19 +1,34 @@
 //! Blocks of cells: the light that each sends and stops, by direction.
 
-use super::paths::{DIRECTIONS, SLOTS, direction, is_missing, slot};
+use super::paths::{Across, DIRECTIONS, Entry, PER_DIRECTION, SLOTS, Strips, direction, slot};
 use crate::Rgb;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Radiance that a block sends, by slot.
-pub type Sent = [PackedRgb; SLOTS];
-
 /// A block: the means over its paths, by slot.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FarBlock {
     /// Radiance that it sends, as seen in this direction.
-    pub sent: Sent,
+    #[serde(with = "slots")]
+    pub sent: [PackedRgb; SLOTS],
     /// Fraction of light that it stops.
+    #[serde(with = "slots")]
     pub stopped: [PackedRgb; SLOTS],
+}
+
+/// Arrays of more values than serde knows.
+mod slots {
+    use super::{PackedRgb, SLOTS};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(slots: &[PackedRgb; SLOTS], to: S) -> Result<S::Ok, S::Error> {
+        slots.as_slice().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[PackedRgb; SLOTS], D::Error> {
+        let slots = Vec::<PackedRgb>::deserialize(from)?;
+        slots.try_into().map_err(|_| D::Error::custom("a block is damaged"))
+    }
 }
 
 impl FarBlock {
@@ -25,36 +40,34 @@ impl FarBlock {
 
     /// Returns whether no light passes along x, or none along y.
     pub fn is_shut(&self) -> bool {
-        let is_opaque = |number: usize, axis: usize| {
-            let found = self.in_slot(slot(number, axis));
-            found.is_none_or(|[_, stopped]| stopped.into_iter().all(|stopped| stopped >= 1.0))
+        let is_opaque = |number: usize| {
+            (0..PER_DIRECTION).all(|part| {
+                let found = self.in_slot(slot(number, part));
+                found.is_none_or(|[_, stopped]| stopped.into_iter().all(|stopped| stopped >= 1.0))
+            })
         };
-        let half = DIRECTIONS / 2;
-        let quarter = DIRECTIONS / 4;
-        is_opaque(0, 0) && is_opaque(half, 0)
-            || is_opaque(quarter, 1) && is_opaque(half + quarter, 1)
+        let [half, quarter] = [DIRECTIONS / 2, DIRECTIONS / 4];
+        is_opaque(0) && is_opaque(half) || is_opaque(quarter) && is_opaque(half + quarter)
     }
 
-    /// Returns what a ray sees that enters along an axis: the radiance that is added on the way, and the fraction of
-    /// light that is stopped; `None` if no ray comes in this way from open space.
+    /// Returns what a ray sees that enters here: the radiance that is added on the way, and the fraction of light that is
+    /// stopped; `None` if no ray comes in this way from open space.
     #[inline]
-    pub fn crossed(&self, bearing: &Bearing, axis: usize) -> Option<[Rgb; 2]> {
-        let Bearing { low, high, past, excess } = *bearing;
-        let [low, high] = match [low[axis], high[axis]] {
-            [low, high] if self.sent[low] == PackedRgb::HIDDEN => [high, high],
-            [low, high] if self.sent[high] == PackedRgb::HIDDEN => [low, low],
-            both => both,
-        };
-        let [mut sent, mut stopped] = self.in_slot(low)?;
-        if low != high {
-            let [sent_high, stopped_high] = self.in_slot(high)?;
-            for c in 0..3 {
-                sent[c] += (sent_high[c] - sent[c]) * past;
-                stopped[c] += (stopped_high[c] - stopped[c]) * past;
+    pub fn crossed(&self, bearing: &Bearing, entry: Entry) -> Option<[Rgb; 2]> {
+        let seen =
+            |i: usize| self.in_slot(slot(bearing.directions[i], bearing.strips[i].number(entry)));
+        let [mut sent, mut stopped] = match [seen(0), seen(1)] {
+            [None, None] => return None,
+            [Some(only), None] | [None, Some(only)] => return Some(only),
+            [Some([sent, stopped]), Some(high)] => {
+                let between = |low: Rgb, high: Rgb| -> Rgb {
+                    std::array::from_fn(|c| low[c] + (high[c] - low[c]) * bearing.past)
+                };
+                [between(sent, high[0]), between(stopped, high[1])]
             }
-        }
+        };
         for c in 0..3 {
-            let share = 1.0 - excess[axis] * (1.0 - stopped[c]);
+            let share = 1.0 - bearing.excess * (1.0 - stopped[c]);
             sent[c] *= share;
             stopped[c] *= share;
         }
@@ -100,17 +113,17 @@ impl BlockRayState {
     }
 }
 
-/// The slots between which the direction of a ray lies, by the axis along which it enters a block.
+/// The directions between which that of a ray lies.
 #[derive(Clone, Copy, Debug)]
 pub struct Bearing {
-    low: [usize; 2],
-    high: [usize; 2],
-    /// The weight of the higher one.
+    directions: [usize; 2],
+    strips: [Strips; 2],
+    /// The weight of the second one.
     past: f32,
     /// The fraction by which a mean between them is too large for matter of small parts: what such matter stops, seen
-    /// by all rays together, is the same in every direction, and the side by which they enter looks narrower from one
-    /// between two others than from these in the mean.
-    excess: [f32; 2],
+    /// by all rays together, is the same in every direction, and a block looks wider from a direction between two others
+    /// than from these in the mean.
+    excess: f32,
 }
 
 impl Bearing {
@@ -118,32 +131,41 @@ impl Bearing {
     pub fn new(angle: f64) -> Self {
         let at = (angle / TAU).rem_euclid(1.0) * DIRECTIONS as f64;
         let low = at as usize % DIRECTIONS;
-        let high = (low + 1) % DIRECTIONS;
-        let pick = |axis: usize| match (is_missing(low, axis), is_missing(high, axis)) {
-            (true, _) => (high, high),
-            (_, true) => (low, low),
-            _ => (low, high),
-        };
-        let sides = [pick(0), pick(1)];
+        let directions = [low, (low + 1) % DIRECTIONS];
         let past = at - at.floor();
         let (sin, cos) = angle.sin_cos();
-        let excess = |axis: usize| {
-            let [low, high] = [low, high].map(|number| direction(number)[axis].abs());
-            let width = [cos, sin][axis].abs().max(1e-6);
-            (1.0 - ((1.0 - past) * low + past * high) / width).clamp(0.0, 0.1) as f32
-        };
+        let across = directions.map(|number| Across::new(direction(number)));
+        let [low, high] = across.map(|across| across.width);
+        let width = Across::new([cos, sin]).width;
+        let excess = 1.0 - 1.0 / (width * ((1.0 - past) / low + past / high));
         Self {
-            low: [0, 1].map(|axis| slot(sides[axis].0, axis)),
-            high: [0, 1].map(|axis| slot(sides[axis].1, axis)),
+            directions,
+            strips: across.map(|across| Strips::new(&across)),
             past: past as f32,
-            excess: [0, 1].map(excess),
+            excess: excess.clamp(0.0, 0.1) as f32,
         }
     }
 }
 
 /// A colour in four bytes: three mantissas and a common exponent (Ward 1991), with 1 exact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "u32", into = "u32")]
 pub struct PackedRgb(u32);
+
+impl From<PackedRgb> for u32 {
+    fn from(packed: PackedRgb) -> Self {
+        packed.0
+    }
+}
+
+impl TryFrom<u32> for PackedRgb {
+    type Error = &'static str;
+
+    fn try_from(bits: u32) -> Result<Self, Self::Error> {
+        // The exponent of a mantissa of 8 bits.
+        if bits == 0 || bits >> 24 > 8 { Ok(Self(bits)) } else { Err("a colour is damaged") }
+    }
+}
 
 /// The least exponent that is kept; smaller values are 0.
 const LEAST: i32 = -100;

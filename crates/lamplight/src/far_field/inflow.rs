@@ -1,7 +1,7 @@
 //! The light that enters a window from the world around it.
 
 use super::levels::BlockLevel;
-use super::march::{BlockRay, Rings, march};
+use super::march::{BlockRay, RayDirection, Rings, march};
 use super::read::SIDE;
 use crate::{GridWindow, Inflow, Panorama, Result, Rgb, Sky};
 use rayon::prelude::*;
@@ -41,16 +41,31 @@ pub fn inflow(
     let [first, end] = edges(window);
     let rings = Rings::around(window, levels.len());
     let blocks = [0, 1].map(|a| (end[a] - first[a]) / SIDE as i32);
+    let width = TAU / columns as f64;
+    let rays: Vec<RayDirection> = (0..columns * RAYS)
+        .map(|i| {
+            let spread = ((i % RAYS) as f64 + 0.5) / RAYS as f64 - 0.5;
+            RayDirection::new(Panorama::angle(columns, i / RAYS) + spread * width)
+        })
+        .collect();
+    let seen: Vec<Rgb> = (0..columns)
+        .map(|column| {
+            let middle = Panorama::angle(columns, column);
+            sky.mean(middle - 0.5 * width, middle + 0.5 * width)
+        })
+        .collect();
     // By side: top, right, bottom, left.
     let strips = [0, 1, 2, 3].map(|side| {
         let along = side % 2;
+        let across = 1 - along;
+        let outward = if side == 0 || side == 3 { -1 } else { 1 };
+        let border = Border { levels, rings: &rings, rays: &rays, sky: &seen, across, outward };
+        let sources = border.sources();
         let strips = (0..blocks[along]).into_par_iter().map(|i| {
             let mut block = first.map(|v| v / SIDE as i32);
             block[along] += i;
-            let across = 1 - along;
-            let outward = if side == 0 || side == 3 { -1 } else { 1 };
             block[across] += if outward < 0 { -1 } else { blocks[across] };
-            strip((levels, &rings, sky), block, (across, outward), columns)
+            border.strip(block, &sources)
         });
         strips.collect::<Vec<_>>()
     });
@@ -74,49 +89,69 @@ pub fn inflow(
     })
 }
 
-/// Returns the radiance that comes through a block at the border of a window, which lies across an axis outward, by
-/// column.
-fn strip(
-    (levels, rings, sky): (&[BlockLevel], &Rings, &Sky),
-    block: [i32; 2],
-    (across, outward): (usize, i32),
-    columns: usize,
-) -> Vec<Rgb> {
-    let mut strip = vec![[0.0; 3]; columns];
-    let edge = f64::from((block[across] + i32::from(outward < 0)) * SIDE as i32);
-    let along = 1 - across;
-    let cosine = |angle: f64| [angle.cos(), angle.sin()][across] * f64::from(outward);
-    let width = TAU / columns as f64;
-    let leads_out = |column: usize| cosine(Panorama::angle(columns, column)) > 0.0;
-    for column in (0..columns).filter(|&column| leads_out(column)) {
-        let middle = Panorama::angle(columns, column);
-        let sky = sky.mean(middle - 0.5 * width, middle + 0.5 * width);
-        for ray in 0..RAYS {
-            // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
-            let place = (GOLDEN_RATIO * (column * RAYS + ray) as f64).fract();
-            let spread = (ray as f64 + 0.5) / RAYS as f64 - 0.5;
-            let mut angle = middle + spread * width;
-            if cosine(angle) <= 0.0 {
-                angle = middle;
+/// A side of the border of a window.
+struct Border<'a> {
+    levels: &'a [BlockLevel],
+    rings: &'a Rings,
+    /// Directions of all rays, column by column.
+    rays: &'a [RayDirection],
+    /// The sky by column.
+    sky: &'a [Rgb],
+    /// The axis across the side, and the way outward along it: 1 or -1.
+    across: usize,
+    outward: i32,
+}
+
+impl Border<'_> {
+    /// Returns the component of a ray's direction that leads outward.
+    fn cosine(&self, ray: usize) -> f64 {
+        self.rays[ray].way[self.across] * f64::from(self.outward)
+    }
+
+    /// Returns for each column the one whose light it has: its own if its middle leads outward, otherwise the nearest
+    /// such column, whose light grazes the border.
+    fn sources(&self) -> Vec<usize> {
+        let columns = self.sky.len();
+        let leads_out = |column: usize| {
+            let rays = column * RAYS..(column + 1) * RAYS;
+            rays.map(|ray| self.cosine(ray)).sum::<f64>() > 0.0
+        };
+        let nearest = |column: usize| {
+            let mut steps = (0..columns)
+                .flat_map(|d| [(column + d) % columns, (column + columns - d) % columns]);
+            steps.find(|&other| leads_out(other)).unwrap_or(column)
+        };
+        (0..columns).map(nearest).collect()
+    }
+
+    /// Returns the radiance that comes through a block at the border, by column.
+    fn strip(&self, block: [i32; 2], sources: &[usize]) -> Vec<Rgb> {
+        let mut strip = vec![[0.0; 3]; sources.len()];
+        let along = 1 - self.across;
+        let mut from = [0.0; 2];
+        let edge = block[self.across] + i32::from(self.outward < 0);
+        from[self.across] = f64::from(edge * SIDE as i32);
+        for column in (0..sources.len()).filter(|&column| sources[column] == column) {
+            // Those of a column that grazes the border may lead inward.
+            let rays = (column * RAYS..(column + 1) * RAYS).filter(|&ray| self.cosine(ray) > 0.0);
+            let mut count = 0.0;
+            for ray in rays {
+                // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
+                let place = (GOLDEN_RATIO * ray as f64).fract();
+                from[along] = (f64::from(block[along]) + place) * SIDE as f64;
+                let ray =
+                    BlockRay { from, direction: &self.rays[ray], block, reach: f64::INFINITY };
+                let [light, through] = march(self.levels, self.rings, ray);
+                count += 1.0;
+                for c in 0..3 {
+                    strip[column][c] += light[c] + through[c] * self.sky[column][c];
+                }
             }
-            let mut from = [edge; 2];
-            from[along] = (f64::from(block[along]) + place) * SIDE as f64;
-            let [light, through] = march(
-                levels,
-                rings,
-                BlockRay { from, angle, block, axis: across, reach: f64::INFINITY },
-            );
-            for c in 0..3 {
-                strip[column][c] += (light[c] + through[c] * sky[c]) / RAYS as f32;
-            }
+            strip[column] = strip[column].map(|v| v / f32::max(count, 1.0));
         }
+        for column in 0..sources.len() {
+            strip[column] = strip[sources[column]];
+        }
+        strip
     }
-    // Columns that look inward have the light that grazes the border.
-    for column in (0..columns).filter(|&column| !leads_out(column)) {
-        let steps =
-            (1..columns).flat_map(|d| [(column + d) % columns, (column + columns - d) % columns]);
-        let nearest = steps.into_iter().find(|&other| leads_out(other));
-        strip[column] = nearest.map_or([0.0; 3], |other| strip[other]);
-    }
-    strip
 }

@@ -5,7 +5,7 @@
 //! radiance by the weights with which they are read, so that none is lost of a lamp that is narrower than a column.
 
 use super::levels::BlockLevel;
-use super::march::{BlockRay, Rings, march};
+use super::march::{BlockRay, RayDirection, Rings, march};
 use super::read::SIDE;
 use crate::lamp_discs::glow_of;
 use crate::panorama::column;
@@ -102,9 +102,9 @@ fn ways(
         if way[across] * f64::from(outward) <= 0.0 || reach < SIDE as f64 {
             return [1.0; 3];
         }
-        let angle = way[1].atan2(way[0]);
+        let direction = RayDirection::new(way[1].atan2(way[0]));
         let [_, through] =
-            march(levels, rings, BlockRay { from, angle, block, axis: across, reach });
+            march(levels, rings, BlockRay { from, direction: &direction, block, reach });
         through
     })
 }

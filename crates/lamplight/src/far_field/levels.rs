@@ -1,8 +1,8 @@
 //! Blocks of growing size, each level from the one below.
 
-use super::block::{BlockRayState, FarBlock, PackedRgb, Sent};
-use super::paths::{DIRECTIONS, Paths, slot};
-use super::shut::is_cut;
+use super::block::{BlockRayState, FarBlock, PackedRgb};
+use super::paths::{PER_DIRECTION, PathStep, Paths, slot};
+use super::shut::WallWay;
 use rayon::prelude::*;
 
 /// Blocks of a row of a larger one with its margin.
@@ -16,11 +16,13 @@ pub const SOLID: u32 = 1;
 pub const FIRST: u32 = 2;
 /// Added to the number of a block that a wall cuts in two: no light passes.
 pub const SHUT: u32 = 1 << 31;
+/// Added to the number of a block that a wall clips: no light passes where anything stops some.
+pub const CLIPPED: u32 = 1 << 30;
 
 /// Returns the index of the record of a block by its number.
 #[inline]
 pub fn record(number: u32) -> usize {
-    ((number & !SHUT) - FIRST) as usize
+    ((number & !(SHUT | CLIPPED)) - FIRST) as usize
 }
 
 /// The blocks of a size.
@@ -31,8 +33,6 @@ pub struct BlockLevel {
     /// Numbers of all blocks, row by row.
     pub numbers: Vec<u32>,
     pub blocks: Vec<FarBlock>,
-    /// Light that they send without bounces; empty while there are none.
-    pub emitted: Vec<Sent>,
 }
 
 impl BlockLevel {
@@ -46,9 +46,14 @@ impl BlockLevel {
     }
 
     /// Adds a record, and returns its number.
-    pub fn push(&mut self, block: FarBlock, is_cut: bool) -> u32 {
+    pub fn push(&mut self, block: FarBlock, wall: WallWay) -> u32 {
         self.blocks.push(block);
-        (self.blocks.len() as u32 - 1 + FIRST) | if is_cut { SHUT } else { 0 }
+        let flag = match wall {
+            WallWay::None => 0,
+            WallWay::Clips => CLIPPED,
+            WallWay::Cuts => SHUT,
+        };
+        (self.blocks.len() as u32 - 1 + FIRST) | flag
     }
 
     /// Returns whether a wall lies across a block.
@@ -60,19 +65,19 @@ impl BlockLevel {
         }
     }
 
-    /// Returns the level of blocks twice as large. `is_cut`: whether a wall cuts one in two. `measured`: what was
-    /// measured of a block, if anything was.
+    /// Returns the level of blocks twice as large. `wall`: the way of a wall through one. `measured`: what was measured of
+    /// a block, if anything was.
     pub fn coarser(
         &self,
-        is_cut: impl Fn([i32; 2]) -> bool + Sync,
+        wall: impl Fn([i32; 2]) -> WallWay + Sync,
         measured: impl Fn([i32; 2]) -> Option<FarBlock> + Sync,
     ) -> Self {
         let size = self.size.map(|side| (side + 1) / 2);
-        let paths = Paths::new(2);
+        let paths = Paths::through_blocks(2);
         let rows = (0..size[1]).into_par_iter().map(|y| {
             let merge = |x| {
-                let merged = self.merged(&paths, [x, y], |record| &self.blocks[record].sent);
-                merged.map(|block| (measured([x, y]).unwrap_or(block), is_cut([x, y])))
+                let found = measured([x, y]).map_or_else(|| self.merged(&paths, [x, y]), Ok);
+                found.map(|block| (block, wall([x, y])))
             };
             (0..size[0]).map(merge).collect::<Vec<_>>()
         });
@@ -80,77 +85,15 @@ impl BlockLevel {
         for merged in rows.collect::<Vec<_>>().into_iter().flatten() {
             let number = match merged {
                 Err(number) => number,
-                Ok((block, is_cut)) => level.push(block, is_cut),
+                Ok((block, wall)) => level.push(block, wall),
             };
             level.numbers.push(number);
         }
         level
     }
 
-    /// Returns what the blocks of a coarser level reflect if these reflect `reflected`. A block composed of smaller ones
-    /// stops too much, and reflects too much by the same factor.
-    pub fn reflected_by(&self, coarser: &Self, reflected: &[Sent]) -> Vec<Sent> {
-        let paths = Paths::new(2);
-        let columns = coarser.size[0];
-        let with_record = (0..).zip(&coarser.numbers).filter(|(_, number)| **number >= FIRST);
-        let places: Vec<i32> = with_record.map(|(at, _)| at).collect();
-        let records = coarser.blocks.par_iter().zip(places).map(|(block, at)| {
-            let merged =
-                self.merged(&paths, [at % columns, at / columns], |record| &reflected[record]);
-            let Ok(FarBlock { mut sent, stopped }) = merged else { return FarBlock::CLEAR.sent };
-            for (slot, sent) in sent.iter_mut().enumerate() {
-                if *sent == PackedRgb::HIDDEN {
-                    continue;
-                }
-                let [own, of_parts] = [&block.stopped, &stopped].map(|of| of[slot].unpack());
-                let share =
-                    |c: usize| if own[c] < of_parts[c] { own[c] / of_parts[c] } else { 1.0 };
-                let light = sent.unpack();
-                *sent = PackedRgb::new(std::array::from_fn(|c| light[c] * share(c)));
-            }
-            sent
-        });
-        records.collect()
-    }
-
-    /// Returns the change of all that the blocks send if they reflect this, relative to that.
-    pub fn change(&self, reflected: &[Sent]) -> f32 {
-        let sum = |sent: &Sent| -> f64 {
-            let open = sent.iter().filter(|sent| **sent != PackedRgb::HIDDEN);
-            open.flat_map(|sent| sent.unpack()).map(f64::from).sum()
-        };
-        let (mut change, mut total) = (0.0, 0.0);
-        for ((block, emitted), reflected) in self.blocks.iter().zip(&self.emitted).zip(reflected) {
-            let now = sum(reflected);
-            change += now - (sum(&block.sent) - sum(emitted));
-            total += sum(emitted) + now;
-        }
-        if total == 0.0 { 0.0 } else { (change.abs() / total) as f32 }
-    }
-
-    /// Sets what the blocks send: what they emit, and what they reflect.
-    pub fn send(&mut self, reflected: &[Sent]) {
-        let records = self.blocks.par_iter_mut().zip(&self.emitted).zip(reflected);
-        records.for_each(|((block, emitted), reflected)| {
-            for (sent, (emitted, reflected)) in
-                block.sent.iter_mut().zip(emitted.iter().zip(reflected))
-            {
-                if [*emitted, *reflected].contains(&PackedRgb::HIDDEN) {
-                    continue;
-                }
-                let [emitted, reflected] = [emitted, reflected].map(|of| of.unpack());
-                *sent = PackedRgb::new([0, 1, 2].map(|c| emitted[c] + reflected[c]));
-            }
-        });
-    }
-
-    /// Merges the four blocks that make a larger one, which send this; or returns its number, if it has no record.
-    fn merged<'a>(
-        &self,
-        paths: &Paths,
-        at: [i32; 2],
-        sent_by: impl Fn(usize) -> &'a Sent,
-    ) -> Result<FarBlock, u32> {
+    /// Merges the four blocks that make a larger one; or returns its number, if it has no record.
+    fn merged(&self, paths: &Paths, at: [i32; 2]) -> Result<FarBlock, u32> {
         let numbers: [u32; WITH_MARGIN * WITH_MARGIN] = std::array::from_fn(|i| {
             let [x, y] = [i % WITH_MARGIN, i / WITH_MARGIN].map(|v| v as i32 - 1);
             self.number([2 * at[0] + x, 2 * at[1] + y])
@@ -161,42 +104,36 @@ impl BlockLevel {
         }
         let mut block = FarBlock::HIDDEN;
         let mut reachable = false;
-        for way in 0..DIRECTIONS {
-            for axis in 0..2 {
-                let (mut sent, mut stopped, mut count) = ([0.0; 3], [0.0; 3], 0.0);
-                for path in &paths.of_slots[slot(way, axis)] {
-                    // Those that come out of a wall are none.
-                    let is_hidden = |number: u32| match number {
-                        EMPTY => false,
-                        SOLID => true,
-                        number => self.blocks[record(number)].in_slot(slot(way, axis)).is_none(),
-                    };
-                    if path.steps.first().is_none_or(|step| is_hidden(numbers[step.cell])) {
-                        continue;
-                    }
-                    count += path.weight;
-                    let mut state = BlockRayState::START;
-                    for step in &path.steps {
-                        let slot = slot(way, step.axis);
-                        state.cross(match numbers[step.cell] {
-                            EMPTY => continue,
-                            SOLID => None,
-                            number => {
-                                self.blocks[record(number)].in_slot(slot).map(|[_, stopped]| {
-                                    [sent_by(record(number))[slot].unpack(), stopped]
-                                })
-                            }
-                        });
-                    }
-                    (0..3).for_each(|c| sent[c] += path.weight * state.light[c]);
-                    (0..3).for_each(|c| stopped[c] += path.weight * (1.0 - state.through[c]));
+        for (number, of_slot) in paths.of_slots.iter().enumerate() {
+            let of_step = |step: &PathStep| slot(number / PER_DIRECTION, step.number);
+            let (mut sent, mut stopped, mut count) = ([0.0; 3], [0.0; 3], 0.0);
+            for path in of_slot {
+                // Those that come out of a wall are none.
+                let is_hidden = |step: &PathStep| match numbers[step.cell] {
+                    EMPTY => false,
+                    SOLID => true,
+                    number => self.blocks[record(number)].in_slot(of_step(step)).is_none(),
+                };
+                if path.steps.first().is_none_or(is_hidden) {
+                    continue;
                 }
-                if count > 0.0 {
-                    reachable = true;
-                    let slot = slot(way, axis);
-                    block.sent[slot] = PackedRgb::new(sent.map(|v| v / count));
-                    block.stopped[slot] = PackedRgb::new(stopped.map(|v| v / count));
+                count += path.weight;
+                let mut state = BlockRayState::START;
+                for step in &path.steps {
+                    let slot = of_step(step);
+                    state.cross(match numbers[step.cell] {
+                        EMPTY => continue,
+                        SOLID => None,
+                        number => self.blocks[record(number)].in_slot(slot),
+                    });
                 }
+                (0..3).for_each(|c| sent[c] += path.weight * state.light[c]);
+                (0..3).for_each(|c| stopped[c] += path.weight * (1.0 - state.through[c]));
+            }
+            if count > 0.0 {
+                reachable = true;
+                block.sent[number] = PackedRgb::new(sent.map(|v| v / count));
+                block.stopped[number] = PackedRgb::new(stopped.map(|v| v / count));
             }
         }
         if own == [SOLID; 4] && !reachable {
@@ -205,9 +142,9 @@ impl BlockLevel {
         Ok(block)
     }
 
-    /// Returns whether walls cut the square of 4×4 blocks with this first one in two.
-    pub fn is_cut(&self, [left, top]: [i32; 2]) -> bool {
-        let is_wall = |i: &i32| self.is_wall([left + i % 4, top + i / 4]);
-        is_cut((0..16).filter(is_wall).fold(0, |all, i| all | 1 << i), 4)
+    /// Returns the way of walls through the square of 4×4 blocks with this first one.
+    pub fn wall(&self, [left, top]: [i32; 2]) -> WallWay {
+        let is_wall = |i: &i32| self.is_wall([left + i % 6 - 1, top + i / 6 - 1]);
+        WallWay::of((0..36).filter(is_wall).fold(0, |all, i| all | 1 << i), 6)
     }
 }

@@ -1,7 +1,8 @@
 //! Rays through the blocks around a window, larger ones farther away.
 
 use super::block::{Bearing, BlockRayState};
-use super::levels::{BlockLevel, EMPTY, SHUT, SOLID, record};
+use super::levels::{BlockLevel, CLIPPED, EMPTY, SHUT, SOLID, record};
+use super::paths::Across;
 use super::read::SIDE;
 use crate::Rgb;
 use crate::math::transmittance::OPAQUE_TRANSMITTANCE;
@@ -11,26 +12,44 @@ use crate::math::transmittance::OPAQUE_TRANSMITTANCE;
 #[derive(Debug)]
 pub struct Rings {
     levels: Vec<[[i32; 2]; 2]>,
+    /// The smallest blocks of the window itself.
+    window: [[i32; 2]; 2],
+}
+
+/// A direction of rays.
+#[derive(Clone, Debug)]
+pub struct RayDirection {
+    /// The unit vector.
+    pub way: [f64; 2],
+    across: Across,
+    bearing: Bearing,
 }
 
 /// A ray that enters a smallest block.
 #[derive(Clone, Copy, Debug)]
-pub struct BlockRay {
+pub struct BlockRay<'a> {
     /// px of the world.
     pub from: [f64; 2],
-    /// Radians from +x towards +y.
-    pub angle: f64,
-    /// The block that it enters, by column and row, and the axis along which it does.
+    pub direction: &'a RayDirection,
+    /// The block that it enters, by column and row.
     pub block: [i32; 2],
-    pub axis: usize,
-    /// The length after which it enters no more blocks, px.
+    /// The length of the ray, px. Its last block counts as a whole.
     pub reach: f64,
+}
+
+impl RayDirection {
+    /// Returns that of an angle, radians from +x towards +y.
+    pub fn new(angle: f64) -> Self {
+        let way = [angle.cos(), angle.sin()];
+        Self { way, across: Across::new(way), bearing: Bearing::new(angle) }
+    }
 }
 
 impl Rings {
     /// Finds those of a window, px, for so many levels, of which each is `width` blocks wide.
     pub fn new(count: usize, first: [i32; 2], end: [i32; 2], width: i32) -> Self {
         let mut edges = [first, end];
+        let window = edges.map(|edge| edge.map(|v| v / SIDE as i32));
         let ring = |level: usize| {
             let side = (SIDE as i32) << level;
             if level + 1 == count {
@@ -43,16 +62,23 @@ impl Rings {
             }
             edges.map(|edge| edge.map(|v| v / side))
         };
-        Self { levels: (0..count).map(ring).collect() }
+        Self { levels: (0..count).map(ring).collect(), window }
+    }
+
+    /// The blocks of a level that rays may cross, from the first to the last, exclusive; of these, all in the second
+    /// rectangle belong to the level before, or to the window.
+    pub fn of_level(&self, level: usize) -> [[[i32; 2]; 2]; 2] {
+        let nearer =
+            level.checked_sub(1).map(|finer| self.levels[finer].map(|edge| edge.map(|v| v / 2)));
+        [self.levels[level], nearer.unwrap_or(self.window)]
     }
 }
 
-/// Returns the radiance that blocks send along a ray, and the transmittance of the way out of the world.
+/// Returns the radiance that blocks send along a ray, and the transmittance of the way to its end, or out of the world.
 pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
-    let BlockRay { from, angle, block: mut cell, mut axis, reach } = ray;
-    let (sin, cos) = angle.sin_cos();
-    let way = [cos, sin];
-    let bearing = Bearing::new(angle);
+    let BlockRay { from, direction, block: mut cell, reach } = ray;
+    let RayDirection { way, across, bearing } = direction;
+    let offset = across.offset(from);
     let ahead = way.map(|v| if v > 0.0 { 1 } else { -1 });
     let inverse = way.map(|v| 1.0 / if v.abs() < 1e-12 { 1e-12 } else { v.abs() });
     let mut state = BlockRayState::START;
@@ -74,8 +100,16 @@ pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
                 EMPTY => {}
                 SOLID => state.cross(None),
                 number => {
-                    state.cross(level.blocks[record(number)].crossed(&bearing, axis));
-                    if number & SHUT != 0 {
+                    let middle = cell.map(|v| f64::from(v) + 0.5);
+                    let entry = across.entry(offset / side - across.offset(middle));
+                    let crossed = level.blocks[record(number)].crossed(bearing, entry);
+                    state.cross(crossed);
+                    let is_clear = || crossed.is_some_and(|[_, stopped]| stopped == [0.0; 3]);
+                    if number & SHUT != 0 || number & CLIPPED != 0 && !is_clear() {
+                        if number & SHUT == 0 {
+                            // The rest belongs to the wall.
+                            state.cross(None);
+                        }
                         state.through = [0.0; 3];
                     }
                 }
@@ -88,7 +122,6 @@ pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
             }
             cell[crosses] += ahead[crosses];
             next[crosses] += step[crosses];
-            axis = crosses;
         }
         cell = cell.map(|v| v.div_euclid(2));
     }

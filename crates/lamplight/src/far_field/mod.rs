@@ -2,46 +2,48 @@
 //!
 //! A tile of a world is lit by all of it, but does not need to know it cell by cell: what lies far away looks the same
 //! if it is known as roughly as it is far, as in the far field of fast multipole methods (Greengard and Rokhlin 1987).
-//! The smallest blocks are 4×4 cells ([`read`]), and each level has blocks twice as large ([`levels`]), up to 512 px
-//! measured by lines through the cells ([`sweep`]). Rays from the
-//! border of a tile cross smaller blocks near it and larger ones farther away ([`march`]; [`inflow`]).
+//! The smallest blocks are 4×4 cells ([`read`]), and each level has blocks twice as large, up to 512 px measured by
+//! lines through the cells ([`sweep`]), beyond that composed of the smaller ones ([`levels`]). Rays from the border of a
+//! tile cross smaller blocks near it and larger ones farther away ([`march`]; [`inflow`]).
 //!
-//! A block keeps, for each of sixteen directions and for rays that enter it by a step along x and along y, two means
-//! over parallel paths that come in from open space: the radiance that they see in it, and the fraction of light that
-//! it stops. The sum over all rays is that of the cells, so that a light of one cell is as bright as it was, seen from
-//! anywhere. A block that a wall cuts in two is shut ([`shut`]), wherever the wall lies in it.
+//! A block keeps two means for each of sixteen directions and for each of four strips across it: the radiance that
+//! parallel rays in the strip see in it, and the fraction of light that it stops ([`paths`]). They are means over the
+//! paths that come in from open space, and the strip in which the block's nearest corner lies is parted there, so that a
+//! wall does not show what is behind it. A light of one cell is as bright as it was, seen from anywhere. A block that a
+//! wall cuts in two is shut ([`shut`]), wherever the wall lies in it.
 //!
-//! Bounces ([`bounce`]): each of the smallest blocks finds the light around it by rays of its own, and sends what its
-//! faces reflect and its media scatter.
+//! Surfaces send what they emit and what they send on of the light that they receive. The latter is found tile by tile,
+//! a bounce after the other ([`crate::world`]; [`surfaces`]).
 //!
-//! Cost: a block of matter takes 260 bytes, 900 if it reflects; empty blocks take four. Time goes with the
-//! number of blocks of matter, and for a tile with the length of its border, times the logarithm of the world's size.
+//! Cost: a block of matter takes 650 bytes, an empty one four. Time goes with the number of blocks of matter, and for a
+//! tile with the length of its border, times the logarithm of the world's size.
 //!
-//! Known failures: a thing that borders of blocks part looks wider, by up to a quarter if it is about as large as they
-//! are, because a ray that passes beside a surface in one block counts as spread over all of the next. Walls are up to
-//! a block thicker where one is shut, and gaps between walls that are narrower than a block are shut with them. Shadows
-//! of what lies beyond the border are blurred by 1/24 radian.
+//! Known failures: a thing that borders of blocks part looks wider, by up to a fifth if it is about as large as they are.
+//! Walls are up to a block thicker where one is shut, and gaps between walls that are narrower than a block are shut
+//! with them.
 
 mod block;
-mod bounce;
 mod inflow;
 mod lamps;
 mod levels;
 mod march;
+mod parts;
 mod paths;
 mod read;
 mod shut;
+mod surfaces;
 mod sweep;
 
-use crate::settings::Bounces;
-use crate::stages::bounce::solve_bounces;
+use crate::stages::bounce::SurfaceLight;
 use crate::{Cells, GridWindow, Inflow, Lamp, Result, Sky};
 use block::FarBlock;
-use bounce::Reflector;
 use levels::{BlockLevel, EMPTY, SOLID};
+pub use parts::{BounceState, FarBlocks, FarPart};
 use rayon::prelude::*;
-use read::{BlockReader, Found, NEAR, SIDE};
+use read::{BlockReader, Found, SIDE};
+use shut::WallWay;
 use std::collections::HashMap;
+pub use surfaces::PartLight;
 use sweep::{Content, Swept};
 
 /// Levels are added until one is no more than this many blocks wide.
@@ -52,9 +54,8 @@ const COARSEST: i32 = 24;
 pub struct FarField {
     sky: Sky,
     levels: Vec<BlockLevel>,
-    reflectors: Vec<Reflector>,
-    /// Blocks of the second level that walls cut in two.
-    cut: Vec<bool>,
+    /// Ways of walls through the blocks of the second level.
+    walls: Vec<WallWay>,
     /// Blocks of each level but the finest, by column and row, until they are merged.
     measured: Vec<HashMap<[i32; 2], FarBlock>>,
 }
@@ -63,9 +64,6 @@ pub struct FarField {
 const MEASURED: usize = 7;
 /// The side of the squares in whose multiples cells are added: that of the largest blocks that are measured, px.
 pub const ALIGNMENT: u32 = (SIDE as u32) << MEASURED;
-
-/// The margin around a window in which its cells should be known, px.
-pub const MARGIN: u32 = NEAR as u32;
 
 impl FarField {
     /// Creates that of an empty world of so many cells.
@@ -77,16 +75,22 @@ impl FarField {
         Self {
             sky,
             levels: vec![finest],
-            reflectors: Vec::new(),
-            cut: vec![false; count / 4],
+            walls: vec![WallWay::None; count / 4],
             measured: vec![HashMap::new(); MEASURED],
         }
     }
 
     /// Adds the matter of a window, which begins at a multiple of [`ALIGNMENT`], from cells whose first one lies at
-    /// `origin` in the world. They should hold a margin of one cell around the window, where the world goes on.
-    pub fn add(&mut self, window: GridWindow, cells: &Cells, origin: [u32; 2]) {
-        let reader = BlockReader::new(cells);
+    /// `origin` in the world, and whose surfaces send this on. They should hold a margin of one cell around the window,
+    /// where the world goes on.
+    pub fn add(
+        &mut self,
+        window: GridWindow,
+        cells: &Cells,
+        light: &SurfaceLight,
+        origin: [u32; 2],
+    ) {
+        let reader = BlockReader::new(cells, light);
         let GridWindow { first, size } = window;
         let begin = [0, 1].map(|a| (first[a] / SIDE as u32) as i32);
         let end = [0, 1].map(|a| (first[a] + size[a]).div_ceil(SIDE as u32) as i32);
@@ -124,23 +128,15 @@ impl FarField {
                 finest.numbers[place] = match found {
                     Found::Empty => EMPTY,
                     Found::Solid => SOLID,
-                    Found::Matter { block, is_cut, reflection } => {
-                        let record = finest.blocks.len() as u32;
-                        self.reflectors.extend(reflection.map(|reflection| Reflector {
-                            place: place as u32,
-                            record,
-                            reflection,
-                        }));
-                        finest.push(*block, is_cut)
-                    }
+                    Found::Matter { block, wall } => finest.push(*block, wall),
                 };
             }
         }
         let columns = finest.size[0] / 2;
         for y in begin[1] / 2..(end[1] + 1) / 2 {
             for x in begin[0] / 2..(end[0] + 1) / 2 {
-                let solid = reader.solid(local([x, y], 2 * SIDE), 2 * SIDE as u32);
-                self.cut[(y * columns + x) as usize] = shut::is_cut(solid, 2 * SIDE as u32);
+                let first = local([x, y], 2 * SIDE);
+                self.walls[(y * columns + x) as usize] = reader.wall(first, 2 * SIDE as u32);
             }
         }
     }
@@ -155,43 +151,15 @@ impl FarField {
             let of_level = self.measured.get(self.levels.len() - 1);
             let measured = |at| of_level.and_then(|of_level| of_level.get(&at).copied());
             let coarser = match self.levels.len() {
-                1 => finest.coarser(|[x, y]| self.cut[(y * columns + x) as usize], measured),
+                1 => finest.coarser(|[x, y]| self.walls[(y * columns + x) as usize], measured),
                 count => {
                     let finer = &self.levels[count - 2];
-                    finest.coarser(|at| finer.is_cut(at.map(|v| 4 * v)), measured)
+                    finest.coarser(|at| finer.wall(at.map(|v| 4 * v)), measured)
                 }
             };
             self.levels.push(coarser);
         }
         self.measured.iter_mut().for_each(HashMap::clear);
-    }
-
-    /// Finds what the blocks send with so many bounces.
-    pub fn bounces(&mut self, bounces: Bounces) {
-        if self.reflectors.is_empty() {
-            return;
-        }
-        for level in &mut self.levels {
-            level.emitted = level.blocks.iter().map(|block| block.sent).collect();
-        }
-        solve_bounces(bounces, || self.bounce());
-    }
-
-    /// Finds what the blocks send with one more bounce. Returns the change of all light, relative.
-    fn bounce(&mut self) -> f32 {
-        let mut reflected = vec![FarBlock::CLEAR.sent; self.levels[0].blocks.len()];
-        let found = bounce::reflected(&self.levels, &self.sky, &self.reflectors);
-        for (reflector, sent) in self.reflectors.iter().zip(found) {
-            reflected[reflector.record as usize] = sent;
-        }
-        let change = self.levels[0].change(&reflected);
-        self.levels[0].send(&reflected);
-        for number in 1..self.levels.len() {
-            let (finer, coarser) = self.levels.split_at_mut(number);
-            reflected = finer[number - 1].reflected_by(&coarser[0], &reflected);
-            coarser[0].send(&reflected);
-        }
-        change
     }
 
     /// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions.

@@ -5,8 +5,8 @@
 //! block on their way, of every size at once, counts what they see and what is stopped between its entry and its exit.
 
 use super::block::{FarBlock, PackedRgb};
-use super::paths::{DIRECTIONS, direction, slot};
-use super::read::{BlockReader, SIDE};
+use super::paths::{Across, DIRECTIONS, PER_DIRECTION, Strips, direction, slot};
+use super::read::{BlockReader, HIDDEN_WEIGHT, SIDE, face};
 use crate::Rgb;
 use crate::grid::class::CellClass;
 use rayon::prelude::*;
@@ -34,10 +34,12 @@ pub struct Swept<'a> {
     pub contents: Vec<Content>,
 }
 
-/// Sums over the lines that enter a block by a side.
+/// Sums over the lines in a slot of a block.
 #[derive(Clone, Copy, Debug, Default)]
-struct SideSum {
+struct SlotSum {
+    /// Those from open space, and those out of a wall.
     lines: f32,
+    hidden: f32,
     sent: Rgb,
     stopped: Rgb,
 }
@@ -45,13 +47,60 @@ struct SideSum {
 /// A line since it entered a block of some size.
 #[derive(Clone, Copy, Debug, Default)]
 struct LineState {
-    /// The index of the block among the sums, and the axis along which it was entered.
+    /// The index of the block among the sums, and the number of the line's slot in its direction.
     block: usize,
-    axis: usize,
+    number: usize,
     /// False if it came out of a solid cell.
     reachable: bool,
     sent: Rgb,
     through: Rgb,
+}
+
+/// A line through the window.
+struct SweptLine {
+    /// The place at which it enters, px.
+    from: [f64; 2],
+    /// The unit vector along it, and the signs of its components.
+    way: [f64; 2],
+    ahead: [i64; 2],
+    across: Across,
+    strips: Strips,
+    /// Its own.
+    offset: f64,
+}
+
+impl SweptLine {
+    /// Returns the axis along which it leaves the square of this side around a cell, at a multiple of the side, and the
+    /// length up to there.
+    #[inline]
+    fn leaves(&self, cell: [i64; 2], side: i64) -> (usize, f64) {
+        let length = |a: usize| {
+            if self.way[a] == 0.0 {
+                return f64::INFINITY;
+            }
+            let edge = (cell[a] / side + i64::from(self.ahead[a] > 0)) * side;
+            (edge as f64 - self.from[a]) / self.way[a]
+        };
+        let lengths = [length(0), length(1)];
+        let axis = usize::from(lengths[1] < lengths[0]);
+        (axis, lengths[axis])
+    }
+}
+
+impl LineState {
+    /// Adds the line to the sums of the block, when it leaves it.
+    fn add_to(&self, sums: &mut [[SlotSum; PER_DIRECTION]]) {
+        let sum = &mut sums[self.block][self.number];
+        if !self.reachable {
+            sum.hidden += 1.0;
+            return;
+        }
+        sum.lines += 1.0;
+        for c in 0..3 {
+            sum.sent[c] += self.sent[c];
+            sum.stopped[c] += 1.0 - self.through[c];
+        }
+    }
 }
 
 impl Swept<'_> {
@@ -61,12 +110,13 @@ impl Swept<'_> {
         let sizes = sizes.min(MOST);
         let count = |size: usize| self.side(0, size) * self.side(1, size);
         let counts: Vec<usize> = (1..=sizes).map(count).collect();
-        let sums: Vec<Vec<Vec<[SideSum; 2]>>> = (0..DIRECTIONS)
+        let uniform = self.uniform(sizes);
+        let sums: Vec<Vec<Vec<[SlotSum; PER_DIRECTION]>>> = (0..DIRECTIONS)
             .into_par_iter()
             .map(|number| {
                 let mut sums: Vec<_> =
-                    counts.iter().map(|&n| vec![[SideSum::default(); 2]; n]).collect();
-                self.draw_lines(number, &mut sums);
+                    counts.iter().map(|&n| vec![[SlotSum::default(); PER_DIRECTION]; n]).collect();
+                self.draw_lines(number, &uniform, &mut sums);
                 sums
             })
             .collect();
@@ -74,20 +124,21 @@ impl Swept<'_> {
             let mut block = FarBlock::HIDDEN;
             let mut reachable = false;
             for (number, sums) in sums.iter().enumerate() {
-                for (axis, sum) in
+                for (part, sum) in
                     sums[size][at].iter().enumerate().filter(|(_, sum)| sum.lines > 0.0)
                 {
                     reachable = true;
-                    let mean = |rgb: Rgb| PackedRgb::new(rgb.map(|v| v / sum.lines));
-                    block.sent[slot(number, axis)] = mean(sum.sent);
-                    block.stopped[slot(number, axis)] = mean(sum.stopped);
+                    let count = sum.lines + HIDDEN_WEIGHT * sum.hidden;
+                    let mean = |rgb: Rgb| PackedRgb::new(rgb.map(|v| v / count));
+                    block.sent[slot(number, part)] = mean(sum.sent);
+                    block.stopped[slot(number, part)] = mean(sum.stopped);
                 }
             }
             reachable.then_some(block)
         };
         let of_size = |size: usize| {
-            let occupied = self.occupied(size + 1, counts[size]);
-            (0..counts[size]).map(|at| if occupied[at] { block(size, at) } else { None }).collect()
+            let is_empty = |at: usize| uniform[size + 1][at] == Content::Empty;
+            (0..counts[size]).map(|at| if is_empty(at) { None } else { block(size, at) }).collect()
         };
         (0..sizes).into_par_iter().map(of_size).collect()
     }
@@ -97,17 +148,25 @@ impl Swept<'_> {
         ((self.blocks[axis] - 1) >> size) + 1
     }
 
-    /// Returns whether there is matter in each block of a size.
-    fn occupied(&self, size: usize, count: usize) -> Vec<bool> {
-        let columns = self.side(0, size);
-        let mut occupied = vec![false; count];
-        for (i, _) in
-            self.contents.iter().enumerate().filter(|(_, content)| **content != Content::Empty)
-        {
-            let [x, y] = [i % self.blocks[0], i / self.blocks[0]].map(|v| v >> size);
-            occupied[y * columns + x] = true;
+    /// Returns what is in each block of every size, the finest first: one thing in all of it, or a mixture.
+    fn uniform(&self, sizes: usize) -> Vec<Vec<Content>> {
+        let mut levels = vec![self.contents.clone()];
+        for size in 1..=sizes {
+            let finer = &levels[size - 1];
+            let [finer_columns, finer_rows] = [0, 1].map(|axis| self.side(axis, size - 1));
+            let [columns, rows] = [0, 1].map(|axis| self.side(axis, size));
+            let content = |at: usize| {
+                let [x, y] = [2 * (at % columns), 2 * (at / columns)];
+                let first = finer[y * finer_columns + x];
+                let others = [[x + 1, y], [x, y + 1], [x + 1, y + 1]];
+                let same = others.into_iter().all(|[x, y]| {
+                    x >= finer_columns || y >= finer_rows || finer[y * finer_columns + x] == first
+                });
+                if same { first } else { Content::Mixed }
+            };
+            levels.push((0..columns * rows).map(content).collect());
         }
-        occupied
+        levels
     }
 
     /// Returns the place of a cell of the window among those of the reader.
@@ -116,8 +175,15 @@ impl Swept<'_> {
     }
 
     /// Draws all lines of a direction.
-    fn draw_lines(&self, number: usize, sums: &mut [Vec<[SideSum; 2]>]) {
+    fn draw_lines(
+        &self,
+        number: usize,
+        uniform: &[Vec<Content>],
+        sums: &mut [Vec<[SlotSum; PER_DIRECTION]>],
+    ) {
         let way = direction(number);
+        let across = Across::new(way);
+        let strips = Strips::new(&across);
         // The axis along which most lines enter.
         let main = usize::from(way[1].abs() > way[0].abs());
         let other = 1 - main;
@@ -126,6 +192,7 @@ impl Swept<'_> {
         let drift = size[main] * way[other] / way[main].abs();
         let per_px = if way[other] == 0.0 { 1.0 } else { PER_PX };
         let [low, high] = [drift.min(0.0), drift.max(0.0)];
+        let ahead = way.map(|v| if v > 0.0 { 1 } else { -1 });
         let count = ((size[other] + high - low) * per_px) as usize;
         for i in 0..count {
             let place = (i as f64 + 0.5) / per_px - high;
@@ -144,125 +211,129 @@ impl Swept<'_> {
                     continue;
                 }
             }
-            self.draw_line(way, at, axis, sums);
+            let line =
+                SweptLine { from: at, way, ahead, across, strips, offset: across.offset(at) };
+            self.draw_line(&line, axis, uniform, sums);
         }
     }
 
-    /// Draws a line from a place on the edge of the window.
+    /// Draws a line that enters the window along an axis.
     fn draw_line(
         &self,
-        way: [f64; 2],
-        from: [f64; 2],
+        line: &SweptLine,
         axis: usize,
-        sums: &mut [Vec<[SideSum; 2]>],
+        uniform: &[Vec<Content>],
+        sums: &mut [Vec<[SlotSum; PER_DIRECTION]>],
     ) {
-        let ahead = way.map(|v| if v > 0.0 { 1i64 } else { -1 });
-        let inverse = way.map(|v| if v == 0.0 { f64::INFINITY } else { 1.0 / v.abs() });
         let last = self.blocks.map(|side| (side * SIDE) as i64 - 1);
-        let mut cell: [i64; 2] = std::array::from_fn(|a| match (a == axis, ahead[a] > 0) {
+        let mut cell: [i64; 2] = std::array::from_fn(|a| match (a == axis, line.ahead[a] > 0) {
             (true, true) => 0,
             (true, false) => last[a],
-            _ => (from[a] as i64).clamp(0, last[a]),
+            _ => (line.from[a] as i64).clamp(0, last[a]),
         });
-        let columns: [usize; MOST] = std::array::from_fn(|size| self.side(0, size + 1));
         let mut crossings = [LineState::default(); MOST];
         let crossings = &mut crossings[..sums.len()];
+        let mut entered = axis;
         let mut at = 0.0;
-        let enter = |crossings: &mut [LineState], cell: [i64; 2], axis: usize, sizes: usize| {
-            let mut outside = cell;
-            outside[axis] -= ahead[axis];
-            let reachable = sizes > 0 && self.reader.class(self.place(outside)) != CellClass::Solid;
+        self.enter(line, cell, entered, crossings);
+        loop {
+            // Across the largest block around that is empty or solid, if there is one.
             let block = cell.map(|v| v as usize / SIDE);
-            for (size, crossing) in crossings[..sizes].iter_mut().enumerate() {
-                let block = (block[1] >> (size + 1)) * columns[size] + (block[0] >> (size + 1));
-                *crossing = LineState { block, axis, reachable, sent: [0.0; 3], through: [1.0; 3] };
-            }
-        };
-        let all = crossings.len();
-        enter(crossings, cell, axis, all);
-        while (0..2).all(|a| (0..=last[a]).contains(&cell[a])) {
-            let block = cell.map(|v| v as usize / SIDE);
-            // To where it leaves the finest block.
-            let to = |cell: i64, side: i64, a: usize| {
-                let edge = if ahead[a] > 0 { (cell / side + 1) * side } else { cell / side * side };
-                (edge as f64 - from[a]) * ahead[a] as f64 * inverse[a]
+            let content = |size: usize| {
+                let [x, y] = block.map(|v| v >> size);
+                let is_whole = (0..2).all(|a| ((block[a] >> size) + 1) << size <= self.blocks[a]);
+                is_whole.then(|| uniform[size][y * self.side(0, size) + x])
             };
-            let leaves = |cell: [i64; 2], side: i64| {
-                let next = [0, 1]
-                    .map(|a| if way[a] == 0.0 { f64::INFINITY } else { to(cell[a], side, a) });
-                let axis = usize::from(next[1] < next[0]);
-                (axis, next[axis])
-            };
-            let (out, end) = leaves(cell, SIDE as i64);
-            let content = self.contents[block[1] * self.blocks[0] + block[0]];
-            match content {
-                Content::Empty => {}
-                Content::Solid => {
-                    crossings.iter_mut().for_each(|crossing| crossing.through = [0.0; 3])
-                }
-                Content::Mixed => loop {
-                    let (next, leave) = leaves(cell, 1);
-                    self.cross(cell, (leave - at).max(0.0) as f32, crossings);
-                    let mut beyond = cell;
-                    beyond[next] += ahead[next];
-                    at = leave;
-                    if beyond[next].div_euclid(SIDE as i64) != cell[next].div_euclid(SIDE as i64) {
-                        break;
-                    }
-                    cell = beyond;
-                },
-            }
-            // Into the next finest block, by the axis that its edge lies on.
-            let entered = if content == Content::Mixed {
-                leaves(cell, 1).0
+            let here = self.contents[block[1] * self.blocks[0] + block[0]];
+            if here == Content::Mixed {
+                entered = self.cross_cells(line, &mut cell, &mut at, entered, crossings);
             } else {
-                let along = 1 - out;
-                let place = from[along] + way[along] * end;
-                let [low, high] =
-                    [block[along] * SIDE, block[along] * SIDE + SIDE - 1].map(|v| v as i64);
-                cell[along] = (place as i64).clamp(low, high);
-                cell[out] =
-                    ((block[out] * SIDE) as i64) + if ahead[out] > 0 { SIDE as i64 - 1 } else { 0 };
-                at = end;
-                out
-            };
-            cell[entered] += ahead[entered];
-            let edge = if ahead[entered] > 0 { cell[entered] } else { cell[entered] + 1 };
-            // An edge of blocks of some sizes is one of all smaller ones; that of the window one of all.
+                if here == Content::Solid {
+                    crossings.iter_mut().for_each(|crossing| crossing.through = [0.0; 3]);
+                }
+                let size =
+                    (1..uniform.len()).take_while(|&size| content(size) == Some(here)).count();
+                let side = (SIDE << size) as i64;
+                (entered, at) = line.leaves(cell, side);
+                let along = 1 - entered;
+                let first = cell.map(|v| v / side * side);
+                let place = line.from[along] + line.way[along] * at;
+                cell[along] = (place as i64).clamp(first[along], first[along] + side - 1);
+                cell[entered] = first[entered] + if line.ahead[entered] > 0 { side - 1 } else { 0 };
+            }
+            cell[entered] += line.ahead[entered];
             let outside = !(0..=last[entered]).contains(&cell[entered]);
-            let sizes = if outside {
-                all
-            } else {
-                ((edge / SIDE as i64).trailing_zeros() as usize).min(all)
+            // An edge of blocks of some size is one of all smaller ones; that of the window one of all.
+            let edge = cell[entered] + i64::from(line.ahead[entered] < 0);
+            let sizes = (edge / SIDE as i64).trailing_zeros() as usize;
+            let left = if outside { crossings.len() } else { sizes.min(crossings.len()) };
+            for (crossing, sums) in crossings[..left].iter().zip(&mut *sums) {
+                crossing.add_to(sums);
+            }
+            if outside {
+                return;
+            }
+            self.enter(line, cell, entered, &mut crossings[..left]);
+        }
+    }
+
+    /// Lets a line enter blocks of the first sizes, by a cell along an axis.
+    fn enter(&self, line: &SweptLine, cell: [i64; 2], axis: usize, crossings: &mut [LineState]) {
+        if crossings.is_empty() {
+            return;
+        }
+        let mut outside = cell;
+        outside[axis] -= line.ahead[axis];
+        let reachable = self.reader.class(self.place(outside)) != CellClass::Solid;
+        for (size, crossing) in (1..).zip(crossings) {
+            let [x, y] = cell.map(|v| (v as usize / SIDE) >> size);
+            let middle = [x, y].map(|v| v as f64 + 0.5);
+            let offset = line.offset / (SIDE << size) as f64 - line.across.offset(middle);
+            *crossing = LineState {
+                block: y * self.side(0, size) + x,
+                number: line.strips.number(line.across.entry(offset)),
+                reachable,
+                sent: [0.0; 3],
+                through: [1.0; 3],
             };
-            for (crossing, sums) in
-                crossings[..sizes].iter().zip(&mut *sums).filter(|(crossing, _)| crossing.reachable)
-            {
-                let sum = &mut sums[crossing.block][crossing.axis];
-                sum.lines += 1.0;
-                for c in 0..3 {
-                    sum.sent[c] += crossing.sent[c];
-                    sum.stopped[c] += 1.0 - crossing.through[c];
-                }
+        }
+    }
+
+    /// Crosses the cells of a finest block, from the one at which a line enters along an axis to the last. Returns the
+    /// axis along which the line leaves it.
+    fn cross_cells(
+        &self,
+        line: &SweptLine,
+        cell: &mut [i64; 2],
+        at: &mut f64,
+        mut axis: usize,
+        crossings: &mut [LineState],
+    ) -> usize {
+        loop {
+            let (next, end) = line.leaves(*cell, 1);
+            self.cross(*cell, face(line.way, axis), (end - *at).max(0.0) as f32, crossings);
+            *at = end;
+            axis = next;
+            let beyond = cell[next] + line.ahead[next];
+            if beyond.div_euclid(SIDE as i64) != cell[next].div_euclid(SIDE as i64) {
+                return next;
             }
-            if !outside {
-                enter(crossings, cell, entered, sizes);
-            }
+            cell[next] = beyond;
         }
     }
 
     /// Crosses a cell.
     #[inline]
-    fn cross(&self, cell: [i64; 2], length: f32, crossings: &mut [LineState]) {
+    fn cross(&self, cell: [i64; 2], face: usize, length: f32, crossings: &mut [LineState]) {
         let at = self.place(cell);
         let class = self.reader.class(at);
         if class == CellClass::Empty {
             return;
         }
-        let [emission, _, stopped, passed] = self.reader.crossed(at, class, length);
+        let [radiance, stopped, passed] = self.reader.crossed(at, class, face, length);
         for crossing in crossings {
             for c in 0..3 {
-                crossing.sent[c] += crossing.through[c] * stopped[c] * emission[c];
+                crossing.sent[c] += crossing.through[c] * stopped[c] * radiance[c];
                 crossing.through[c] *= passed[c];
             }
         }

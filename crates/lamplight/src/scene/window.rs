@@ -4,23 +4,25 @@ use super::geometry::{Geometry, Rect};
 use super::{Scene, Shape};
 use crate::world::WorldSource;
 use crate::{Cells, Error, GridWindow, Lamp, Result, Sky, Sun};
+use std::borrow::Borrow;
 
-/// A scene of any size, drawn window by window.
+/// A scene of any size, drawn window by window; it may be borrowed, shared or owned.
 #[derive(Debug)]
-pub struct SceneWorld<'a> {
-    scene: &'a Scene,
+pub struct SceneWorld<S> {
+    scene: S,
     /// All of it, if it has layers, which are images of its size.
     whole: Option<Cells>,
     sky: Sky,
     suns: Vec<Sun>,
 }
 
-impl<'a> SceneWorld<'a> {
+impl<S: Borrow<Scene>> SceneWorld<S> {
     /// Reads a scene. One with layers has to fit a grid.
     ///
     /// # Errors
     /// As [`Scene::cells`], but for the size.
-    pub fn new(scene: &'a Scene) -> Result<Self> {
+    pub fn new(source: S) -> Result<Self> {
+        let scene = source.borrow();
         let [width, height] = scene.size.map(u64::from);
         let fits = Cells::check_size(width, height).is_ok();
         if !scene.layers.is_empty() && !fits {
@@ -34,13 +36,14 @@ impl<'a> SceneWorld<'a> {
         }
         let whole = (!scene.layers.is_empty()).then(|| scene.cells()).transpose()?;
         let corner = window_of(scene, GridWindow { first: [0; 2], size: [1; 2] }).cells()?;
-        Ok(Self { scene, whole, sky: corner.sky().clone(), suns: corner.suns().to_vec() })
+        let (sky, suns) = (corner.sky().clone(), corner.suns().to_vec());
+        Ok(Self { scene: source, whole, sky, suns })
     }
 }
 
-impl WorldSource for SceneWorld<'_> {
+impl<S: Borrow<Scene> + Sync> WorldSource for SceneWorld<S> {
     fn size(&self) -> [u32; 2] {
-        self.scene.size
+        self.scene.borrow().size
     }
 
     fn sky(&self) -> Sky {
@@ -52,9 +55,10 @@ impl WorldSource for SceneWorld<'_> {
     }
 
     fn cells(&self, window: GridWindow) -> Result<Cells> {
+        window.check(self.size())?;
         match &self.whole {
             Some(whole) => WorldSource::cells(whole, window),
-            None => window_of(self.scene, window).cells(),
+            None => window_of(self.scene.borrow(), window).cells(),
         }
     }
 }

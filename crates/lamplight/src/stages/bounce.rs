@@ -20,19 +20,38 @@ pub const CONVERGED: f32 = 1e-3;
 
 /// The bounces that a frame makes.
 #[derive(Clone, Copy, Debug)]
-pub struct FrameBounces {
+pub struct FrameBounces<'a> {
     /// As the settings have them.
     pub bounces: Bounces,
     /// The place of the grid's first cell in the world, relative to that of the frame before.
     pub moved: [i32; 2],
+    /// In place of these: what surfaces send on is known.
+    pub known: Option<KnownSurfaces<'a>>,
 }
 
-impl FrameBounces {
+impl FrameBounces<'_> {
     /// Bounces on a grid that stays where it is.
     #[cfg(test)]
     pub fn here(bounces: Bounces) -> Self {
-        Self { bounces, moved: [0; 2] }
+        Self { bounces, moved: [0; 2], known: None }
     }
+}
+
+/// A frame whose surfaces send light that is known, because the grid is a part of a world that is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownSurfaces<'a> {
+    pub light: &'a SurfaceLight,
+    /// True if only the light that surfaces send on one bounce later is wanted; otherwise that of cells is.
+    pub bounce: bool,
+}
+
+/// The radiance that surfaces of a grid send on, by cell, in any order.
+#[derive(Clone, Debug, Default)]
+pub struct SurfaceLight {
+    /// Radiance that walls reflect.
+    pub walls: Vec<(u32, Faces)>,
+    /// Radiance that media scatter.
+    pub media: Vec<(u32, Rgb)>,
 }
 
 /// The slot of a cell that is no surface.
@@ -127,6 +146,24 @@ impl Surfaces {
             let Some((cell, slot)) = before.slot_at(cell, width, moved) else { continue };
             if before.media.get(slot) == Some(&cell) {
                 *scattered = before.medium_scattered[slot];
+            }
+        }
+    }
+
+    /// Lets surfaces send this.
+    pub fn send(&mut self, light: &SurfaceLight) {
+        for &(cell, faces) in &light.walls {
+            let slot = self.slot(cell as usize);
+            if let Some(slot) =
+                slot.filter(|&slot| self.walls.get(slot).is_some_and(|w| w.cell == cell))
+            {
+                self.wall_reflected[slot] = faces;
+            }
+        }
+        for &(cell, light) in &light.media {
+            let slot = self.slot(cell as usize);
+            if let Some(slot) = slot.filter(|&slot| self.media.get(slot) == Some(&cell)) {
+                self.medium_scattered[slot] = light;
             }
         }
     }

@@ -95,7 +95,7 @@ impl Cascades {
         &mut self,
         cells: &Cells,
         settings: &settings::Cascades,
-        FrameBounces { bounces, moved }: FrameBounces,
+        FrameBounces { bounces, moved, known }: FrameBounces,
         direct: &DirectLight,
         light: &mut Light,
         clock: &mut Clock,
@@ -103,7 +103,7 @@ impl Cascades {
         self.grid.read(cells, Reading::default());
         self.grid.read_emission(cells, 1.0);
         self.grid.measure_empty_space(|_, _| false);
-        if bounces == Bounces::Feedback {
+        if bounces == Bounces::Feedback && known.is_none() {
             std::mem::swap(&mut self.surfaces, &mut self.before);
         }
         self.surfaces.collect(cells, 0.0);
@@ -113,6 +113,17 @@ impl Cascades {
         cascades(size, settings, &mut self.cascades);
         clock.lap("clearance");
 
+        if let Some(known) = known {
+            self.surfaces.send(known.light);
+            self.scatter(cells);
+            if known.bounce {
+                self.gather_surfaces(cells, settings);
+                self.reflect_and_scatter(cells, direct);
+                clock.lap("bounce");
+                return;
+            }
+        }
+        let bounces = if known.is_some() { Bounces::Count(0) } else { bounces };
         let bounces_at_all = bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters();
         let feedback = bounces_at_all && bounces == Bounces::Feedback;
         if feedback {

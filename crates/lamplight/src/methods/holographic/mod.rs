@@ -116,7 +116,7 @@ impl Holographic {
         &mut self,
         cells: &Cells,
         settings: &settings::Holographic,
-        FrameBounces { bounces, moved }: FrameBounces,
+        FrameBounces { bounces, moved, known }: FrameBounces,
         direct: &DirectLight,
         light: &mut Light,
         clock: &mut Clock,
@@ -126,16 +126,26 @@ impl Holographic {
             clock.lap("holographic");
             return;
         }
-        if bounces == Bounces::Feedback {
+        if bounces == Bounces::Feedback && known.is_none() {
             std::mem::swap(&mut self.surfaces, &mut self.before);
         }
         let Self { surfaces, receivers, .. } = self;
         rayon::join(|| surfaces.collect(cells, 0.0), || receivers.read_open(cells));
         receivers.add_surfaces(cells, surfaces);
         clock.lap("surfaces");
+        if let Some(known) = known {
+            surfaces.send(known.light);
+            if known.bounce {
+                self.sweep(cells, settings, true, Wanted::Surfaces);
+                self.bounce(cells, direct);
+                clock.lap("bounce");
+                return;
+            }
+        }
+        let bounces = if known.is_some() { Bounces::Count(0) } else { bounces };
         let bounces_at_all = bounces != Bounces::Count(0) && surfaces.reflects_or_scatters();
         let feedback = bounces_at_all && bounces == Bounces::Feedback;
-        let mut reflected = feedback;
+        let mut reflected = feedback || known.is_some();
         if feedback {
             surfaces.take_over(&self.before, moved);
         } else if bounces_at_all {

@@ -39,7 +39,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
     pub settings: &'a Raymarch,
-    pub bounces: FrameBounces,
+    pub bounces: FrameBounces<'a>,
     /// The seed of the noise.
     pub seed: u64,
     /// The grid, lamps drawn in.
@@ -117,7 +117,17 @@ impl RaymarchSolver {
         self.surfaces.collect(cells, threshold);
         clock.lap("clearance");
 
-        if input.bounces.bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters() {
+        if let Some(known) = input.bounces.known {
+            self.surfaces.send(known.light);
+            self.scatter(cells, settings);
+            if known.bounce {
+                self.receive(input);
+                self.reflect_and_scatter(input);
+                clock.lap("bounce");
+                return;
+            }
+        } else if input.bounces.bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters()
+        {
             self.bounce(input);
             clock.lap("bounce");
         }
@@ -132,7 +142,7 @@ impl RaymarchSolver {
 
     /// Lets light bounce between the surfaces.
     fn bounce(&mut self, input: Input) {
-        let FrameBounces { bounces, moved } = input.bounces;
+        let FrameBounces { bounces, moved, .. } = input.bounces;
         if bounces == Bounces::Feedback {
             self.surfaces.take_over(&self.before, moved);
             self.scatter(input.cells, input.settings);

@@ -1,0 +1,22 @@
+//! Windows of a grid or a world, as Python has them.
+
+use crate::json::whole;
+use lamplight::GridWindow;
+use pyo3::prelude::*;
+
+/// A window as Python has it: y, x, height, width.
+pub type PyWindow = (i128, i128, i128, i128);
+
+/// A window of whole numbers, of which none is too large.
+pub fn window((y, x, height, width): PyWindow) -> PyResult<GridWindow> {
+    let side = |name: &str, v: i128| whole(name, v, "0 or more, and lie in the world");
+    Ok(GridWindow {
+        first: [side("x", x)?, side("y", y)?],
+        size: [side("width", width)?, side("height", height)?],
+    })
+}
+
+/// A window for Python.
+pub fn of_window(GridWindow { first, size }: GridWindow) -> PyWindow {
+    (first[1].into(), first[0].into(), size[1].into(), size[0].into())
+}
