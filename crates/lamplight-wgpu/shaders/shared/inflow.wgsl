@@ -10,22 +10,29 @@ fn entering(side: u32, along: f32, columns: vec2f) -> vec3f {
     return entering_between_points(side, along, 0u, columns);
 }
 
-// The same between points that lie 2^spacing_level px apart: `along` counts them, and each has the light of its middle cell.
+// The same between points that lie 2^spacing_level px apart: `along` counts them, and each has the mean light of its cells.
 fn entering_between_points(side: u32, along: f32, spacing_level: u32, columns: vec2f) -> vec3f {
-    let odd = side & 1u;
-    let last = frame.size[odd] - 1u;
-    let first = odd * frame.size.x + (side >> 1u) * (frame.size.x + frame.size.y);
-    let points = (last >> spacing_level) + 1u;
+    let points = ((frame.size[side & 1u] - 1u) >> spacing_level) + 1u;
     let at = clamp(along - 0.5, 0.0, f32(points - 1u));
     let before = min(u32(at), max(points, 2u) - 2u);
     let past = at - f32(before);
-    let middle = (1u << spacing_level) >> 1u;
-    let one = mean_of_columns(first + min((before << spacing_level) + middle, last), columns);
+    let one = entering_at_point(side, before, spacing_level, columns);
     if past == 0.0 {
         return one;
     }
-    let next = min(((before + 1u) << spacing_level) + middle, last);
-    return mix(one, mean_of_columns(first + next, columns), past);
+    return mix(one, entering_at_point(side, before + 1u, spacing_level, columns), past);
+}
+
+fn entering_at_point(side: u32, point: u32, spacing_level: u32, columns: vec2f) -> vec3f {
+    let odd = side & 1u;
+    let first = odd * frame.size.x + (side >> 1u) * (frame.size.x + frame.size.y);
+    let count = 1u << spacing_level;
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < count; i++) {
+        let cell = min(count * point + i, frame.size[odd] - 1u);
+        sum += mean_of_columns(first + cell, columns);
+    }
+    return sum / f32(count);
 }
 
 // The same at a place on the border, on the side that is nearest to it.
