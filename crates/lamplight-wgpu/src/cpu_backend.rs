@@ -51,7 +51,7 @@ impl CpuBackend {
                 };
                 let [glows, masked] = [textures.glow.is_some(), textures.masks.is_some()];
                 fill(&mut cells, &values, glows, masked);
-                shine(&mut cells, settings, lights);
+                shine(&mut cells, settings, lights)?;
                 self.cells.insert(cells)
             }
         };
@@ -106,13 +106,15 @@ fn within(v: f32, most: f32) -> f32 {
 }
 
 /// Sets the lights beside the textures, in cells without lamps. Lamps that the method draws are in the textures already.
-fn shine(cells: &mut Cells, settings: &Settings, Lights { lamps, suns, sky }: Lights) {
+fn shine(cells: &mut Cells, settings: &Settings, lights: Lights) -> lamplight::Result<()> {
+    let Lights { lamps, suns, sky, inflow } = lights;
     let method = settings.method();
     let by_rule = lamps.iter().filter(|lamp| method.lights_lamps() || method.lights_exactly(lamp));
     cells.lamps_mut().extend(by_rule.cloned());
     cells.suns_mut().clear();
     cells.suns_mut().extend_from_slice(suns);
     cells.set_sky(sky.clone());
+    cells.set_inflow(inflow.cloned())
 }
 
 /// Lays light out as the GPU does.

@@ -1,7 +1,7 @@
 //! The input of a frame.
 
 use crate::matter::Textures;
-use lamplight::{Cells, Lamp, Settings, Sight, Sky, Sun};
+use lamplight::{Cells, Inflow, Lamp, Settings, Sight, Sky, Sun};
 use wgpu::TextureView;
 
 /// The input of a frame, for [`crate::Lighting::prepare`].
@@ -45,7 +45,7 @@ pub struct FrameInput<'a> {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum SceneInput<'a> {
-    /// Cells, which are uploaded, with their lamps, their suns and their sky.
+    /// Cells, which are uploaded, with their lamps, their suns, and their sky or inflow.
     Cells(&'a Cells),
     /// The host's textures.
     Textures {
@@ -66,6 +66,8 @@ pub struct Lights<'a> {
     pub suns: &'a [Sun],
     /// The radiance beyond the grid.
     pub sky: &'a Sky,
+    /// Light that enters the grid from the world around it, in place of the sky's.
+    pub inflow: Option<&'a Inflow>,
 }
 
 impl<'a> FrameInput<'a> {

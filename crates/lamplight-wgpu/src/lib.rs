@@ -42,6 +42,7 @@ pub mod frame_plan;
 mod gpu_struct;
 mod grid_size;
 mod hints;
+mod inflow;
 mod lamps;
 mod lighting;
 mod matter;
@@ -65,6 +66,7 @@ mod stages;
 mod tier;
 mod timing;
 mod traffic;
+mod trial;
 mod uniforms;
 
 pub use camera::{Camera2dView, GridPlacement, VisibleRect};

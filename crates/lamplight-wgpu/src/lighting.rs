@@ -9,6 +9,7 @@ use crate::frame_input::{FrameInput, Lights, SceneInput};
 use crate::frame_plan::{FramePlan, PlanIds, TextureSource};
 use crate::grid_size::GridSize;
 use crate::hints::SceneHints;
+use crate::inflow::InflowTexture;
 use crate::lamps::{Capacity, LampList};
 use crate::matter::{self, Textures, Upload};
 use crate::methods::Method;
@@ -29,9 +30,12 @@ use crate::stages::reproject::Reproject;
 use crate::stages::sight::{SightList, SightPass, SightPipelines};
 use crate::stages::walls::{MomentWalls, Walls};
 use crate::timing::Timer;
+use crate::trial::{Trial, TrialStep};
 use crate::uniforms::{FrameUniforms, GridPosition, History};
 use lamplight::internals::sky::SunGlow;
-use lamplight::{ALL_LAYERS, Settings, Sky};
+use lamplight::{ALL_LAYERS, Inflow, Settings, Sky};
+use std::sync::PoisonError;
+use std::time::Instant;
 use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
 
 /// Finds light on the host's device, or beside it ([`Backend`]).
@@ -52,6 +56,8 @@ pub struct Lighting {
     options: LightingOptions,
     /// Set if the CPU finds the light.
     cpu: Option<CpuBackend>,
+    /// Set while the faster backend is not known.
+    trial: Option<Trial>,
     shared: Shared,
     pipelines: PipelineCache,
     glow: Glow,
@@ -73,6 +79,8 @@ pub struct Lighting {
     sights: SightList,
     /// The sky, if it is a panorama.
     panorama: Option<PanoramaTexture>,
+    /// The light that enters in its place, if it differs from place to place.
+    inflow: Option<InflowTexture>,
     cookies: CookieAtlas,
     frame: Option<PreparedFrame>,
     /// Frames prepared since the last reset.
@@ -112,12 +120,14 @@ struct PreparedFrame {
     /// The emission of the displayed picture, if it is not that of the textures.
     shown: Option<TextureView>,
     normals: Option<TextureView>,
-    /// The sky, if it is a panorama.
-    panorama: Option<TextureView>,
+    /// The sky, if it is a panorama, or the inflow in its place.
+    strips: Option<TextureView>,
     /// The cookies of lamps, if there are any.
     cookies: Option<TextureView>,
     hints: SceneHints,
     capacity: Capacity,
+    /// True if its light comes from the CPU.
+    by_cpu: bool,
     light: Buffer,
     passes: PassList,
     /// The buffers of suns and exact lamps, written before each frame.
@@ -209,10 +219,13 @@ impl Lighting {
         options: &LightingOptions,
     ) -> Result<Self, CreateError> {
         options.check()?;
+        let backend = options.backend.on(device);
         with_error_scope(device, || {
+            let fastest = backend == Backend::Fastest;
             Ok(Self {
                 options: *options,
-                cpu: (options.backend.on(device) == Backend::Cpu).then(CpuBackend::default),
+                cpu: (backend == Backend::Cpu).then(CpuBackend::default),
+                trial: fastest.then(|| Trial::new(device, queue)).flatten(),
                 shared: Shared::new(device, queue),
                 pipelines: PipelineCache::default(),
                 glow: Glow::new(device),
@@ -229,6 +242,7 @@ impl Lighting {
                 direct_lights: DirectLights::default(),
                 sights: SightList::default(),
                 panorama: None,
+                inflow: None,
                 cookies: CookieAtlas::default(),
                 frame: None,
                 number: 0,
@@ -239,12 +253,12 @@ impl Lighting {
     }
 
     /// Compiles the pipelines of settings, so that the first [`Self::prepare`] with them is as quick as any
-    /// other. Those of the last sixteen settings are cached.
+    /// other, unless it has inflow. Those of the last sixteen settings are cached.
     pub fn precompile(&mut self, settings: &Settings) -> Result<(), CreateError> {
         settings.check()?;
         let Shared { device, queue, .. } = &self.shared;
         if self.cpu.is_none() {
-            self.pipelines.method::<CreateError>(device, queue, settings)?;
+            self.pipelines.method::<CreateError>(device, queue, settings, false)?;
         }
         Ok(())
     }
@@ -252,8 +266,8 @@ impl Lighting {
     /// Prepares the next frame, to be recorded and submitted: noise advances, history and feedback accumulate.
     ///
     /// Changing the seed, the sky, lamps, the elevation of light, or the contents of cells or textures is free. (A
-    /// panorama is uploaded when it has changed, and planned for if it has another number of columns; cookies are
-    /// uploaded when there is one that no lamp had before, and planned for when they need more room.) Other texture
+    /// panorama or an inflow is uploaded when it has changed, and planned for if it has another number of columns, or if
+    /// the frame before had none; cookies are uploaded when there is one that no lamp had before, and planned for when they need more room.) Other texture
     /// views of the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers;
     /// any other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
     ///
@@ -285,12 +299,6 @@ impl Lighting {
                 cells.check()?;
                 let method = input.settings.method();
                 method.suits(cells)?;
-                if cells.inflow().is_some() && self.cpu.is_none() {
-                    let expected = "none: so far the GPU does not read it; use the CPU backend";
-                    return Err(
-                        lamplight::Error::value("inflow", "that of a world", expected).into()
-                    );
-                }
                 let size = GridSize::new(device, [cells.width(), cells.height()])?;
                 let uploaded = match upload.take().filter(|upload| upload.size == size) {
                     Some(uploaded) => uploaded,
@@ -303,11 +311,12 @@ impl Lighting {
                 let grid = Grid { size, textures: &upload.textures, hints };
                 let (shown, normals) = (upload.shown.as_ref(), upload.normals.as_ref());
                 let (lamps, suns, sky) = (cells.lamps(), cells.suns(), cells.sky());
-                let lights = Lights { lamps, suns, sky };
+                let lights = Lights { lamps, suns, sky, inflow: cells.inflow() };
+                check_inflow(lights, input.settings, size)?;
                 Ok(CheckedScene { grid, shown, normals, lights })
             }
             SceneInput::Textures { textures, lights } => {
-                let Lights { lamps, suns, sky } = lights;
+                let Lights { lamps, suns, sky, .. } = lights;
                 sky.check()?;
                 for (i, sun) in suns.iter().enumerate() {
                     sun.check(&format_args!("sun[{i}]"))?;
@@ -316,6 +325,7 @@ impl Lighting {
                     lamp.check(&format_args!("lamp[{i}]"))?;
                 }
                 let size = GridSize::new(device, textures.size()?)?;
+                check_inflow(lights, input.settings, size)?;
                 let grid = Grid { size, textures, hints: SceneHints::UNKNOWN };
                 Ok(CheckedScene { grid, shown: None, normals: None, lights })
             }
@@ -324,18 +334,26 @@ impl Lighting {
 
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
         let CheckedScene { grid, shown, normals, lights } = scene;
-        let Lights { lamps, suns, sky } = *lights;
+        let Lights { lamps, suns, sky, inflow } = *lights;
         let sky = &self.sun_glow.draw(input.settings.method(), sky, suns);
-        let lights = Lights { lamps, suns, sky };
+        // The CPU has its own copy.
+        let inflow = inflow.filter(|_| self.cpu.is_none());
+        let lights = Lights { lamps, suns, sky, inflow };
         let (history, moved) = self.history(input, grid.size, sky);
+        self.try_backends(input, *grid, moved);
         if let Some(cpu) = &mut self.cpu {
             let planner = FramePlanner::new(&self.shared, input.settings, self.options, *grid);
             cpu.solve(&planner, input, moved)?;
         }
-        self.keep_panorama(sky)?;
+        self.keep_panorama(if inflow.is_some() { &Sky::BLACK } else { sky })?;
+        self.keep_inflow(inflow)?;
         let Shared { device, queue, .. } = &self.shared;
         let method = match self.cpu {
-            None => Some(self.pipelines.method::<PrepareError>(device, queue, input.settings)?),
+            None => {
+                let (pipelines, settings) = (&mut self.pipelines, input.settings);
+                let enters = inflow.is_some();
+                Some(pipelines.method::<PrepareError>(device, queue, settings, enters)?)
+            }
             Some(_) => None,
         };
         if input.distance_field && self.distance.is_none() {
@@ -365,10 +383,10 @@ impl Lighting {
             let compile = || Ok(MomentWalls::new(device));
             self.moment_walls = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
-        let panorama = self.panorama.as_ref().map(|panorama| &panorama.view);
         let serves = |frame: &PreparedFrame| {
             frame.serves(grid, input.settings, needed)
-                && frame.panorama.as_ref() == panorama
+                && frame.by_cpu == self.cpu.is_some()
+                && frame.strips.as_ref() == self.strips()
                 && frame.cookies == self.cookies.view
         };
         let fresh = if self.frame.as_ref().is_some_and(serves) {
@@ -422,6 +440,9 @@ impl Lighting {
         if let Some(panorama) = &mut self.panorama {
             panorama.write(queue, sky);
         }
+        if let (Some(texture), Some(inflow)) = (&mut self.inflow, inflow) {
+            texture.write(queue, inflow);
+        }
         self.cookies.write(queue);
         if let Some(cpu) = &self.cpu {
             queue.write_buffer(&frame.light, 0, bytemuck::cast_slice(cpu.light()));
@@ -431,6 +452,33 @@ impl Lighting {
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky });
         self.number = self.number.wrapping_add(1);
         Ok(())
+    }
+
+    /// Goes on with the trial of both backends, if there is one: finds a frame on the CPU too, or chooses.
+    fn try_backends(&mut self, input: &FrameInput, grid: Grid, moved: [i32; 2]) {
+        // Browsers have no trials, and their page no room for one.
+        if cfg!(target_arch = "wasm32") {
+            return;
+        }
+        let Some(mut trial) = self.trial.take() else { return };
+        match trial.next() {
+            TrialStep::TimeGpu => {}
+            TrialStep::TimeCpu => {
+                let start = Instant::now();
+                let planner = FramePlanner::new(&self.shared, input.settings, self.options, grid);
+                // Frames that the CPU cannot light stay with the GPU.
+                if trial.cpu.solve(&planner, input, moved).is_err() {
+                    return;
+                }
+                trial.add_cpu(start.elapsed());
+            }
+            TrialStep::Choose(Backend::Cpu) => {
+                self.cpu = Some(trial.cpu);
+                return;
+            }
+            TrialStep::Choose(_) => return,
+        }
+        self.trial = Some(trial);
     }
 
     /// Keeps a texture for a sky that is a panorama.
@@ -445,6 +493,25 @@ impl Lighting {
             _ => None,
         };
         Ok(())
+    }
+
+    /// Keeps a texture for the inflow.
+    fn keep_inflow(&mut self, inflow: Option<&Inflow>) -> Result<()> {
+        let device = &self.shared.device;
+        self.inflow = match (inflow, self.inflow.take()) {
+            (Some(inflow), Some(kept)) if kept.holds(inflow) => Some(kept),
+            (Some(inflow), _) => {
+                Some(with_error_scope(device, || InflowTexture::new(device, inflow))?)
+            }
+            _ => None,
+        };
+        Ok(())
+    }
+
+    /// The panorama, or the inflow in its place.
+    fn strips(&self) -> Option<&TextureView> {
+        let panorama = self.panorama.as_ref().map(|panorama| &panorama.view);
+        self.inflow.as_ref().map(|inflow| &inflow.view).or(panorama)
     }
 
     /// The capacity that the lights of the next frame need.
@@ -474,13 +541,13 @@ impl Lighting {
     ) -> Result<PreparedFrame> {
         let before = self.frame.as_ref();
         let resized = before.filter(|frame| self.before.is_some() && frame.size != grid.size);
-        let panorama = self.panorama.as_ref().map(|panorama| &panorama.view);
+        let strips = self.strips();
         let capacity = before.map_or(Capacity::default(), |frame| frame.capacity);
         let before = before.filter(|frame| frame.size == grid.size);
         with_error_scope(&self.shared.device, || {
             let planner = FramePlanner::new(&self.shared, settings, self.options, *grid)
                 .with_capacity(capacity, self.needed())?
-                .with_panorama(panorama)
+                .with_strips(strips, self.inflow.as_ref().map(InflowTexture::columns))
                 .with_cookies(self.cookies.view.as_ref())
                 .after(before.map_or(&[], |frame| &frame.history));
             let light = match before {
@@ -537,10 +604,11 @@ impl Lighting {
                 textures: grid.textures.clone(),
                 shown: None,
                 normals: None,
-                panorama: panorama.cloned(),
+                strips: strips.cloned(),
                 cookies: self.cookies.view.clone(),
                 hints: grid.hints,
                 capacity: planner.capacity,
+                by_cpu: method.is_none(),
                 memory: planner.memory(),
                 history,
                 resize,
@@ -628,7 +696,7 @@ impl Lighting {
         }
     }
 
-    /// Returns what finds the light: `Gpu` or `Cpu`.
+    /// Returns what finds the light: `Gpu` or `Cpu`. With [`Backend::Fastest`] it may change in the first frames.
     pub fn backend(&self) -> Backend {
         if self.cpu.is_some() { Backend::Cpu } else { Backend::Gpu }
     }
@@ -639,6 +707,11 @@ impl Lighting {
     /// Returns [`RecordError::NotPrepared`] if no frame has been prepared.
     pub fn record(&self, encoder: &mut CommandEncoder) -> Result<(), RecordError> {
         let frame = self.prepared()?;
+        if let Some(timer) = self.trial.as_ref().and_then(Trial::timer) {
+            let mut timer = timer.lock().unwrap_or_else(PoisonError::into_inner);
+            timer.record(encoder, frame.dispatches());
+            return Ok(());
+        }
         let descriptor = ComputePassDescriptor { label: Some("lamplight"), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         frame.dispatches().for_each(|dispatch| dispatch.record(&mut pass));
@@ -701,7 +774,7 @@ impl Lighting {
     /// # Errors
     /// If no frame has been prepared, or as [`read_back`].
     pub fn frame_plan(&mut self) -> Result<FramePlan, ReadBackError> {
-        let Self { frame, plan_ids, shared, cookies, panorama, .. } = self;
+        let Self { frame, plan_ids, shared, cookies, panorama, inflow, .. } = self;
         let frame = frame.as_ref().ok_or(ReadBackError::NothingLit)?;
         let bytes =
             |texels: &[[f32; 4]]| TextureSource::Texels(bytemuck::cast_slice(texels).to_vec());
@@ -714,8 +787,9 @@ impl Lighting {
                 view if view == albedo => TextureSource::Albedo,
                 view if of(glow, view) => TextureSource::Glow,
                 view if of(masks, view) => TextureSource::Masks,
-                view if of(&frame.panorama, view) => {
-                    bytes(&panorama.as_ref().map(PanoramaTexture::texels).unwrap_or_default())
+                view if of(&frame.strips, view) => {
+                    let panorama = panorama.as_ref().map(PanoramaTexture::texels);
+                    bytes(&inflow.as_ref().map(InflowTexture::texels).or(panorama)?)
                 }
                 view if of(&frame.cookies, view) => bytes(&cookies.texels()),
                 view if *view == shared.all_layers => TextureSource::Texels(vec![ALL_LAYERS]),
@@ -734,5 +808,13 @@ impl Lighting {
     /// The host's device and queue.
     pub(crate) fn device(&self) -> (&Device, &Queue) {
         (&self.shared.device, &self.shared.queue)
+    }
+}
+
+/// Rejects an inflow that the method does not read, or of a grid of another size.
+fn check_inflow(lights: Lights, settings: &Settings, size: GridSize) -> lamplight::Result<()> {
+    match lights.inflow {
+        Some(inflow) => settings.method.takes_inflow().and_then(|()| inflow.check(size.into())),
+        None => Ok(()),
     }
 }

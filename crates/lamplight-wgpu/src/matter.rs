@@ -234,9 +234,9 @@ pub fn masks_texture(device: &Device, size: [u32; 2]) -> TextureView {
     texture_of(device, "layers", size, TextureFormat::R8Unorm, UPLOADED)
 }
 
-/// Creates a texture of four floats per column of a panorama.
-pub fn panorama_texture(device: &Device, columns: u32) -> TextureView {
-    texture_of(device, "panorama", [columns, 1], TextureFormat::Rgba32Float, UPLOADED)
+/// Creates a texture of four floats per column of strips: that of a panorama, or those of an inflow.
+pub fn strips_texture(device: &Device, size: [u32; 2]) -> TextureView {
+    texture_of(device, "strips of columns", size, TextureFormat::Rgba32Float, UPLOADED)
 }
 
 /// Creates a texture of four floats per texel of cookies.

@@ -7,9 +7,14 @@ use wgpu::{Device, DeviceType};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Backend {
-    /// The CPU if the device is software, such as llvmpipe or WARP, outside of browsers; else the GPU.
+    /// The CPU if the device is software, such as llvmpipe or WARP; else [`Self::Fastest`]. In browsers the GPU.
     #[default]
     Auto,
+    /// The GPU at first, and then the faster one. If the first frames take the GPU more than 8 ms, six frames are found on
+    /// the CPU too, which may stall them, and it goes on alone if it takes less than half of the time. The light stays the
+    /// same. Without timestamps ([`crate::required_features`]), or in browsers, the GPU stays.
+    /// [`crate::Lighting::backend`] returns the present one.
+    Fastest,
     /// Compute shaders on the device.
     Gpu,
     /// [`lamplight::Solver`], in [`crate::Lighting::prepare`], which then takes the whole time. It submits and waits for
@@ -19,12 +24,13 @@ pub enum Backend {
 }
 
 impl Backend {
-    /// Returns the backend of a device: `Gpu` or `Cpu`.
+    /// Returns the backend of a device: `Gpu`, `Cpu` or `Fastest`.
     pub(crate) fn on(self, device: &Device) -> Self {
         let software = || device.adapter_info().device_type == DeviceType::Cpu;
         match self {
-            Self::Auto if cfg!(not(target_arch = "wasm32")) && software() => Self::Cpu,
-            Self::Auto => Self::Gpu,
+            Self::Auto | Self::Fastest if cfg!(target_arch = "wasm32") => Self::Gpu,
+            Self::Auto if software() => Self::Cpu,
+            Self::Auto => Self::Fastest,
             chosen => chosen,
         }
     }

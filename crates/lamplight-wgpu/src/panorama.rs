@@ -1,6 +1,6 @@
 //! The panorama of a frame, as shaders/shared/sky.wgsl reads it.
 
-use crate::matter::{panorama_texture, write_texels};
+use crate::matter::{strips_texture, write_texels};
 use lamplight::{Panorama, Sky};
 use wgpu::{Device, Queue, TextureView};
 
@@ -14,7 +14,7 @@ pub struct PanoramaTexture {
 impl PanoramaTexture {
     pub fn new(device: &Device, panorama: &Panorama) -> Self {
         let columns = panorama.columns().len() as u32;
-        Self { view: panorama_texture(device, columns), written: None }
+        Self { view: strips_texture(device, [columns, 1]), written: None }
     }
 
     /// Returns whether a panorama has as many columns.

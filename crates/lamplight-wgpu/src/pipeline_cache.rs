@@ -13,22 +13,26 @@ const CAPACITY: usize = 16;
 
 /// The methods used last, the latest at the end.
 #[derive(Debug, Default)]
-pub struct PipelineCache(Vec<(Settings, Arc<Method>)>);
+pub struct PipelineCache(Vec<(Key, Arc<Method>)>);
+
+/// The settings that affect pipelines, and whether frames have inflow.
+type Key = (Settings, bool);
 
 impl PipelineCache {
-    /// Returns the compiled method of settings, which have been checked.
+    /// Returns the compiled method of settings, which have been checked. `inflow`: for frames with some.
     pub fn method<E: From<DeviceError> + From<lamplight::Error>>(
         &mut self,
         device: &Device,
         queue: &Queue,
         settings: &Settings,
+        inflow: bool,
     ) -> Result<Arc<Method>, E> {
-        let key = key(settings);
+        let key = (key(settings), inflow);
         let known = self.0.iter().position(|(known, _)| *known == key);
         let method = match known {
             Some(known) => self.0.remove(known).1,
             None => {
-                let compile = || Method::new(device, queue, settings).map_err(E::from);
+                let compile = || Method::new(device, queue, settings, inflow).map_err(E::from);
                 Arc::new(with_error_scope(device, compile)?)
             }
         };

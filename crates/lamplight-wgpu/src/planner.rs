@@ -33,8 +33,10 @@ pub struct FramePlanner<'a> {
     pub textures: &'a Textures,
     pub hints: SceneHints,
     pub capacity: Capacity,
-    /// The sky, if it is a panorama.
-    panorama: Option<&'a TextureView>,
+    /// The sky, if it is a panorama, or what takes its place.
+    strips: Option<&'a TextureView>,
+    /// Columns of the inflow, if light enters by place.
+    pub inflow_columns: Option<u32>,
     /// The cookies of lamps, if there are any.
     cookies: Option<&'a TextureView>,
     /// The direct light of suns and exact lamps, if there are any.
@@ -78,7 +80,8 @@ impl<'a> FramePlanner<'a> {
             textures,
             hints,
             capacity: Capacity::default(),
-            panorama: None,
+            strips: None,
+            inflow_columns: None,
             cookies: None,
             direct: None,
             memory: Cell::default(),
@@ -170,19 +173,19 @@ impl<'a> FramePlanner<'a> {
         view(self.textures.masks.as_ref().unwrap_or(&self.shared.all_layers))
     }
 
-    /// Has a panorama as its sky, if there is one.
-    pub fn with_panorama(self, panorama: Option<&'a TextureView>) -> Self {
-        Self { panorama, ..self }
+    /// Has a panorama as its sky, if there is one, or in its place the strips of an inflow of so many columns.
+    pub fn with_strips(self, strips: Option<&'a TextureView>, inflow_columns: Option<u32>) -> Self {
+        Self { strips, inflow_columns, ..self }
     }
 
-    /// The panorama, or a single texel if the sky is none.
+    /// The panorama or the strips of the inflow, or a single texel if there is neither.
     pub fn panorama(&self) -> BindingResource<'_> {
-        view(self.panorama.unwrap_or(&self.shared.no_panorama))
+        view(self.strips.unwrap_or(&self.shared.no_panorama))
     }
 
-    /// Returns whether the sky is a panorama.
+    /// Returns whether the sky is a panorama that methods read.
     pub fn has_panorama(&self) -> bool {
-        self.panorama.is_some()
+        self.strips.is_some() && self.inflow_columns.is_none()
     }
 
     /// Has cookies, if any lamp has one.

@@ -54,7 +54,7 @@ mod tests {
     use crate::read_back::read_back;
     use crate::{Backend, FrameInput, Lighting, LightingOptions, Stage, programs};
     use lamplight::settings::Holographic;
-    use lamplight::{Bounces, Cells, Matter, Settings};
+    use lamplight::{Bounces, Cells, Inflow, Matter, Settings};
     use wgpu::{Device, Instance, InstanceDescriptor, Queue};
 
     fn device() -> (Device, Queue) {
@@ -87,8 +87,12 @@ mod tests {
     #[test]
     fn nothing_is_read_from_workgroup_memory_before_it_is_written() {
         let (device, queue) = device();
-        for (preset, glass) in [("default", true), ("fast", false)] {
-            let cells = cells(glass);
+        for (preset, glass) in [("default", true), ("fast", false), ("draft", true)] {
+            let mut cells = cells(glass);
+            if !glass {
+                let inflow = Inflow::new([59, 41], 16, |_, angle| [angle as f32, 0.2, 0.1]);
+                cells.set_inflow(Some(inflow.unwrap())).unwrap();
+            }
             let mut settings = Settings::direct(Holographic::preset(preset).unwrap());
             settings.bounces = Bounces::Count(1);
             let light = || {

@@ -217,16 +217,16 @@ programs! {
     }
     HOLOGRAPHIC_MERGE: "methods/holographic/merge", ["main", "once"], {
         sweeps: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
+        panorama: Texture,
     }
     HOLOGRAPHIC_FINISH: "methods/holographic/merge", ["finish"], {
         sweeps: Step, cones: Read, intervals: Read, tints: Read, radiance: Write,
-        shown_odd: Write, shown_even: Write,
+        panorama: Texture, shown_odd: Write, shown_even: Write,
     }
     HOLOGRAPHIC_GATHER: "methods/holographic/gather", ["main"], {
         sweeps: Step, footprints: Read, cell_bits: Read, emission: Texture, matter: Texture,
         scattered: Read, cones: Read, shown_odd: Read, shown_even: Read, light: Write,
-        irradiance: Write,
-        albedo: Texture,
+        irradiance: Write, albedo: Texture, panorama: Texture,
     }
     HOLOGRAPHIC_FACES: "methods/holographic/faces", ["scatter", "show"], {
         matter: Texture, albedo: Texture, irradiance: Read, direct: Read, scattered: Write,

@@ -3,6 +3,7 @@
 //! A line `#import shared/uniforms` in a file stands for the file `shaders/shared/uniforms.wgsl`. Each file is
 //! included once, after the files that it imports.
 
+use crate::inflow::STRIPS;
 use crate::programs;
 use lamplight::srgb;
 
@@ -21,6 +22,7 @@ const FILES: &[(&str, &str)] = files! {
     "methods/flood/blur"
     "methods/flood/rays"
     "methods/holographic/bend"
+    "methods/holographic/border"
     "methods/holographic/extend"
     "methods/holographic/faces"
     "methods/holographic/feedback"
@@ -64,6 +66,7 @@ const FILES: &[(&str, &str)] = files! {
     "shared/cone"
     "shared/cookie"
     "shared/hit"
+    "shared/inflow"
     "shared/interval"
     "shared/lamps"
     "shared/layers"
@@ -183,6 +186,12 @@ pub fn shaders() -> impl Iterator<Item = (&'static str, String)> {
 /// The constant of shaders/shared/moment.wgsl: true if the first moment of light is found.
 pub fn moment(found: bool) -> (&'static str, f64) {
     ("MOMENT", f64::from(found))
+}
+
+/// The constants of shaders/shared/sky.wgsl. `enters`: light enters by place on the border, in place of the sky.
+pub fn inflow(enters: bool) -> [(&'static str, f64); 2] {
+    let strips = if enters { STRIPS } else { 1 };
+    [("INFLOW", f64::from(enters)), ("STRIPS", strips as f64)]
 }
 
 /// The constants of shaders/shared/luminance.wgsl.

@@ -1,6 +1,6 @@
 //! The host's device, and buffers that are the same for every grid.
 
-use crate::matter::{cookies_texture, masks_texture, panorama_texture, write_masks};
+use crate::matter::{cookies_texture, masks_texture, strips_texture, write_masks};
 use crate::pipeline::STEP_BYTES;
 use crate::uniforms::FrameUniforms;
 use lamplight::ALL_LAYERS;
@@ -42,7 +42,7 @@ impl Shared {
             queue: queue.clone(),
             frame: filled(device, queue, "frame", BufferUsages::UNIFORM, &frame),
             all_layers,
-            no_panorama: panorama_texture(device, 1),
+            no_panorama: strips_texture(device, [1, 1]),
             no_cookies: cookies_texture(device, [1, 1]),
             steps: filled(device, queue, "steps", BufferUsages::UNIFORM, &steps),
         }

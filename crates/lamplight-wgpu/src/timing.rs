@@ -113,6 +113,11 @@ impl Timer {
         &self.times
     }
 
+    /// The number of the frame whose times were read last; 0 before the first.
+    pub(crate) fn latest(&self) -> u64 {
+        self.latest
+    }
+
     /// Waits until all submitted work is done, and reads: for tests and files, not for a game's frame.
     pub fn wait(&mut self) -> Result<&[(&'static str, Duration)], ReadBackError> {
         let waited = self.device.poll(PollType::wait_indefinitely());

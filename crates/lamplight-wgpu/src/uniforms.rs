@@ -6,7 +6,7 @@ use crate::gpu_struct::gpu_struct;
 use lamplight::internals::elevation::longest_moment;
 use lamplight::internals::noise::fold;
 use lamplight::internals::raymarch::stride;
-use lamplight::internals::sky::place;
+use lamplight::internals::sky::{column, place};
 use lamplight::settings::{Noise, Raymarch};
 use lamplight::{Settings, Sky};
 
@@ -73,16 +73,21 @@ impl FrameUniforms {
         number: u32,
         history: History,
     ) -> Result<Self, lamplight::Error> {
-        let Lights { lamps, suns, sky } = lights;
+        let Lights { lamps, suns, sky, inflow } = lights;
         let ([zenith, horizon, ground], panorama) = match sky {
             Sky::Uniform(radiance) => ([*radiance; 3], None),
             Sky::Gradient(g) => ([g.zenith, g.horizon, g.ground], None),
             Sky::Panorama(panorama) => ([[0.0; 3]; 3], Some(panorama)),
             other => return Err(unsupported("sky", other)),
         };
-        let columns = panorama.map_or(0, |panorama| panorama.columns().len() as u32);
+        let strip = match (inflow, panorama) {
+            (Some(inflow), _) => Some((inflow.columns(), column(inflow.columns(), 0.0))),
+            (None, Some(panorama)) => Some((panorama.columns().len(), place(panorama, 0.0))),
+            (None, None) => None,
+        };
+        let (columns, origin) = strip.unwrap_or_default();
         // Without whole turns, for the precision of shaders.
-        let origin = panorama.map(|panorama| place(panorama, 0.0).rem_euclid(columns.into()));
+        let origin = origin.rem_euclid(columns.max(1) as f64);
         // Only `raymarch` uses these settings; `cascades`, which shares its shaders, needs the defaults.
         let neutral = Raymarch::default();
         let raymarch = settings.method.as_raymarch().unwrap_or(&neutral);
@@ -122,8 +127,8 @@ impl FrameUniforms {
                 History::IndirectOnly => 1,
                 History::Full => 2,
             },
-            sky_columns: columns,
-            sky_origin: origin.unwrap_or_default() as f32,
+            sky_columns: columns as u32,
+            sky_origin: origin as f32,
             elevation_tangent: settings.elevation.tan(),
             longest_moment: longest_moment(lamps, suns, settings.elevation),
             padding: [0; 1],

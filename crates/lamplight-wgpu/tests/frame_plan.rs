@@ -7,7 +7,10 @@ mod common;
 
 use common::{adapter, cells, device, lighting, open, recorded};
 use lamplight::settings::Variant;
-use lamplight::{Bounces, Cells, Cookie, CookiePixels, Lamp, Method, Panorama, Settings, Sky};
+use lamplight::{
+    BorderPlace, Bounces, Cells, Cookie, CookiePixels, Inflow, Lamp, Method, Panorama, Settings,
+    Sky,
+};
 use lamplight_wgpu::frame_plan::{
     FramePlan, PlannedBinding, PlannedGroups, PlannedProgram, TextureSource,
 };
@@ -230,9 +233,14 @@ fn all_settings() -> Vec<Settings> {
     ]
 }
 
-/// A frame's plan, and its cells with their lamps drawn.
+/// A frame's plan, and its cells with their lamps drawn. The third has inflow, where the method reads it.
 fn planned(lighting: &mut Lighting, settings: &Settings, frame: u32) -> (FramePlan, Cells) {
     let mut cells = scene(frame);
+    if frame == 2 && settings.method.takes_inflow().is_ok() {
+        let radiance =
+            |place: BorderPlace, angle: f64| [0.1, place.at[0] / 60.0, angle as f32 / 8.0];
+        cells.set_inflow(Some(Inflow::new(SIZE, 24, radiance).unwrap())).unwrap();
+    }
     // The grid moves with its camera, so that history is moved too.
     let input = FrameInput::of_cells(settings, &cells);
     let input = FrameInput { origin: [frame as i32 / 2, 0], ..input };
@@ -309,7 +317,7 @@ fn a_device_that_computes_nothing_plans_the_same() {
     let (noop, gpu) = (noop(), device());
     for settings in all_settings() {
         let [mut by_noop, mut by_gpu] = [&noop, &gpu].map(|(d, q)| lighting(d, q));
-        for frame in 0..2 {
+        for frame in 0..3 {
             let [(mut ours, _), (theirs, _)] =
                 [&mut by_noop, &mut by_gpu].map(|lighting| planned(lighting, &settings, frame));
             // Both list matter in floats of 32 bits; ids are numbers of their own.
@@ -326,14 +334,17 @@ fn programs_in_spirv_find_the_same_light() {
     let gpu = device();
     let mut own = Executor::new(vulkan, true);
     for settings in all_settings() {
-        let mut lighting = lighting(&gpu.0, &gpu.1);
-        let (plan, cells) = planned(&mut lighting, &settings, 0);
-        own.programs.clear();
-        own.buffers.clear();
-        own.textures.clear();
-        let light = own.run(&plan, &cells);
-        let expected = recorded(&gpu.0, &gpu.1, &lighting);
-        assert!(!differs(&light, &expected), "{}", settings.method().name());
+        // Without inflow, and with it.
+        for frame in [0, 2] {
+            let mut lighting = lighting(&gpu.0, &gpu.1);
+            let (plan, cells) = planned(&mut lighting, &settings, frame);
+            own.programs.clear();
+            own.buffers.clear();
+            own.textures.clear();
+            let light = own.run(&plan, &cells);
+            let expected = recorded(&gpu.0, &gpu.1, &lighting);
+            assert!(!differs(&light, &expected), "{}, frame {frame}", settings.method().name());
+        }
     }
 }
 

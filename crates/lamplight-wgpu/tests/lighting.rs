@@ -4,11 +4,17 @@ mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{cells, device, frame, lighting, raymarch_of, recorded};
-use lamplight::{Bounces, Cells, Direct, Lamp, Matter, Method, Rgb, Settings, Sky, Solver};
+use common::{cells, device, device_of, frame, lighting, raymarch_of, recorded};
+use lamplight::surroundings::Surroundings;
+use lamplight::world::{World, WorldSettings};
+use lamplight::{
+    Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Matter, Method, Rgb, Settings, Sky, Solver,
+};
 use lamplight_wgpu::error::{PrepareError, RecordError};
 use lamplight_wgpu::read_back::light;
-use lamplight_wgpu::{Backend, FrameInput, Lighting, LightingOptions, Lights, Stage, Textures};
+use lamplight_wgpu::{
+    Backend, FrameInput, Lighting, LightingOptions, Lights, Stage, Textures, Tier,
+};
 use textures::{fetch, filled, float, texture, view};
 use wgpu::{Device, DeviceType, Queue, TextureFormat, TextureUsages};
 
@@ -49,6 +55,38 @@ fn invalid_settings_options_and_cells_are_rejected_as_on_the_cpu() {
 /// A [`Lighting`] whose light the CPU finds.
 fn on_cpu(device: &Device, queue: &Queue) -> Lighting {
     Lighting::new(device, queue, &LightingOptions::on(Backend::Cpu)).unwrap()
+}
+
+/// The relative difference, as in tests of parity.
+const TOLERANCE: f32 = 1e-3;
+
+#[test]
+fn the_faster_backend_goes_on_with_the_same_light() {
+    let (device, queue) = device_of(Tier::Native);
+    let settings = Settings::direct(Method::Holographic);
+    let cells = cells(160, 90, 11);
+    let mut lighting =
+        Lighting::new(&device, &queue, &LightingOptions::on(Backend::Fastest)).unwrap();
+    assert_eq!(lighting.backend(), Backend::Gpu);
+    let first = frame(&device, &queue, &mut lighting, &settings, &cells);
+    let mean = first.as_flattened().iter().sum::<f32>() / (4 * first.len()) as f32;
+    for _ in 0..20 {
+        let light = frame(&device, &queue, &mut lighting, &settings, &cells);
+        for (one, other) in light.as_flattened().iter().zip(first.as_flattened()) {
+            assert!((one - other).abs() <= TOLERANCE * other.max(mean), "light flickers");
+        }
+    }
+    // Only on a software GPU it is known which is faster.
+    if device.adapter_info().device_type == DeviceType::Cpu {
+        assert_eq!(lighting.backend(), Backend::Cpu);
+    }
+    let (device, queue) = device_of(Tier::Web);
+    let mut untimed =
+        Lighting::new(&device, &queue, &LightingOptions::on(Backend::Fastest)).unwrap();
+    for _ in 0..20 {
+        frame(&device, &queue, &mut untimed, &settings, &cells);
+    }
+    assert_eq!(untimed.backend(), Backend::Gpu, "chosen without times");
 }
 
 #[test]
@@ -240,6 +278,44 @@ fn the_cpu_lights_a_hosts_textures_as_the_gpu_does() {
             }
         }
         assert!(right.iter().any(|l| l[0] > 0.2), "{method:?} is dark");
+    }
+}
+
+#[test]
+fn a_hosts_textures_are_lit_in_their_surroundings_on_both() {
+    let (device, queue) = device();
+    let (textures, _) = host_textures(&device, &queue);
+    let settings = Settings::new(Method::Holographic);
+    let around = cells(192, 96, 5);
+    let world = World::new(&around, WorldSettings::new(settings.clone()), |_, _| ()).unwrap();
+    let mut surroundings = Surroundings::new(&world, 0);
+    let window = surroundings.window(GridWindow { first: [64, 32], size: [48, 32] }).unwrap();
+    let inflow_of = |intensity: f32, to: &mut Surroundings| {
+        let lamp = Lamp { position: [120.0, 40.0], intensity, ..Lamp::default() };
+        to.inflow(window, &[lamp]).unwrap()
+    };
+    let [inflow, brighter] = [12.0, 13.0].map(|v| inflow_of(v, &mut surroundings));
+    let lit = |mut lighting: Lighting, inflow: &Inflow| {
+        let lights = Lights { inflow: Some(inflow), ..Lights::default() };
+        lighting.prepare(&FrameInput::of_textures(&settings, &textures, lights)).unwrap();
+        recorded(&device, &queue, &lighting)
+    };
+    let right = lit(lighting(&device, &queue), &inflow);
+    let agrees = |seen: &[[f32; 4]]| {
+        let pairs = seen.iter().zip(&right);
+        pairs.clone().all(|(seen, right)| {
+            (0..3).all(|c| (seen[c] - right[c]).abs() <= 1e-3 * right[c] + 1e-5)
+        })
+    };
+    assert!(agrees(&lit(on_cpu(&device, &queue), &inflow)));
+    assert!(!agrees(&lit(on_cpu(&device, &queue), &brighter)), "another lamp passes");
+
+    let other = Inflow::new([32, 48], 8, |_, _| [1.0; 3]).unwrap();
+    let lights = Lights { inflow: Some(&other), ..Lights::default() };
+    for mut lighting in [lighting(&device, &queue), on_cpu(&device, &queue)] {
+        let input = FrameInput::of_textures(&settings, &textures, lights);
+        let error = lighting.prepare(&input).unwrap_err().to_string();
+        assert!(error.contains("32×48") && error.contains("48×32"), "{error}");
     }
 }
 

@@ -17,7 +17,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("cpu polar debug_view", "debug views exist on the CPU only"),
     ("cpu stage estimate", "three lists of light and its noise; a buffer on the GPU"),
     ("cpu holographic axis_sweep", "SIMD over rows; a workgroup does that on the GPU"),
-    ("cpu holographic border", "inflow, which the CPU alone reads so far"),
+    ("cpu holographic fine_rows", "weights_of_points of gather.wgsl"),
     ("cpu holographic published", "the solver around the published cascades"),
     ("cpu polar lit_ranges", "bounds of shadow_bounds.wgsl; direct.wgsl has no shadow map"),
     ("cpu polar sun_map", "suns are in direct.wgsl, without a shadow map"),

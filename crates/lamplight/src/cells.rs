@@ -388,10 +388,8 @@ impl Cells {
     /// # Errors
     /// Fails if it is that of a grid of another size.
     pub fn set_inflow(&mut self, inflow: Option<Inflow>) -> Result<()> {
-        let own = [self.width, self.height];
-        if let Some(other) = inflow.as_ref().map(Inflow::size).filter(|size| *size != own) {
-            let [found, expected] = [other, own].map(|[w, h]| format!("that of {w}×{h} cells"));
-            return Err(Error::value("inflow", found, expected));
+        if let Some(inflow) = &inflow {
+            inflow.check([self.width, self.height])?;
         }
         self.inflow = inflow;
         Ok(())

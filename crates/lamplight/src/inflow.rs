@@ -109,6 +109,18 @@ impl Inflow {
         }
     }
 
+    /// Rejects the inflow of a grid of another size.
+    ///
+    /// # Errors
+    /// Fails if it is one.
+    pub fn check(&self, grid: [u32; 2]) -> Result<()> {
+        if self.size == grid {
+            return Ok(());
+        }
+        let [found, expected] = [self.size, grid].map(|[w, h]| format!("that of {w}×{h} cells"));
+        Err(Error::value("inflow", found, expected))
+    }
+
     /// Columns and rows of the grid.
     pub fn size(&self) -> [u32; 2] {
         self.size
@@ -141,8 +153,10 @@ impl Inflow {
     }
 
     /// The number of the border cell whose outer edge is nearest to a place on the border.
-    pub(crate) fn nearest_cell(&self, place: [f32; 2]) -> usize {
-        let Side { first, count, along } = self.side(place);
+    /// One beyond counts as on the border: a lattice may end there.
+    pub(crate) fn nearest_cell(&self, [x, y]: [f32; 2]) -> usize {
+        let [w, h] = self.size.map(|side| side as f32);
+        let Side { first, count, along } = self.side([x.min(w), y.min(h)]);
         first + (along.max(0.0) as usize).min(count - 1)
     }
 
@@ -223,7 +237,7 @@ impl PartialEq for Inflow {
 }
 
 /// The number of cells along a border; those in the corners count for both sides.
-fn border_cells([width, height]: [u32; 2]) -> usize {
+pub fn border_cells([width, height]: [u32; 2]) -> usize {
     2 * (width as usize + height as usize)
 }
 

@@ -78,7 +78,7 @@ pub mod holographic {
     pub mod lattice {
         pub use crate::methods::holographic::lattice::{
             BENT, BEYOND, Crossing, GatherGeometry, bundle, cones, cones_of_halves, edges, halves,
-            levels, on_grid, planes, rays,
+            levels, on_grid, planes, points, rays, slope,
         };
     }
 
@@ -134,7 +134,7 @@ pub mod seed {
 
 /// The sky, and the suns that are drawn into it.
 pub mod sky {
-    pub use crate::panorama::place;
+    pub use crate::panorama::{column, place};
     pub use crate::sky::sines;
     pub use crate::sun_glow::SunGlow;
 }
@@ -142,6 +142,11 @@ pub mod sky {
 /// The mean over frames.
 pub mod temporal {
     pub use crate::filters::temporal::{FEEDBACK, REACH};
+}
+
+/// Light that enters a grid by place.
+pub mod inflow {
+    pub use crate::inflow::border_cells;
 }
 
 /// The light that solid cells show.

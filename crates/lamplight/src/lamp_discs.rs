@@ -81,10 +81,16 @@ pub fn show_lamps(cells: &mut Cells) {
 
 /// Draws a lamp as a glowing disc.
 fn draw_glow(lamp: &Lamp, cells: &mut Cells) {
+    let (radius, glow) = glow_of(lamp);
+    add_glow(lamp, radius, glow, cells);
+}
+
+/// Returns the radius of the disc that a lamp is drawn as, and its emission coefficient.
+pub fn glow_of(lamp: &Lamp) -> (f64, Rgb) {
     let size = f64::from(lamp.size);
     let radius = size.max(LEAST_RADIUS);
     let per_radiance = (2.0 * size / (PI * radius * radius)) as f32;
-    add_glow(lamp, radius, lamp.radiance().map(|v| v * per_radiance), cells);
+    (radius, lamp.radiance().map(|v| v * per_radiance))
 }
 
 /// Adds glow to the cells of a disc, by coverage.

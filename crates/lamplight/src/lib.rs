@@ -48,6 +48,7 @@ pub mod srgb;
 mod stages;
 mod sun;
 mod sun_glow;
+pub mod surroundings;
 pub mod world;
 
 pub use cells::{Cells, Matter};

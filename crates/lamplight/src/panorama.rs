@@ -128,7 +128,7 @@ pub fn place(panorama: &Panorama, angle: f64) -> f64 {
 }
 
 /// Returns the place of an angle on a strip of `count` columns, in columns from the middle of the first.
-pub(crate) fn column(count: usize, angle: f64) -> f64 {
+pub fn column(count: usize, angle: f64) -> f64 {
     (angle - FRAC_PI_2) / TAU * count as f64 - 0.5
 }
 

@@ -170,6 +170,22 @@ impl<'a> World<'a> {
         self.far.inflow(window)
     }
 
+    /// Returns an [inflow](Self::inflow) of a window with the light of lamps that are not the source's, such as moving ones.
+    /// Positions are px of the world. In the window itself they light nothing: there they belong to the cells. They are
+    /// shadowed by what the world is made of, and light of theirs that it scatters is not found. Lamps that are lit by a
+    /// shadow map, which shine from beyond a grid, are left out.
+    ///
+    /// # Errors
+    /// As [`Inflow::new`].
+    pub fn with_lamps(
+        &self,
+        window: GridWindow,
+        inflow: &Inflow,
+        lamps: &[Lamp],
+    ) -> Result<Inflow> {
+        self.far.far_field.with_lamps(window, inflow, lamps)
+    }
+
     /// Returns the light of a window of the world.
     ///
     /// # Errors
@@ -437,7 +453,12 @@ fn tiles(size: [u32; 2], side: u32) -> Vec<GridWindow> {
 }
 
 /// Returns a window with a margin, as far as the world goes, that begins at a multiple of `aligned`.
-fn expanded(window: GridWindow, margin: u32, world: [u32; 2], aligned: u32) -> GridWindow {
+pub(crate) fn expanded(
+    window: GridWindow,
+    margin: u32,
+    world: [u32; 2],
+    aligned: u32,
+) -> GridWindow {
     let GridWindow { first, size } = window;
     let begin = first.map(|v| v.saturating_sub(margin) / aligned * aligned);
     let end = [0, 1].map(|a| {

@@ -14,7 +14,8 @@ use lamplight_wgpu::Backend;
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LightBackend {
-    /// The CPU where the GPU is software, as in virtual machines; else the GPU.
+    /// The CPU where the GPU is software, as in virtual machines. Else the GPU, unless the first frames take it more than
+    /// 8 ms and the CPU less than half as long. In browsers the GPU.
     #[default]
     Auto,
     /// The GPU, whatever it is.

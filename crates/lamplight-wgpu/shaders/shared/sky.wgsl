@@ -1,8 +1,13 @@
 // The sky: a gradient over the sine of the elevation, or a panorama over the angle (crates/lamplight/src/panorama.rs),
-// which the importing shader binds as `panorama`, one texel per column.
+// which the importing shader binds as `panorama`, one texel per column; with INFLOW, one strip of them per border cell.
 
 #import shared/angle
 #import shared/uniforms
+
+// True if light enters by place on the border, in place of the sky.
+override INFLOW: bool = false;
+// Strips that then lie one below the other; the next lie beside them.
+override STRIPS: u32 = 1u;
 
 const RADIANS_PER_TURN: f32 = 6.2831855;
 
@@ -11,8 +16,7 @@ fn sky(direction: vec2f) -> vec3f {
     if frame.sky_columns == 0u {
         return gradient(direction.y);
     }
-    let at = sky_place(angle(direction));
-    return between_columns(floor(at), at - floor(at));
+    return mean_of_columns(0u, vec2f(sky_place(angle(direction))));
 }
 
 // The mean radiance of the sky between two angles, over which the mean of the sine is `sine`.
@@ -20,14 +24,27 @@ fn sky_between(sine: f32, first: f32, last: f32) -> vec3f {
     if frame.sky_columns == 0u {
         return gradient(sine);
     }
-    let start = sky_place(first);
-    let end = sky_place(last);
+    return mean_of_columns(0u, vec2f(sky_place(first), sky_place(last)));
+}
+
+// The mean of a strip between two columns, or what is there if they are the same.
+fn mean_of_columns(strip: u32, columns: vec2f) -> vec3f {
+    let start = columns.x;
+    let end = columns.y;
+    if start == end {
+        return between_columns(strip, floor(start), start - floor(start));
+    }
+    var place = on_strip(strip, floor(start));
+    var a = textureLoad(panorama, place, 0).rgb;
     var sum = vec3f(0.0);
     for (var column = floor(start); column < end; column += 1.0) {
+        place = next_on_strip(strip, place);
+        let b = textureLoad(panorama, place, 0).rgb;
         let enter = max(start, column) - column;
         let leave = min(end, column + 1.0) - column;
         // Radiance is linear here: its mean is that in the middle.
-        sum += (leave - enter) * between_columns(column, 0.5 * (enter + leave));
+        sum += (leave - enter) * mix(a, b, 0.5 * (enter + leave));
+        a = b;
     }
     return sum / (end - start);
 }
@@ -42,13 +59,25 @@ fn sky_place(at: f32) -> f32 {
     return frame.sky_origin + at / RADIANS_PER_TURN * f32(frame.sky_columns);
 }
 
-// The radiance between a column and the next, at a fraction of the way.
-fn between_columns(column: f32, past: f32) -> vec3f {
+// The radiance between a column of a strip and the next, at a fraction of the way.
+fn between_columns(strip: u32, column: f32, past: f32) -> vec3f {
+    let place = on_strip(strip, column);
+    let a = textureLoad(panorama, place, 0).rgb;
+    let b = textureLoad(panorama, next_on_strip(strip, place), 0).rgb;
+    return mix(a, b, past);
+}
+
+// The texel of a column, which may lie on another turn around the circle.
+fn on_strip(strip: u32, column: f32) -> vec2i {
     let count = i32(frame.sky_columns);
     // The remainder has the sign of the column.
     let first = (i32(column) % count + count) % count;
-    let second = select(first + 1, 0, first + 1 == count);
-    let a = textureLoad(panorama, vec2i(first, 0), 0).rgb;
-    let b = textureLoad(panorama, vec2i(second, 0), 0).rgb;
-    return mix(a, b, past);
+    return vec2i(count * i32(strip / STRIPS) + first, i32(strip % STRIPS));
+}
+
+// The texel after another one of a strip, around the circle.
+fn next_on_strip(strip: u32, place: vec2i) -> vec2i {
+    let begin = i32(frame.sky_columns * (strip / STRIPS));
+    let next = place.x + 1;
+    return vec2i(select(next, begin, next == begin + i32(frame.sky_columns)), place.y);
 }

@@ -33,15 +33,21 @@ pub enum Method {
 }
 
 impl Method {
-    /// Compiles the pipelines for these settings.
+    /// Compiles the pipelines for these settings, of a method that reads `inflow` for frames with some or for others.
     ///
     /// # Errors
     /// If the GPU does not have the method.
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings) -> lamplight::Result<Self> {
+    pub fn new(
+        device: &Device,
+        queue: &Queue,
+        settings: &Settings,
+        inflow: bool,
+    ) -> lamplight::Result<Self> {
         let (bounces, moment) = (settings.method.bounces(settings.bounces), settings.moment);
         Ok(match &settings.method {
             MethodSettings::Cascades(settings) => {
-                Self::Cascades(Box::new(Cascades::new(device, queue, settings, bounces, moment)?))
+                let cascades = Cascades::new(device, queue, settings, bounces, moment, inflow)?;
+                Self::Cascades(Box::new(cascades))
             }
             MethodSettings::Flood(settings) => {
                 Self::Flood(Box::new(Flood::new(device, queue, settings, moment)))
@@ -49,7 +55,8 @@ impl Method {
             MethodSettings::Holographic(settings) => match settings.variant {
                 Variant::Paper => Self::Paper(Box::new(Paper::new(device, bounces, moment))),
                 Variant::Bundles => {
-                    Self::Holographic(Box::new(Holographic::new(device, settings, bounces, moment)))
+                    let holographic = Holographic::new(device, settings, bounces, moment, inflow);
+                    Self::Holographic(Box::new(holographic))
                 }
                 other => return Err(unsupported("holographic.variant", other)),
             },
@@ -57,7 +64,8 @@ impl Method {
                 Self::Polar(Box::new(Polar::new(device, settings, moment)?))
             }
             MethodSettings::Raymarch(settings) => {
-                Self::Raymarch(Box::new(Raymarch::new(device, queue, settings, bounces, moment)?))
+                let raymarch = Raymarch::new(device, queue, settings, bounces, moment, inflow)?;
+                Self::Raymarch(Box::new(raymarch))
             }
             other => return Err(unsupported("method", other.method())),
         })

@@ -60,15 +60,22 @@ fn holographic_fuses_levels_and_takes_little_memory() {
 
 /// Dispatches and megabytes at 1920×1080: each quadrant is one chunk.
 const LARGE: (usize, u64) = (47, 370);
+/// Megabytes that `draft` may move there; `default` moves 3700.
+const DRAFT: f64 = 1310.0;
 
 #[test]
 fn a_large_grid_takes_few_dispatches() {
     let gpu = device();
-    for preset in ["default", "fast", "high"] {
+    for preset in ["default", "fast", "high", "draft"] {
         let cost = cost(&gpu, preset, [1920, 1080], LightingOptions::default().fused_levels);
         let (dispatches, held) = (cost.dispatches(), cost.memory / 1_000_000);
-        println!("{preset} at 1920×1080: {dispatches} dispatches, {held} MB held");
+        let traffic = cost.traffic();
+        let moved = (traffic.read + traffic.written) as f64 / 1e6;
+        println!(
+            "{preset} at 1920×1080: {dispatches} dispatches, {held} MB held, {moved:.0} MB moved"
+        );
         assert!(dispatches <= LARGE.0 && held <= LARGE.1, "{preset}: {dispatches}, {held} MB");
+        assert!(preset != "draft" || moved <= DRAFT, "{preset}: {moved} MB");
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::common::{cells, device, device_of, device_with, frame, lighting};
 use crate::compare::{Both, SIZES, agree, differences, scenes};
-use lamplight::settings::Holographic;
+use crate::inflow::entered;
+use lamplight::settings::{Holographic, Variant};
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Settings, Sky};
 use lamplight_wgpu::{Backend, FrameInput, Lighting, LightingOptions, Tier};
 use std::time::{Duration, Instant};
@@ -27,9 +28,9 @@ fn solid(width: u32, height: u32, seed: u64) -> Cells {
 fn direct_light_agrees_at_every_size() {
     let gpu = device();
     for [w, h] in SIZES {
-        for preset in ["default", "fast"] {
+        for preset in ["default", "fast", "draft"] {
             // The largest size costs a software GPU seconds.
-            if w * h > 1 << 15 && preset == "fast" {
+            if w * h > 1 << 15 && preset != "default" {
                 continue;
             }
             let name = format!("{preset} at {w}×{h}");
@@ -44,7 +45,7 @@ fn every_preset_agrees_with_bounces_and_under_any_sky() {
     let gpu = device();
     let [zenith, horizon, ground] = [[0.1, 0.4, 2.0], [1.0, 0.8, 0.2], [0.05, 0.0, 0.0]];
     let gradient = Sky::Gradient(Gradient { zenith, horizon, ground });
-    for preset in ["default", "fast", "quality"] {
+    for preset in ["default", "fast", "quality", "draft"] {
         for (bounces, [w, h], sky) in [
             (0, [45, 70], gradient.clone()),
             (1, [61, 43], Sky::Uniform([0.2; 3])),
@@ -69,10 +70,17 @@ fn every_setting_agrees() {
     for (gather_level, gather_length, gather_rays, bundle_rays) in
         [(1, 15, 1, 1), (2, 1, 3, 16), (3, 5, 16, 3), (4, 15, 2, 8)]
     {
-        let variant = Holographic::default().variant;
-        let settings =
-            Holographic { variant, gather_level, gather_length, gather_rays, bundle_rays };
-        agree(&gpu, &format!("{settings:?}"), &cells, Settings::direct(settings));
+        for lattice_spacing in [1, 2] {
+            let settings = Holographic {
+                variant: Variant::Bundles,
+                lattice_spacing,
+                gather_level,
+                gather_length,
+                gather_rays,
+                bundle_rays,
+            };
+            agree(&gpu, &format!("{settings:?}"), &cells, Settings::direct(settings));
+        }
     }
 }
 
@@ -107,7 +115,13 @@ const SAME: f64 = 1e-5;
 
 #[test]
 fn neither_fused_levels_nor_chunks_change_the_light() {
-    for (preset, cells) in [("default", cells(90, 131, 29)), ("fast", solid(131, 90, 31))] {
+    let with_inflow = entered(cells(90, 131, 29), 32, 3);
+    for (preset, cells) in [
+        ("default", cells(90, 131, 29)),
+        ("fast", solid(131, 90, 31)),
+        ("fast", with_inflow),
+        ("draft", cells(131, 90, 37)),
+    ] {
         let light = lit(&cells, preset, None, 1);
         for (most_bytes, fused) in [(None, 2), (Some(800_000), 1), (Some(800_000), 2)] {
             let other = lit(&cells, preset, most_bytes, fused);

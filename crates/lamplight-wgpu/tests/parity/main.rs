@@ -13,6 +13,7 @@ mod flood;
 mod frames;
 mod glow;
 mod holographic;
+mod inflow;
 mod lamps;
 mod moments;
 mod polar;

@@ -51,7 +51,7 @@ fn wrong(seen: &[Moment], light: &Light, right: &Light) -> usize {
 }
 
 #[track_caller]
-fn agree((device, queue): &(Device, Queue), both: &mut Both, name: &str, cells: &Cells) {
+pub fn agree((device, queue): &(Device, Queue), both: &mut Both, name: &str, cells: &Cells) {
     let settings = both.solver.settings().clone();
     let right = both.solver.solve(cells).unwrap();
     frame(device, queue, &mut both.lighting, &settings, cells);

@@ -139,7 +139,8 @@ impl Border<'_> {
                 // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
                 let place = (GOLDEN_RATIO * ray as f64).fract();
                 from[along] = (f64::from(block[along]) + place) * SIDE as f64;
-                let ray = BlockRay { from, direction: &self.rays[ray], block };
+                let ray =
+                    BlockRay { from, direction: &self.rays[ray], block, reach: f64::INFINITY };
                 let [light, through] = march(self.levels, self.rings, ray);
                 count += 1.0;
                 for c in 0..3 {

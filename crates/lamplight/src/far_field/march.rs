@@ -33,6 +33,8 @@ pub struct BlockRay<'a> {
     pub direction: &'a RayDirection,
     /// The block that it enters, by column and row.
     pub block: [i32; 2],
+    /// The length of the ray, px. Its last block counts as a whole.
+    pub reach: f64,
 }
 
 impl RayDirection {
@@ -72,9 +74,9 @@ impl Rings {
     }
 }
 
-/// Returns the radiance that blocks send along a ray, and the transmittance of the way out of the world.
+/// Returns the radiance that blocks send along a ray, and the transmittance of the way to its end, or out of the world.
 pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
-    let BlockRay { from, direction, block: mut cell } = ray;
+    let BlockRay { from, direction, block: mut cell, reach } = ray;
     let RayDirection { way, across, bearing } = direction;
     let offset = across.offset(from);
     let ahead = way.map(|v| if v > 0.0 { 1 } else { -1 });
@@ -114,6 +116,9 @@ pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
             }
             if state.through.iter().all(|v| *v < OPAQUE_TRANSMITTANCE) {
                 return [state.light, [0.0; 3]];
+            }
+            if next[crosses] > reach {
+                return [state.light, state.through];
             }
             cell[crosses] += ahead[crosses];
             next[crosses] += step[crosses];

@@ -24,6 +24,7 @@
 
 mod block;
 mod inflow;
+mod lamps;
 mod levels;
 mod march;
 mod parts;
@@ -34,7 +35,7 @@ mod surfaces;
 mod sweep;
 
 use crate::stages::bounce::SurfaceLight;
-use crate::{Cells, GridWindow, Inflow, Result, Sky};
+use crate::{Cells, GridWindow, Inflow, Lamp, Result, Sky};
 use block::FarBlock;
 use levels::{BlockLevel, EMPTY, SOLID};
 pub use parts::{BounceState, FarBlocks, FarPart};
@@ -167,5 +168,19 @@ impl FarField {
     /// As [`Inflow::new`].
     pub fn inflow(&self, window: GridWindow, columns: usize) -> Result<Inflow> {
         inflow::inflow(&self.levels, &self.sky, window, columns)
+    }
+
+    /// Returns an inflow of a window, which begins at a multiple of 4, with the light of lamps in it. Positions are px of
+    /// the world.
+    ///
+    /// # Errors
+    /// As [`Inflow::new`].
+    pub fn with_lamps(
+        &self,
+        window: GridWindow,
+        inflow: &Inflow,
+        lamps: &[Lamp],
+    ) -> Result<Inflow> {
+        lamps::with_lamps(&self.levels, window, inflow, lamps)
     }
 }

@@ -129,7 +129,10 @@ impl MethodSettings {
     }
 
     /// Rejects a method that does not read [`Inflow`](crate::Inflow): a part of a world would be lit alone.
-    pub(crate) fn takes_inflow(&self) -> Result<()> {
+    ///
+    /// # Errors
+    /// Fails if it is one.
+    pub fn takes_inflow(&self) -> Result<()> {
         let takes_it = match self {
             Self::Raymarch(_) | Self::Cascades(_) => true,
             Self::Holographic(settings) => settings.variant != Variant::Paper,

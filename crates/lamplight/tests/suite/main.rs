@@ -28,6 +28,7 @@ mod settings;
 mod sight;
 mod sky;
 mod smooth_motion;
+mod surroundings;
 mod temporal;
 mod tightness;
 mod walls;

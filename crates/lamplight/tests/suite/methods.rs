@@ -98,12 +98,13 @@ const TURNED: f64 = 1e-3;
 
 #[test]
 fn turning_the_scene_turns_the_light() {
-    let (w, h) = (61, 37);
-    let mut cells = scene(w, h);
-    cells.lamps_mut().clear();
-    cells.set_sky(Sky::Uniform([0.1, 0.2, 0.3]));
     let on_a_lattice = |method| matches!(method, Method::Cascades | Method::Holographic);
     for (method, preset, settings) in every_preset().filter(|way| on_a_lattice(way.0)) {
+        // Pairs of rows that share a point are the same from both sides only if their number is even.
+        let (w, h) = if preset == "draft" { (62, 38) } else { (61, 37) };
+        let mut cells = scene(w, h);
+        cells.lamps_mut().clear();
+        cells.set_sky(Sky::Uniform([0.1, 0.2, 0.3]));
         let solve =
             |cells: &Cells| Solver::new(settings.clone()).unwrap().solve(cells).unwrap().clone();
         let (light, around) = (solve(&cells), solve(&turned(&cells)));

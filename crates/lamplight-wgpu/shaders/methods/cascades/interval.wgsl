@@ -1,6 +1,7 @@
 // The interval of a segment of a ray. Segments start and end anywhere, in the grid or beyond it, where space
-// is empty.
+// is empty. With INFLOW they end at the border, with the light that enters there.
 
+#import shared/inflow
 #import shared/interval
 #import shared/packet
 #import shared/surfaces
@@ -10,6 +11,11 @@
 // those that open from its cell into the four quadrants, and a cell of matter has matter in all four.
 fn is_clear(at: vec2f, reach: f32) -> bool {
     if any(at < vec2f(0.0)) || any(at >= vec2f(frame.size)) {
+        return false;
+    }
+    let cell = floor(at);
+    let to_border = min(cell, vec2f(frame.size) - 1.0 - cell);
+    if INFLOW && min(to_border.x, to_border.y) < reach {
         return false;
     }
     let word = squares[index(vec2u(at))];
@@ -24,7 +30,24 @@ fn enters_along_x(ray: Ray, heading: Heading) -> bool {
     return !(back.y < back.x);
 }
 
-fn trace(start: vec2f, direction: vec2f, length: f32) -> Interval {
+// Returns the interval of a ray that stands for the angles between two columns.
+fn trace(start: vec2f, direction: vec2f, length: f32, columns: vec2f) -> Interval {
+    if !INFLOW {
+        return march(start, direction, length);
+    }
+    let end = exit(start, direction);
+    var near = nothing();
+    if all(start >= vec2f(0.0)) && all(start < vec2f(frame.size)) {
+        near = march(start, direction, length);
+        if distance(start, end) >= length {
+            return near;
+        }
+    }
+    // One that starts outside has left the grid on its way.
+    return Interval(near.light + near.transmittance * entering_at(end, columns), vec3f(0.0));
+}
+
+fn march(start: vec2f, direction: vec2f, length: f32) -> Interval {
     let heading = heading(direction);
     let size = vec2f(frame.size);
     var at = start;

@@ -118,10 +118,14 @@ fn around(at: vec2f) -> Around {
 fn see(at: vec2f, around: Around, ray: u32, normal: vec2f) -> Seen {
     let path = paths[layer.path + ray];
     let start = at + path.start;
+    let angles = f32(layer.number + ray) * layer.angle + vec2f(0.0, layer.angle);
+    let columns = vec2f(sky_place(angles.x), sky_place(angles.y));
     if layer.far_spacing == 0.0 {
-        let near = trace(start, path.direction, path.length);
-        let number = f32(layer.number + ray);
-        let sky = sky_between(path.sine, number * layer.angle, (number + 1.0) * layer.angle);
+        let near = trace(start, path.direction, path.length, columns);
+        if INFLOW {
+            return behind(near, path.direction, Seen());
+        }
+        let sky = sky_between(path.sine, angles.x, angles.y);
         return behind(near, path.direction, Seen(sky, sky * path.direction.x, sky * path.direction.y));
     }
     let probes = layer.far_count.x * layer.far_count.y;
@@ -148,7 +152,7 @@ fn see(at: vec2f, around: Around, ray: u32, normal: vec2f) -> Seen {
             }
             let length = max(sqrt(dot(step, step)), 1e-30);
             let direction = step / length;
-            light = behind(trace(start, direction, length), direction, light);
+            light = behind(trace(start, direction, length, columns), direction, light);
         }
         weights += weight;
         add(&seen, weight, light);
@@ -158,7 +162,7 @@ fn see(at: vec2f, around: Around, ray: u32, normal: vec2f) -> Seen {
         return Seen(seen.light / weights, seen.moment_x / weights, seen.moment_y / weights);
     }
     if !BILINEAR_FIX && !clear {
-        let near = trace(start, path.direction, path.length);
+        let near = trace(start, path.direction, path.length, columns);
         return behind(near, path.direction, seen);
     }
     return seen;

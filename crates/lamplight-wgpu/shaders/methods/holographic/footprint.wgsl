@@ -34,12 +34,11 @@ var<workgroup> near: array<vec4u, 4u * SLABS>;
 
 // The bits of 32 rows of a slab from a multiple of 32 on.
 fn word_of(bit: u32, slab: u32, word: u32) -> u32 {
-    let words = (sweep.rows + 31u) / 32u;
-    if slab >= sweep.depth || word >= words {
+    if slab >= sweep.cell_depth || word >= sweep.cell_words {
         return 0u;
     }
-    let place = select(slab, sweep.depth - 1u - slab, sweep.reversed == 1u);
-    return cell_bits[sweep.cell_bits + (bit * sweep.depth + place) * words + word];
+    let place = select(slab, sweep.cell_depth - 1u - slab, sweep.reversed == 1u);
+    return cell_bits[sweep.cell_bits + (bit * sweep.cell_depth + place) * sweep.cell_words + word];
 }
 
 // Fetches the bits around 64 rows, from the slab behind `slab` to the one `ahead` of it. A lane fetches a bit of a slab,

@@ -8,8 +8,8 @@
 // steps of their own wall: of light that comes down s px along the face for each px that it comes nearer, a
 // step that begins k px beside the cell in front blocks the fraction `clamp(s − k, 0, 1)`.
 
+#import methods/holographic/border
 #import methods/holographic/footprint
-#import methods/holographic/sky
 #import shared/moment
 
 // Added to the sum of the weights at a ray's end, so that opaque cells let no light through, instead of 0 / 0.
@@ -20,6 +20,8 @@ override REACH: u32;
 override PIXELS: bool;
 // Cones of a pixel.
 override CONES: u32;
+// Rows of cells to a point of the lattice, 1 or 2.
+override SPACING: u32;
 
 @group(0) @binding(7) var<storage, read> cones: array<vec4f>;
 @group(0) @binding(8) var<storage, read> shown_odd: array<vec2u>;
@@ -27,6 +29,7 @@ override CONES: u32;
 @group(0) @binding(10) var<storage, read_write> light: array<vec4f>;
 @group(0) @binding(11) var<storage, read_write> irradiance: array<vec2u>;
 @group(0) @binding(12) var albedo: texture_2d<f32>;
+@group(0) @binding(13) var panorama: texture_2d<f32>;
 
 // The distance of a step that does not exist, px: farther than any light comes down.
 const FAR_AWAY: f32 = 1e9;
@@ -42,7 +45,7 @@ struct Pixel {
     // Slabs to the plane.
     ahead: u32,
     // The first entry of the light on the plane, whether its index is odd, and whether there is any: beyond the grid
-    // is sky.
+    // is none.
     far: u32,
     odd: bool,
     stored: bool,
@@ -60,12 +63,42 @@ fn far_of(plane: u32) -> u32 {
     return base + slot * shown_count(sweep.level + 1u) * sweep.rows;
 }
 
+// The weights of the points before, at and after that of a row of cells, for weights of the rows before, at and after
+// it: a row has ¾ of its point's light and ¼ of the next one's (Chaikin 1974), if the row that touches it is open.
+fn weights_of_points(pixel: Pixel, row: i32, weights: vec3f) -> vec3f {
+    let rows = i32(sweep.cell_rows);
+    var points = vec3f(0.0);
+    for (var i = 0; i < 3; i++) {
+        let at = row + i - 1;
+        let side = 2 * (at & 1) - 1;
+        var share = select(0.25, 0.0, is_solid(pixel.lane, i32(pixel.ahead), at + side - i32(pixel.row)));
+        // Nothing comes back into the grid, and the second row of its last point may lie beyond.
+        if at == -1 || at == 2 * i32(sweep.rows) {
+            share = 0.0;
+        } else if at == rows {
+            share = 1.0;
+        }
+        let point = (at >> 1u) - (row >> 1u) + 1;
+        points[point] += weights[i] * (1.0 - share);
+        points[point + side] += weights[i] * share;
+    }
+    return points;
+}
+
 // The light of a cone on the plane ahead, in the rows before, at and after one, times their weights. The first of all
 // cones is not gathered from.
-fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
+fn far(pixel: Pixel, cone: u32, at_row: i32, of_rows: vec3f) -> vec3f {
+    var row = at_row;
+    var weights = of_rows;
+    if SPACING == 2u {
+        weights = weights_of_points(pixel, at_row, of_rows);
+        row = at_row >> 1u;
+    }
     let at = pixel.far + cone * sweep.rows;
+    let entry = sweep.cones_above + cone + 1u;
+    let slab = (pixel.slab + pixel.ahead) / SPACING;
     var sum = vec3f(0.0);
-    var beyond = 0.0;
+    var beside = 0.0;
     for (var i = 0; i < 3; i++) {
         let end = u32(row + i - 1);
         if pixel.stored && end < sweep.rows {
@@ -76,12 +109,14 @@ fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
                 words = shown_even[at + end];
             }
             sum += weights[i] * unpack_rgb(words);
+        } else if INFLOW {
+            sum += weights[i] * beyond(entry, slab, row + i - 1);
         } else {
-            beyond += weights[i];
+            beside += weights[i];
         }
     }
-    if beyond > 0.0 {
-        sum += beyond * sky_in(cone + 1u);
+    if beside > 0.0 {
+        sum += beside * beyond(entry, slab, row);
     }
     return sum;
 }
@@ -90,7 +125,7 @@ fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
 // grid, perhaps over the end of a wall, takes no light from inside.
 fn weights_at(end: i32, past: f32) -> vec3f {
     let sides = vec2f(0.5 - past, 0.5 + past);
-    let low = select(0.5 * sides.x * sides.x, 0.0, end == i32(sweep.rows));
+    let low = select(0.5 * sides.x * sides.x, 0.0, end == i32(sweep.cell_rows));
     let high = select(0.5 * sides.y * sides.y, 0.0, end == -1);
     return vec3f(low, 0.75 - past * past, high);
 }
@@ -242,8 +277,9 @@ fn find_met(pixel: Pixel) {
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     select_quadrant(group.z);
     let slab = sweep.first + group.y;
-    let plane = (slab + sweep.gather_length + (1u << sweep.level) - 1u) >> sweep.level;
-    let ahead = (plane << sweep.level) - slab;
+    let apart = SPACING << sweep.level;
+    let plane = (slab + sweep.gather_length + apart - 1u) / apart;
+    let ahead = plane * apart - slab;
     let view = footprints[sweep.footprints + ahead - sweep.gather_length].x;
     let size = RAYS + 2u * (sweep.rays + 1u) + ahead + 1u;
     let stored = plane < planes(sweep.level);
@@ -252,7 +288,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     workgroupBarrier();
     find_met(pixel);
     workgroupBarrier();
-    if pixel.row >= sweep.rows {
+    if pixel.row >= sweep.cell_rows {
         return;
     }
     let i = index(cell_of(slab, pixel.row));

@@ -15,9 +15,9 @@
 // waves share the cones.
 
 #import methods/holographic/bend
+#import methods/holographic/border
 #import methods/holographic/fetch_interval
 #import methods/holographic/packed_rgb
-#import methods/holographic/sky
 
 // Cones that a thread makes if it makes one level, one after another.
 override RUN: u32;
@@ -36,9 +36,10 @@ const WAVES: i32 = 4;
 @group(0) @binding(3) var<storage, read> intervals: array<vec2u>;
 @group(0) @binding(4) var<storage, read> tints: array<u32>;
 @group(0) @binding(5) var<storage, read_write> radiance: array<vec2u>;
+@group(0) @binding(6) var panorama: texture_2d<f32>;
 // Bound by `finish`: the light that pixels gather, on planes of odd index and of even index.
-@group(0) @binding(6) var<storage, read_write> shown_odd: array<vec2u>;
-@group(0) @binding(7) var<storage, read_write> shown_even: array<vec2u>;
+@group(0) @binding(7) var<storage, read_write> shown_odd: array<vec2u>;
+@group(0) @binding(8) var<storage, read_write> shown_even: array<vec2u>;
 
 // The lines: BLOCK cones need those of twice as many, and three to each side.
 var<workgroup> lines: array<vec2u, (2u * BLOCK + 6u) * LANES>;
@@ -70,7 +71,7 @@ fn near(p: u32, ray: i32, row: i32) -> Interval {
 // The light of a half cone of a level above, on a plane.
 fn far(level: u32, plane: u32, cone: u32, row: i32) -> vec3f {
     if row < 0 || row >= i32(sweep.rows) || plane >= planes(level) {
-        return sky_in(cone);
+        return beyond(sweep.cones_above + cone, plane << level, row);
     }
     let slot = (sweep.far - plane) * cone_count(level) + cone;
     return unpack_rgb(radiance[sweep.above + slot * sweep.rows + u32(row)]);
@@ -205,6 +206,10 @@ fn make_lines(s: Share, wave: i32, end: i32, lane: u32) {
     let odd = (s.q & 1u) == 1u;
     let plane = (s.q + 1u) / 2u;
     let inside = u32(row) < sweep.rows && s.q < planes(u);
+    if INFLOW && !inside {
+        // `halved` finds what enters there.
+        return;
+    }
     var remade: Remade;
     let start = made(u, begin - BEYOND) >> 1u;
     if odd && inside {
@@ -217,7 +222,7 @@ fn make_lines(s: Share, wave: i32, end: i32, lane: u32) {
         // A ray lies between a cone and the next.
         let cone = ray + BEYOND - 1;
         var interval = nothing();
-        // Beyond the grid there is sky.
+        // Beyond the grid there is nothing.
         var behind = row;
         if odd && inside {
             interval = remake(&remade, s.q, ray, row);
@@ -236,6 +241,17 @@ fn make_lines(s: Share, wave: i32, end: i32, lane: u32) {
             low = along(interval, sweep.cones_above + half, far(u + 1u, plane, half, behind));
         }
     }
+}
+
+// The light of a half cone of the level between, in the row `away` from the lane's: `made` of lines, except beyond the
+// border. What enters there is of the half cone itself.
+fn halved(s: Share, cone: u32, away: i32, made: vec3f) -> vec3f {
+    let u = sweep.level + 1u;
+    let row = s.row + away;
+    if INFLOW && (u32(row) >= sweep.rows || s.q >= planes(u)) {
+        return beyond(sweep.cones_between + cone, s.q << u, row);
+    }
+    return made;
 }
 
 // The share of a workgroup, whose tiles begin so that they cover all rows of both planes that it leads to.
@@ -274,8 +290,9 @@ fn halves_before(s: Share, first: i32) {
         if cone >= first - 1 {
             var after = vec3f(0.0);
             if is_lit(n, cone) {
-                let behind = 0.5 * middle[0] + 0.25 * (held(s, line, away) + middle[1]);
-                after = low + along(interval, sweep.cones_between + u32(2 * cone - 1), behind);
+                let half = u32(2 * cone - 1);
+                let lines = 0.5 * middle[0] + 0.25 * (held(s, line, away) + middle[1]);
+                after = low + along(interval, sweep.cones_between + half, halved(s, half, away, lines));
             }
             if cone > first {
                 put(p, cone - 1, s.row, 0.5 * own + 0.25 * (before + after));
@@ -284,8 +301,9 @@ fn halves_before(s: Share, first: i32) {
             own = after;
         }
         if cone < end && is_lit(n, cone + 1) {
-            let behind = 0.5 * middle[1] + 0.25 * (middle[0] + held(s, line + 3, away));
-            low = along(interval, sweep.cones_between + u32(2 * cone), behind);
+            let half = u32(2 * cone);
+            let lines = 0.5 * middle[1] + 0.25 * (middle[0] + held(s, line + 3, away));
+            low = along(interval, sweep.cones_between + half, halved(s, half, away, lines));
         }
     }
 }
@@ -346,12 +364,13 @@ fn main(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: v
     }
 }
 
-// The lines of a wave if the sky is behind them.
-fn make_lines_of_sky(s: Share, wave: i32, lane: u32) {
+// The lines of a wave in a row beyond the border.
+fn make_lines_beyond(s: Share, wave: i32, row: i32, lane: u32) {
+    let u = sweep.level + 1u;
     for (var line = wave * s.run; line < (wave + 1) * s.run; line++) {
         var light = vec3f(0.0);
-        if is_lit(sweep.level + 1u, s.first + line) {
-            light = sky_at(sweep.cones_between + u32(s.first + line));
+        if is_lit(u, s.first + line) {
+            light = beyond(sweep.cones_between + u32(s.first + line), s.q << u, row);
         }
         lines[u32(line) * LANES + lane] = pack_rgb(light);
     }
@@ -375,7 +394,7 @@ fn finish(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local:
         if inside {
             make_lines(s, wave, WAVES * s.run, local.x);
         } else {
-            make_lines_of_sky(s, wave, local.x);
+            make_lines_beyond(s, wave, row, local.x);
         }
     }
     workgroupBarrier();

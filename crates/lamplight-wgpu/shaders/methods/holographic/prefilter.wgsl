@@ -17,6 +17,12 @@ fn row_after(rows: vec2u) -> vec2u {
     return (rows >> vec2u(1u)) | vec2u(rows.y << 31u, 0u);
 }
 
+// Bits of rows as those of both rows of their pair.
+fn either_of_pairs(rows: vec2u) -> vec2u {
+    let first = (rows | rows >> vec2u(1u)) & vec2u(0x55555555u);
+    return first | first << vec2u(1u);
+}
+
 // The light that a bundle gains from one of another row, by the words of their intervals that hold it.
 fn gained(own: vec2u, other: vec2u) -> vec3f {
     return EXCHANGED * (light_of(other) - light_of(own));

@@ -5,7 +5,7 @@
 #import methods/holographic/quadrant
 #import shared/uniforms
 
-// The bits: anything but empty space; a medium; emission, or scattered radiance; a source of one or two cells;
+// The bits: anything but empty space; a medium; emission, or scattered radiance; a small source;
 // emission.
 override OCCUPIED: u32;
 override MEDIUM: u32;
@@ -39,17 +39,19 @@ fn is_emitting(at: vec2i) -> bool {
     return any(textureLoad(matter, at, 0) != vec4f(1.0, 1.0, 1.0, 0.0)) && (emits_itself(vec2u(at)) || scatters(vec2u(at)));
 }
 
-// Returns whether at most one more cell emits in a row with this one, `step` apart.
+// Returns whether at most two cells in a row emit with this one, or six if points lie 2 px apart; `step` leads from one to
+// the next.
 fn is_thin(at: vec2i, step: vec2i) -> bool {
-    let low = is_emitting(at - step);
-    let high = is_emitting(at + step);
-    if low && high {
-        return false;
+    var left = (4i << sweep.spacing_level) - 3;
+    for (var side = -1; side < 2 && left >= 0; side += 2) {
+        for (var i = 1; left >= 0 && is_emitting(at + side * i * step); i++) {
+            left--;
+        }
     }
-    return !(low && is_emitting(at - 2 * step)) && !(high && is_emitting(at + 2 * step));
+    return left >= 0;
 }
 
-// Returns whether a cell that emits is a source at most two cells wide and high, with nothing solid around it.
+// Returns whether a cell that emits is a source so wide and high at most, with nothing solid around it.
 fn is_small(at: vec2u) -> bool {
     let cell = vec2i(at);
     return is_alone(at) && is_thin(cell, vec2i(1, 0)) && is_thin(cell, vec2i(0, 1));
@@ -73,13 +75,13 @@ fn is_alone(at: vec2u) -> bool {
 fn main(@builtin(global_invocation_id) id: vec3u) {
     select_quadrant(id.z);
     let slab = id.x;
-    let words = (sweep.rows + 31u) / 32u;
-    if slab >= sweep.depth || id.y >= words {
+    let words = sweep.cell_words;
+    if slab >= sweep.cell_depth || id.y >= words {
         return;
     }
     var bits = vec4u(0u);
     var primary = 0u;
-    for (var bit = 0u; bit < 32u && 32u * id.y + bit < sweep.rows; bit++) {
+    for (var bit = 0u; bit < 32u && 32u * id.y + bit < sweep.cell_rows; bit++) {
         let at = cell_of(slab, 32u * id.y + bit);
         let tint_opacity = textureLoad(matter, at, 0);
         if any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)) {
@@ -94,9 +96,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     let place = sweep.cell_bits + slab * words + id.y;
-    cell_bits[place + OCCUPIED * sweep.depth * words] = bits.x;
-    cell_bits[place + MEDIUM * sweep.depth * words] = bits.y;
-    cell_bits[place + EMITTING * sweep.depth * words] = bits.z;
-    cell_bits[place + SMALL * sweep.depth * words] = bits.w;
-    cell_bits[place + PRIMARY * sweep.depth * words] = primary;
+    cell_bits[place + OCCUPIED * sweep.cell_depth * words] = bits.x;
+    cell_bits[place + MEDIUM * sweep.cell_depth * words] = bits.y;
+    cell_bits[place + EMITTING * sweep.cell_depth * words] = bits.z;
+    cell_bits[place + SMALL * sweep.cell_depth * words] = bits.w;
+    cell_bits[place + PRIMARY * sweep.cell_depth * words] = primary;
 }

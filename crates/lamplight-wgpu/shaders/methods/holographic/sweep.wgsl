@@ -5,7 +5,7 @@
 
 // `Sweep` in src/methods/holographic/sweep.rs, field by field.
 struct Sweep {
-    // Slabs, and rows of a slab.
+    // Points of the lattice along the axis, and across it.
     depth: u32,
     rows: u32,
     // 0: slabs are columns of the grid; 1: rows.
@@ -42,7 +42,7 @@ struct Sweep {
     cell_bits: u32,
     // 1 if scattered radiance is added to emission.
     indirect: u32,
-    // Minimum distance in px from a pixel to the plane that it gathers from. Planes lie 2^level px apart.
+    // Minimum distance in px from a pixel to the plane that it gathers from.
     gather_length: u32,
     // The first entry of the footprints.
     footprints: u32,
@@ -53,6 +53,12 @@ struct Sweep {
     // Quadrants that share the dispatch, and planes of this one.
     quadrants: u32,
     planes: u32,
+    // Points lie 2^spacing_level px apart, planes 2^level points.
+    spacing_level: u32,
+    // Slabs of cells, rows of a slab, and words of 32 rows.
+    cell_depth: u32,
+    cell_rows: u32,
+    cell_words: u32,
 }
 
 // Cones beyond each edge of the quadrant.
@@ -75,6 +81,6 @@ fn planes(level: u32) -> u32 {
 
 // The cell of the grid in a row of a slab.
 fn cell_of(slab: u32, row: u32) -> vec2u {
-    let along = select(slab, sweep.depth - 1u - slab, sweep.reversed == 1u);
+    let along = select(slab, sweep.cell_depth - 1u - slab, sweep.reversed == 1u);
     return select(vec2u(row, along), vec2u(along, row), sweep.axis == 0u);
 }

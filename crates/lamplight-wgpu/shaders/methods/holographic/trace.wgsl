@@ -1,13 +1,16 @@
-// Traces the first level of intervals: bundles, each the mean of parallel rays, from every row of the planes
-// that lie 2^level slabs apart, and filters the light of small sources across rows (prefilter.wgsl).
+// Traces the first level of intervals: bundles, each the mean of parallel rays, from every point of the planes,
+// and filters the light of small sources across rows (prefilter.wgsl). A lane is a row of cells. If two rows share a
+// point, its bundle is the mean over those of the open ones, so that no path leads through a wall.
 
 #import methods/holographic/footprint
 #import methods/holographic/interval
 #import methods/holographic/prefilter
 #import methods/holographic/store_interval
 
-// Rows that a workgroup stores. It traces one more to each side.
-const STORED: u32 = TILE - 2u;
+// Rows of cells to a point, 1 or 2.
+override SPACING: u32;
+// Rows that a workgroup stores. It traces those of one more point to each side.
+override STORED: u32 = TILE - 2u * SPACING;
 // Bundles from a row.
 override BUNDLES: u32;
 
@@ -18,6 +21,8 @@ override BUNDLES: u32;
 var<workgroup> meets: array<vec4u, BUNDLES>;
 // The light of a bundle from each row: of even bundles, and of odd ones.
 var<workgroup> traced: array<vec2u, 2u * TILE>;
+// The light and the transmittance of the bundles of all rows of cells, where two share a point.
+var<workgroup> halves: array<vec3u, 2u * TILE>;
 
 // The interval of a bundle from a lane's row. Its footprint is a mask with an entry per slab, then the crossings
 // of each ray.
@@ -31,13 +36,33 @@ fn bundle_of(bundle: u32, slab: u32, row: u32, lane: u32, length: u32) -> Interv
     return Interval(sum.light / f32(sweep.rays), sum.transmittance / f32(sweep.rays));
 }
 
+// Returns whether light from a lane's row of cells counts: it is open, and its ray does not end beyond the last row
+// where the next segment begins within, perhaps behind the end of a wall.
+fn counts(lane: u32, row: i32, rise: i32) -> bool {
+    let rows = i32(sweep.cell_rows);
+    return !is_solid(lane, 0, 0) && row < rows && (rows % 2 == 0 || row + rise != rows);
+}
+
+// The mean over the two rows of a lane's point. Of neither that counts it is the first: the second may lie beyond the
+// grid.
+fn mean_of_pair(lane: u32, row: i32, rise: i32) -> Interval {
+    let first = 2u * (lane & ~1u);
+    let low = row & ~1;
+    var weight = select(1.0, 0.5, counts(lane & ~1u, low, rise));
+    weight = select(0.0, weight, counts(lane | 1u, low + 1, rise));
+    return Interval(
+        mix(bitcast<vec3f>(halves[first]), bitcast<vec3f>(halves[first + 2u]), weight),
+        mix(bitcast<vec3f>(halves[first + 1u]), bitcast<vec3f>(halves[first + 3u]), weight),
+    );
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     select_quadrant(group.z);
     let plane = sweep.first + group.y;
-    let length = 1u << sweep.level;
-    let slab = plane << sweep.level;
-    let first_row = i32(STORED * group.x) - 1;
+    let length = SPACING << sweep.level;
+    let slab = plane * length;
+    let first_row = i32(STORED * group.x) - i32(SPACING);
     fetch(lane, TILE, slab, first_row, length);
     workgroupBarrier();
     let size = length + 1u + sweep.rays;
@@ -45,8 +70,9 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         meets[ray] = meeting(OCCUPIED, LAST, sweep.footprints + ray * size, length + 1u);
     }
     let row = first_row + i32(lane);
-    let inside = row >= 0 && row < i32(sweep.rows);
-    let stores = inside && group.y < sweep.planes && lane > 0u && lane <= STORED;
+    let inside = row >= 0 && row < i32(sweep.cell_rows);
+    let point = row / i32(SPACING);
+    let stores = inside && group.y < sweep.planes && lane % SPACING == 0u && lane >= SPACING && lane < SPACING + STORED;
     let open = ~solid_rows();
     let odd = (plane & 1u) == 1u;
     let place = plane / 2u - sweep.stored;
@@ -54,29 +80,37 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     workgroupBarrier();
     for (var ray = 0u; ray < BUNDLES; ray++) {
         let met = meets[ray];
-        var words = pack(nothing());
+        var bundle = nothing();
         if inside && has(met.xy, lane) {
-            words = pack(bundle_of(sweep.footprints + ray * size, slab, u32(row), lane, length));
+            bundle = bundle_of(sweep.footprints + ray * size, slab, u32(row), lane, length);
         }
+        if SPACING == 2u {
+            halves[2u * lane] = bitcast<vec3u>(bundle.light);
+            halves[2u * lane + 1u] = bitcast<vec3u>(bundle.transmittance);
+            workgroupBarrier();
+            bundle = mean_of_pair(lane, row, 2 * i32(ray) - i32(length));
+        }
+        var words = pack(bundle);
         let side = TILE * (ray % 2u);
         traced[side + lane] = words.xy;
         workgroupBarrier();
         if stores {
             // Bits of rows that exchange light with the row after them.
-            let exchange = exchanging(open, met.zw);
+            let small = select(met.zw, either_of_pairs(met.zw), SPACING == 2u);
+            let exchange = exchanging(open, small);
             var light = vec3f(0.0);
-            if row > 0 && has(exchange, lane - 1u) {
-                light += gained(words.xy, traced[side + lane - 1u]);
+            if point > 0 && has(exchange, lane - 1u) {
+                light += gained(words.xy, traced[side + lane - SPACING]);
             }
-            if row + 1 < i32(sweep.rows) && has(exchange, lane) {
-                light += gained(words.xy, traced[side + lane + 1u]);
+            if point + 1 < i32(sweep.rows) && has(exchange, lane + SPACING - 1u) {
+                light += gained(words.xy, traced[side + lane + SPACING]);
             }
             if any(light != vec3f(0.0)) {
                 var interval = unpack(words);
                 interval.light += light;
                 words = pack(interval);
             }
-            store_words(base + (place * BUNDLES + ray) * sweep.rows + u32(row), words);
+            store_words(base + (place * BUNDLES + ray) * sweep.rows + u32(point), words);
         }
     }
 }

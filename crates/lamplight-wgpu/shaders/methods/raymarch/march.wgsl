@@ -2,8 +2,8 @@
 
 #import methods/raymarch/gather
 #import shared/class
+#import shared/inflow
 #import shared/packet
-#import shared/sky
 #import shared/surfaces
 #import shared/uniforms
 
@@ -33,7 +33,7 @@ fn march(start: vec2f, first: vec2f, direction: vec2f, from_face: bool) -> vec4f
             break;
         }
         if has_left(ray) {
-            ray.light += ray.transmittance * sky(direction);
+            ray.light += ray.transmittance * entering_along(ray.at, direction);
             break;
         }
         i = index(vec2u(ray.cell));

@@ -4,7 +4,7 @@
 
 #import methods/raymarch/gather
 #import shared/class
-#import shared/sky
+#import shared/inflow
 #import shared/surfaces
 #import shared/uniforms
 
@@ -50,7 +50,7 @@ fn march(start: vec2f, first: vec2f, direction: vec2f, from_face: bool) -> vec4f
     var away = !from_face;
     for (var steps = 0u; steps < frame.steps; steps++) {
         if !inside(cell) || nearest[index(vec2u(cell))] == NO_SEED {
-            return vec4f(sky(direction), 0.0);
+            return vec4f(entering_along(at, direction), 0.0);
         }
         let i = index(vec2u(cell));
         let close = distance_at(at);

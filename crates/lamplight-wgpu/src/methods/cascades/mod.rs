@@ -78,13 +78,15 @@ impl Cascades {
         settings: &Settings,
         bounces: Bounces,
         moment: bool,
+        inflow: bool,
     ) -> lamplight::Result<Self> {
         let fix = match settings.merge {
             Merge::Plain => 0.0,
             Merge::BilinearFix => 1.0,
             other => return Err(unsupported("cascades.merge", other)),
         };
-        let merge = [PACKET, &[("ENDS", 1.0), ("BILINEAR_FIX", fix)]].concat();
+        let own = [("ENDS", 1.0), ("BILINEAR_FIX", fix)];
+        let merge = [PACKET, &own, &shaders::inflow(inflow)].concat();
         let gather = [&merge[..], &[("BEFORE", BEFORE.into())]].concat();
         let passes = |moment: bool| {
             let [merge, gather] = [&merge, &gather]

@@ -10,8 +10,11 @@ use lamplight::internals::holographic::lattice::{cones, levels, planes, rays};
 
 /// Rows of a workgroup that gathers.
 pub const TILE: u32 = 64;
-/// Rows that a workgroup traces and stores; it traces one more to each side.
-pub const TRACED: u32 = TILE - 2;
+/// Rows of cells that a workgroup traces and stores, if so many share a point of the lattice; it traces those of one
+/// more point to each side.
+pub const fn traced(spacing: u32) -> u32 {
+    TILE - 2 * spacing
+}
 /// Cones of a level that pixels gather from: the outermost have no light.
 pub const fn shown(level: u32) -> usize {
     cones(level) - 2
@@ -19,7 +22,7 @@ pub const fn shown(level: u32) -> usize {
 /// The packed radiance of a cone or a face.
 pub type Packed = [u32; 2];
 
-/// The grid of a quadrant and its opposite.
+/// The lattice of a quadrant and its opposite, `depth` × `rows` points.
 #[derive(Clone, Debug)]
 pub struct Lattice {
     pub depth: usize,
@@ -27,7 +30,7 @@ pub struct Lattice {
     /// The level that is traced, and the first level that is not made.
     pub first: u32,
     pub end: u32,
-    /// A chunk is 2^chunk slabs.
+    /// A chunk is 2^chunk points deep.
     pub chunk: u32,
     /// Levels in a group.
     fused: u32,
@@ -47,7 +50,7 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// Lays out a grid of `depth` slabs. Chunks are halved `halvings` times.
+    /// Lays out a lattice of `depth` × `rows` points. Chunks are halved `halvings` times.
     pub fn new([depth, rows]: [usize; 2], first: u32, fused: u32, halvings: u32) -> Self {
         let end = levels(depth, first);
         let chunk = end.saturating_sub(halvings).max(first + 2).min(end);

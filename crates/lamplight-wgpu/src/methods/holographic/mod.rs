@@ -3,6 +3,7 @@
 //! Quadrant after quadrant, or several together, chunk after chunk ([`lattice`]): trace the first level of intervals, extend
 //! them level by level, merge cones down, and let the pixels of the chunk gather from them.
 
+mod border;
 mod lattice;
 pub mod paper;
 mod quadrant;
@@ -23,7 +24,7 @@ use crate::stages::convergence::Convergence;
 use crate::{programs, shaders};
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
-use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, rays};
+use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, points, rays};
 use lamplight::internals::holographic::{
     EMISSIVE, EXCHANGED, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON,
 };
@@ -71,11 +72,13 @@ struct IntervalPipelines {
 }
 
 impl IntervalPipelines {
-    fn new(device: &Device, level: u32, words: u32) -> Self {
+    fn new(device: &Device, geometry: GatherGeometry, words: u32, inflow: bool) -> Self {
+        let level = geometry.first();
         let stored = ("WORDS", f64::from(words));
         let exchanged = ("EXCHANGED", EXCHANGED.into());
         let bundles = ("BUNDLES", rays(level) as f64);
-        let trace = [CELLS, MARCH, &[("FOURTH", SMALL_BIT), stored, exchanged, bundles]].concat();
+        let own = [("FOURTH", SMALL_BIT), stored, exchanged, bundles, spacing(geometry)];
+        let trace = [CELLS, MARCH, &own].concat();
         let bent = ("BENT", BENT.into());
         let extend = |levels: u32| {
             let (rows, before, pairs) = match levels {
@@ -105,6 +108,7 @@ impl IntervalPipelines {
             ("TILE", MERGED.rows.into()),
             ("BEFORE", MERGED.before.into()),
         ];
+        let merge = [&merge[..], &shaders::inflow(inflow)].concat();
         Self {
             words,
             trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
@@ -131,8 +135,10 @@ struct MemoryLayout {
 
 impl MemoryLayout {
     /// Lays out as many quadrants together as fit into memory, or one in chunks that are halved until it does.
-    fn new(planner: &FramePlanner, level: u32, words: u32) -> Self {
-        let [width, height] = <[u32; 2]>::from(planner.size).map(|side| side as usize);
+    fn new(planner: &FramePlanner, geometry: GatherGeometry, words: u32) -> Self {
+        let level = geometry.first();
+        let [width, height] = <[u32; 2]>::from(planner.size)
+            .map(|side| points(side as usize, geometry.spacing_level));
         let sides = [[width, height], [height, width]];
         let fused = planner.options.fused_levels;
         let lattice = |sides, halvings| Lattice::new(sides, level, fused, halvings);
@@ -234,7 +240,14 @@ struct Bindings {
 }
 
 impl Holographic {
-    pub fn new(device: &Device, settings: &Settings, bounces: Bounces, moment: bool) -> Self {
+    /// Compiles the pipelines. `inflow`: for frames with light that enters by place.
+    pub fn new(
+        device: &Device,
+        settings: &Settings,
+        bounces: Bounces,
+        moment: bool,
+        inflow: bool,
+    ) -> Self {
         let geometry = GatherGeometry::new(settings);
         let gather = |pixels: bool| {
             let own = [
@@ -242,10 +255,11 @@ impl Holographic {
                 ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
                 ("PIXELS", f64::from(pixels)),
-                ("CONES", lattice::shown(geometry.level + 1) as f64),
+                ("CONES", lattice::shown(geometry.first() + 1) as f64),
+                spacing(geometry),
                 shaders::moment(moment && pixels),
             ];
-            let constants = [CELLS, MARCH, &own].concat();
+            let constants = [CELLS, MARCH, &own, &shaders::inflow(inflow)].concat();
             ComputePipelines::new(device, &programs::HOLOGRAPHIC_GATHER, &constants)
         };
         let compared = || ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
@@ -259,7 +273,7 @@ impl Holographic {
                 &programs::HOLOGRAPHIC_SLABS,
                 &[CELLS, &[("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
             ),
-            intervals: [2, 3].map(|words| IntervalPipelines::new(device, geometry.level, words)),
+            intervals: [2, 3].map(|words| IntervalPipelines::new(device, geometry, words, inflow)),
             gather: gather(true),
             gather_faces: gather(false),
             faces: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES, &[marks]),
@@ -271,7 +285,7 @@ impl Holographic {
         let settings = &self.settings;
         let geometry = GatherGeometry::new(settings);
         let intervals = &self.intervals[usize::from(planner.hints.tinted)];
-        let layout = MemoryLayout::new(planner, geometry.level, intervals.words);
+        let layout = MemoryLayout::new(planner, geometry, intervals.words);
         let MemoryLayout { together, radiance, .. } = layout;
         // The first level is bound, even if the grid is too small for any.
         let stored = layout.intervals.iter().enumerate().map(|(level, &count)| {
@@ -285,14 +299,18 @@ impl Holographic {
         };
         let shown = [shown(layout.hosts[0])?, shown(layout.hosts[1])?];
 
-        let footprints = Footprints::new(geometry, settings.bundle_rays);
+        // Rows of cells that share a point share the rays of its bundles.
+        let width = settings.bundle_rays.div_ceil(settings.lattice_spacing);
+        let footprints = Footprints::new(geometry, width);
         let ends = layout.lattices.each_ref().map(|lattice| lattice.end);
-        let cones = ConeTable::of_bundles(geometry.level, ends);
+        let cones = ConeTable::of_bundles(geometry.first(), ends);
         let mut axes = Vec::new();
         let mut cell_bits = 0;
+        let [w, h] = <[u32; 2]>::from(planner.size).map(|side| side as usize);
         for ((axis, lattice), cones) in (0..).zip(layout.lattices).zip(&cones.begins) {
-            let words = lattice.depth * lattice.rows.div_ceil(32);
-            axes.push(Axis { axis, lattice, cones: cones.clone(), cell_bits });
+            let cells @ [depth, rows] = if axis == 0 { [w, h] } else { [h, w] };
+            let words = depth * rows.div_ceil(32);
+            axes.push(Axis { axis, lattice, cells, cones: cones.clone(), cell_bits });
             cell_bits += BITS * words as u32;
         }
         let storage = BufferUsages::STORAGE;
@@ -312,14 +330,8 @@ impl Holographic {
             scattered: self.bounce.kept_buffer::<Packed>(planner, faces)?,
         };
 
-        let mut quadrant = Quadrant::new(
-            geometry,
-            &footprints,
-            &cones,
-            settings.bundle_rays,
-            intervals.words,
-            together,
-        );
+        let mut quadrant =
+            Quadrant::new(geometry, &footprints, &cones, width, intervals.words, together);
         let sky = planner.has_panorama().then(|| ConeSky::new(cones, buffers.cones.clone()));
         // Bounces after the first are all the same.
         let within_a_frame = match self.bounce {
@@ -397,7 +409,7 @@ impl Holographic {
     ) -> Bindings {
         let Buffers { footprints, cones, cell_bits, levels, .. } = buffers;
         let Buffers { radiance, shown, irradiance, scattered, .. } = buffers;
-        let first = GatherGeometry::new(&self.settings).level;
+        let first = GatherGeometry::new(&self.settings).first();
         let level = |level: u32| {
             let held = levels.get((level - first) as usize)?.as_ref()?;
             Some([whole(&held.intervals), whole(&held.tints)])
@@ -430,7 +442,7 @@ impl Holographic {
                 let resources = [&[sweeps.binding()], &read[..], &made[..]].concat();
                 extend.insert([at, above], planner.bind(&intervals.extend[0], &resources));
             }
-            let light = [whole(radiance)];
+            let light = [whole(radiance), planner.panorama()];
             let resources = [&[sweeps.binding(), whole(cones)], &read[..], &light].concat();
             merge.insert(at, planner.bind(&intervals.merge, &resources));
             if at == first {
@@ -445,6 +457,7 @@ impl Holographic {
             whole(light),
             whole(irradiance),
             view(&planner.textures.albedo),
+            planner.panorama(),
         ];
         Bindings {
             slabs: planner.bind(&self.slabs, &slabs),
@@ -482,6 +495,11 @@ impl Holographic {
 /// Entries of [`programs::HOLOGRAPHIC_FACES`].
 const SCATTER: usize = 0;
 const SHOW: usize = 1;
+
+/// The constant of rows of cells to a point of the lattice.
+fn spacing(geometry: GatherGeometry) -> (&'static str, f64) {
+    ("SPACING", f64::from(1u32 << geometry.spacing_level))
+}
 
 /// The bits of cells.
 const CELLS: &[(&str, f64)] = &[

@@ -1,6 +1,6 @@
 //! The dispatches of a gather over all quadrants, in order.
 
-use super::lattice::{Lattice, TILE, TRACED};
+use super::lattice::{Lattice, TILE, traced};
 use super::sky::ConeTable;
 use super::sweep::{QUADRANTS, STEPS, Sweep, Together};
 use super::tables::Footprints;
@@ -19,6 +19,8 @@ pub struct Axis {
     /// 0: slabs are columns; 1: rows.
     pub axis: u32,
     pub lattice: Lattice,
+    /// Slabs of cells, and rows of a slab.
+    pub cells: [usize; 2],
     /// The first entry of each level, from the second on, in the table of cones.
     pub cones: Vec<u32>,
     /// The first word of the cell bits.
@@ -102,7 +104,7 @@ impl Quadrant {
         let (mut intervals, mut light) = (Vec::new(), [0; 2]);
         for axis in axes {
             let sweep = self.sweep(axis, indirect);
-            let Lattice { depth, rows, .. } = axis.lattice;
+            let [depth, rows] = axis.cells;
             self.push(Work::Slabs, sweep, [depth.div_ceil(64), rows.div_ceil(32), 1]);
             slabs.push(std::mem::take(&mut self.parts));
             for reversed in [0, 1] {
@@ -169,7 +171,12 @@ impl Quadrant {
 
     /// The parameters that all dispatches of an axis share.
     fn sweep(&self, axis: &Axis, indirect: bool) -> Sweep {
+        let [cell_depth, cell_rows] = axis.cells.map(|side| side as u32);
         Sweep {
+            spacing_level: self.geometry.spacing_level,
+            cell_depth,
+            cell_rows,
+            cell_words: cell_rows.div_ceil(32),
             depth: axis.lattice.depth as u32,
             rows: axis.lattice.rows as u32,
             axis: axis.axis,
@@ -196,7 +203,7 @@ impl Quadrant {
         let lattice = &axis.lattice;
         let mut chain = Chain { held: vec![None; (lattice.end - lattice.chunk) as usize] };
         for chunk in (0..lattice.chunks()).rev() {
-            self.trace(lattice, sweep, chunk);
+            self.trace(axis, sweep, chunk);
             self.extend(lattice, sweep, chunk);
             self.merge_chain(axis, sweep, chunk, &mut chain);
             self.merge(axis, sweep, chunk);
@@ -205,7 +212,8 @@ impl Quadrant {
     }
 
     /// Plans the first level: all planes of the chunk except the grid's first.
-    fn trace(&mut self, lattice: &Lattice, sweep: Sweep, chunk: usize) {
+    fn trace(&mut self, axis: &Axis, sweep: Sweep, chunk: usize) {
+        let lattice = &axis.lattice;
         let level = lattice.first;
         let all = 1 << (lattice.chunk - level);
         let planes = range(chunk * all, all, planes(lattice.depth, level), 1);
@@ -219,7 +227,8 @@ impl Quadrant {
             rays: self.width,
             ..sweep
         };
-        self.push(Work::Trace, sweep, [lattice.rows.div_ceil(TRACED as usize), planes.len(), 1]);
+        let traced = traced(1 << self.geometry.spacing_level) as usize;
+        self.push(Work::Trace, sweep, [axis.cells[1].div_ceil(traced), planes.len(), 1]);
     }
 
     /// Plans the levels above: those within the chunk, and those that its near end completes.
@@ -368,13 +377,14 @@ impl Quadrant {
     /// Plans the final gather of the pixels whose plane lies in the chunk.
     fn final_gather(&mut self, axis: &Axis, sweep: Sweep, chunk: usize, all: bool) {
         let lattice = &axis.lattice;
-        let near =
-            |chunk: usize| (chunk << lattice.chunk).saturating_sub(self.geometry.min_length - 1);
+        let px = lattice.chunk + self.geometry.spacing_level;
+        let near = |chunk: usize| (chunk << px).saturating_sub(self.geometry.min_length - 1);
         let from = if chunk == 0 { 0 } else { near(chunk) };
         let last = chunk + 1 == lattice.chunks();
-        let to = if last { lattice.depth } else { near(chunk + 1) };
+        let [depth, rows] = axis.cells;
+        let to = if last { depth } else { near(chunk + 1) };
         let sweep = Sweep { first: from as u32, ..self.gathered(axis, sweep, chunk) };
-        let groups = [lattice.rows.div_ceil(TILE as usize), to - from, 1];
+        let groups = [rows.div_ceil(TILE as usize), to - from, 1];
         self.push(if all { Work::Gather } else { Work::Faces }, sweep, groups);
     }
 }

@@ -1,5 +1,6 @@
 //! The light of the sky in the cones of all quadrants, as shaders/methods/holographic/sky.wgsl reads it.
 
+use super::border::cones_at_border;
 use crate::error::Result;
 use crate::planner::FramePlanner;
 use lamplight::internals::holographic::lattice::{self, on_grid};
@@ -114,11 +115,18 @@ impl ConeTable {
         (1 + 2 * axis + reversed) * entries
     }
 
-    /// Creates the buffer, with room for the light of a panorama if the sky is one.
+    /// Creates the buffer, with room for the light of a panorama if the sky is one. With inflow it has the places of cones
+    /// instead.
     pub fn buffer(&self, planner: &FramePlanner) -> Result<Buffer> {
-        let tables = if planner.has_panorama() { 5 } else { 1 };
         let mut entries = self.weights.clone();
-        entries.resize(tables * self.weights.len(), [0.0; 4]);
+        if planner.has_panorama() {
+            entries.resize(5 * self.weights.len(), [0.0; 4]);
+        }
+        if let (Some(columns), ConeLevels::Bundles { first, ends }) =
+            (planner.inflow_columns, self.levels)
+        {
+            entries.extend(cones_at_border(first, ends, columns));
+        }
         planner.filled("cones", BufferUsages::STORAGE, bytemuck::cast_slice(&entries))
     }
 

@@ -38,6 +38,10 @@ gpu_struct! {
         pub sky: u32,
         pub quadrants: u32,
         pub planes: u32,
+        pub spacing_level: u32,
+        pub cell_depth: u32,
+        pub cell_rows: u32,
+        pub cell_words: u32,
     }
 }
 

@@ -20,18 +20,19 @@ pub struct Footprints {
 impl Footprints {
     pub fn new(geometry: GatherGeometry, width: u32) -> Self {
         let mut footprints = Self::default();
-        footprints.bundles(geometry.level, width);
+        footprints.bundles([geometry.first(), geometry.spacing_level], width);
         footprints.views(geometry);
         footprints
     }
 
     /// Appends the bundles. Each has a mask, then the crossings of each ray.
-    fn bundles(&mut self, level: u32, width: u32) {
-        let bundles: Vec<_> = (0..rays(level)).map(|ray| bundle(level, ray, width)).collect();
+    fn bundles(&mut self, [level, spacing_level]: [u32; 2], width: u32) {
+        let bundle = |ray| bundle([level, spacing_level], ray, width);
+        let bundles: Vec<_> = (0..rays(level)).map(bundle).collect();
         let mut records = Vec::new();
         for rays in &bundles {
             let cells = rays.iter().flatten().map(|crossing| (crossing.slab, crossing.row));
-            records.extend(mask((1 << level) + 1, cells));
+            records.extend(mask((1 << (level + spacing_level)) + 1, cells));
             records.extend(rays.iter().map(|ray| self.crossings(ray)));
         }
         self.bundles = self.entries.len() as u32;

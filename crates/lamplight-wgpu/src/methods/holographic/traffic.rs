@@ -22,7 +22,10 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     let [_, across, deep] = groups.map(u64::from);
     let interval = words * WORD;
     // Bits of the cells near a row: 128 rows for a tile of 64, four bits each, in `slabs` slabs.
-    let bits = |slabs: u64| 4 * slabs * rows * 2 / 8;
+    let cell_rows = u64::from(sweep.cell_rows);
+    let bits = |slabs: u64| 4 * slabs * cell_rows * 2 / 8;
+    // From a plane to the next, px.
+    let apart = level_size << sweep.spacing_level;
     let light_of = |level: u32, planes: u64| planes * cones(level) as u64 * rows * PACKED;
     // The light of a level that leads to the planes from one to another of the level below. Beyond the last plane there is
     // sky, which is not stored.
@@ -33,11 +36,11 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     };
     match work {
         Work::Slabs => {
-            let cells = u64::from(sweep.depth) * rows;
+            let cells = u64::from(sweep.cell_depth) * cell_rows;
             Traffic { read: cells * VEC4, written: cells * u64::from(BITS) / 8 }
         }
         Work::Trace => Traffic {
-            read: across * bits(level_size + 2),
+            read: across * bits(apart + 2),
             written: across * (2 * level_size + 1) * rows * interval,
         },
         Work::ExtendOnce | Work::Extend => {
@@ -83,18 +86,18 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
         }
         Work::Gather => {
             // Slabs share the planes ahead of them.
-            let ahead = |slab: u32| (slab + sweep.gather_length).div_ceil(1 << level);
+            let ahead = |slab: u32| (slab + sweep.gather_length).div_ceil(apart as u32);
             let last = sweep.first + groups[1] - 1;
             let end = planes(sweep.depth as usize, level) as u32;
             let planes = (ahead(last) + 1).min(end).saturating_sub(ahead(sweep.first));
             let light = u64::from(planes) * shown(level + 1) as u64 * PACKED;
             let before = if sweep.first_quadrant == 1 { 0 } else { across * VEC4 };
             Traffic {
-                read: across * bits(2 * level_size) + rows * (light + before),
-                written: across * rows * VEC4,
+                read: across * bits(2 * apart) + rows * light + cell_rows * before,
+                written: across * cell_rows * VEC4,
             }
         }
-        Work::Faces => Traffic { read: across * bits(2 * level_size), written: 0 },
+        Work::Faces => Traffic { read: across * bits(2 * apart), written: 0 },
     }
 }
 

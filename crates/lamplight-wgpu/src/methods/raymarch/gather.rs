@@ -49,6 +49,7 @@ impl Gather {
         tracks: bool,
         varies: bool,
         moment: bool,
+        inflow: bool,
     ) -> lamplight::Result<Self> {
         let storage = |label, bytes| filled(device, queue, label, BufferUsages::STORAGE, bytes);
         let stops = [("STOPS", f64::from(tracks || settings.attenuation))];
@@ -63,7 +64,8 @@ impl Gather {
             ("TRACED", f64::from(tracks || varies)),
             shaders::moment(moment),
         ];
-        let constants = [GATHER, &march, &shaders::LUMINANCE, &needed].concat();
+        let constants =
+            [GATHER, &march, &shaders::LUMINANCE, &needed, &shaders::inflow(inflow)].concat();
         let directions: Vec<[f32; 2]> = directions(settings).collect();
         Ok(Self {
             rays: ComputePipelines::new(device, program, &constants),

@@ -48,6 +48,7 @@ impl Raymarch {
         settings: &Settings,
         bounces: Bounces,
         moment: bool,
+        inflow: bool,
     ) -> lamplight::Result<Self> {
         let accumulates = settings.temporal.history_length > 1;
         let (tracks, varies) = (Temporal::tracks(settings), settings.denoise.passes > 0);
@@ -62,7 +63,7 @@ impl Raymarch {
         Ok(Self {
             medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
             skipping,
-            gather: Gather::new(device, queue, settings, tracks, varies, moment)?,
+            gather: Gather::new(device, queue, settings, tracks, varies, moment, inflow)?,
             bounce,
             invalidate: rejects.then(|| Invalidate::new(device)),
             temporal: accumulates.then(|| Temporal::new(device, settings, bounces, traced, moment)),

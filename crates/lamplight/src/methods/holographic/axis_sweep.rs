@@ -77,10 +77,11 @@ impl AxisSweep {
         let settings = input.settings;
         let geometry = GatherGeometry::new(settings);
         let beyond = geometry.max_length().max(faces::REACH);
-        self.slabs.read(input.cells, self.axis, beyond, input.surfaces);
-        self.intervals.prepare(&self.slabs, settings.gather_level);
+        let spacing = 1 << geometry.spacing_level;
+        self.slabs.read(input.cells, self.axis, [beyond, spacing], input.surfaces);
+        self.intervals.prepare(&self.slabs, geometry);
         let Slabs { depth, rows, .. } = self.slabs;
-        self.merged.prepare(depth, rows, &self.intervals, geometry.max_length());
+        self.merged.prepare(&self.slabs, &self.intervals, geometry);
         // Not a power of two: cells of neighbouring slabs would compete for places in caches.
         self.stride = rows.next_multiple_of(TILE) + LANES;
         for light in &mut self.light {
@@ -118,6 +119,7 @@ impl AxisSweep {
                 self.intervals.make(unit, &self.slabs, plane);
             }
             self.merged.merge_down(unit, &self.intervals, plane);
+            self.merged.spread(unit, &self.slabs, plane << geometry.level);
             let slabs = geometry.slabs(plane, self.slabs.depth);
             match self.slabs.channels {
                 1 => dispatch_wide!(unit, simd => self.gather::<_, 1>(simd, input, plane, slabs)),

@@ -22,7 +22,7 @@ pub struct Orientation {
 pub struct BorderLight {
     depth: usize,
     rows: usize,
-    /// Border cells along the first row and along the last, slab by slab, and along the far end, row by row.
+    /// Border cells of each point along the first row and along the last, slab by slab, and along the far end, row by row.
     cells: [Vec<usize>; 3],
     levels: Vec<LevelLight>,
 }
@@ -37,23 +37,29 @@ struct LevelLight {
 }
 
 impl BorderLight {
-    /// Reads the inflow of a grid, whose cones of each level, by number, stand for these angles.
+    /// Reads the inflow of a grid of `depth` × `rows` points `spacing` px apart, whose cones of each level, by number, stand for these angles.
     pub fn read<'a>(
         &mut self,
         inflow: &Inflow,
         orientation: Orientation,
-        [depth, rows]: [usize; 2],
+        [depth, rows, spacing]: [usize; 3],
         levels: impl ExactSizeIterator<Item = (u32, &'a [f32])>,
     ) {
         (self.depth, self.rows) = (depth, rows);
-        let cell = |place| inflow.nearest_cell(orientation.on_grid(depth, place));
+        let cell = |place| {
+            let place = orientation.on_grid(depth, place);
+            inflow.nearest_cell(place.map(|v| v * spacing as f32))
+        };
+        // The middle of each cell, in points.
+        let middles =
+            |count: usize| (0..count * spacing).map(|i| (i as f32 + 0.5) / spacing as f32);
         for (cells, row) in self.cells.iter_mut().zip([0.0, rows as f32]) {
             cells.clear();
-            cells.extend((0..depth).map(|slab| cell([slab as f32 + 0.5, row])));
+            cells.extend(middles(depth).map(|slab| cell([slab, row])));
         }
         let [first, last, end] = &mut self.cells;
         end.clear();
-        end.extend((0..rows).map(|row| cell([depth as f32, row as f32 + 0.5])));
+        end.extend(middles(rows).map(|row| cell([depth as f32, row])));
         self.levels.resize_with(levels.len(), LevelLight::default);
         for (held, (level, angles)) in self.levels.iter_mut().zip(levels) {
             // Those beyond the quadrant look along its edge.
@@ -69,8 +75,14 @@ impl BorderLight {
                     on_grid(orientation.along_x, orientation.reversed, edges(level, inside(cone)));
                 weights.set(inflow.columns(), from, to);
                 let side = if *slope > 0.0 { &*last } else { &*first };
-                for (light, &cell) in light.iter_mut().zip(side.iter().chain(&*end)) {
-                    *light = weights.mean(inflow.strip(cell)).map(|v| v * angles[cone]);
+                let points = side.chunks(spacing).chain(end.chunks(spacing));
+                for (light, cells) in light.iter_mut().zip(points) {
+                    let angle = angles[cone] / spacing as f32;
+                    *light = [0.0; 3];
+                    for &cell in cells {
+                        let mean = weights.mean(inflow.strip(cell));
+                        *light = std::array::from_fn(|c| light[c] + angle * mean[c]);
+                    }
                 }
             });
         }

@@ -4,7 +4,7 @@ use super::Holographic;
 use super::extend::IntervalLevels;
 use super::faces;
 use super::interval::{PAD, unpack_one, words};
-use super::lattice::{levels, planes, rays};
+use super::lattice::{GatherGeometry, levels, planes, points, rays};
 use super::slabs::{Axis, Slabs};
 use crate::{Cells, Display, Rgb, settings};
 use image::RgbImage;
@@ -19,7 +19,9 @@ impl Holographic {
         cells: &Cells,
         settings: &settings::Holographic,
     ) -> [u32; 2] {
-        let (depth, first) = (cells.width() as usize, settings.gather_level);
+        let geometry = GatherGeometry::new(settings);
+        let first = geometry.first();
+        let depth = points(cells.width() as usize, geometry.spacing_level);
         // The planes at the very edge are not made: nothing gathers from them.
         let end = (first..levels(depth, first)).find(|&level| planes(depth, level) < 2);
         [first, end.unwrap_or(levels(depth, first))]
@@ -35,16 +37,19 @@ impl Holographic {
         display: &Display,
     ) -> RgbImage {
         let (mut slabs, mut intervals) = (Slabs::default(), IntervalLevels::default());
-        slabs.read(cells, Axis::X, (2 << settings.gather_level).max(faces::REACH), None);
-        intervals.prepare(&slabs, settings.gather_level);
+        let geometry = GatherGeometry::new(settings);
+        let (first, spacing) = (geometry.first(), 1 << geometry.spacing_level);
+        slabs.read(cells, Axis::X, [geometry.max_length().max(faces::REACH), spacing], None);
+        intervals.prepare(&slabs, geometry);
         intervals.prepare_bundles(&slabs, settings.bundle_rays);
-        let (band, height) = (rays(level) + 1, cells.height() as usize);
-        let width = band * (planes(slabs.depth, level) - 1);
+        let [depth, height] =
+            [slabs.depth, slabs.rows].map(|side| points(side, geometry.spacing_level));
+        let band = rays(level) + 1;
+        let width = band * (planes(depth, level) - 1);
         let mut light: Vec<Rgb> = vec![[0.0; 3]; width * height];
-        for plane in (1..planes(slabs.depth, settings.gather_level)).rev() {
+        for plane in (1..planes(depth, first)).rev() {
             intervals.make(self.level, &slabs, plane);
-            let (above, below) =
-                (plane >> (level - settings.gather_level), level - settings.gather_level);
+            let (above, below) = (plane >> (level - first), level - first);
             if plane != above << below {
                 continue;
             }

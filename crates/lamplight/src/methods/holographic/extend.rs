@@ -19,10 +19,12 @@
 //! them: N² log N intervals.)
 
 use super::interval::{LANES, PAD, RowIntervals, empty, words};
-use super::lattice::{BENT, bundle, levels, planes, rays};
+use super::lattice::{BENT, GatherGeometry, bundle, levels, planes, points, rays};
 use super::prefilter::Prefilter;
 use super::slabs::Slabs;
-use super::trace::{BundleRays, BundleSet, CellBits, TILE, TracedPlane, bit, mask, trace_tile};
+use super::trace::{
+    BundleRays, BundleSet, CellBits, PointPairs, TILE, TracedPlane, bit, mask, trace_tile,
+};
 use crate::simd::dispatch_wide;
 use fearless_simd::{Level, prelude::*};
 
@@ -40,13 +42,16 @@ pub struct IntervalLevels {
     /// The level that is traced, and the first that is not made.
     pub first: u32,
     pub end: u32,
+    /// Points of the lattice lie `2^spacing_level` px apart, along both axes.
+    spacing_level: u32,
+    /// In points of the lattice.
     extent: Extent,
     /// From one word to the next in a row of intervals.
     pub stride: usize,
     /// The bundles of the first level, for slabs in order and in reverse; level, width and stride that
     /// they were made for.
     bundles: [BundleSet; 2],
-    bundles_for: (u32, u32, isize),
+    bundles_for: ([u32; 2], u32, isize),
     /// The cells that the bundles of a tile cross.
     cells: Vec<CellBits>,
     prefilter: Prefilter,
@@ -56,22 +61,28 @@ pub struct IntervalLevels {
 }
 
 impl IntervalLevels {
-    /// Allocates the intervals of a grid from level `first` on.
-    pub fn prepare(&mut self, slabs: &Slabs, first: u32) {
-        let end = levels(slabs.depth, first);
-        let extent = Extent { depth: slabs.depth, rows: slabs.rows, channels: slabs.channels };
-        if (self.first, self.end, self.extent) == (first, end, extent) {
+    /// Allocates the intervals of a grid, from the level whose planes pixels gather from.
+    pub fn prepare(&mut self, slabs: &Slabs, geometry: GatherGeometry) {
+        let GatherGeometry { spacing_level, .. } = geometry;
+        let first = geometry.first();
+        let [depth, rows] = [slabs.depth, slabs.rows].map(|side| points(side, spacing_level));
+        let end = levels(depth, first);
+        let extent = Extent { depth, rows, channels: slabs.channels };
+        if (self.first, self.end, self.spacing_level, self.extent)
+            == (first, end, spacing_level, extent)
+        {
             return;
         }
-        (self.first, self.end, self.extent) = (first, end, extent);
-        self.stride = slabs.rows.next_multiple_of(LANES) + 2 * PAD;
+        (self.first, self.end, self.spacing_level, self.extent) =
+            (first, end, spacing_level, extent);
+        self.stride = rows.next_multiple_of(LANES) + 2 * PAD;
         let count = (end - first) as usize;
         self.odd.resize_with(count, Vec::new);
         self.even.resize_with(count, Vec::new);
         let (stride, empty) = (self.stride, empty(extent.channels));
         for level in first..end {
             let (size, at) = (self.plane_size(level), (level - first) as usize);
-            let planes = planes(slabs.depth, level);
+            let planes = planes(depth, level);
             fill(&mut self.odd[at], if planes > 1 { size } else { 0 }, stride, empty);
             fill(&mut self.even[at], if planes > 2 { size } else { 0 }, stride, empty);
         }
@@ -110,12 +121,14 @@ impl IntervalLevels {
 
     /// Prepares the bundles, each of `width` rays, for both orders of the slabs.
     pub fn prepare_bundles(&mut self, slabs: &Slabs, width: u32) {
-        let (level, stride) = (self.first, slabs.stride as isize);
+        let (level, stride) = ([self.first, self.spacing_level], slabs.stride as isize);
         if self.bundles_for != (level, width, stride) {
             self.bundles_for = (level, width, stride);
+            // Two rows of cells share a point, and the rays of its bundles.
+            let width = width.div_ceil(1 << self.spacing_level);
             let rays_of =
                 |ray| BundleRays { footprints: bundle(level, ray, width), others: Vec::new() };
-            let bundles: Vec<_> = (0..rays(level)).map(rays_of).collect();
+            let bundles: Vec<_> = (0..rays(self.first)).map(rays_of).collect();
             self.bundles = [stride, -stride].map(|stride| BundleSet::new(&bundles, stride));
             self.cells.resize(self.bundles[0].cells.len(), CellBits::default());
         }
@@ -135,17 +148,20 @@ impl IntervalLevels {
         let made = if plane.is_multiple_of(2) { &mut self.even[0] } else { &mut self.odd[0] };
         let set = &self.bundles[slabs.reversed as usize];
         let ray_size = words(K) * self.stride;
-        let slab = plane << self.first;
+        let (spacing_level, rows) = (self.spacing_level, self.extent.rows);
+        let slab = plane << (self.first + spacing_level);
         let prefilter = &mut self.prefilter;
-        prefilter.begin(slabs.rows, rays(self.first));
+        prefilter.begin(rows, rays(self.first));
         for row in (0..slabs.rows).step_by(TILE) {
-            let small = prefilter.small_sources(row / TILE);
-            let to = TracedPlane { intervals: &mut *made, stride: self.stride, small };
+            let small = prefilter.small_sources(row / (TILE << spacing_level));
+            let pairs =
+                (spacing_level > 0).then(|| PointPairs::new(slabs, [slab, row], self.first));
+            let to = TracedPlane { intervals: &mut *made, stride: self.stride, small, pairs };
             trace_tile::<S, K>(simd, slabs, [slab, row], set, &mut self.cells, to);
         }
-        prefilter.filter::<S, K>(simd, slabs, slab, made, self.stride);
+        prefilter.filter::<S, K>(simd, slabs, [slab, spacing_level as usize], made, self.stride);
         for to in made.chunks_exact_mut(ray_size) {
-            empty_tail::<K>(to, self.stride, slabs.rows);
+            empty_tail::<K>(to, self.stride, rows);
         }
         let (mut level, mut plane) = (self.first, plane);
         while plane.is_multiple_of(2) {
@@ -341,7 +357,7 @@ mod tests {
             };
             matter.emission != [0.0; 3] && alone && is_thin([1, 0]) && is_thin([0, 1])
         };
-        bundle(1, ray as usize, WIDTH)
+        bundle([1, 0], ray as usize, WIDTH)
             .iter()
             .flatten()
             .any(|crossing| small([x + crossing.slab as i64, y + crossing.row as i64]))
@@ -409,10 +425,10 @@ mod tests {
     /// planes from level 1 to 4 and some rays of level 5.
     fn worst<const K: usize>(cells: &Cells, compared: &Cells) -> f64 {
         let mut slabs = Slabs::default();
-        slabs.read(cells, Axis::X, 4, None);
+        slabs.read(cells, Axis::X, [4, 1], None);
         assert_eq!(slabs.channels, K);
         let mut levels = IntervalLevels::default();
-        levels.prepare(&slabs, 1);
+        levels.prepare(&slabs, GatherGeometry { level: 1, ..GatherGeometry::default() });
         levels.prepare_bundles(&slabs, WIDTH);
         let mut worst = 0.0f64;
         for first in (1..planes(37, 1)).rev() {

@@ -155,7 +155,7 @@ impl FinalGather {
             });
             let cells = self.tables.iter().flatten().map(|table| table.bundles.cells.len());
             self.cells.resize(cells.max().unwrap_or(0), CellBits::default());
-            self.sums.resize(cones(geometry.level + 1), [[0.0; TILE]; 3]);
+            self.sums.resize(cones(geometry.first() + 1), [[0.0; TILE]; 3]);
         }
     }
 

@@ -17,7 +17,12 @@ use std::ops::{ControlFlow, Range};
 /// corner of cells would have to choose a side.
 pub(super) const BUNDLE_WIDTH: f64 = 0.999;
 
-/// Returns the number of planes of a level in a grid `depth` slabs deep.
+/// Returns the number of points of the lattice along a side of the grid, if they lie `2^spacing_level` px apart.
+pub fn points(side: usize, spacing_level: u32) -> usize {
+    side.div_ceil(1 << spacing_level)
+}
+
+/// Returns the number of planes of a level in a lattice `depth` points deep.
 pub fn planes(depth: usize, level: u32) -> usize {
     depth.div_ceil(1 << level)
 }
@@ -148,19 +153,24 @@ pub fn footprint(slabs: usize, slope: f64, offset: f64) -> Vec<Crossing> {
 }
 
 /// Returns the footprints of a bundle: ray `ray` of a level as `width` parallel rays, spread over the
-/// px across it.
-pub fn bundle(level: u32, ray: usize, width: u32) -> Vec<Vec<Crossing>> {
-    let length = 1usize << level;
-    let slope = ray as f64 / length as f64 - 1.0;
+/// px across it, if points of the lattice lie `2^spacing_level` px apart.
+pub fn bundle([level, spacing_level]: [u32; 2], ray: usize, width: u32) -> Vec<Vec<Crossing>> {
+    let length = 1usize << (level + spacing_level);
+    let slope = ray as f64 / f64::from(1u32 << level) - 1.0;
     let across = |i: u32| BUNDLE_WIDTH * ((f64::from(i) + 0.5) / f64::from(width) - 0.5);
     (0..width).map(|i| footprint(length, slope, across(i))).collect()
 }
+
+/// The most rows that rays of the final gather rise by: masks of footprints have room for one more to either side.
+const MAX_RISE: usize = 30;
 
 /// The geometry of the final gather.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GatherGeometry {
     /// Planes that pixels gather from lie `2^level` px apart.
     pub level: u32,
+    /// Points of the lattice lie `2^spacing_level` px apart.
+    pub spacing_level: u32,
     /// The minimum distance from a pixel to its plane, px; the maximum is `2^level − 1` more.
     pub min_length: usize,
     /// Rays per cone where something in it emits light.
@@ -170,8 +180,18 @@ pub struct GatherGeometry {
 impl GatherGeometry {
     /// Returns the geometry that settings ask for.
     pub fn new(settings: &settings::Holographic) -> Self {
-        let min_length = settings.gather_length.min(1 << settings.gather_level) as usize;
-        Self { level: settings.gather_level, min_length, rays: settings.gather_rays }
+        let level = settings.gather_level;
+        let spacing_level = settings.lattice_spacing.ilog2();
+        // Of fewer cones, which are wider, the outermost rise by more rows than they are long.
+        let longest = MAX_RISE - spacing_level as usize;
+        let most = (1 << level).min(longest + 1 - (1 << level));
+        let min_length = most.min(settings.gather_length as usize);
+        Self { level, spacing_level, min_length, rays: settings.gather_rays }
+    }
+
+    /// Returns the level of the lattice whose planes pixels gather from: its first.
+    pub fn first(&self) -> u32 {
+        self.level - self.spacing_level
     }
 
     /// Returns the maximum distance from a pixel to its plane, px.
@@ -192,7 +212,7 @@ impl GatherGeometry {
 
     /// Returns the cones through which pixels gather from a plane `distance` slabs ahead.
     pub fn cones(&self, distance: usize) -> Vec<ConeRays> {
-        let fine = self.level + 1;
+        let fine = self.first() + 1;
         let angles = angles(fine);
         let cone = |number: usize| {
             let [from, to] = [number, number + 1].map(|cone| slope(fine, cone).atan());

@@ -34,8 +34,12 @@
 
 use super::border::{BorderLight, Orientation};
 use super::extend::IntervalLevels;
+use super::fine_rows::FineRows;
 use super::interval::{LANES, PAD, RowIntervals, words};
-use super::lattice::{BEYOND, angles, cones, cones_of_halves, edges, halves, planes};
+use super::lattice::{
+    BEYOND, GatherGeometry, angles, cones, cones_of_halves, edges, halves, planes, points,
+};
+use super::slabs::Slabs;
 use super::trace::{TILE, TileLight, VECTORS, any_in_vector, mask};
 use crate::simd::dispatch_wide;
 use crate::{Inflow, Rgb};
@@ -85,8 +89,10 @@ impl PlaneLight {
 /// The light of the planes that are held, one per level.
 #[derive(Debug, Default)]
 pub struct MergedLight {
+    /// Points of the lattice along both sides, and the distance between them, as a power of two px.
     depth: usize,
     rows: usize,
+    spacing_level: u32,
     first: u32,
     /// Rows of sky before and after those of the grid.
     pad: usize,
@@ -103,6 +109,8 @@ pub struct MergedLight {
     channel: Vec<f64>,
     /// The light of three consecutive cones, in turns.
     latest: [Vec<f32>; 3],
+    /// That of the plane that pixels gather from at the rows of cells, if points lie farther apart.
+    fine: FineRows,
 }
 
 /// The light of a cone at the rows of a plane.
@@ -206,14 +214,18 @@ impl ConeLight<'_> {
 }
 
 impl MergedLight {
-    /// Allocates the light of a grid, for rays of the final gather that rise by up to `reach` rows.
-    pub fn prepare(&mut self, depth: usize, rows: usize, intervals: &IntervalLevels, reach: usize) {
-        let pad = TILE + (reach + 1).next_multiple_of(LANES);
-        let now = (depth, rows, intervals.first, pad);
-        if now == (self.depth, self.rows, self.first, self.pad) {
+    /// Allocates the light of a grid.
+    pub fn prepare(&mut self, slabs: &Slabs, intervals: &IntervalLevels, geometry: GatherGeometry) {
+        let GatherGeometry { spacing_level, .. } = geometry;
+        // Rays of the final gather rise by no more rows than their length.
+        let pad = TILE + (geometry.max_length() + 1).next_multiple_of(LANES);
+        let [depth, rows] = [slabs.depth, slabs.rows].map(|side| points(side, spacing_level));
+        self.fine.prepare(slabs.rows, pad);
+        let now = (depth, rows, spacing_level, intervals.first, pad);
+        if now == (self.depth, self.rows, self.spacing_level, self.first, self.pad) {
             return;
         }
-        (self.depth, self.rows, self.first, self.pad) = now;
+        (self.depth, self.rows, self.spacing_level, self.first, self.pad) = now;
         self.stride = rows.next_multiple_of(LANES) + 2 * pad;
         for latest in &mut self.latest {
             *latest = vec![0.0; 3 * self.stride];
@@ -246,13 +258,13 @@ impl MergedLight {
     /// Starts at the far end of a grid with inflow.
     pub fn begin_with_inflow(&mut self, inflow: &Inflow, orientation: Orientation) {
         self.hold_rows(true);
-        let Self { levels, border, first, depth, rows, .. } = self;
+        let Self { levels, border, first, depth, rows, spacing_level, .. } = self;
         let cones = levels.iter().enumerate().map(|(at, level)| {
             let level_of_cones = (*first + at as u32).max(*first + 1);
             (level_of_cones, &level.angles[..])
         });
         let border = border.get_or_insert_default();
-        border.read(inflow, orientation, [*depth, *rows], cones);
+        border.read(inflow, orientation, [*depth, *rows, 1 << *spacing_level], cones);
         for level in levels {
             level.plane = None;
         }
@@ -322,7 +334,21 @@ impl MergedLight {
     /// last.
     #[inline(always)]
     pub fn cone(&self, cone: usize) -> ConeLight<'_> {
-        self.levels[self.shown].cone(cone, self.stride)
+        let shown = &self.levels[self.shown];
+        if self.spacing_level > 0 && shown.plane.is_some() {
+            ConeLight::Rows(self.fine.cone(cone))
+        } else {
+            shown.cone(cone, self.stride)
+        }
+    }
+
+    /// Finds the light of the plane in a slab that [`Self::merge_down`] made last at the rows of cells.
+    pub fn spread(&mut self, unit: Level, slabs: &Slabs, slab: usize) {
+        let shown = &self.levels[self.shown];
+        if self.spacing_level > 0 && shown.plane.is_some() {
+            let Self { fine, stride, pad, .. } = self;
+            dispatch_wide!(unit, simd => fine.read(simd, slabs, slab, &shown.rows, [*stride, *pad]));
+        }
     }
 
     /// Makes the light of the first level at a plane whose intervals were just made. Planes come in

@@ -16,6 +16,9 @@
 //! overlap, which removes bricks; planes of even index taken over exactly; and the final gather, which
 //! removes the stars around small lights. The error for lights of 1 to 6 px is 2.7 % instead of 14 %.
 //!
+//! With `lattice_spacing = 2` planes and their points lie twice as far apart. Rays cross the cells all the same, and
+//! between the points of a plane pixels read the same curve ([`fine_rows`]), so no wall lets light through.
+//!
 //! A bounce solves the quadrants for the surfaces only, with the radiance that they reflected the time
 //! before. With feedback the quadrants are solved once, with the radiance that surfaces reflected in the
 //! frame before.
@@ -37,6 +40,7 @@ mod border;
 mod debug_view;
 mod extend;
 mod faces;
+mod fine_rows;
 mod gather;
 mod interval;
 pub mod lattice;
@@ -298,7 +302,7 @@ mod tests {
     #[test]
     fn every_vector_unit_gives_the_same_light() {
         let cells = cells().drawn().into_owned();
-        for preset in ["default", "fast", "quality"] {
+        for preset in ["default", "fast", "quality", "draft"] {
             let settings = settings::Holographic::preset(preset).unwrap();
             agree(ROUNDING, |level| {
                 let mut light = Light::default();

@@ -11,7 +11,7 @@
 //! room, so nothing leaks. Larger sources are resolved without the filter, which would blur their edges.
 
 use super::interval::{LANES, PAD, RowIntervals, words};
-use super::slabs::{MATTER, MEDIUM, Slabs};
+use super::slabs::{Slabs, is_open};
 use super::trace::{TILE, mask};
 use fearless_simd::{f32x16, prelude::*};
 
@@ -47,35 +47,36 @@ impl Prefilter {
     }
 
     /// Filters the intervals of the plane that lies in a slab, of which one word follows another at `stride`.
+    /// Points of the lattice lie `2^spacing_level` px apart.
     #[inline(always)]
     pub fn filter<S: Simd, const K: usize>(
         &mut self,
         simd: S,
         slabs: &Slabs,
-        slab: usize,
+        [slab, spacing_level]: [usize; 2],
         plane: &mut [u32],
         stride: usize,
     ) {
         if self.small.iter().all(|&small| small == 0) {
             return;
         }
-        self.find_open_pairs(&slabs.classes[slabs.start(slab)..][..slabs.rows]);
+        let cells = &slabs.classes[slabs.start(slab)..][..slabs.rows];
+        self.find_open_pairs(cells, 1 << spacing_level);
         for (ray, intervals) in plane.chunks_exact_mut(words(K) * stride).enumerate() {
             self.spread::<S, K>(simd, ray, intervals, stride);
         }
     }
 
-    /// Finds the pairs of rows that are both open, from the classes of their cells.
-    fn find_open_pairs(&mut self, cells: &[u8]) {
-        let is_open = |class: &u8| class & (MATTER | MEDIUM) != MATTER;
-        let bits = |cells: &[u8]| {
-            let each = cells.iter().enumerate();
-            each.fold(0, |bits, (row, class)| bits | u64::from(is_open(class)) << row)
-        };
+    /// Finds the pairs of rows of the lattice that are both open where they touch, from the classes of cells.
+    fn find_open_pairs(&mut self, cells: &[u8], spacing: usize) {
+        let is_open = |row: usize| cells.get(row).is_some_and(|&class| is_open(class));
         self.open_pairs.clear();
-        self.open_pairs.extend(cells.chunks(TILE).map(bits));
-        for tile in 0..self.open_pairs.len() {
-            self.open_pairs[tile] &= from_next(&self.open_pairs, tile);
+        for tile in 0..self.small.len() / self.rays {
+            let bits = (0..TILE).fold(0, |bits, row| {
+                let after = (tile * TILE + row + 1) * spacing;
+                bits | u64::from(is_open(after - 1) && is_open(after)) << row
+            });
+            self.open_pairs.push(bits);
         }
     }
 

@@ -25,8 +25,9 @@ pub const MEDIUM: u8 = 2;
 /// Bit of `Slabs::classes`: the cell emits, reflects or scatters light.
 pub const EMISSIVE: u8 = 4;
 
-/// Bit of `Slabs::classes`: light may come from a source at most two cells wide and high. The cell is [`EMISSIVE`],
-/// along both axes at most one more in a row with it is, and none of the eight cells around it is solid.
+/// Bit of `Slabs::classes`: light may come from a source at most two cells wide and high, or six if points of the
+/// lattice lie 2 px apart. The cell is [`EMISSIVE`], along both axes at most so many in a row are, and none of the eight
+/// cells around it is solid.
 pub const SMALL: u8 = 8;
 
 /// Bit of `Slabs::classes`: the cell emits light of its own. What only reflects or scatters has no sharp bright edges,
@@ -80,9 +81,16 @@ pub struct Slabs {
 }
 
 impl Slabs {
-    /// Reads the grid along an axis, with empty slabs for rays of up to `beyond` px past its edges.
+    /// Reads the grid along an axis, with empty slabs for rays of up to `beyond` px past its edges, for a lattice
+    /// whose points lie `spacing` px apart.
     /// `surfaces` add the radiance that they reflect or scatter.
-    pub fn read(&mut self, cells: &Cells, axis: Axis, beyond: usize, surfaces: Option<&Surfaces>) {
+    pub fn read(
+        &mut self,
+        cells: &Cells,
+        axis: Axis,
+        [beyond, spacing]: [usize; 2],
+        surfaces: Option<&Surfaces>,
+    ) {
         let (w, h) = (cells.width() as usize, cells.height() as usize);
         (self.depth, self.rows) = match axis {
             Axis::X => (w, h),
@@ -137,12 +145,12 @@ impl Slabs {
         }
         for (&at, &i) in self.occupied.iter().zip(&matter) {
             let emits = |at: usize| self.classes.get(at).is_some_and(|class| class & EMISSIVE != 0);
-            // At most one more cell emits in a row with it.
-            let is_thin = |step: usize| match (emits(at.wrapping_sub(step)), emits(at + step)) {
-                (false, false) => true,
-                (true, true) => false,
-                (true, false) => !emits(at.wrapping_sub(2 * step)),
-                (false, true) => !emits(at + 2 * step),
+            // At most this many cells in a row emit.
+            let most = 4 * spacing - 2;
+            let is_thin = |step: usize| {
+                let before = (1..=most).take_while(|i| emits(at.wrapping_sub(i * step))).count();
+                let after = (1..=most).take_while(|i| emits(at + i * step)).count();
+                before + after < most
             };
             if emits(at) && is_thin(1) && is_thin(self.stride) && is_alone(cells, i as usize) {
                 self.classes[at] |= SMALL;
@@ -259,6 +267,12 @@ impl Slabs {
         };
         source + f32x16::from_slice(simd, &self.reflected[side][channel][at..at + LANES])
     }
+}
+
+/// Returns whether a cell of these classes is not solid.
+#[inline(always)]
+pub fn is_open(class: u8) -> bool {
+    class & (MATTER | MEDIUM) != MATTER
 }
 
 /// Returns whether none of the eight cells around this one is solid.

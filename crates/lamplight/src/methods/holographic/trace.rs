@@ -5,7 +5,7 @@
 
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::{Crossing, Face};
-use super::slabs::{EMISSIVE, MEDIUM, PRIMARY, SMALL, SOLID_EXTINCTION, Slabs};
+use super::slabs::{EMISSIVE, MEDIUM, PRIMARY, SMALL, SOLID_EXTINCTION, Slabs, is_open};
 use crate::math::transmittance::attenuation_lanes;
 use fearless_simd::{f32x16, mask32x16, prelude::*, u8x64};
 
@@ -130,6 +130,76 @@ struct StoredRay<'a> {
     words: &'a mut [u32],
     /// From one word of an interval to the next.
     stride: usize,
+    /// The rows of the tile that count, if two share a point.
+    pairs: Option<u64>,
+}
+
+/// The pairs of rows that share a point of a lattice with points 2 px apart. A bundle from such a point is the mean
+/// over those from the cells of the pair that are open. Where one segment of a path ends and the next one
+/// begins, light so moves between two open cells side by side, and crosses no wall, however thin.
+#[derive(Clone, Copy)]
+pub struct PointPairs {
+    /// Bit mask of the rows of the tile that are open and in the grid.
+    open: u64,
+    /// Rows from the first of the tile to the one beyond the grid that shares a point with the last, if there is one.
+    beyond: Option<isize>,
+    /// The level that is traced.
+    level: u32,
+}
+
+impl PointPairs {
+    /// Finds the pairs in 64 rows of a slab.
+    pub fn new(slabs: &Slabs, [slab, row]: [usize; 2], level: u32) -> Self {
+        let cells = &slabs.classes[slabs.start(slab) + row..][..TILE.min(slabs.rows - row)];
+        let each = cells.iter().enumerate();
+        let open = each.fold(0, |bits, (row, &class)| bits | u64::from(is_open(class)) << row);
+        let beyond = (slabs.rows % 2 == 1).then_some(slabs.rows as isize - row as isize);
+        Self { open, beyond, level }
+    }
+
+    /// Returns the bit mask of the rows from which light of a ray counts. One that ends beyond the grid, where
+    /// the next segment begins within, may have passed the end of a wall.
+    #[inline(always)]
+    fn rows(&self, ray: usize) -> u64 {
+        let rise = 2 * (ray as isize - (1 << self.level));
+        self.open & !self.beyond.map_or(0, |beyond| bit(beyond - rise))
+    }
+
+    /// Returns the mean over pairs of rows, 32 from `first` on.
+    #[inline(always)]
+    fn mean<S: Simd, const K: usize>(
+        simd: S,
+        [low, high]: [RowIntervals<S, K>; 2],
+        rows: u64,
+        first: usize,
+    ) -> RowIntervals<S, K> {
+        let bits = rows >> first;
+        let [one, other] = [even_bits(bits), even_bits(bits >> 1)];
+        let [zero, half, whole] = [0.0, 0.5, 1.0].map(|v| f32x16::splat(simd, v));
+        // Of neither row, the first: the second may lie beyond the grid.
+        let weight = mask(simd, one, 0).select(half, whole);
+        let weight = mask(simd, other, 0).select(weight, zero);
+        let mut mean = low;
+        for c in 0..3 {
+            let (one, other) = low.light[c].deinterleave(high.light[c]);
+            mean.light[c] = (other - one).mul_add(weight, one);
+        }
+        for k in 0..K {
+            let (one, other) = low.transmittance[k].deinterleave(high.transmittance[k]);
+            mean.transmittance[k] = (other - one).mul_add(weight, one);
+        }
+        mean
+    }
+}
+
+/// Returns the sixteen bits of even index among the lowest 32.
+#[inline(always)]
+fn even_bits(bits: u64) -> u64 {
+    let bits = bits & 0x5555_5555;
+    let bits = (bits | bits >> 1) & 0x3333_3333;
+    let bits = (bits | bits >> 2) & 0x0f0f_0f0f;
+    let bits = (bits | bits >> 4) & 0x00ff_00ff;
+    (bits | bits >> 8) & 0xffff
 }
 
 /// The output of tracing a tile.
@@ -138,8 +208,10 @@ pub struct TracedPlane<'a> {
     pub intervals: &'a mut [u32],
     /// From one word of an interval to the next.
     pub stride: usize,
-    /// A bit mask per bundle: the rows of the tile from which it may meet a small source.
+    /// A bit mask per bundle: the rows from which it may meet a small source, in tiles of points.
     pub small: &'a mut [u64],
+    /// None if each row of cells has a point of its own.
+    pub pairs: Option<PointPairs>,
 }
 
 /// Traces the bundles of a level from 64 rows of a slab. `cells` is scratch space for one entry per cell of the
@@ -153,7 +225,7 @@ pub fn trace_tile<S: Simd, const K: usize>(
     cells: &mut [CellBits],
     to: TracedPlane,
 ) {
-    let TracedPlane { intervals, stride, small } = to;
+    let TracedPlane { intervals, stride, small, pairs } = to;
     let start = slabs.start(slab) + row;
     let near = classes_at(simd, &slabs.classes, start, set.cells.iter().copied());
     if near.matter != 0 {
@@ -167,11 +239,18 @@ pub fn trace_tile<S: Simd, const K: usize>(
             (_, 0) => classes_of(tile.cells, &bundle.cells),
             _ => classes_at(simd, &slabs.classes, start, set.offsets(i)),
         };
-        small[i] = match near.small {
-            0 => 0,
-            _ => classes_at(simd, &slabs.classes, start, set.offsets(i)).small,
-        };
-        let to = StoredRay { words, stride };
+        if near.small != 0 {
+            let bits = classes_at(simd, &slabs.classes, start, set.offsets(i)).small;
+            small[i] |= match pairs {
+                None => bits,
+                Some(_) => {
+                    let either = bits | bits >> 1;
+                    let points = even_bits(either) | even_bits(either >> 32) << 16;
+                    points << (row / 2 % TILE)
+                }
+            };
+        }
+        let to = StoredRay { words, stride, pairs: pairs.map(|pairs| pairs.rows(i)) };
         trace_bundle::<S, K>(simd, slabs, tile, bundle, crossed, to);
     }
 }
@@ -205,7 +284,8 @@ fn trace_bundle<S: Simd, const K: usize>(
             }
         }
     }
-    for v in 0..VECTORS.min((slabs.rows - tile.row).div_ceil(LANES)) {
+    let mut before = RowIntervals::<S, K>::empty(simd);
+    for v in 0..VECTORS.min((slabs.rows - tile.row).next_multiple_of(2 * LANES) / LANES) {
         let first = v * LANES;
         let mut intervals = RowIntervals::<S, K>::empty(simd);
         if let Some(classes) = crossed.of_vector(first) {
@@ -228,7 +308,19 @@ fn trace_bundle<S: Simd, const K: usize>(
                 }
             }
         }
-        intervals.store(to.words, to.stride, PAD + tile.row + first);
+        match to.pairs {
+            None => {
+                if tile.row + first < slabs.rows {
+                    intervals.store(to.words, to.stride, PAD + tile.row + first);
+                }
+            }
+            Some(_) if v % 2 == 0 => before = intervals,
+            Some(rows) => {
+                let first = first - LANES;
+                let mean = PointPairs::mean(simd, [before, intervals], rows, first);
+                mean.store(to.words, to.stride, PAD + (tile.row + first) / 2);
+            }
+        }
     }
 }
 

@@ -251,6 +251,8 @@ impl Paper {
                 sweeps.extend((0..=axis.top()).map(|level| Sweep {
                     depth: axis.depth,
                     rows: axis.rows,
+                    cell_depth: axis.depth,
+                    cell_rows: axis.rows,
                     axis: axis.axis,
                     reversed,
                     level,

@@ -1,0 +1,63 @@
+// Light that enters a grid by place on its border and by direction (crates/lamplight/src/inflow.rs). Each border cell has
+// a strip of columns in `panorama`.
+
+#import shared/sky
+#import shared/uniforms
+
+// The mean light between two columns at a place along a side: 0 for the top, 1 for the right, 2 for the bottom, 3 for the
+// left.
+fn entering(side: u32, along: f32, columns: vec2f) -> vec3f {
+    return entering_between_points(side, along, 0u, columns);
+}
+
+// The same between points that lie 2^spacing_level px apart: `along` counts them, and each has the mean light of its cells.
+fn entering_between_points(side: u32, along: f32, spacing_level: u32, columns: vec2f) -> vec3f {
+    let points = ((frame.size[side & 1u] - 1u) >> spacing_level) + 1u;
+    let at = clamp(along - 0.5, 0.0, f32(points - 1u));
+    let before = min(u32(at), max(points, 2u) - 2u);
+    let past = at - f32(before);
+    let one = entering_at_point(side, before, spacing_level, columns);
+    if past == 0.0 {
+        return one;
+    }
+    return mix(one, entering_at_point(side, before + 1u, spacing_level, columns), past);
+}
+
+fn entering_at_point(side: u32, point: u32, spacing_level: u32, columns: vec2f) -> vec3f {
+    let odd = side & 1u;
+    let first = odd * frame.size.x + (side >> 1u) * (frame.size.x + frame.size.y);
+    let count = 1u << spacing_level;
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < count; i++) {
+        let cell = min(count * point + i, frame.size[odd] - 1u);
+        sum += mean_of_columns(first + cell, columns);
+    }
+    return sum / f32(count);
+}
+
+// The same at a place on the border, on the side that is nearest to it.
+fn entering_at(place: vec2f, columns: vec2f) -> vec3f {
+    let size = vec2f(frame.size);
+    let away = abs(vec4f(place.y, size.x - place.x, size.y - place.y, place.x));
+    var side = 0u;
+    for (var other = 1u; other < 4u; other++) {
+        side = select(side, other, away[other] < away[side]);
+    }
+    return entering(side, place[side & 1u], columns);
+}
+
+// Where a straight line that passes a point leaves the grid for good.
+fn exit(at: vec2f, direction: vec2f) -> vec2f {
+    let size = vec2f(frame.size);
+    let ends = select(vec2f(0.0), size, direction > vec2f(0.0));
+    let lengths = select((ends - at) / direction, vec2f(1e30), direction == vec2f(0.0));
+    return clamp(at + direction * min(lengths.x, lengths.y), vec2f(0.0), size);
+}
+
+// The light that enters along a ray, which leaves the grid and passes a point: that of the sky without INFLOW.
+fn entering_along(at: vec2f, direction: vec2f) -> vec3f {
+    if !INFLOW {
+        return sky(direction);
+    }
+    return entering_at(exit(at, direction), vec2f(sky_place(angle(direction))));
+}
