@@ -17,10 +17,13 @@ from distributed import Client, LocalCluster
 
 import lamplight2d as ll
 import lamplight2d.dask
+from lamplight2d._world import COLUMNS, HALO, prepare, tiles
 
-SIDE, TILE, LARGE_TILE, PART = 1536, 512, 1024, 512
-WORKERS = [1, 2, 4, 8]
+SIDE, LIT, TILE, PART = 4096, 2048, 512, 1024
+"""Of the world whose steps are measured, of the one that workers light, of small tiles, and of parts and large tiles, px."""
+WORKERS = [1, 2, 4]
 SOLVER = ll.Solver(threads=1)
+BOUNCES: int = SOLVER.settings["bounces"]
 MACHINES, CORES, LIMIT, GOAL = 100, 64, 65_536, 1_000_000
 """The cluster and the worlds of the last table: the library's largest, and the one to come."""
 
@@ -58,43 +61,49 @@ def most_memory() -> int:
     return 1024 * int(line.split()[1])
 
 
-def finished(empty: Any, parts: list[bytes]) -> tuple[Any, float, int]:
-    """The far field, the seconds that merging and bounces took, and the bytes that memory grew by; in a process of its own."""
+def merging(empty: Any, parts: list[bytes]) -> tuple[float, int]:
+    """The seconds that merging takes, and the bytes that memory grows by; in a process of its own."""
+    # What parts took on their way here is not counted.
+    pathlib.Path("/proc/self/clear_refs").write_text("5")
     before = most_memory()
-    far, seconds = timed(lambda: empty.finished(parts))
-    return far, seconds, most_memory() - before
+    _, seconds = timed(lambda: empty.finished(parts))
+    return seconds, most_memory() - before
 
 
-def costs() -> tuple[ll.World, dict[str, float]]:
+def costs() -> dict[str, float]:
     """The costs of each step, for the formulas."""
     found: dict[str, float] = {}
-    known = ll.World(world, shape=(SIDE, SIDE), solver=SOLVER)
-    empty = known._empty
+    _, empty = prepare(world, SOLVER, HALO, COLUMNS, (SIDE, SIDE), None, None, None)
     parts, times = [], []
     for part, window in empty.parts():
         cells = world(*window)
         read, seconds = timed(lambda: empty.read(part, cells))
         parts.append(read)
         times.append(seconds)
-    found["read"] = mean(times)
-    found["part"] = mean([len(part) for part in parts])
+    found |= {"read": mean(times), "part": mean([len(part) for part in parts])}
+    far = empty.finished(parts)
+    parts, times = [], []
+    for part, _ in empty.parts():
+        blocks, cells = far.blocks(part), world(*far.around_tile(part))
+        bounced, seconds = timed(lambda: empty.with_blocks(blocks).bounce(part, cells))
+        parts.append(bounced)
+        times.append(seconds)
+    found |= {"bounce": mean(times), "bounced": mean([len(part) for part in parts])}
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        far, seconds, memory = pool.apply(finished, (empty, parts))
-    found["finish"], found["memory"] = seconds / len(parts), memory / len(parts)
-    for tile in (TILE, LARGE_TILE):
+        seconds, memory = pool.apply(merging, (empty, parts))
+    found |= {"merge": seconds / len(parts), "memory": memory / len(parts)}
+    far = empty.finished(parts)
+    for tile in (TILE, PART):
         cut_times, sizes, times = [], [], []
-        for window in known.tiles(tile):
-            if window[2:] != (tile, tile):
-                continue
+        for window in tiles((SIDE, SIDE), tile):
             blocks, seconds = timed(lambda: far.blocks(window))
             cut_times.append(seconds)
             sizes.append(len(blocks))
             cells = world(*far.around_tile(window))
             times.append(timed(lambda: empty.with_blocks(blocks).light(window, cells))[1])
         found |= {f"cut {tile}": mean(cut_times), f"blocks {tile}": mean(sizes), f"light {tile}": mean(times)}
-    matter = world(0, 0, SIDE, SIDE).opacity
-    found["matter"] = float(matter.mean())
-    return known, found
+    found["matter"] = float(world(0, 0, LIT, LIT).opacity.mean())
+    return found
 
 
 def loop(known: ll.World) -> np.ndarray:
@@ -107,7 +116,7 @@ def loop(known: ll.World) -> np.ndarray:
 def on_workers(known: ll.World) -> list[list[str]]:
     """A row per number of workers: the tiles on them, after the same tiles in a bare loop."""
     rows = []
-    tiles = len(known.tiles(TILE))
+    number = len(known.tiles(TILE))
     for count in WORKERS:
         with (
             LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
@@ -115,7 +124,7 @@ def on_workers(known: ll.World) -> list[list[str]]:
         ):
             lit = ll.dask.light_world(known, tile=TILE)
             # The first one makes buffers and imports modules.
-            lit[: 2 * TILE].compute()
+            lit[:TILE].compute()
             start = time.perf_counter()
             expected, alone = timed(lambda: loop(known))
             clock_alone = time.perf_counter() - start
@@ -129,8 +138,8 @@ def on_workers(known: ll.World) -> list[list[str]]:
         more = 100 * (there / alone - 1)
         print(".", end="", flush=True)
         rows.append(
-            [str(count), f"{clock_alone:.1f} s", f"{clock:.1f} s", f"{alone / tiles:.2f} s", f"{there / tiles:.2f} s"]
-            + [f"{more:+.0f} %", f"{1000 * here / tiles:.0f} ms", size(memory)]
+            [str(count), f"{clock_alone:.1f} s", f"{clock:.1f} s", f"{alone / number:.2f} s", f"{there / number:.2f} s"]
+            + [f"{more:+.0f} %", f"{1000 * here / number:.0f} ms", size(memory)]
         )
     return rows
 
@@ -162,8 +171,9 @@ def levels(side: int) -> int:
     return 1 + math.ceil(math.log2(side / 4 / 24))
 
 
-RING = 260 * (96**2 - 48**2)
-"""The most bytes of a level that a tile receives: of a ring of 24 blocks around 48, all with matter."""
+RING = 810 * (96**2 - 48**2)
+"""The most bytes of a level that a tile receives: of a ring of 24 blocks around 48, all with matter. A block travels as
+its place and 160 colours of up to 5 bytes."""
 
 
 def extrapolated(found: dict[str, float]) -> list[list[str]]:
@@ -174,18 +184,21 @@ def extrapolated(found: dict[str, float]) -> list[list[str]]:
         rows.setdefault(name, [name]).append(text)
 
     for side in (LIMIT, GOAL):
-        parts, tiles, workers = side**2 / PART**2, side**2 / LARGE_TILE**2, MACHINES * CORES
-        cut = found[f"blocks {LARGE_TILE}"]
+        # Tiles are as large as parts, and receive as much as these for each bounce.
+        count, workers = side**2 / PART**2, MACHINES * CORES
+        cut = found[f"blocks {PART}"]
         blocks = cut + RING * (levels(side) - levels(SIDE))
-        add("parts of 512², tiles of 1024²", f"{parts:,.0f}, {tiles:,.0f}")
-        add("reading, all workers", duration(found["read"] * parts / workers))
-        add("parts to the one that merges", size(found["part"] * parts))
-        add("merging and bounces, on one core", duration(found["finish"] * parts))
-        add("memory of the far field, on one machine", size(found["memory"] * parts))
-        add("blocks to a tile, at most", size(blocks))
-        add("blocks to the tiles, in all", size(blocks * tiles))
-        add("cutting them out, on one core", duration(found[f"cut {LARGE_TILE}"] * blocks / cut * tiles))
-        add("tiles, all workers", duration(found[f"light {LARGE_TILE}"] * tiles / workers))
+        handed = (BOUNCES + 1) * count
+        add("parts, and tiles, of 1024²", f"{count:,.0f}")
+        add("reading, all workers", duration(found["read"] * count / workers))
+        add(f"{BOUNCES} bounces, all workers", duration(BOUNCES * found["bounce"] * count / workers))
+        add("tiles, all workers", duration(found[f"light {PART}"] * count / workers))
+        add("parts to the one that merges, in all", size((found["part"] + BOUNCES * found["bounced"]) * count))
+        add(f"merging {BOUNCES + 1} times, on one core", duration((BOUNCES + 1) * found["merge"] * count))
+        add("memory of two far fields, on one machine", size(2 * found["memory"] * count))
+        add("blocks to a part or a tile, at most", size(blocks))
+        add("blocks to all, with those for bounces", size(blocks * handed))
+        add("cutting them out, on one core", duration(found[f"cut {PART}"] * blocks / cut * handed))
         add("light, 12 bytes a cell", size(12 * side**2))
     return list(rows.values())
 
@@ -194,12 +207,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("page", type=pathlib.Path, nargs="?", help="the page whose tables are replaced")
     page = parser.parse_args().page
-    known, found = costs()
+    found = costs()
+    known = ll.World(world, shape=(LIT, LIT), solver=SOLVER)
+    part = f"a part of {PART}×{PART} cells"
     steps = [
-        ["reading a part of 512×512 cells", f"{found['read']:.2f} s", size(found["part"])],
-        ["merging and bounces, per part", f"{found['finish']:.3f} s", f"{size(found['memory'])} of memory"],
+        [f"reading {part}", f"{found['read']:.2f} s", size(found["part"])],
+        [f"finding a bounce of {part}", f"{found['bounce']:.2f} s", size(found["bounced"])],
+        ["merging a bounce, per part", f"{found['merge']:.3f} s", f"{size(found['memory'])} of memory"],
     ]
-    for tile in (TILE, LARGE_TILE):
+    for tile in (TILE, PART):
         steps += [
             [f"cutting out the blocks of a tile of {tile}×{tile}", f"{found[f'cut {tile}']:.4f} s"]
             + [size(found[f"blocks {tile}"])],
@@ -208,7 +224,7 @@ def main() -> None:
     head = ["workers", "loop, clock", "Dask, clock", "loop, per tile", "Dask, per tile", "more", "scheduler, per tile", "memory of a worker"]
     parts = {
         "steps": table(["step", "one core", "result"], steps)
-        + f"\n\n{100 * found['matter']:.0f} % of the cells are solid; holographic, two bounces, halo 64, 512 columns.",
+        + f"\n\n{100 * found['matter']:.0f} % of the cells are solid; holographic, {BOUNCES} bounces, halo 64, 512 columns.",
         "workers": table(head, on_workers(known)),
         "worlds": table(
             [f"{MACHINES} machines of {CORES} cores", f"{LIMIT}×{LIMIT}", "10⁶×10⁶"], extrapolated(found)

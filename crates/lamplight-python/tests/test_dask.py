@@ -131,18 +131,22 @@ def test_a_lost_worker_changes_no_reference(cluster, client):
 
 
 WORLD = {"solver": ll.Solver(threads=1, bounces=1), "halo": 16, "columns": 32}
-LAMPS = [{"position": [90.5, 40.5]}, {"position": [520.5, 200.5], "intensity": 40}]
+LAMPS = [{"position": [90.5, 40.5]}, {"position": [1054.5, 100.5], "intensity": 40}]
+
+
+SHAPE = (160, 1100)
+"""That of a world of two parts."""
 
 
 def world_arrays():
-    opacity = np.zeros((300, 560), np.float32)
-    opacity[40:200, 120:130] = opacity[150:160, 300:500] = 1
-    return {"opacity": opacity, "albedo": np.full((300, 560, 3), 0.5, np.float32)}
+    opacity = np.zeros(SHAPE, np.float32)
+    opacity[20:140, 120:130] = opacity[110:120, 300:500] = opacity[40:160, 1000:1010] = 1
+    return {"opacity": opacity, "albedo": np.full((*SHAPE, 3), 0.5, np.float32)}
 
 
 def world_window(*window):
     """A window of the world, as a function that workers import."""
-    return ll.Cells((300, 560), **world_arrays(), lamps=LAMPS).window(*window)
+    return ll.Cells(SHAPE, **world_arrays(), lamps=LAMPS).window(*window)
 
 
 def slow_world_window(*window):
@@ -150,19 +154,23 @@ def slow_world_window(*window):
     return world_window(*window)
 
 
-@pytest.fixture(scope="module")
-def world():
-    """The light of the world without Dask, in tiles of 128 px."""
-    world = ll.World(world_arrays(), lamps=LAMPS, **WORLD)
-    light = np.empty((300, 560, 3), np.float32)
+def all_light(world):
+    """The light of all tiles of 128 px, put together."""
+    light = np.empty((*world.shape, 3), np.float32)
     for y, x, height, width in world.tiles(128):
         light[y : y + height, x : x + width] = world.light(y, x, height, width).rgb
     return light
 
 
+@pytest.fixture(scope="module")
+def world():
+    """The light of the world without Dask."""
+    return all_light(ll.World(world_arrays(), lamps=LAMPS, **WORLD))
+
+
 def test_a_world_has_the_same_bytes_everywhere(cluster, client, world):
-    lit = ll.dask.light_world(world_window, tile=128, shape=(300, 560), **WORLD)
-    assert (lit.shape, lit.dtype, lit.numblocks) == (world.shape, np.float32, (3, 5, 1))
+    lit = ll.dask.light_world(world_window, tile=128, shape=SHAPE, **WORLD)
+    assert (lit.shape, lit.dtype, lit.numblocks) == (world.shape, np.float32, (2, 9, 1))
     for count in [1, 2, 4]:
         scale(cluster, client, count)
         np.testing.assert_array_equal(lit.compute(), world)
@@ -175,13 +183,26 @@ def test_a_world_has_the_same_bytes_everywhere(cluster, client, world):
     assert not np.array_equal(dark.compute(), world)
 
 
+@pytest.mark.parametrize("bounces", [0, 2, "converged"])
+def test_bounces_of_workers_have_the_bytes_of_one_machine(cluster, client, world, bounces):
+    """A fixed number is found by all workers, part by part, and an open one by one of them."""
+    scale(cluster, client, 2)
+    options = {**WORLD, "solver": ll.Solver(threads=1, bounces=bounces)}
+    expected = all_light(ll.World(world_window, shape=SHAPE, **options))
+    for source, shape in [(world_window, SHAPE), (world_window(0, 0, *SHAPE), None)]:
+        lit = ll.dask.light_world(source, tile=128, shape=shape, **options)
+        np.testing.assert_array_equal(lit.compute(), expected)
+    # Another number of bounces is other light.
+    assert not np.array_equal(expected, world)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
 def test_a_lost_worker_changes_no_tile(cluster, client, world):
     scale(cluster, client, 2)
     [*_, victim] = client.run(os.getpid).values()
     timer = threading.Timer(1.5, os.kill, [victim, signal.SIGKILL])
     timer.start()
-    lit = ll.dask.light_world(slow_world_window, tile=128, shape=(300, 560), **WORLD).compute()
+    lit = ll.dask.light_world(slow_world_window, tile=128, shape=SHAPE, **WORLD).compute()
     assert not timer.is_alive()
     np.testing.assert_array_equal(lit, world)
 
@@ -206,8 +227,7 @@ def test_a_scene_file_is_a_world(client):
     path = SCENES / "two_rooms.toml"
     lit = ll.dask.light_world(path, tile=128, halo=16, columns=32).compute()
     world = ll.World(path, halo=16, columns=32)
-    for y, x, height, width in world.tiles(128):
-        np.testing.assert_array_equal(lit[y : y + height, x : x + width], world.light(y, x, height, width).rgb)
+    np.testing.assert_array_equal(lit, all_light(world))
 
 
 def test_pictures_of_scenes_are_those_of_their_files(client):
@@ -265,16 +285,18 @@ def test_bad_worlds_are_refused_at_once():
         ({"halo": -1}, "`halo` is -1, but must be 0 or more"),
         ({"columns": 10_000}, "1 to 8192"),
         ({"solver": ll.Solver(method="flood")}, "flood"),
-        ({"shape": (300, 560)}, "shape is given; arrays have their own"),
+        ({"shape": SHAPE}, "shape is given; arrays have their own"),
     ]:
         with pytest.raises(ValueError, match=text):
             ll.dask.light_world(fields, **options)
-    with pytest.raises(ValueError, match=r"albedo has the shape \(4, 560, 3\); expected \(300, 560\) cells"):
+    with pytest.raises(ValueError, match=r"albedo has the shape \(4, 560, 3\); expected \(160, 1100\) cells"):
         ll.dask.light_world({**fields, "albedo": da.zeros((4, 560, 3))})
     with pytest.raises(ValueError, match="opaque is not a field"):
         ll.dask.light_world({"opaque": da.zeros((4, 560))})
     with pytest.raises(ValueError, match="shape is missing"):
         ll.dask.light_world(world_window)
+    with pytest.raises(ValueError, match=r"arrays of Dask, .* set the number, as in Solver\(bounces=2\)"):
+        ll.dask.light_world({"opacity": da.zeros((4, 6))}, solver=ll.Solver(bounces="converged"))
     with pytest.raises(ValueError, match="source is a World"):
         ll.dask.light_world(ll.World(ll.Cells((4, 6))), halo=5)
     with pytest.raises(TypeError, match="int; expected a Scene"):

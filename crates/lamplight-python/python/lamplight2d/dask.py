@@ -139,14 +139,16 @@ def light_world(
     # A task of its own, so that a worker receives it once.
     shared = dask.delayed(reader, traverse=False, pure=False)
 
-    of_dask = isinstance(reader, ArrayReader) and any(map(dask.is_dask_collection, reader.arrays.values()))
+    of_dask = None
+    if isinstance(reader, ArrayReader) and any(map(dask.is_dask_collection, reader.arrays.values())):
+        of_dask = reader
     cut = dask.delayed(FarWorld.blocks, pure=False)
 
     def cells(window: Window) -> tuple[Any, ...]:
         """What a task calls for the cells of a window."""
-        if of_dask:
+        if of_dask is not None:
             # Sliced here, so that a task depends only on the chunks that it needs.
-            return cells_of, reader.lamps, window, reader.slices(*window)
+            return cells_of, of_dask.lamps, window, of_dask.slices(*window)
         return shared, *window
 
     if far is None:
@@ -162,7 +164,7 @@ def light_world(
                 ]
                 far = finish(far, parts)
         else:
-            if of_dask:
+            if of_dask is not None:
                 raise ValueError(
                     "source has arrays of Dask, and the number of bounces is open; "
                     'set the number, as in Solver(bounces=2), or use arrays of "zarr"'

@@ -146,7 +146,6 @@ fn a_gradient_as_a_panorama_is_the_gradient() {
 #[test]
 fn a_turned_sky_over_a_turned_grid_gives_turned_light() {
     let random = &mut fresh();
-    let cells = walls(37, 37);
     let panorama = random_panorama(random, 33);
     let quarter = panorama.turn() + std::f32::consts::FRAC_PI_2;
     for (name, settings) in variants() {
@@ -154,13 +153,16 @@ fn a_turned_sky_over_a_turned_grid_gives_turned_light() {
         if name.starts_with("raymarch") || name.starts_with("flood") {
             continue;
         }
+        // A lattice of pairs of rows turns on a grid of pairs only.
+        let side = if name.contains("draft") { 38 } else { 37 };
+        let cells = walls(side, side);
         let light = solve(&settings, &cells, panorama.clone());
         let both = solve(&settings, &turned(&cells), panorama.clone().turned(quarter));
         let back = |light: &Light| {
             let mut off = 0.0f32;
-            for y in 0..37 {
-                for x in 0..37 {
-                    let [a, b] = [both.at(36 - y, x), light.at(x, y)];
+            for y in 0..side {
+                for x in 0..side {
+                    let [a, b] = [both.at(side - 1 - y, x), light.at(x, y)];
                     off = (0..3).map(|c| (a[c] - b[c]).abs()).fold(off, f32::max);
                 }
             }
