@@ -1,7 +1,8 @@
 //! The shaders: WGSL files that import one another, and their expansion to plain WGSL.
 //!
 //! A line `#import shared/uniforms` in a file stands for the file `shaders/shared/uniforms.wgsl`. Each file is
-//! included once, after the files that it imports.
+//! included once, after the files that it imports. Comments are left out when this is compiled, because a web page has to
+//! be small; their lines stay, so that errors name the right ones.
 
 use crate::inflow::STRIPS;
 use crate::programs;
@@ -9,8 +10,59 @@ use lamplight::srgb;
 
 macro_rules! files {
     ($($path:literal)*) => {
-        &[$(($path, include_str!(concat!("../shaders/", $path, ".wgsl")))),*]
+        &[$(($path, {
+            const TEXT: &[u8] = include_str!(concat!("../shaders/", $path, ".wgsl")).as_bytes();
+            const CODE: &[u8; code_length(TEXT)] = &code(TEXT);
+            match std::str::from_utf8(CODE) {
+                Ok(code) => code,
+                Err(_) => panic!("a shader is no UTF-8"),
+            }
+        })),*]
     };
+}
+
+/// Returns whether a comment begins at a place of a text, with nothing but spaces before it in its line.
+const fn is_comment(text: &[u8], at: usize) -> bool {
+    let mut before = at;
+    while before > 0 && text[before - 1] == b' ' {
+        before -= 1;
+    }
+    let starts = text[at] == b'/' && at + 1 < text.len() && text[at + 1] == b'/';
+    starts && (before == 0 || text[before - 1] == b'\n')
+}
+
+/// Returns the length of [`code`].
+const fn code_length(text: &[u8]) -> usize {
+    let (mut at, mut length) = (0, 0);
+    while at < text.len() {
+        if is_comment(text, at) {
+            while at < text.len() && text[at] != b'\n' {
+                at += 1;
+            }
+        } else {
+            at += 1;
+            length += 1;
+        }
+    }
+    length
+}
+
+/// Returns a text without the comments that have lines of their own.
+const fn code<const LENGTH: usize>(text: &[u8]) -> [u8; LENGTH] {
+    let mut code = [0; LENGTH];
+    let (mut at, mut length) = (0, 0);
+    while at < text.len() {
+        if is_comment(text, at) {
+            while at < text.len() && text[at] != b'\n' {
+                at += 1;
+            }
+        } else {
+            code[length] = text[at];
+            at += 1;
+            length += 1;
+        }
+    }
+    code
 }
 
 /// All files by path, without `.wgsl`.
@@ -213,6 +265,14 @@ mod tests {
     use crate::stages::sight::Sight;
     use crate::uniforms::FrameUniforms;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    #[test]
+    fn comments_are_left_out_and_their_lines_stay() {
+        const TEXT: &[u8] = b"// One.\nfn f() {\n    // Two.\n    return 4 / 2; // Three.\n}\n//";
+        const CODE: &[u8] = &code::<{ code_length(TEXT) }>(TEXT);
+        let expected = b"\nfn f() {\n    \n    return 4 / 2; // Three.\n}\n";
+        assert_eq!(std::str::from_utf8(CODE), std::str::from_utf8(expected));
+    }
 
     #[test]
     fn every_file_of_the_tree_is_listed() {
