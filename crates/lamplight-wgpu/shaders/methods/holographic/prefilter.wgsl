@@ -19,8 +19,8 @@ fn row_after(rows: vec2u) -> vec2u {
 
 // Bits of rows as those of both rows of their pair.
 fn either_of_pairs(rows: vec2u) -> vec2u {
-    let first = (rows | rows >> vec2u(1u)) & vec2u(0x55555555u);
-    return first | first << vec2u(1u);
+    let first = (rows | (rows >> vec2u(1u))) & vec2u(0x55555555u);
+    return first | (first << vec2u(1u));
 }
 
 // The light that a bundle gains from one of another row, by the words of their intervals that hold it.
