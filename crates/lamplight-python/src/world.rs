@@ -96,9 +96,7 @@ impl FarWorld {
         cells: &Cells,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let part = window(part)?;
-        let read = || self.world.read(part, cells.0.clone()).map(|part| packed(&part));
-        let read = self.solver.get().threads().run(py, read)?;
-        Ok(PyBytes::new(py, &read.map_err(value_error)??))
+        self.packed_part(py, || self.world.read(part, cells.0.clone()))
     }
 
     /// True if a finished one lacks a bounce.
@@ -115,9 +113,7 @@ impl FarWorld {
         cells: &Cells,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let part = window(part)?;
-        let bounce = || self.world.bounce(part, cells.0.clone()).map(|part| packed(&part));
-        let bounce = self.solver.get().threads().run(py, bounce)?;
-        Ok(PyBytes::new(py, &bounce.map_err(value_error)??))
+        self.packed_part(py, || self.world.bounce(part, cells.0.clone()))
     }
 
     /// Returns the far world of all parts, in their order, which may be read while they are asked for; of a finished one,
@@ -179,6 +175,17 @@ impl FarWorld {
 }
 
 impl FarWorld {
+    /// Finds something of a part, in a few bytes.
+    fn packed_part<'py>(
+        &self,
+        py: Python<'py>,
+        find: impl FnOnce() -> lamplight::Result<FarPart> + Send,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let found = || find().map(|part| packed(&part));
+        let found = self.solver.get().threads().run(py, found)?;
+        Ok(PyBytes::new(py, &found.map_err(value_error)??))
+    }
+
     /// The far world of the same source and settings with other blocks.
     fn with(&self, py: Python<'_>, blocks: Option<PyBackedBytes>) -> PyResult<Self> {
         let shape = <[u32; 2]>::from(self.shape()).map(i128::from);

@@ -12,7 +12,8 @@ macro_rules! files {
     ($($path:literal)*) => {
         &[$(($path, {
             const TEXT: &[u8] = include_str!(concat!("../shaders/", $path, ".wgsl")).as_bytes();
-            const CODE: &[u8; code_length(TEXT)] = &code(TEXT);
+            const LENGTH: usize = code::<{ TEXT.len() }>(TEXT).1;
+            const CODE: &[u8; LENGTH] = &code(TEXT).0;
             match std::str::from_utf8(CODE) {
                 Ok(code) => code,
                 Err(_) => panic!("a shader is no UTF-8"),
@@ -31,25 +32,10 @@ const fn is_comment(text: &[u8], at: usize) -> bool {
     starts && (before == 0 || text[before - 1] == b'\n')
 }
 
-/// Returns the length of [`code`].
-const fn code_length(text: &[u8]) -> usize {
-    let (mut at, mut length) = (0, 0);
-    while at < text.len() {
-        if is_comment(text, at) {
-            while at < text.len() && text[at] != b'\n' {
-                at += 1;
-            }
-        } else {
-            at += 1;
-            length += 1;
-        }
-    }
-    length
-}
-
-/// Returns a text without the comments that have lines of their own.
-const fn code<const LENGTH: usize>(text: &[u8]) -> [u8; LENGTH] {
-    let mut code = [0; LENGTH];
+/// Returns a text without the comments that have lines of their own, and its length. Zeros follow it up to
+/// `SIZE`.
+const fn code<const SIZE: usize>(text: &[u8]) -> ([u8; SIZE], usize) {
+    let mut code = [0; SIZE];
     let (mut at, mut length) = (0, 0);
     while at < text.len() {
         if is_comment(text, at) {
@@ -62,7 +48,7 @@ const fn code<const LENGTH: usize>(text: &[u8]) -> [u8; LENGTH] {
             length += 1;
         }
     }
-    code
+    (code, length)
 }
 
 /// All files by path, without `.wgsl`.
@@ -269,7 +255,8 @@ mod tests {
     #[test]
     fn comments_are_left_out_and_their_lines_stay() {
         const TEXT: &[u8] = b"// One.\nfn f() {\n    // Two.\n    return 4 / 2; // Three.\n}\n//";
-        const CODE: &[u8] = &code::<{ code_length(TEXT) }>(TEXT);
+        const LENGTH: usize = code::<{ TEXT.len() }>(TEXT).1;
+        const CODE: &[u8] = &code::<LENGTH>(TEXT).0;
         let expected = b"\nfn f() {\n    \n    return 4 / 2; // Three.\n}\n";
         assert_eq!(std::str::from_utf8(CODE), std::str::from_utf8(expected));
     }

@@ -51,6 +51,14 @@ impl GridWindow {
         Err(Error::value("window", found, format!("a part of a grid of {w}×{h} cells")))
     }
 
+    /// Returns the index in another window of the same world of the cell with this index in its own; none if it lies
+    /// elsewhere.
+    pub(crate) fn index_in(self, other: Self, cell: u32) -> Option<u32> {
+        let at = [cell % self.size[0], cell / self.size[0]];
+        let [x, y] = [0, 1].map(|a| (self.first[a] + at[a]).wrapping_sub(other.first[a]));
+        (x < other.size[0] && y < other.size[1]).then(|| y * other.size[0] + x)
+    }
+
     /// The indices of its cells in a grid of so many columns, row by row.
     pub(crate) fn rows(self, columns: u32) -> Vec<Range<usize>> {
         let Self { first: [x, y], size: [width, height] } = self;

@@ -174,7 +174,8 @@ impl Solver {
         // Cloned, a few bytes, so that a method can borrow the rest of the solver.
         let Settings { method, bounces, .. } = self.settings.clone();
         let moved = std::mem::take(&mut self.moved);
-        let bounces = FrameBounces { bounces: method.bounces(bounces), moved, known };
+        let bounces = if known.is_some() { Bounces::Count(0) } else { method.bounces(bounces) };
+        let bounces = FrameBounces { bounces, moved, known };
         match &method {
             MethodSettings::Raymarch(settings) => self.raymarch(settings, bounces),
             MethodSettings::Polar(settings) => self.polar(settings),

@@ -288,7 +288,7 @@ impl FarWorld {
         let mut solver = Solver::new(self.settings.solver.clone())?;
         solver.solve_known(&cells, Some(KnownSurfaces { light: &light, bounce: true }))?;
         let light = match solver.surfaces() {
-            Some(surfaces) => PartLight::of(surfaces, around.size[0], around.first, part),
+            Some(surfaces) => PartLight::of(surfaces, around, part),
             None => PartLight::none(part),
         };
         Ok(self.far_part(part, cells, around, light))

@@ -1,29 +1,20 @@
 //! Light that enters by place on the border.
 
-use crate::common::{cells, device, frame, lighting, raymarch_of, seeded};
+use crate::common::{cells, device, frame, lighting, seeded};
 use crate::compare::{Both, TOLERANCE, agree, differences};
 use crate::frames::{frames_agree, moving};
 use crate::moments;
-use lamplight::settings::{Cascades, Hit, Holographic, Merge};
+use crate::sky::seeing_directions;
+use lamplight::settings::Holographic;
 use lamplight::{Bounces, Cells, Inflow, Lamp, Method, Panorama, Rgb, Settings, Sky};
 use lamplight_wgpu::FrameInput;
 
 /// Every method that reads inflow, with its variants.
 fn variants() -> Vec<(&'static str, Settings)> {
     let holographic = |preset| Settings::direct(Holographic::preset(preset).unwrap());
-    let plain = Cascades { merge: Merge::Plain, ..Cascades::default() };
-    let mut by_distance = Settings::direct(Method::Raymarch);
-    raymarch_of(&mut by_distance).hit = Hit::Distance;
-    vec![
-        ("raymarch", Settings::direct(Method::Raymarch)),
-        ("raymarch by distance", by_distance),
-        ("cascades", Settings::direct(Method::Cascades)),
-        ("plain cascades", Settings::direct(plain)),
-        ("holographic", holographic("default")),
-        ("fast holographic", holographic("fast")),
-        ("high holographic", holographic("high")),
-        ("draft holographic", holographic("draft")),
-    ]
+    let own =
+        [("high holographic", holographic("high")), ("draft holographic", holographic("draft"))];
+    seeing_directions().into_iter().chain(own).collect()
 }
 
 /// Random radiance in every column of every border cell, of which a few are bright. Both sides of a corner cell have the

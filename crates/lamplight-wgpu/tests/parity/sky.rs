@@ -6,8 +6,8 @@ use crate::direct::without_media;
 use lamplight::settings::{Cascades, Hit, Holographic, Merge};
 use lamplight::{Bounces, Cells, Direct, Gradient, Method, Panorama, Rgb, Settings, Sky, Sun};
 
-/// Every method that sees the sky, with its variants.
-fn variants() -> Vec<(&'static str, Settings)> {
+/// The methods that see in which direction light enters, with their common variants.
+pub fn seeing_directions() -> Vec<(&'static str, Settings)> {
     let holographic = |preset| Settings::direct(Holographic::preset(preset).unwrap());
     let plain = Cascades { merge: Merge::Plain, ..Cascades::default() };
     let mut by_distance = Settings::direct(Method::Raymarch);
@@ -19,9 +19,14 @@ fn variants() -> Vec<(&'static str, Settings)> {
         ("plain cascades", Settings::direct(plain)),
         ("holographic", holographic("default")),
         ("fast holographic", holographic("fast")),
-        ("paper", holographic("paper")),
-        ("flood", Settings::direct(Method::Flood)),
     ]
+}
+
+/// Every method that sees the sky, with its variants.
+fn variants() -> Vec<(&'static str, Settings)> {
+    let holographic = |preset| Settings::direct(Holographic::preset(preset).unwrap());
+    let own = [("paper", holographic("paper")), ("flood", Settings::direct(Method::Flood))];
+    seeing_directions().into_iter().chain(own).collect()
 }
 
 /// Random columns, of which a few are as bright as a sun.

@@ -32,10 +32,7 @@ impl PartLight {
         let both = (0..2).all(|a| {
             self.first[a].max(window.first[a]) < end(self.window(), a).min(end(window, a))
         });
-        let inside = |cell: u32| {
-            let at = [cell % self.size[0], cell / self.size[0]];
-            (0..2).all(|a| (self.first[a] + at[a]).wrapping_sub(window.first[a]) < window.size[a])
-        };
+        let inside = |cell: u32| self.window().index_in(window, cell).is_some();
         both.then(|| Self {
             walls: self.walls.iter().filter(|(cell, _)| inside(*cell)).copied().collect(),
             media: self.media.iter().filter(|(cell, _)| inside(*cell)).copied().collect(),
@@ -43,14 +40,9 @@ impl PartLight {
         })
     }
 
-    /// Keeps what is known of a part, a window of the world, of a grid of so many columns whose first cell lies at
-    /// `origin` in the world.
-    pub fn of(surfaces: &Surfaces, columns: u32, origin: [u32; 2], window: GridWindow) -> Self {
-        let place = |cell: u32| {
-            let at = [cell % columns, cell / columns];
-            let [x, y] = [0, 1].map(|a| (origin[a] + at[a]).wrapping_sub(window.first[a]));
-            (x < window.size[0] && y < window.size[1]).then(|| y * window.size[0] + x)
-        };
+    /// Keeps what is known of a part, of the grid of a window around it.
+    pub fn of(surfaces: &Surfaces, around: GridWindow, part: GridWindow) -> Self {
+        let place = |cell: u32| around.index_in(part, cell);
         let walls = surfaces.walls.iter().zip(&surfaces.wall_reflected);
         let walls = walls.filter(|(wall, _)| wall.reflects).filter_map(|(wall, faces)| {
             place(wall.cell).map(|cell| (cell, faces.map(PackedRgb::new)))
@@ -58,16 +50,12 @@ impl PartLight {
         let media = surfaces.media.iter().zip(&surfaces.medium_scattered);
         let media = media
             .filter_map(|(&cell, &light)| place(cell).map(|cell| (cell, PackedRgb::new(light))));
-        Self { walls: walls.collect(), media: media.collect(), ..Self::none(window) }
+        Self { walls: walls.collect(), media: media.collect(), ..Self::none(part) }
     }
 
     /// Adds what is known of the cells of a window of the world.
     pub fn add_to(&self, light: &mut SurfaceLight, window: GridWindow) {
-        let place = |cell: u32| {
-            let at = [cell % self.size[0], cell / self.size[0]];
-            let [x, y] = [0, 1].map(|a| (self.first[a] + at[a]).wrapping_sub(window.first[a]));
-            (x < window.size[0] && y < window.size[1]).then(|| y * window.size[0] + x)
-        };
+        let place = |cell: u32| self.window().index_in(window, cell);
         let walls = self.walls.iter().filter_map(|(cell, faces)| {
             place(*cell).map(|cell| (cell, faces.map(PackedRgb::unpack)))
         });

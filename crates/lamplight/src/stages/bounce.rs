@@ -21,11 +21,10 @@ pub const CONVERGED: f32 = 1e-3;
 /// The bounces that a frame makes.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameBounces<'a> {
-    /// As the settings have them.
+    /// As the settings have them; none if what surfaces send on is known.
     pub bounces: Bounces,
     /// The place of the grid's first cell in the world, relative to that of the frame before.
     pub moved: [i32; 2],
-    /// In place of these: what surfaces send on is known.
     pub known: Option<KnownSurfaces<'a>>,
 }
 
@@ -52,6 +51,13 @@ pub struct SurfaceLight {
     pub walls: Vec<(u32, Faces)>,
     /// Radiance that media scatter.
     pub media: Vec<(u32, Rgb)>,
+}
+
+impl SurfaceLight {
+    /// Returns whether no surface sends any on.
+    pub fn is_empty(&self) -> bool {
+        self.walls.is_empty() && self.media.is_empty()
+    }
 }
 
 /// The slot of a cell that is no surface.

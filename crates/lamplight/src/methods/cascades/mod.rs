@@ -103,7 +103,7 @@ impl Cascades {
         self.grid.read(cells, Reading::default());
         self.grid.read_emission(cells, 1.0);
         self.grid.measure_empty_space(|_, _| false);
-        if bounces == Bounces::Feedback && known.is_none() {
+        if bounces == Bounces::Feedback {
             std::mem::swap(&mut self.surfaces, &mut self.before);
         }
         self.surfaces.collect(cells, 0.0);
@@ -123,7 +123,6 @@ impl Cascades {
                 return;
             }
         }
-        let bounces = if known.is_some() { Bounces::Count(0) } else { bounces };
         let bounces_at_all = bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters();
         let feedback = bounces_at_all && bounces == Bounces::Feedback;
         if feedback {

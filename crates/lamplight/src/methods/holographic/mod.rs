@@ -126,7 +126,7 @@ impl Holographic {
             clock.lap("holographic");
             return;
         }
-        if bounces == Bounces::Feedback && known.is_none() {
+        if bounces == Bounces::Feedback {
             std::mem::swap(&mut self.surfaces, &mut self.before);
         }
         let Self { surfaces, receivers, .. } = self;
@@ -142,10 +142,9 @@ impl Holographic {
                 return;
             }
         }
-        let bounces = if known.is_some() { Bounces::Count(0) } else { bounces };
         let bounces_at_all = bounces != Bounces::Count(0) && surfaces.reflects_or_scatters();
         let feedback = bounces_at_all && bounces == Bounces::Feedback;
-        let mut reflected = feedback || known.is_some();
+        let mut reflected = feedback || known.is_some_and(|known| !known.light.is_empty());
         if feedback {
             surfaces.take_over(&self.before, moved);
         } else if bounces_at_all {

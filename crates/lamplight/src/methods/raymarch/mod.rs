@@ -126,8 +126,8 @@ impl RaymarchSolver {
                 clock.lap("bounce");
                 return;
             }
-        } else if input.bounces.bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters()
-        {
+        }
+        if input.bounces.bounces != Bounces::Count(0) && self.surfaces.reflects_or_scatters() {
             self.bounce(input);
             clock.lap("bounce");
         }
