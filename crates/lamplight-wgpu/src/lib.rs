@@ -57,6 +57,7 @@ mod planner;
 mod poison;
 mod programs;
 pub mod read_back;
+mod shader_module;
 mod shaders;
 mod shared;
 #[cfg(not(target_arch = "wasm32"))]

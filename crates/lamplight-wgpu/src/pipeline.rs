@@ -1,6 +1,7 @@
 //! Compute pipelines, the resources bound to them, and their dispatches.
 
 use crate::programs::{Binding, Program};
+use crate::shader_module::shader_module;
 use crate::shaders;
 use crate::traffic::Traffic;
 use std::num::NonZeroU64;
@@ -8,8 +9,7 @@ use std::sync::Arc;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindingResource, Buffer, ComputePass, ComputePipelineDescriptor, Device,
-    PipelineCompilationOptions, PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource,
-    ShaderStages, TextureView,
+    PipelineCompilationOptions, PipelineLayoutDescriptor, ShaderStages, TextureView,
 };
 
 /// Side of a workgroup, in cells, of shaders that run over cells.
@@ -59,10 +59,7 @@ impl ComputePipelines {
         let text = shaders::text(program.shader);
         #[cfg(test)]
         let text = crate::poison::text(program);
-        let module = device.create_shader_module(ShaderModuleDescriptor {
-            label: Some(label),
-            source: ShaderSource::Wgsl(text.into()),
-        });
+        let module = shader_module(device, label, text);
         let named = constants.iter().map(|&(name, value)| (name.to_owned(), value));
         let named: Arc<[_]> = named.collect();
         let compile = |&entry: &&'static str| ComputePipeline {

@@ -47,6 +47,8 @@ impl PlannedProgram {
             } else {
                 spv::ZeroInitializeWorkgroupMemoryMode::None
             },
+            // Loops end (shader_module.rs).
+            force_loop_bounding: false,
             ..spv::Options::default()
         };
         let pipeline = spv::PipelineOptions {

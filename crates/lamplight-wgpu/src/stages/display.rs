@@ -3,6 +3,7 @@
 use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
 use crate::stages::output::MAX_HALF;
+use crate::shader_module::shader_module;
 use crate::{programs, shaders};
 use lamplight::internals::display::{
     ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_PLAIN,
@@ -13,7 +14,7 @@ use lamplight::{Display, Relief, Rgb, ToneMap, srgb};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, CompareFunction, DepthStencilState, Device,
     FragmentState, MultisampleState, PipelineCompilationOptions, PipelineLayoutDescriptor,
-    RenderPipeline, RenderPipelineDescriptor, ShaderModule, ShaderModuleDescriptor, ShaderSource,
+    RenderPipeline, RenderPipelineDescriptor, ShaderModule,
     ShaderStages, TextureFormat, VertexState,
 };
 
@@ -150,15 +151,12 @@ pub struct Shading {
 
 impl Shading {
     pub fn new(device: &Device) -> Self {
-        let label = Some(shaders::label(programs::DISPLAY.shader));
-        let module = device.create_shader_module(ShaderModuleDescriptor {
-            label,
-            source: ShaderSource::Wgsl(shaders::text(programs::DISPLAY.shader).into()),
-        });
+        let label = shaders::label(programs::DISPLAY.shader);
+        let module = shader_module(device, label, shaders::text(programs::DISPLAY.shader));
         let slots = (0..).zip(programs::DISPLAY.bindings);
         let slots = slots.map(|(slot, (_, binding))| binding.entry(slot, ShaderStages::FRAGMENT));
         let layout = device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label,
+            label: Some(label),
             entries: &slots.collect::<Vec<_>>(),
         });
         Self { module, layout }

@@ -32,6 +32,9 @@ const ASIDE: i32 = 32;
 // By bit and slab, ACROSS words.
 var<workgroup> near: array<vec4u, 4u * SLABS>;
 
+// The slab of a lane, counted from the first of the workgroup.
+var<private> own_slab: u32 = 0u;
+
 // The bits of 32 rows of a slab from a multiple of 32 on.
 fn word_of(bit: u32, slab: u32, word: u32) -> u32 {
     if slab >= sweep.cell_depth || word >= sweep.cell_words {
@@ -66,7 +69,7 @@ fn fetch(local: u32, lanes: u32, slab: u32, row: i32, ahead: u32) {
 // Returns whether the cell `slabs` and `rows` from a lane's has a bit.
 fn is(bit: u32, lane: u32, slabs: i32, rows: i32) -> bool {
     let row = u32(i32(lane) + rows + ASIDE);
-    let word = near[bit * SLABS + u32(slabs + 1)][row / 32u];
+    let word = near[bit * SLABS + own_slab + u32(slabs + 1)][row / 32u];
     return ((word >> (row % 32u)) & 1u) == 1u;
 }
 
@@ -79,9 +82,9 @@ fn has(rows: vec2u, lane: u32) -> bool {
     return ((select(rows.x, rows.y, lane >= 32u) >> (lane % 32u)) & 1u) == 1u;
 }
 
-// The rows of the tile whose cell in its slab is solid.
-fn solid_rows() -> vec2u {
-    return near[OCCUPIED * SLABS + 1u].yz & ~near[MEDIUM * SLABS + 1u].yz;
+// The rows of the tile whose cell in a slab of the workgroup is solid.
+fn solid_rows(slab: u32) -> vec2u {
+    return near[OCCUPIED * SLABS + slab + 1u].yz & ~near[MEDIUM * SLABS + slab + 1u].yz;
 }
 
 // The bits of all rows of the tile, if `words` are those of rows from 32 before the tile on, shifted by `rows`.
@@ -93,13 +96,13 @@ fn shifted(words: vec4u, rows: u32) -> vec2u {
     return (from_word.xy >> vec2u(shift)) | rest;
 }
 
-// The rows of the tile from which any cell of a mask has one of two bits: the rows of the first bit, then those
-// of the second. The mask begins at `mask`, with an entry per slab: rows from −32 to −1, and from 0 to 31.
-fn meeting(first: u32, second: u32, mask: u32, slabs: u32) -> vec4u {
+// The rows of the slab `begin` of a workgroup from which any cell of a mask has one of two bits: the rows of the first
+// bit, then those of the second. The mask begins at `mask`, with an entry per slab: rows from −32 to −1, and from 0 to 31.
+fn meeting(first: u32, second: u32, mask: u32, begin: u32, slabs: u32) -> vec4u {
     var met = vec4u(0u);
     for (var slab = 0u; slab < slabs; slab++) {
-        let ones = near[first * SLABS + slab + 1u];
-        let others = near[second * SLABS + slab + 1u];
+        let ones = near[first * SLABS + begin + slab + 1u];
+        let others = near[second * SLABS + begin + slab + 1u];
         let cells = footprints[mask + slab];
         for (var side = 0u; side < 2u; side++) {
             var left = select(cells.x, cells.y, side == 1u);

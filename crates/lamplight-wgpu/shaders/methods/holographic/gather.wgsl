@@ -1,8 +1,9 @@
 // The final gather: pixels trace the few px to the plane ahead themselves, with one ray through the middle of
 // each cone or, if the cone contains an emitter, several, and take the light of the plane where those end.
 //
-// Most rays meet nothing, and are summed first. A lane per cone finds the rows of the tile from which its rays meet
-// matter; each pixel traces those that it has left afterwards, so that none waits for the cones of another.
+// A workgroup takes some slabs that look at the same plane, whose light it unpacks once for all, some cones at a time.
+// Most rays meet nothing, and are summed first. A lane per slab and cone finds the rows of the tile from which its rays
+// meet matter; each pixel traces those that it has left afterwards, so that none waits for the cones of another.
 //
 // The same light is the irradiance of faces, and without PIXELS only that is found. Faces are shaded by the
 // steps of their own wall: of light that comes down s px along the face for each px that it comes nearer, a
@@ -22,6 +23,12 @@ override PIXELS: bool;
 override CONES: u32;
 // Rows of cells to a point of the lattice, 1 or 2.
 override SPACING: u32;
+// Slabs of a workgroup.
+override DEPTH: u32;
+// Cones whose light it holds at a time, the points of the plane of which it holds that, and those before its first row.
+override HELD_CONES: u32;
+override HELD_POINTS: u32;
+override POINTS_BEFORE: u32;
 
 @group(0) @binding(7) var<storage, read> cones: array<vec4f>;
 @group(0) @binding(8) var<storage, read> shown_odd: array<vec2u>;
@@ -35,32 +42,61 @@ override SPACING: u32;
 const FAR_AWAY: f32 = 1e9;
 const TAU: f32 = 6.2831855;
 
-// By cone and 32 rows of the tile: the rows from which its rays meet matter, and from which they meet an emitter.
-var<workgroup> meets: array<vec2u, 2u * CONES>;
+// By slab, cone and 32 rows of the tile: the rows from which its rays meet matter, and from which they meet an emitter.
+var<workgroup> meets: array<vec2u, 2u * CONES * DEPTH>;
+// The light on the plane ahead, by cone and point.
+var<workgroup> held: array<vec4u, HELD_CONES * HELD_POINTS>;
+// 1 if the workgroup has anything to gather.
+var<workgroup> needed: array<u32, 1>;
 
 struct Pixel {
+    // The first row of the tile, and the pixel's own.
+    first_row: u32,
     slab: u32,
     row: u32,
     lane: u32,
     // Slabs to the plane.
     ahead: u32,
-    // The first entry of the light on the plane, whether its index is odd, and whether there is any: beyond the grid
-    // is none.
-    far: u32,
-    odd: bool,
-    stored: bool,
     // The first cone's entry in the table, and the entries of each.
     view: u32,
     size: u32,
 }
 
-// The first entry of the light of a plane.
-fn far_of(plane: u32) -> u32 {
+// The table of cones as seen from `ahead` slabs before the plane: its first entry, and the entries of each.
+fn view_of(ahead: u32) -> vec2u {
+    let first = footprints[sweep.footprints + ahead - sweep.gather_length].x;
+    return vec2u(first, RAYS + 2u * (sweep.rays + 1u) + ahead + 1u);
+}
+
+// Holds the light of some cones, from one on, on a plane. The first of all cones is not gathered from.
+fn hold(plane: u32, first_row: u32, first_cone: u32, local: vec2u) {
     // A plane of even index is a plane of the level above.
     let odd = (plane & 1u) == 1u;
     let slot = select(sweep.far - plane / 2u, sweep.far - (plane + 1u) / 2u, odd);
-    let base = select(sweep.above, sweep.below, odd);
-    return base + slot * shown_count(sweep.level + 1u) * sweep.rows;
+    let base = select(sweep.above, sweep.below, odd) + slot * shown_count(sweep.level + 1u) * sweep.rows;
+    // Beyond the grid is none.
+    let stored = plane < planes(sweep.level);
+    let first_point = i32(first_row / SPACING) - i32(POINTS_BEFORE);
+    for (var i = local.y; i < min(HELD_CONES, CONES - first_cone); i += DEPTH) {
+        let cone = first_cone + i;
+        for (var place = local.x; place < HELD_POINTS; place += TILE) {
+            let point = first_point + i32(place);
+            var light: vec3f;
+            if stored && u32(point) < sweep.rows {
+                let at = base + cone * sweep.rows + u32(point);
+                var words: vec2u;
+                if odd {
+                    words = shown_odd[at];
+                } else {
+                    words = shown_even[at];
+                }
+                light = unpack_rgb(words);
+            } else {
+                light = beyond(sweep.cones_above + cone + 1u, (plane << sweep.level), point);
+            }
+            held[i * HELD_POINTS + place] = bitcast<vec4u>(vec4f(light, 0.0));
+        }
+    }
 }
 
 // The weights of the points before, at and after that of a row of cells, for weights of the rows before, at and after
@@ -85,38 +121,18 @@ fn weights_of_points(pixel: Pixel, row: i32, weights: vec3f) -> vec3f {
     return points;
 }
 
-// The light of a cone on the plane ahead, in the rows before, at and after one, times their weights. The first of all
-// cones is not gathered from.
-fn far(pixel: Pixel, cone: u32, at_row: i32, of_rows: vec3f) -> vec3f {
-    var row = at_row;
+// The light of a held cone on the plane ahead, in the rows before, at and after one, times their weights.
+fn far(pixel: Pixel, cone: u32, row: i32, of_rows: vec3f) -> vec3f {
     var weights = of_rows;
     if SPACING == 2u {
-        weights = weights_of_points(pixel, at_row, of_rows);
-        row = at_row >> 1u;
+        weights = weights_of_points(pixel, row, of_rows);
     }
-    let at = pixel.far + cone * sweep.rows;
-    let entry = sweep.cones_above + cone + 1u;
-    let slab = (pixel.slab + pixel.ahead) / SPACING;
+    // Rounded down, below 0 too.
+    let point = (row >> (SPACING - 1u)) - i32(pixel.first_row / SPACING);
+    let at = (cone % HELD_CONES) * HELD_POINTS + u32(point + i32(POINTS_BEFORE));
     var sum = vec3f(0.0);
-    var beside = 0.0;
-    for (var i = 0; i < 3; i++) {
-        let end = u32(row + i - 1);
-        if pixel.stored && end < sweep.rows {
-            var words: vec2u;
-            if pixel.odd {
-                words = shown_odd[at + end];
-            } else {
-                words = shown_even[at + end];
-            }
-            sum += weights[i] * unpack_rgb(words);
-        } else if INFLOW {
-            sum += weights[i] * beyond(entry, slab, row + i - 1);
-        } else {
-            beside += weights[i];
-        }
-    }
-    if beside > 0.0 {
-        sum += beside * beyond(entry, slab, row);
+    for (var i = 0u; i < 3u; i++) {
+        sum += weights[i] * bitcast<vec4f>(held[at + i - 1u]).rgb;
     }
     return sum;
 }
@@ -261,77 +277,109 @@ fn add(gathered: ptr<function, Gathered>, pixel: Pixel, cone: u32, found: vec3f,
     }
 }
 
-// Finds the cones whose rays meet matter: a lane per cone, for all rows of the tile.
-fn find_met(pixel: Pixel) {
-    // Solid cells gather nothing.
-    let solid = solid_rows();
-    for (var cone = pixel.lane; cone < CONES; cone += TILE) {
-        let mask = pixel.view + cone * pixel.size + RAYS + 2u * (sweep.rays + 1u);
-        let met = meeting(OCCUPIED, LAST, mask, pixel.ahead + 1u) & ~solid.xyxy;
-        meets[2u * cone] = met.xz;
-        meets[2u * cone + 1u] = met.yw;
+// Finds the cones whose rays meet matter: a lane per slab and cone, for all rows of the tile.
+fn find_met(ahead: u32, lane: u32) {
+    for (var i = lane; i < CONES * DEPTH; i += TILE * DEPTH) {
+        let slab = i / CONES;
+        let view = view_of(ahead - slab);
+        let mask = view.x + (i % CONES) * view.y + RAYS + 2u * (sweep.rays + 1u);
+        // Solid cells gather nothing.
+        let met = meeting(OCCUPIED, LAST, mask, slab, ahead - slab + 1u) & ~solid_rows(slab).xyxy;
+        meets[2u * i] = met.xz;
+        meets[2u * i + 1u] = met.yw;
     }
 }
 
-@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+// Returns whether there is matter in or beside the slabs of the workgroup, which may have faces or scatter.
+fn is_any_near() -> bool {
+    var any_near = vec4u(0u);
+    for (var away = 0u; away < DEPTH + 2u; away++) {
+        any_near |= near[OCCUPIED * SLABS + away];
+    }
+    return any(any_near != vec4u(0u));
+}
+
+@compute @workgroup_size(64, DEPTH)
+fn main(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(local_invocation_id) local: vec3u,
+    @builtin(local_invocation_index) index_in_group: u32,
+) {
     select_quadrant(group.z);
-    let slab = sweep.first + group.y;
+    // Slabs of a workgroup begin behind a plane, at the shortest distance to the next; the first may lie before the grid.
+    let first_slab = DEPTH * (sweep.first + group.y) + 1u - sweep.gather_length;
     let apart = SPACING << sweep.level;
-    let plane = (slab + sweep.gather_length + apart - 1u) / apart;
-    let ahead = plane * apart - slab;
-    let view = footprints[sweep.footprints + ahead - sweep.gather_length].x;
-    let size = RAYS + 2u * (sweep.rays + 1u) + ahead + 1u;
-    let stored = plane < planes(sweep.level);
-    let pixel = Pixel(slab, TILE * group.x + lane, lane, ahead, far_of(plane), (plane & 1u) == 1u, stored, view, size);
-    fetch(lane, TILE, slab, i32(TILE * group.x), max(ahead, REACH));
+    let plane = (first_slab + sweep.gather_length + apart - 1u) / apart;
+    let farthest = plane * apart - first_slab;
+    let first_row = TILE * group.x;
+    let lane = local.x;
+    own_slab = local.y;
+    let ahead = farthest - local.y;
+    let view = view_of(ahead);
+    let pixel = Pixel(first_row, first_slab + local.y, first_row + lane, lane, ahead, view.x, view.y);
+    fetch(index_in_group, TILE * DEPTH, first_slab, i32(first_row), max(farthest, REACH + DEPTH - 1u));
     workgroupBarrier();
-    find_met(pixel);
-    workgroupBarrier();
-    if pixel.row >= sweep.cell_rows {
-        return;
-    }
-    let i = index(cell_of(slab, pixel.row));
-    if is_solid(lane, 0, 0) {
-        if PIXELS && sweep.first_quadrant == 1u {
-            light[i] = vec4f(0.0, 0.0, 0.0, 1.0);
-            if MOMENT {
-                light[moment_index(0u, i)] = vec4f(0.0);
-                light[moment_index(1u, i)] = vec4f(0.0);
-            }
+    if !PIXELS {
+        if index_in_group == 0u {
+            needed[0] = u32(is_any_near());
         }
-        return;
+        if workgroupUniformLoad(&needed[0]) == 0u {
+            return;
+        }
     }
+    find_met(farthest, index_in_group);
+    let inside = pixel.row < sweep.cell_rows && pixel.slab < sweep.cell_depth;
+    let solid = is_solid(lane, 0, 0);
     let faces = is_solid(lane, -1, 0) || is_solid(lane, 0, -1) || is_solid(lane, 0, 1);
-    let scatters = is(MEDIUM, lane, 0, 0)
-        && any(textureLoad(albedo, cell_of(slab, pixel.row), 0).rgb != vec3f(0.0));
-    if !PIXELS && !faces && !scatters {
-        return;
+    var scatters = inside && is(MEDIUM, lane, 0, 0);
+    if scatters {
+        scatters = any(textureLoad(albedo, cell_of(pixel.slab, pixel.row), 0).rgb != vec3f(0.0));
     }
+    let gathers = inside && !solid && (PIXELS || faces || scatters);
     var gathered: Gathered;
     var steps: Steps;
-    if faces {
+    if gathers && faces {
         steps.in_front = step(pixel, 1, 0, REACH, 0u);
         steps.above = step(pixel, 0, 1, 1u, 1u);
         steps.below = step(pixel, 0, -1, 1u, 2u);
     }
     let half = lane / 32u;
     let shift = lane % 32u;
-    for (var first = 0u; first < CONES; first += 32u) {
-        var left = 0u;
-        for (var cone = first; cone < min(first + 32u, CONES); cone++) {
-            if ((meets[2u * cone + half].x >> shift) & 1u) == 0u {
-                add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
-            } else {
-                left |= 1u << (cone - first);
+    for (var first = 0u; first < CONES; first += HELD_CONES) {
+        // All have read the cones before, and `meets` is found.
+        workgroupBarrier();
+        hold(plane, first_row, first, local.xy);
+        workgroupBarrier();
+        if gathers {
+            var left = 0u;
+            for (var cone = first; cone < min(first + HELD_CONES, CONES); cone++) {
+                if ((meets[2u * (local.y * CONES + cone) + half].x >> shift) & 1u) == 0u {
+                    add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
+                } else {
+                    left |= 1u << (cone - first);
+                }
+            }
+            while left != 0u {
+                let cone = first + firstTrailingBit(left);
+                let emits = ((meets[2u * (local.y * CONES + cone) + half].y >> shift) & 1u) == 1u;
+                add(&gathered, pixel, cone, through(pixel, cone, emits), faces, steps);
+                left &= left - 1u;
             }
         }
-        while left != 0u {
-            let cone = first + firstTrailingBit(left);
-            let emits = ((meets[2u * cone + half].y >> shift) & 1u) == 1u;
-            add(&gathered, pixel, cone, through(pixel, cone, emits), faces, steps);
-            left &= left - 1u;
+    }
+    if !inside {
+        return;
+    }
+    let i = index(cell_of(pixel.slab, pixel.row));
+    if solid && PIXELS && sweep.first_quadrant == 1u {
+        light[i] = vec4f(0.0, 0.0, 0.0, 1.0);
+        if MOMENT {
+            light[moment_index(0u, i)] = vec4f(0.0);
+            light[moment_index(1u, i)] = vec4f(0.0);
         }
+    }
+    if !gathers {
+        return;
     }
     if PIXELS {
         let before = select(light[i].rgb, vec3f(0.0), sweep.first_quadrant == 1u);

@@ -67,13 +67,13 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     workgroupBarrier();
     let size = length + 1u + sweep.rays;
     for (var ray = lane; ray < BUNDLES; ray += TILE) {
-        meets[ray] = meeting(OCCUPIED, LAST, sweep.footprints + ray * size, length + 1u);
+        meets[ray] = meeting(OCCUPIED, LAST, sweep.footprints + ray * size, 0u, length + 1u);
     }
     let row = first_row + i32(lane);
     let inside = row >= 0 && row < i32(sweep.cell_rows);
     let point = row / i32(SPACING);
     let stores = inside && group.y < sweep.planes && lane % SPACING == 0u && lane >= SPACING && lane < SPACING + STORED;
-    let open = ~solid_rows();
+    let open = ~solid_rows(0u);
     let odd = (plane & 1u) == 1u;
     let place = plane / 2u - sweep.stored;
     let base = select(sweep.even, sweep.odd, odd);

@@ -35,7 +35,7 @@ use sky::{ConeSky, ConeTable};
 use std::collections::BTreeMap;
 use sweep::Sweeps;
 use tables::Footprints;
-use tiles::{BLOCK, EXTENDED, LINES, LINES_LAST, MERGED, WIDTH, held_pairs};
+use tiles::{BLOCK, EXTENDED, GatherTile, LINES, LINES_LAST, MERGED, WIDTH, held_pairs};
 use traffic::BITS;
 use wgpu::{Buffer, BufferUsages, Device};
 use work::Work;
@@ -249,6 +249,7 @@ impl Holographic {
         inflow: bool,
     ) -> Self {
         let geometry = GatherGeometry::new(settings);
+        let tile = GatherTile::new(geometry);
         let gather = |pixels: bool| {
             let own = [
                 ("FOURTH", PRIMARY_BIT),
@@ -256,6 +257,10 @@ impl Holographic {
                 ("REACH", REACH as f64),
                 ("PIXELS", f64::from(pixels)),
                 ("CONES", lattice::shown(geometry.first() + 1) as f64),
+                ("DEPTH", tile.depth.into()),
+                ("HELD_CONES", tile.cones.into()),
+                ("HELD_POINTS", tile.points.into()),
+                ("POINTS_BEFORE", tile.before.into()),
                 spacing(geometry),
                 shaders::moment(moment && pixels),
             ];

@@ -4,7 +4,7 @@ use super::lattice::{Lattice, TILE, traced};
 use super::sky::ConeTable;
 use super::sweep::{QUADRANTS, STEPS, Sweep, Together};
 use super::tables::Footprints;
-use super::tiles::{BLOCK, EXTENDED, LANES, LINES_LAST, MERGED, WAVES, WIDTH};
+use super::tiles::{BLOCK, EXTENDED, GatherTile, LANES, LINES_LAST, MERGED, WAVES, WIDTH};
 use super::traffic::traffic;
 use super::work::Work;
 use crate::traffic::Traffic;
@@ -383,8 +383,9 @@ impl Quadrant {
         let last = chunk + 1 == lattice.chunks();
         let [depth, rows] = axis.cells;
         let to = if last { depth } else { near(chunk + 1) };
-        let sweep = Sweep { first: from as u32, ..self.gathered(axis, sweep, chunk) };
-        let groups = [rows.div_ceil(TILE as usize), to - from, 1];
+        let blocks = GatherTile::new(self.geometry).blocks(self.geometry, from..to);
+        let sweep = Sweep { first: blocks.start as u32, ..self.gathered(axis, sweep, chunk) };
+        let groups = [rows.div_ceil(TILE as usize), blocks.len(), 1];
         self.push(if all { Work::Gather } else { Work::Faces }, sweep, groups);
     }
 }

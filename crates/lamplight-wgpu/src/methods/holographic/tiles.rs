@@ -3,6 +3,10 @@
 //!
 //! A lane is a row. Rays that spread and bend need rows beside the tile, which the next tile makes again.
 
+use super::lattice::{TILE, shown};
+use lamplight::internals::holographic::lattice::GatherGeometry;
+use std::ops::Range;
+
 /// Lanes of a row of invocations: as many as waves of most GPUs have.
 pub const LANES: u32 = 64;
 /// Rows of invocations. They share the rays or cones of a group, or each has a ray of its own if a dispatch makes one
@@ -47,9 +51,79 @@ pub const LINES_LAST: u32 = 5;
 /// The tile of light. Lines of a run are slanted alike, and up to three rows less or more than a ray.
 pub const MERGED: Tile = Tile::new(3, 3);
 
+/// A workgroup of the final gather (gather.wgsl): slabs that look at the same plane, and the light of it that is held in
+/// workgroup memory at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct GatherTile {
+    /// Slabs of a workgroup.
+    pub depth: u32,
+    /// Cones whose light is held at a time.
+    pub cones: u32,
+    /// Points of the plane, and those before the first row of the tile.
+    pub points: u32,
+    pub before: u32,
+}
+
+impl GatherTile {
+    /// Workgroup memory of browsers, bytes.
+    const MEMORY: u32 = 16384;
+    /// Bytes of a held light, of the bits of cells near a tile, and of the cones that meet matter, per slab and cone.
+    const LIGHT: u32 = 16;
+    const NEAR: u32 = 4 * 33 * 16;
+    const MEETS: u32 = 16;
+    /// Bytes that are left over, since browsers count each array as up to 16 more.
+    const SPARE: u32 = 4 * 16;
+
+    pub fn new(geometry: GatherGeometry) -> Self {
+        let spacing = 1 << geometry.spacing_level;
+        let depth = WAVES.min(1 << geometry.level);
+        let all = shown(geometry.first() + 1) as u32;
+        // A ray reads the rows beside its end, and a row may lie between two points.
+        let cones = geometry.cones(geometry.max_length());
+        let rays = cones.iter().flat_map(|cone| &cone.rays);
+        let rise = rays.map(|ray| ray.row.unsigned_abs() as u32).max().unwrap_or(0);
+        let before = (rise + 1).div_ceil(spacing) + 1;
+        let points = TILE / spacing + 2 * before;
+        let left = Self::MEMORY - Self::NEAR - Self::MEETS * depth * all - Self::SPARE;
+        // As many each time.
+        let times = all.div_ceil((left / (Self::LIGHT * points)).clamp(1, u32::BITS));
+        Self { depth, cones: all.div_ceil(times), points, before }
+    }
+
+    /// Returns the blocks of slabs that cover some slabs.
+    pub fn blocks(&self, geometry: GatherGeometry, slabs: Range<usize>) -> Range<usize> {
+        let [depth, behind] = [self.depth as usize, geometry.min_length - 1];
+        (slabs.start + behind) / depth..(slabs.end + behind).div_ceil(depth)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lamplight::settings::Holographic;
+
+    #[test]
+    fn the_light_held_for_gathers_fits_into_the_memory_of_workgroups() {
+        for level in 1..=4 {
+            for (min_length, spacing_level) in [(1, 0), (2, 0), (15, 0), (1, 1), (15, 1)] {
+                let settings = Holographic {
+                    gather_level: level,
+                    gather_length: min_length,
+                    lattice_spacing: 1 << spacing_level,
+                    ..Holographic::default()
+                };
+                let geometry = GatherGeometry::new(&settings);
+                let tile = GatherTile::new(geometry);
+                let all = shown(geometry.first() + 1) as u32;
+                let bytes = GatherTile::NEAR
+                    + GatherTile::MEETS * tile.depth * all
+                    + GatherTile::LIGHT * tile.cones * tile.points;
+                let most = wgpu::Limits::default().max_compute_workgroup_storage_size;
+                assert!(bytes + GatherTile::SPARE <= most, "{settings:?}: {bytes} bytes");
+                assert!(tile.cones * 8 >= all, "{settings:?}: {} cones at a time", tile.cones);
+            }
+        }
+    }
 
     #[test]
     fn tiles_fit_into_the_memory_of_workgroups() {
