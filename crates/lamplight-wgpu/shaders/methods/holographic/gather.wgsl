@@ -69,7 +69,7 @@ fn view_of(ahead: u32) -> vec2u {
 }
 
 // Holds the light of some cones, from one on, on a plane. The first of all cones is not gathered from.
-fn hold(plane: u32, first_row: u32, first_cone: u32, local: vec2u) {
+fn hold(plane: u32, first_row: u32, first_cone: u32, lane: u32) {
     // A plane of even index is a plane of the level above.
     let odd = (plane & 1u) == 1u;
     let slot = select(sweep.far - plane / 2u, sweep.far - (plane + 1u) / 2u, odd);
@@ -77,25 +77,23 @@ fn hold(plane: u32, first_row: u32, first_cone: u32, local: vec2u) {
     // Beyond the grid is none.
     let stored = plane < planes(sweep.level);
     let first_point = i32(first_row / SPACING) - i32(POINTS_BEFORE);
-    for (var i = local.y; i < min(HELD_CONES, CONES - first_cone); i += DEPTH) {
-        let cone = first_cone + i;
-        for (var place = local.x; place < HELD_POINTS; place += TILE) {
-            let point = first_point + i32(place);
-            var light: vec3f;
-            if stored && u32(point) < sweep.rows {
-                let at = base + cone * sweep.rows + u32(point);
-                var words: vec2u;
-                if odd {
-                    words = shown_odd[at];
-                } else {
-                    words = shown_even[at];
-                }
-                light = unpack_rgb(words);
+    for (var i = lane; i < min(HELD_CONES, CONES - first_cone) * HELD_POINTS; i += TILE * DEPTH) {
+        let cone = first_cone + i / HELD_POINTS;
+        let point = first_point + i32(i % HELD_POINTS);
+        var light: vec3f;
+        if stored && u32(point) < sweep.rows {
+            let at = base + cone * sweep.rows + u32(point);
+            var words: vec2u;
+            if odd {
+                words = shown_odd[at];
             } else {
-                light = beyond(sweep.cones_above + cone + 1u, (plane << sweep.level), point);
+                words = shown_even[at];
             }
-            held[i * HELD_POINTS + place] = bitcast<vec4u>(vec4f(light, 0.0));
+            light = unpack_rgb(words);
+        } else {
+            light = beyond(sweep.cones_above + cone + 1u, plane << sweep.level, point);
         }
+        held[i] = bitcast<vec4u>(vec4f(light, 0.0));
     }
 }
 
@@ -348,7 +346,7 @@ fn main(
     for (var first = 0u; first < CONES; first += HELD_CONES) {
         // All have read the cones before, and `meets` is found.
         workgroupBarrier();
-        hold(plane, first_row, first, local.xy);
+        hold(plane, first_row, first, index_in_group);
         workgroupBarrier();
         if gathers {
             var left = 0u;
