@@ -178,8 +178,13 @@ impl GpuFrames<'_> {
     /// Runs the next frame and returns the time of each stage or, if the GPU has no clock, of all with
     /// the way there and back.
     pub fn next(&mut self) -> Result<Vec<(&'static str, Duration)>> {
-        let Self { gpu: Gpu { device, queue, .. }, cells, settings, lighting, timer } = self;
-        lighting.prepare(&FrameInput::of_cells(settings, cells))?;
+        self.lighting.prepare(&FrameInput::of_cells(&self.settings, self.cells))?;
+        self.again()
+    }
+
+    /// Runs the same frame again, without cells on their way: while the GPU waits for them, its clock goes down.
+    pub fn again(&mut self) -> Result<Vec<(&'static str, Duration)>> {
+        let Self { gpu: Gpu { device, queue, .. }, lighting, timer, .. } = self;
         let mut encoder = device.create_command_encoder(&Default::default());
         match timer {
             Some(timer) => lighting.record_timed(&mut encoder, timer)?,

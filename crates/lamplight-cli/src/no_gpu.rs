@@ -61,6 +61,10 @@ impl NoFrames<'_> {
         match self.0 {}
     }
 
+    pub fn again(&mut self) -> Result<Vec<(&'static str, Duration)>> {
+        match self.0 {}
+    }
+
     pub fn light(&self) -> Result<Light> {
         match self.0 {}
     }

@@ -279,11 +279,13 @@ fn vulkan() -> Option<(Device, Queue)> {
     Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
 }
 
-/// Returns whether light differs by more than rounding.
-fn differs(a: &[[f32; 4]], b: &[[f32; 4]]) -> bool {
+/// Returns whether light differs by more than rounding, which also decides whether one more bounce is found until they add
+/// less than a thousandth: GPUs may round otherwise in a shader that is compiled with other checks.
+fn differs(a: &[[f32; 4]], b: &[[f32; 4]], bounces: Bounces) -> bool {
     assert_eq!(a.len(), b.len());
     let [a, b] = [a, b].map(|light| light.as_flattened());
-    a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-5 * (1.0 + a.abs()))
+    let most = if bounces == Bounces::Converged { 1e-3 } else { 1e-5 };
+    a.iter().zip(b).any(|(a, b)| (a - b).abs() > most * (1.0 + a.abs()))
 }
 
 #[test]
@@ -299,13 +301,14 @@ fn a_second_executor_finds_the_same_light() {
             let name =
                 format!("{}, {:?}, frame {frame}", settings.method().name(), settings.bounces);
             assert!(expected.iter().any(|light| light[0] > 0.0), "{name}: black");
-            assert!(!differs(&light, &expected), "{name}");
+            assert!(!differs(&light, &expected, settings.bounces), "{name}");
             if frame == 0 {
                 let mut other = plan.clone();
                 let contents = other.buffers.iter_mut().find_map(|buffer| buffer.contents.as_mut());
                 contents.unwrap().fill(0);
                 let mut executor = Executor::new(device(), false);
-                assert!(differs(&executor.run(&other, &cells), &expected), "{name}: perturbed");
+                let perturbed = executor.run(&other, &cells);
+                assert!(differs(&perturbed, &expected, settings.bounces), "{name}: perturbed");
             }
         }
         own = Executor::new(device(), false);
@@ -343,7 +346,11 @@ fn programs_in_spirv_find_the_same_light() {
             own.textures.clear();
             let light = own.run(&plan, &cells);
             let expected = recorded(&gpu.0, &gpu.1, &lighting);
-            assert!(!differs(&light, &expected), "{}, frame {frame}", settings.method().name());
+            assert!(
+                !differs(&light, &expected, settings.bounces),
+                "{}, frame {frame}",
+                settings.method().name()
+            );
         }
     }
 }

@@ -21,8 +21,9 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-/// The time for which a case is repeated,
+/// The time for which a case is repeated, on the CPU and on the GPU, whose times vary less,
 const TIME: Duration = Duration::from_secs(2);
+const TIME_ON_GPU: Duration = Duration::from_secs(1);
 /// its fewest runs, enough for a median,
 const LEAST_RUNS: usize = 5;
 /// and its most runs.
@@ -293,7 +294,7 @@ fn time(cells: &Cells, settings: Settings, scale: Option<u32>, yardstick: bool) 
     let mut plain_frames: Vec<Duration> = Vec::new();
     let mut stages = StageTimes::default();
     let start = Instant::now();
-    while goes_on(&frames, start) {
+    while goes_on(&frames, start, TIME) {
         let frame = Instant::now();
         solver.solve(cells)?;
         frames.push(frame.elapsed());
@@ -333,8 +334,8 @@ fn time_on_gpu(gpu: &Gpu, cells: &Cells, settings: Settings, only_cost: bool) ->
     if !only_cost {
         runs.next()?;
         let start = Instant::now();
-        while goes_on(&frames, start) {
-            let frame = runs.next()?;
+        while goes_on(&frames, start, TIME_ON_GPU) {
+            let frame = runs.again()?;
             frames.push(frame.iter().map(|(_, time)| *time).sum());
             stages.add(&frame);
         }
@@ -351,8 +352,8 @@ fn time_on_gpu(gpu: &Gpu, cells: &Cells, settings: Settings, only_cost: bool) ->
 }
 
 /// True if a case needs another run.
-fn goes_on(frames: &[Duration], start: Instant) -> bool {
-    frames.len() < LEAST_RUNS || (start.elapsed() < TIME && frames.len() < MOST_RUNS)
+fn goes_on(frames: &[Duration], start: Instant, time: Duration) -> bool {
+    frames.len() < LEAST_RUNS || (start.elapsed() < time && frames.len() < MOST_RUNS)
 }
 
 /// The times of stages in each frame.

@@ -2,8 +2,8 @@
 
 use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
-use crate::stages::output::MAX_HALF;
 use crate::shader_module::shader_module;
+use crate::stages::output::MAX_HALF;
 use crate::{programs, shaders};
 use lamplight::internals::display::{
     ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_PLAIN,
@@ -14,8 +14,8 @@ use lamplight::{Display, Relief, Rgb, ToneMap, srgb};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, CompareFunction, DepthStencilState, Device,
     FragmentState, MultisampleState, PipelineCompilationOptions, PipelineLayoutDescriptor,
-    RenderPipeline, RenderPipelineDescriptor, ShaderModule,
-    ShaderStages, TextureFormat, VertexState,
+    RenderPipeline, RenderPipelineDescriptor, ShaderModule, ShaderStages, TextureFormat,
+    VertexState,
 };
 
 gpu_struct! {

@@ -1,10 +1,11 @@
 //! Light of the GPU compared with that of the CPU, pixel by pixel.
 
-use crate::common::{cells, device, frame, lighting};
+use crate::common::{adapter, cells, device, frame, lighting};
 use lamplight::settings::{Hit, MethodSettings};
 use lamplight::{Cells, Method, Rgb, Scene, Settings, Solver};
 use lamplight_wgpu::Lighting;
-use wgpu::{Device, Queue};
+use std::sync::LazyLock;
+use wgpu::{Device, DeviceType, Queue};
 
 /// One cell, lines, primes, a power of two, not square, larger than a word of columns.
 pub const SIZES: [[u32; 2]; 8] =
@@ -30,6 +31,26 @@ pub const TOLERANCE: f64 = 1e-3;
 /// lamp in the middle of a cell, or on a corner, is stopped by a wall whose corner it passes exactly; none in
 /// the scenes here, and 2 in 700 000 pixels lit by one of 600 such lamps each.
 pub const TIES: f64 = 1e-4;
+
+/// The fraction of pixels that may be off on a GPU of silicon, where rays are traced through the cells one by one: it fuses
+/// multiplications with additions and knows sines to 20 bits, so a few rays pass corners on the other side. On an NVIDIA
+/// H100 up to 8 in 1000 pixels were off for one ray of a shadow map, 74 of a frame of 57600 after a blur. `holographic`
+/// has its rays from a table, and no ties there either.
+const TIES_OF_HARDWARE: f64 = 1e-2;
+/// The mean of the differences of all pixels in that case.
+const MEAN_OF_HARDWARE: f64 = 3e-4;
+
+static IS_HARDWARE: LazyLock<bool> =
+    LazyLock::new(|| adapter().get_info().device_type != DeviceType::Cpu);
+
+/// The fraction of pixels that may be off, and the mean difference, on this GPU.
+pub fn allowed(ties: f64, method: Method) -> [f64; 2] {
+    if *IS_HARDWARE && method != Method::Holographic {
+        [ties.max(TIES_OF_HARDWARE), MEAN_OF_HARDWARE]
+    } else {
+        [ties, f64::INFINITY]
+    }
+}
 
 /// The relative difference of each pixel.
 pub fn differences(seen: &[Rgb], right: &[Rgb]) -> Vec<f64> {
@@ -102,17 +123,21 @@ impl Both {
 
     #[track_caller]
     pub fn agree_but_for(&mut self, ties: f64, gpu: &(Device, Queue), name: &str, cells: &Cells) {
+        let allowed = allowed(ties, self.solver.settings().method());
         let [seen, right] = self.light(gpu, cells);
-        agrees(name, &seen, &right, ties);
+        agrees(name, &seen, &right, allowed);
     }
 }
 
 #[track_caller]
-fn agrees(name: &str, seen: &[Rgb], right: &[Rgb], ties: f64) {
-    let worst = differences(seen, right).into_iter().fold(0.0, f64::max);
+fn agrees(name: &str, seen: &[Rgb], right: &[Rgb], [ties, mean]: [f64; 2]) {
+    let differences = differences(seen, right);
+    let worst = differences.iter().copied().fold(0.0, f64::max);
     let wrong = wrong(seen, right);
     println!("{name}: {worst:.1e}, {wrong} of {} pixels wrong", right.len());
     assert!(wrong as f64 <= ties * right.len() as f64, "{name}: {wrong} pixels, {worst:e}");
+    let of_all = differences.iter().sum::<f64>() / right.len() as f64;
+    assert!(of_all <= mean, "{name}: {of_all:e} on the mean");
 }
 
 #[test]

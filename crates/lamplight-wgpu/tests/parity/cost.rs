@@ -4,7 +4,7 @@ use crate::common::device;
 use lamplight::settings::Holographic;
 use lamplight::{Cells, Settings};
 use lamplight_wgpu::{Backend, Cost, FrameInput, Lighting, LightingOptions};
-use wgpu::{Device, Queue};
+use wgpu::{Device, DeviceType, Queue};
 
 fn cost(
     (device, queue): &(Device, Queue),
@@ -18,6 +18,15 @@ fn cost(
     let cells = Cells::new(width, height).unwrap();
     lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
     lighting.cost().unwrap()
+}
+
+/// Megabytes that a frame may take on a card with memory of its own, which sweeps more quadrants together.
+const ON_A_CARD: u64 = 600;
+
+/// The most megabytes on this GPU.
+fn most_held((device, _): &(Device, Queue), most: u64) -> u64 {
+    let is_card = device.adapter_info().device_type == DeviceType::DiscreteGpu;
+    if is_card { ON_A_CARD } else { most }
 }
 
 /// Megabytes that a frame may take at 512² and 1024², by preset. At 512² all quadrants go together.
@@ -48,6 +57,7 @@ fn holographic_fuses_levels_and_takes_little_memory() {
                 moved(&fused, false),
                 fused.memory as f64 / 1e6
             );
+            let most = most_held(&gpu, most);
             assert!(fused.memory <= most * 1_000_000, "{} of {most} MB", fused.memory);
             assert!(moved(&fused, true) <= most_moved, "more than {most_moved} MB moved");
             assert!(
@@ -74,7 +84,8 @@ fn a_large_grid_takes_few_dispatches() {
         println!(
             "{preset} at 1920×1080: {dispatches} dispatches, {held} MB held, {moved:.0} MB moved"
         );
-        assert!(dispatches <= LARGE.0 && held <= LARGE.1, "{preset}: {dispatches}, {held} MB");
+        let most = most_held(&gpu, LARGE.1);
+        assert!(dispatches <= LARGE.0 && held <= most, "{preset}: {dispatches}, {held} MB");
         assert!(preset != "draft" || moved <= DRAFT, "{preset}: {moved} MB");
     }
 }

@@ -1,7 +1,7 @@
 //! Many frames on both, one after the other, with matter that moves.
 
 use crate::common::{cells, device, frame, lighting, raymarch_of};
-use crate::compare::{TIES, differences, wrong};
+use crate::compare::{TIES, allowed, differences, wrong};
 use lamplight::settings::{Hit, Raymarch, Temporal};
 use lamplight::{Bounces, Cells, Lamp, Matter, Rgb, Settings, Sky, Solver};
 use lamplight_wgpu::Lighting;
@@ -76,6 +76,7 @@ pub fn frames_agree(
 ) {
     let by_distance = |raymarch: &Raymarch| raymarch.hit == Hit::Distance;
     let ties = if settings.method.as_raymarch().is_some_and(by_distance) { TIES } else { 0.0 };
+    let [ties, _] = allowed(ties, settings.method());
     let (mut worst, mut most) = (0.0f64, 0.0f64);
     let both = frames.map(|cells| [cells.clone(), cells]);
     for [seen, right] in light_of_frames(gpu, settings, both) {

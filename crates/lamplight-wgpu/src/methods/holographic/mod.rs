@@ -37,14 +37,16 @@ use sweep::Sweeps;
 use tables::Footprints;
 use tiles::{BLOCK, EXTENDED, GatherTile, LINES, LINES_LAST, MERGED, WIDTH, held_pairs};
 use traffic::BITS;
-use wgpu::{Buffer, BufferUsages, Device};
+use wgpu::{Buffer, BufferUsages, Device, DeviceType};
 use work::Work;
 
 /// Bytes of a quadrant that are stored per cell, of a grid padded to a power of two, and per word of an
 /// interval. Lower: more dispatches.
 const MAX_HELD: u64 = 58;
-/// Bytes that are not worth a dispatch. Quadrants go together in as many.
+/// Bytes that are not worth a dispatch. Quadrants go together in as many: on cards with memory of their own in more, where
+/// few dispatches of one quadrant fill the card.
 const LITTLE: u64 = 160 << 20;
+const LITTLE_OF_CARD: u64 = 512 << 20;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -142,9 +144,11 @@ impl MemoryLayout {
         let sides = [[width, height], [height, width]];
         let fused = planner.options.fused_levels;
         let lattice = |sides, halvings| Lattice::new(sides, level, fused, halvings);
+        let is_card = planner.device.adapter_info().device_type == DeviceType::DiscreteGpu;
+        let little = if is_card { LITTLE_OF_CARD } else { LITTLE };
         // Chunks are smaller if much memory would be needed, or more than the device can bind.
         let padded = sides.map(|[depth, rows]| (depth.next_power_of_two() * rows) as u64);
-        let enough = (padded.iter().sum::<u64>() / 2 * u64::from(words) * MAX_HELD).max(LITTLE);
+        let enough = (padded.iter().sum::<u64>() / 2 * u64::from(words) * MAX_HELD).max(little);
         let fits = |layout: &Self| {
             let bytes = layout.bytes(words);
             let bound = bytes.iter().all(|&bytes| bytes <= planner.max_buffer_bytes());

@@ -2,6 +2,7 @@
 
 use super::lattice::{Packed, shown};
 use super::sweep::Sweep;
+use super::tiles::WAVES;
 use super::work::Work;
 use crate::traffic::Traffic;
 use lamplight::internals::holographic::PRIMARY;
@@ -26,6 +27,9 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     let bits = |slabs: u64| 4 * slabs * cell_rows * 2 / 8;
     // From a plane to the next, px.
     let apart = level_size << sweep.spacing_level;
+    // Slabs of a workgroup that gathers, and the bits that it reads.
+    let depth = WAVES.min(apart as u32);
+    let near = bits(apart + u64::from(sweep.gather_length) + 1);
     let light_of = |level: u32, planes: u64| planes * cones(level) as u64 * rows * PACKED;
     // The light of a level that leads to the planes from one to another of the level below. Beyond the last plane there is
     // sky, which is not stored.
@@ -86,18 +90,21 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
         }
         Work::Gather => {
             // Slabs share the planes ahead of them.
+            let from = (depth * sweep.first + 1).saturating_sub(sweep.gather_length);
+            let to = depth * (sweep.first + groups[1]) + 1 - sweep.gather_length;
+            let to = to.min(sweep.cell_depth);
+            let slabs = u64::from(to - from);
             let ahead = |slab: u32| (slab + sweep.gather_length).div_ceil(apart as u32);
-            let last = sweep.first + groups[1] - 1;
             let end = planes(sweep.depth as usize, level) as u32;
-            let planes = (ahead(last) + 1).min(end).saturating_sub(ahead(sweep.first));
+            let planes = (ahead(to - 1) + 1).min(end).saturating_sub(ahead(from));
             let light = u64::from(planes) * shown(level + 1) as u64 * PACKED;
-            let before = if sweep.first_quadrant == 1 { 0 } else { across * VEC4 };
+            let before = if sweep.first_quadrant == 1 { 0 } else { slabs * VEC4 };
             Traffic {
-                read: across * bits(2 * apart) + rows * light + cell_rows * before,
-                written: across * cell_rows * VEC4,
+                read: across * near + rows * light + cell_rows * before,
+                written: slabs * cell_rows * VEC4,
             }
         }
-        Work::Faces => Traffic { read: across * bits(2 * apart), written: 0 },
+        Work::Faces => Traffic { read: across * near, written: 0 },
     }
 }
 
