@@ -103,8 +103,10 @@ pub struct MergedLight {
     shown: usize,
     /// Light of the sky in the cones of the last level.
     sky: Vec<Rgb>,
-    /// The light that enters in place of the sky's, if it differs from place to place.
-    border: Option<BorderLight>,
+    /// The light that enters in place of the sky's, if it differs from place to place, by the way of the sweep, and which
+    /// of both is in use.
+    borders: [BorderLight; 2],
+    entering: Option<usize>,
     /// One channel of the sky, on its way down.
     channel: Vec<f64>,
     /// The light of three consecutive cones, in turns.
@@ -258,13 +260,14 @@ impl MergedLight {
     /// Starts at the far end of a grid with inflow.
     pub fn begin_with_inflow(&mut self, inflow: &Inflow, orientation: Orientation) {
         self.hold_rows(true);
-        let Self { levels, border, first, depth, rows, spacing_level, .. } = self;
+        let Self { levels, borders, entering, first, depth, rows, spacing_level, .. } = self;
         let cones = levels.iter().enumerate().map(|(at, level)| {
             let level_of_cones = (*first + at as u32).max(*first + 1);
             (level_of_cones, &level.angles[..])
         });
-        let border = border.get_or_insert_default();
-        border.read(inflow, orientation, [*depth, *rows, 1 << *spacing_level], cones);
+        let way = usize::from(orientation.reversed);
+        *entering = Some(way);
+        borders[way].read(inflow, orientation, [*depth, *rows, 1 << *spacing_level], cones);
         for level in levels {
             level.plane = None;
         }
@@ -285,8 +288,9 @@ impl MergedLight {
         for level in &mut self.levels {
             level.plane = None;
         }
-        let had_border = self.border.take().is_some();
+        let had_border = self.entering.take().is_some();
         if had_border {
+            self.borders = Default::default();
             self.hold_rows(false);
         }
         if !changed && !had_border {
@@ -377,7 +381,7 @@ impl MergedLight {
     /// Returns the plane of a level that light passes on its way to one of the first; none if it comes
     /// from the sky.
     fn required(&self, at: usize, plane: usize) -> Option<usize> {
-        let held = self.border.is_some() || !self.is_beyond(at, plane);
+        let held = self.entering.is_some() || !self.is_beyond(at, plane);
         held.then(|| plane.div_ceil(1 << at))
     }
 
@@ -388,8 +392,9 @@ impl MergedLight {
 
     /// Makes a plane behind the grid, of the light that enters.
     fn enter(&mut self, at: usize, plane: usize) {
-        let Self { border, levels, stride, pad, first, .. } = self;
-        let Some(border) = border else { return };
+        let Self { borders, entering, levels, stride, pad, first, .. } = self;
+        let Some(way) = *entering else { return };
+        let border = &borders[way];
         let made = &mut levels[at];
         made.plane = Some(plane);
         let slab = plane << (*first as usize + at);
@@ -411,7 +416,7 @@ impl MergedLight {
         let level = self.first + at as u32;
         let (stride, pad) = (self.stride, self.pad);
         let layout = RowLayout { interval_stride: intervals.stride, stride, pad };
-        let border = self.border.as_ref();
+        let border = self.entering.map(|way| &self.borders[way]);
         let [made, above, ..] = &mut self.levels[at..] else { return };
         made.plane = Some(plane);
         let PlaneLight { halves, rows, sky, .. } = made;
