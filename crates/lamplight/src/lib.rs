@@ -34,6 +34,7 @@ mod moment;
 mod notation;
 mod panorama;
 mod profile;
+mod recent;
 mod relief;
 pub mod resample;
 mod rgb;

@@ -20,7 +20,7 @@ const MANIFEST: &str = "bake.json";
 /// Light a scene of any size, tile by tile, into a directory of pictures
 ///
 /// Each tile has the light of the whole scene. The scene may be larger than a grid (up to 65536 a side); it is then
-/// drawn with shapes and sprites. Tiles are named by column and row: 0-0.png is the one at the top left. bake.json says
+/// drawn with shapes, sprites, and layers in tiles, which are read as they are needed. Tiles are named by column and row: 0-0.png is the one at the top left. bake.json says
 /// what they show.
 #[derive(clap::Args, Debug)]
 pub struct BakeArgs {
@@ -123,14 +123,20 @@ fn bake(args: &BakeArgs) -> Result {
         check_manifest(&args.output, &manifest)?;
     }
 
+    let name = |[column, row]: [u32; 2]| {
+        args.output.join(format!("{column}-{row}.{}", args.format.extension()))
+    };
+    for row in 0..height.div_ceil(args.tile) {
+        for column in 0..width.div_ceil(args.tile) {
+            outputs.check(&name([column, row]))?;
+        }
+    }
+
     let progress = Progress::new("reading", 1, quiet);
     let world =
         World::new(&source, settings, |part, parts| progress.of(part as u64, parts as u64))?;
     let tiles = world.tiles(args.tile);
-    let name = |window: &GridWindow| {
-        let [x, y] = window.first.map(|v| v / args.tile);
-        args.output.join(format!("{x}-{y}.{}", args.format.extension()))
-    };
+    let name = |window: &GridWindow| name(window.first.map(|v| v / args.tile));
     if !args.resume {
         // Those of another scene would pass for finished ones.
         for window in &tiles {

@@ -24,6 +24,7 @@ mod scene_coverage;
 mod scene_file;
 mod scene_fuzz;
 mod scene_images;
+mod scene_tiles;
 mod settings;
 mod sight;
 mod sky;
