@@ -27,6 +27,7 @@ mod lamp;
 mod lamp_discs;
 mod light;
 mod limits;
+pub mod maps;
 mod mask;
 mod math;
 mod methods;

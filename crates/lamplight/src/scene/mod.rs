@@ -7,12 +7,12 @@ mod geometry;
 mod layer;
 mod layers;
 mod material;
-mod picture;
-mod pictures;
-mod raster;
+pub(crate) mod picture;
+pub(crate) mod pictures;
+pub(crate) mod raster;
 mod shape;
 mod sky;
-mod source;
+pub(crate) mod source;
 mod thin_wall;
 mod window;
 

@@ -215,6 +215,29 @@ impl Cells {
     }
 }
 
+/// Draws a px of a picture over a cell as a sprite of the shape's matter draws it, without its colour.
+pub(crate) fn cover_matter(
+    shape: &Shape,
+    (rgb, alpha): (Rgb, f32),
+    [x, y]: [u32; 2],
+    cells: &mut Cells,
+) -> Result<()> {
+    let i = cells.index(x, y);
+    let share = if shape.covers_by_area() { alpha } else { f32::from(u8::from(alpha >= HALF)) };
+    let share = share_of(shape, cells, i, share);
+    if share == 0.0 {
+        return Ok(());
+    }
+    let product = |by: Rgb| -> Rgb { std::array::from_fn(|c| rgb[c] * by[c]) };
+    let matter = shape.matter();
+    let [emission, glow, albedo] = [matter.emission, matter.glow, matter.albedo].map(product);
+    let matter = Matter { emission, glow, albedo, ..matter };
+    judge(x, y, &matter, share, [0.0; 3])?;
+    cells.set_matter(i, matter.over(cells.matter(i), share));
+    set_layers(shape, i, share, cells);
+    Ok(())
+}
+
 /// A texel of an image that is drawn over a cell.
 struct Texel {
     rgb: Rgb,
@@ -253,6 +276,6 @@ fn judge(x: u32, y: u32, matter: &Matter, share: f32, color: Rgb) -> Result<()> 
 }
 
 /// Blends a colour over a picture by a fraction.
-fn lay(picture: &mut Rgb, paint: Rgb, share: f32) {
+pub(crate) fn lay(picture: &mut Rgb, paint: Rgb, share: f32) {
     *picture = std::array::from_fn(|c| picture[c] * (1.0 - share) + paint[c] * share);
 }
