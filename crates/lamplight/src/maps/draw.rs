@@ -1,6 +1,6 @@
 //! Drawing of a map into the cells of a window.
 
-use super::tile_map::{Flips, MapTile, Places, Sheet, TileLayer, TileMap};
+use super::tile_map::{Flips, MapTile, Places, Sheet, Square, TileLayer, TileMap};
 use crate::scene::picture::Picture;
 use crate::scene::pictures::Pictures;
 use crate::scene::raster::{cover_matter, lay};
@@ -48,7 +48,8 @@ struct Drawing<'a> {
 
 impl Drawing<'_> {
     fn layer(&mut self, layer: &TileLayer) -> Result<()> {
-        if layer.lights.iter().all(|light| !light.paints && light.matter.is_none()) {
+        let has_tiles = !matches!(layer.places, Places::Squares { .. });
+        if has_tiles && layer.lights.iter().all(|light| !light.paints && light.matter.is_none()) {
             return Ok(());
         }
         let offset = [0, 1].map(|a| self.corner[a] + i64::from(layer.offset[a]));
@@ -58,6 +59,21 @@ impl Drawing<'_> {
                     let at = [0, 1].map(|a| offset[a] + i64::from(placed.at[a]));
                     let tile = self.tile(layer, placed.number)?;
                     self.place(layer, tile, placed.flips, at)?;
+                }
+            }
+            Places::Squares { side, columns, cells, squares } => {
+                for y in self.window[1].clone() {
+                    for x in self.window[0].clone() {
+                        let [column, row] =
+                            [x - offset[0], y - offset[1]].map(|v| v.div_euclid(i64::from(*side)));
+                        let index = row * i64::from(*columns) + column;
+                        let inside = (0..i64::from(*columns)).contains(&column) && row >= 0;
+                        let kind = cells.get(index as usize).filter(|kind| inside && **kind > 0);
+                        if let Some(kind) = kind {
+                            let square = &squares[*kind as usize - 1];
+                            self.square(layer, square, [x as u32, y as u32])?;
+                        }
+                    }
                 }
             }
             Places::Grid { cell, chunks } => {
@@ -90,6 +106,16 @@ impl Drawing<'_> {
             }
         }
         Ok(())
+    }
+
+    fn square(&mut self, layer: &TileLayer, square: &Square, [x, y]: [u32; 2]) -> Result<()> {
+        let i = self.cells.index(x, y);
+        if let Some(color) = square.color {
+            lay(&mut self.cells.color_mut()[i], color, layer.opacity);
+        }
+        let Some((matter, by_picture)) = &square.matter else { return Ok(()) };
+        let rgb = if *by_picture { self.cells.color_mut()[i] } else { [1.0; 3] };
+        cover_matter(matter, (rgb, 1.0), [x, y], self.cells).map_err(|e| e.under(&layer.name))
     }
 
     /// How far a tile may reach beyond its cell, px.

@@ -2,7 +2,7 @@
 
 use super::draw::draw;
 use super::tile_map::TileMap;
-use super::tiled;
+use super::{ldtk, tiled};
 use crate::recent::RecentlyUsed;
 use crate::scene::pictures::Pictures;
 use crate::world::{WorldSource, check_size, lamps_within};
@@ -16,7 +16,7 @@ const MAP_BYTES: u64 = 128 << 20;
 /// The farthest that a lamp reaches beyond its map, px: the largest disc.
 const LAMP_REACH: u32 = 514;
 
-/// A map of Tiled (`.tmx`), or a world of them (`.world`).
+/// A map of Tiled (`.tmx`), a world of them (`.world`), or a project of LDtk (`.ldtk`).
 ///
 /// ```no_run
 /// use lamplight::maps::MapWorld;
@@ -32,6 +32,8 @@ const LAMP_REACH: u32 = 514;
 pub struct MapWorld {
     file: PathBuf,
     rooms: Vec<Room>,
+    /// The project whose levels the rooms are.
+    project: Option<ldtk::Project>,
     origin: [i32; 2],
     size: [u32; 2],
     sky: Sky,
@@ -65,6 +67,15 @@ impl Room {
         Self { first, size: map.size, anchor, map: RoomMap::Held(Arc::new(map)) }
     }
 
+    fn of_level(level: ldtk::PlacedLevel) -> Self {
+        let first = level.first.map(i64::from);
+        let map = match level.map {
+            ldtk::LevelMap::Inside(map) => RoomMap::Held(Arc::new(map)),
+            ldtk::LevelMap::File(path) => RoomMap::File(path),
+        };
+        Self { first, size: level.size, anchor: first, map }
+    }
+
     /// Returns whether a window with a margin has a part of it.
     fn meets(&self, window: GridWindow, margin: u32) -> bool {
         (0..2).all(|a| {
@@ -78,7 +89,7 @@ impl Room {
 impl MapWorld {
     /// Returns whether a file is one of a level editor, by its ending.
     pub fn reads(path: impl AsRef<Path>) -> bool {
-        ["tmx", "world"].contains(&&*ending(path.as_ref()))
+        ["tmx", "world", "ldtk"].contains(&&*ending(path.as_ref()))
     }
 
     /// Opens a file. Of a world, only the first map is read, for its sky and its suns.
@@ -87,21 +98,23 @@ impl MapWorld {
     /// Fails if a file is missing or invalid, or the world is larger than [`MAX_SIDE`](crate::world::MAX_SIDE).
     pub fn open(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let rooms = match &*ending(path) {
-            "tmx" => {
-                let map = tiled::read_map(path)?;
-                vec![Room::of(map, [0, 0])]
+        let (rooms, project) = match &*ending(path) {
+            "tmx" => (vec![Room::of(tiled::read_map(path)?, [0, 0])], None),
+            "world" => (rooms_of_world(path)?, None),
+            "ldtk" => {
+                let (project, levels) = ldtk::read_project(path)?;
+                (levels.into_iter().map(Room::of_level).collect(), Some(project))
             }
-            "world" => rooms_of_world(path)?,
             _ => {
-                let problem = "its ending is none of those that are read: .tmx and .world".into();
+                let problem =
+                    "its ending is none of those that are read: .tmx, .world and .ldtk".into();
                 return Err(Error::Format { path: path.to_owned(), problem });
             }
         };
-        Self::of(path, rooms)
+        Self::of(path, rooms, project)
     }
 
-    fn of(path: &Path, mut rooms: Vec<Room>) -> Result<Self> {
+    fn of(path: &Path, mut rooms: Vec<Room>, project: Option<ldtk::Project>) -> Result<Self> {
         let ends = |room: &Room| [0, 1].map(|a| room.first[a] + i64::from(room.size[a]));
         let first = [0, 1].map(|a| rooms.iter().map(|room| room.first[a]).min().unwrap_or(0));
         let last = [0, 1].map(|a| rooms.iter().map(|room| ends(room)[a]).max().unwrap_or(0));
@@ -115,6 +128,7 @@ impl MapWorld {
         let mut world = Self {
             file: path.to_owned(),
             rooms,
+            project,
             origin,
             size,
             sky: Sky::BLACK,
@@ -165,7 +179,10 @@ impl MapWorld {
     fn map(&self, room: &Room) -> Result<Arc<TileMap>> {
         match &room.map {
             RoomMap::Held(map) => Ok(map.clone()),
-            RoomMap::File(path) => self.maps.find_or(path, || tiled::read_map(path)),
+            RoomMap::File(path) => self.maps.find_or(path, || match &self.project {
+                Some(project) => project.read_level(path),
+                None => tiled::read_map(path),
+            }),
         }
     }
 }

@@ -5,9 +5,10 @@
 //! a [`WorldSource`](crate::world::WorldSource): maps and images are read when a window needs them, and a bounded number
 //! of them is kept.
 //!
-//! A reader per format (`tiled/`) makes a `TileMap`, and `draw.rs` draws any of these.
+//! A reader per format (`tiled/`, `ldtk/`) makes a `TileMap`, and `draw.rs` draws any of these.
 
 mod draw;
+mod ldtk;
 mod map_file;
 mod map_world;
 mod objects;

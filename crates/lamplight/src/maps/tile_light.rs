@@ -30,6 +30,9 @@ pub(super) struct TileLight {
 }
 
 impl TileLight {
+    /// The values of `light`.
+    pub const ROLES: &[&str] = &["background", "walls", "emitters", "none"];
+
     const NONE: Self = Self { paints: false, matter: None };
 
     /// Reads the properties of a tile over those of its layer. A layer that is hidden in the editor is not painted, and

@@ -2,6 +2,7 @@
 
 use super::tile_light::TileLight;
 use crate::recent::Bytes;
+use crate::scene::Shape;
 use crate::{Lamp, Rgb, Sky, Sun};
 use std::path::PathBuf;
 
@@ -71,8 +72,25 @@ pub(super) enum Places {
     /// Cells of one size. A tile that is larger stands on the bottom of its cell, and reaches up and to the right.
     Grid { cell: [u32; 2], chunks: Vec<Chunk> },
     /// Any places, in the order in which they are drawn.
-    #[expect(dead_code, reason = "LDtk has them")]
     List(Vec<PlacedTile>),
+    /// Squares of matter, without pictures.
+    Squares {
+        /// The side of a square, px.
+        side: u32,
+        columns: u32,
+        /// The kind of every square, row by row: the index of one in `squares`, from 1; 0 is empty.
+        cells: Vec<u32>,
+        squares: Vec<Square>,
+    },
+}
+
+/// A kind of squares.
+#[derive(Debug)]
+pub(super) struct Square {
+    /// Its matter, and whether what was painted there before multiplies it, as the picture of a tile does.
+    pub matter: Option<(Shape, bool)>,
+    /// The colour that it is painted in.
+    pub color: Option<Rgb>,
 }
 
 /// A rectangle of a layer's cells.
@@ -146,6 +164,7 @@ impl Bytes for TileMap {
         let places = self.layers.iter().map(|layer| match &layer.places {
             Places::Grid { chunks, .. } => chunks.iter().map(|c| size_of_val(&*c.tiles)).sum(),
             Places::List(list) => size_of_val(&**list),
+            Places::Squares { cells, .. } => size_of_val(&**cells),
         });
         let rest = size_of_val(&*self.tiles) + size_of_val(&*self.lamps) + size_of::<Self>();
         (places.sum::<usize>() + rest) as u64

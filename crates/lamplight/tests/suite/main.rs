@@ -18,6 +18,7 @@ mod invariants;
 mod jump_flood;
 mod lamp;
 mod light;
+mod maps_ldtk;
 mod maps_tiled;
 mod methods;
 mod polar;
