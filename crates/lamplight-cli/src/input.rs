@@ -1,4 +1,4 @@
-//! What commands light: a scene file, or a map of a level editor.
+//! Inputs of commands: a scene file, or a map of a level editor.
 
 use crate::error::{CliError, Result};
 use crate::memory::SceneSize;
@@ -127,8 +127,8 @@ impl Input {
 }
 
 /// Most maps have no lights yet when they are first lit.
-const DARK: &str = "nothing in the map gives light: add a point object of class `lamp`, a property `sky` of the map, or tiles \
-                    with a property `emission`";
+const DARK: &str = "nothing in the map gives light: add a lamp (in Tiled a point of class `lamp`, in LDtk an entity `Lamp`), a \
+                    `sky`, or tiles with `emission`";
 
 fn is_dark(cells: &Cells) -> bool {
     let shines = |light: &[lamplight::Rgb]| light.as_flattened().iter().any(|&v| v > 0.0);

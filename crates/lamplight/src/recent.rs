@@ -11,8 +11,8 @@ pub(crate) trait Bytes {
     fn bytes(&self) -> u64;
 }
 
-/// What was read of files, each when it is first needed. If that becomes too much, those go that were not used for longest.
-/// One that is larger than all room is kept alone.
+/// A store of values that are each read from a file when they are first needed. If they become too many, those go that
+/// were not used for longest. One that is larger than all room is kept alone.
 #[derive(Debug)]
 pub(crate) struct RecentlyUsed<T> {
     most: u64,
@@ -21,14 +21,14 @@ pub(crate) struct RecentlyUsed<T> {
 
 #[derive(Debug)]
 struct Held<T> {
-    entries: HashMap<PathBuf, Entry<T>>,
+    entries: HashMap<PathBuf, Kept<T>>,
     bytes: u64,
     /// The number of uses so far.
     uses: u64,
 }
 
 #[derive(Debug)]
-struct Entry<T> {
+struct Kept<T> {
     value: Arc<T>,
     last_use: u64,
 }
@@ -74,7 +74,7 @@ impl<T: Bytes> Held<T> {
             let Some(path) = oldest.map(|(path, _)| path.clone()) else { break };
             self.bytes -= self.entries.remove(&path).map_or(0, |entry| entry.value.bytes());
         }
-        let entry = Entry { value: value.clone(), last_use: self.uses };
+        let entry = Kept { value: value.clone(), last_use: self.uses };
         let before = self.entries.insert(path.to_owned(), entry);
         self.bytes += bytes;
         self.bytes -= before.map_or(0, |entry| entry.value.bytes());

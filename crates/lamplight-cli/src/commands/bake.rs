@@ -24,7 +24,7 @@ const MANIFEST: &str = "bake.json";
 /// what they show.
 #[derive(clap::Args, Debug)]
 pub struct BakeArgs {
-    /// The scene file (TOML or JSON), or a map of Tiled (.tmx, .world)
+    /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
     /// The directory to write tiles into
     #[arg(long, short, value_name = "DIR")]

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 /// Compare methods with the path tracer: errors and times, one row per preset
 #[derive(clap::Args, Debug)]
 pub struct CompareArgs {
-    /// The scene file (TOML or JSON), or a map (.tmx, .world)
+    /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
     /// Methods to compare, separated by commas [default: all]
     #[arg(long, value_name = "METHOD", value_delimiter = ',',

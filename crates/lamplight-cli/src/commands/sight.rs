@@ -16,7 +16,7 @@ use std::time::Instant;
 /// Write a picture of what viewers see of a scene: white is seen
 #[derive(clap::Args, Debug)]
 pub struct SightArgs {
-    /// The scene file (TOML or JSON), or a map (.tmx, .world)
+    /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
     /// The eye of a viewer in px from the top left, such as 160,90. Repeat it for more viewers, of whom the
     /// picture shows what any sees

@@ -62,3 +62,22 @@ fn maps_that_cannot_be_lit_are_explained() {
     std::fs::remove_file(sandbox.path("wall.png")).unwrap();
     sandbox.run("bake map.tmx -o tiles").failed(2, &["map.tmx", "tileset \"walls\"", "wall.png"]);
 }
+
+#[test]
+fn a_project_of_ldtk_is_baked() {
+    let sandbox = sandbox();
+    let project = r##"{ "defs": { "tilesets": [], "layers": [
+            { "uid": 1, "identifier": "Ground", "intGridValues": [{ "value": 1, "identifier": "Stone", "color": "#808080" }] }] },
+        "levels": [{ "identifier": "A", "worldX": 8, "worldY": 0, "pxWid": 128, "pxHei": 64, "__bgColor": "#ffffff", "layerInstances": [
+            { "__identifier": "Entities", "__cWid": 8, "__cHei": 4, "__gridSize": 16, "layerDefUid": 2, "entityInstances": [
+                { "__identifier": "Lamp", "px": [24, 40] }] },
+            { "__identifier": "Ground", "__cWid": 8, "__cHei": 4, "__gridSize": 16, "layerDefUid": 1,
+              "intGridCsv": [0,0,0,1,0,0,0,0, 0,0,0,1,0,0,0,0, 0,0,0,1,0,0,0,0, 0,0,0,1,0,0,0,0] }] }] }"##;
+    sandbox.write("game.ldtk", project);
+    sandbox.run("bake game.ldtk -o tiles --tile 64 -q").done();
+    let [left, right] = ["0-0", "1-0"]
+        .map(|tile| sandbox.picture(&format!("tiles/{tile}.png")).get_pixel(30, 20).0[0]);
+    assert!(left > 40 && right < left / 8, "{left}, {right}");
+    sandbox.write("game.ldtk", project.replace("\"pxWid\": 128", "\"pxWid\": \"wide\""));
+    sandbox.run("bake game.ldtk -o tiles").failed(2, &["game.ldtk", "levels[0].pxWid", "wide"]);
+}

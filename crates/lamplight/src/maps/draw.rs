@@ -49,7 +49,7 @@ struct Drawing<'a> {
 impl Drawing<'_> {
     fn layer(&mut self, layer: &TileLayer) -> Result<()> {
         let has_tiles = !matches!(layer.places, Places::Squares { .. });
-        if has_tiles && layer.lights.iter().all(|light| !light.paints && light.matter.is_none()) {
+        if has_tiles && layer.matter.iter().all(|tile| !tile.paints && tile.matter.is_none()) {
             return Ok(());
         }
         let offset = [0, 1].map(|a| self.corner[a] + i64::from(layer.offset[a]));
@@ -118,7 +118,7 @@ impl Drawing<'_> {
         cover_matter(matter, (rgb, 1.0), [x, y], self.cells).map_err(|e| e.under(&layer.name))
     }
 
-    /// How far a tile may reach beyond its cell, px.
+    /// The distance that a tile may reach beyond its cell, px.
     fn reach(&self, cell: [u32; 2]) -> i64 {
         let beyond = |tile: &MapTile| {
             let size = tile.size[0].max(tile.size[1]).saturating_sub(cell[0].min(cell[1]));
@@ -149,8 +149,8 @@ impl Drawing<'_> {
             let end = at[a] + i64::from(size[a]);
             at[a].max(self.window[a].start)..end.min(self.window[a].end)
         });
-        let light = &layer.lights[tile.properties as usize];
-        if columns.is_empty() || rows.is_empty() || !light.paints && light.matter.is_none() {
+        let act = &layer.matter[tile.properties as usize];
+        if columns.is_empty() || rows.is_empty() || !act.paints && act.matter.is_none() {
             return Ok(());
         }
         let sheet = &self.map.sheets[tile.sheet as usize];
@@ -162,11 +162,11 @@ impl Drawing<'_> {
                 continue;
             }
             let cell = [x as u32, y as u32];
-            if let Some(matter) = &light.matter {
+            if let Some(matter) = &act.matter {
                 cover_matter(matter, (rgb, alpha), cell, self.cells)
                     .map_err(|e| e.in_file(&sheet.path).under(&layer.name))?;
             }
-            if light.paints {
+            if act.paints {
                 let i = self.cells.index(cell[0], cell[1]);
                 let paint = std::array::from_fn(|c| (rgb[c] * layer.tint[c]).clamp(0.0, 1.0));
                 lay(&mut self.cells.color_mut()[i], paint, alpha * layer.opacity);

@@ -1,6 +1,6 @@
 //! A map as any editor has it: layers of tiles over a background, lamps and suns.
 
-use super::tile_light::TileLight;
+use super::tile_matter::TileMatter;
 use crate::recent::Bytes;
 use crate::scene::Shape;
 use crate::{Lamp, Rgb, Sky, Sun};
@@ -44,9 +44,9 @@ pub(super) struct MapTile {
     /// The upper left corner in the image, px.
     pub from: [u32; 2],
     pub size: [u32; 2],
-    /// Where it is drawn, relative to its place, px.
+    /// The distance from its place to where it is drawn, px.
     pub offset: [i32; 2],
-    /// The index of its properties, those of [`TileLayer::lights`].
+    /// The index of its properties, those of [`TileLayer::matter`].
     pub properties: u32,
 }
 
@@ -61,8 +61,8 @@ pub(super) struct TileLayer {
     pub opacity: f32,
     /// A factor on the colours of its picture.
     pub tint: Rgb,
-    /// How tiles with each set of properties act on light.
-    pub lights: Vec<TileLight>,
+    /// The effect of tiles with each set of properties.
+    pub matter: Vec<TileMatter>,
     pub places: Places,
 }
 

@@ -1,15 +1,16 @@
 //! A level, from its lowest layer to its highest.
 
-use super::json::{LayerDefinition, LayerInstance, LevelFile, TileInstance, TilesetDefinition};
+use super::json::{
+    Definitions, LayerDefinition, LayerInstance, LevelFile, TileInstance, TilesetDefinition,
+};
 use super::notes::{self, LayerNotes};
-use super::project::Project;
 use crate::maps::map_file::beside;
 use crate::maps::objects::{self, MapLight};
 use crate::maps::properties::{Properties, of};
-use crate::maps::tile_light::TileLight;
 use crate::maps::tile_map::{
     Flips, MapTile, PlacedTile, Places, Sheet, Square, TileLayer, TileMap,
 };
+use crate::maps::tile_matter::TileMatter;
 use crate::world::check_size;
 use crate::{Error, Result, notation};
 use std::collections::HashMap;
@@ -18,20 +19,26 @@ use std::path::Path;
 /// The most tiles of all tilesets.
 const MAX_TILES: u64 = 1 << 20;
 
-/// Makes a map of a level, which stands in the file at `path`.
-pub(super) fn map(project: &Project, level: &LevelFile, path: &Path) -> Result<TileMap> {
+/// Makes a map of a level in the file at `path`. Images lie beside the file of its project.
+pub(super) fn map(
+    definitions: &Definitions,
+    project: &Path,
+    level: &LevelFile,
+    path: &Path,
+) -> Result<TileMap> {
     let own = notes::of_fields(&level.field_instances);
     let map = TileMap {
         file: path.to_owned(),
         size: [level.px_wid, level.px_hei],
         background: notation::hex(&level.background),
-        sky: objects::sky(&own, &project.file)?,
+        sky: objects::sky(&own, project)?,
         ..TileMap::default()
     };
     check_size(map.size)?;
-    let mut reader = LevelReader { project, map, tilesets: HashMap::new(), sets: Vec::new() };
+    let mut reader =
+        LevelReader { definitions, project, map, tilesets: HashMap::new(), sets: Vec::new() };
     reader.sets.push(Properties::default());
-    for tileset in &project.definitions.tilesets {
+    for tileset in &definitions.tilesets {
         reader.tileset(tileset).map_err(|e| of(&named(tileset), e))?;
     }
     // The uppermost comes first in the file.
@@ -44,7 +51,8 @@ pub(super) fn map(project: &Project, level: &LevelFile, path: &Path) -> Result<T
 
 /// A level that is being read.
 struct LevelReader<'a> {
-    project: &'a Project,
+    definitions: &'a Definitions,
+    project: &'a Path,
     map: TileMap,
     /// The first number of the tiles of each tileset that has an image, and how many there are.
     tilesets: HashMap<i64, (u32, u32)>,
@@ -80,7 +88,7 @@ impl LevelReader<'_> {
         let sheet = self.map.sheets.len() as u32;
         self.map.sheets.push(Sheet {
             name: named(tileset),
-            path: beside(&self.project.file, image),
+            path: beside(self.project, image),
             transparent: None,
         });
         let count = columns * rows;
@@ -119,7 +127,7 @@ impl LevelReader<'_> {
     }
 
     fn layer(&mut self, layer: &LayerInstance, name: &str) -> Result<()> {
-        let definitions = &self.project.definitions.layers;
+        let definitions = &self.definitions.layers;
         let definition = definitions.iter().find(|found| found.uid == layer.layer_def_uid);
         let notes = match definition {
             Some(definition) => LayerNotes::of(&definition.doc)?,
@@ -130,9 +138,9 @@ impl LevelReader<'_> {
         let tileset = layer.tileset.and_then(|uid| self.tilesets.get(&uid).copied());
         if let Some(tileset) = tileset {
             let places = places(&tiles, tileset)?;
-            let light = |set: &Properties| TileLight::of(set, &notes.tiles, layer.visible);
-            let lights = self.sets.iter().map(light).collect::<Result<_>>()?;
-            self.push(layer, name, lights, Places::List(places));
+            let matter = |set: &Properties| TileMatter::of(set, &notes.tiles, layer.visible);
+            let matter = self.sets.iter().map(matter).collect::<Result<_>>()?;
+            self.push(layer, name, matter, Places::List(places));
         }
         if let (Some(definition), false) = (definition, layer.int_grid_csv.is_empty()) {
             let paints = layer.visible && layer.tileset.is_none();
@@ -145,13 +153,13 @@ impl LevelReader<'_> {
         Ok(())
     }
 
-    fn push(&mut self, layer: &LayerInstance, name: &str, lights: Vec<TileLight>, places: Places) {
+    fn push(&mut self, layer: &LayerInstance, name: &str, matter: Vec<TileMatter>, places: Places) {
         self.map.layers.push(TileLayer {
             name: name.to_owned(),
             offset: [layer.offset_x, layer.offset_y],
             opacity: layer.opacity.clamp(0.0, 1.0),
             tint: [1.0; 3],
-            lights,
+            matter,
             places,
         });
     }
@@ -211,7 +219,7 @@ fn squares(
         let matter = match notes.of_value(&value.identifier) {
             None => None,
             Some(own) => {
-                let light = TileLight::of(&own, &Properties::default(), true);
+                let light = TileMatter::of(&own, &Properties::default(), true);
                 let light = light.map_err(|e| of(&format!("value \"{}\"", value.identifier), e))?;
                 let by_picture = !own.has_any(&["material"]);
                 light.matter.map(|matter| (matter, by_picture))

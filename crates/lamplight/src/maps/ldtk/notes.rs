@@ -8,7 +8,7 @@
 
 use super::json::{EnumTag, Field, TileData};
 use crate::maps::properties::Properties;
-use crate::maps::tile_light::TileLight;
+use crate::maps::tile_matter::TileMatter;
 use crate::scene::Material;
 use crate::{Error, Result};
 use serde_json::{Map, Value};
@@ -53,7 +53,7 @@ impl LayerNotes {
             Some(other) => properties.set("light", other.clone()),
             None => {
                 let name = name.to_ascii_lowercase();
-                let known = TileLight::ROLES.contains(&&*name) || material(&name).is_some();
+                let known = TileMatter::ROLES.contains(&&*name) || material(&name).is_some();
                 if !known {
                     return None;
                 }
@@ -100,7 +100,7 @@ pub(super) fn of_tile_data(data: &TileData) -> Properties {
 /// Reads a tag of tiles. One that is no role is the game's own.
 pub(super) fn of_tag(tag: &EnumTag) -> Option<Properties> {
     let name = tag.enum_value_id.to_ascii_lowercase();
-    TileLight::ROLES.contains(&&*name).then(|| {
+    TileMatter::ROLES.contains(&&*name).then(|| {
         let mut properties = Properties::default();
         properties.set("light", name.into());
         properties

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 /// The definitions of a project, by which levels in files of their own are read.
 #[derive(Debug)]
 pub(in crate::maps) struct Project {
-    pub(super) file: PathBuf,
-    pub(super) definitions: Definitions,
+    file: PathBuf,
+    definitions: Definitions,
 }
 
 /// A level in its place, px of the world.
@@ -70,7 +70,7 @@ impl Project {
     }
 
     fn level(&self, found: &LevelFile, path: &Path) -> Result<TileMap> {
-        level::map(self, found, path).map_err(|e| {
+        level::map(&self.definitions, &self.file, found, path).map_err(|e| {
             let key = format!("level \"{}\"", found.identifier);
             Error::Under { key, source: Box::new(e) }.in_file(path)
         })

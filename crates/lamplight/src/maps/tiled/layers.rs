@@ -4,15 +4,15 @@ use super::layer_data;
 use super::lights::Lights;
 use super::xml::{at_line, attribute, child, color, number, pixels, properties, required};
 use crate::maps::properties::{Properties, of};
-use crate::maps::tile_light::TileLight;
 use crate::maps::tile_map::{Places, TileLayer, TileMap};
+use crate::maps::tile_matter::TileMatter;
 use crate::{Error, Result, Rgb};
 use roxmltree::Node;
 
 /// The deepest nesting of groups.
 const DEEPEST: u32 = 64;
 
-/// What a layer has from the groups around it.
+/// The attributes that a layer has from the groups around it.
 #[derive(Clone)]
 pub(super) struct Inherited {
     offset: [i32; 2],
@@ -88,9 +88,9 @@ impl LayerReader<'_> {
 
     fn tile_layer(&mut self, node: Node, own: &Inherited) -> Result<()> {
         let name = format!("layer \"{}\"", node.attribute("name").unwrap_or_default());
-        let light = |set: &Properties| TileLight::of(set, &own.properties, own.visible);
-        let lights = self.sets.iter().map(light).collect::<Result<_>>();
-        let lights = lights.map_err(|e| at_line(node, of(&name, e)))?;
+        let matter = |set: &Properties| TileMatter::of(set, &own.properties, own.visible);
+        let matter = self.sets.iter().map(matter).collect::<Result<_>>();
+        let matter = matter.map_err(|e| at_line(node, of(&name, e)))?;
         let size = [required(node, "width")?, required(node, "height")?];
         let chunks = match child(node, "data") {
             Some(data) => layer_data::read(data, size, self.infinite)?,
@@ -101,7 +101,7 @@ impl LayerReader<'_> {
             offset: own.offset,
             opacity: own.opacity,
             tint: own.tint,
-            lights,
+            matter,
             places: Places::Grid { cell: self.cell, chunks },
         });
         Ok(())

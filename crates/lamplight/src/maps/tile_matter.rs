@@ -1,4 +1,4 @@
-//! How tiles act on light, by the custom properties of their layer and their own.
+//! Matter of tiles, by the custom properties of their layer and their own.
 //!
 //! `light` is the short way: `background` (the default) only paints, `walls` also block and reflect light in the colours
 //! of their picture, `emitters` shine in them, and `none` is not drawn at all. The keys of a shape in a scene file
@@ -20,16 +20,16 @@ const MATTER: &[&str] =
 /// The emission of emitters, times the colour of their picture: a tile of 16 px lights a room.
 const EMITTERS: [f32; 3] = [4.0; 3];
 
-/// How a tile acts on light.
+/// The effect of a tile on the picture and on light.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct TileLight {
-    /// Whether the picture is painted.
+pub(super) struct TileMatter {
+    /// True if the picture is painted.
     pub paints: bool,
     /// The matter that it lays over what was there, as a shape has it; its geometry means nothing.
     pub matter: Option<Shape>,
 }
 
-impl TileLight {
+impl TileMatter {
     /// The values of `light`.
     pub const ROLES: &[&str] = &["background", "walls", "emitters", "none"];
 
@@ -88,13 +88,13 @@ mod tests {
     use super::*;
     use crate::scene::Material;
 
-    fn light(tile: Value, layer: Value) -> Result<TileLight> {
+    fn light(tile: Value, layer: Value) -> Result<TileMatter> {
         let [tile, layer] = [tile, layer].map(|values| {
             let mut properties = Properties::default();
             object(values).into_iter().for_each(|(name, value)| properties.set(&name, value));
             properties
         });
-        TileLight::of(&tile, &layer, true)
+        TileMatter::of(&tile, &layer, true)
     }
 
     fn matter(tile: Value, layer: Value) -> Option<Shape> {
@@ -116,7 +116,7 @@ mod tests {
         assert_eq!(window.map(|w| (w.opacity, w.tint)), Some((0.0, [1.0, 0.5, 0.0])));
         let water = matter(none(), json!({ "light": "walls", "material": "water" })).unwrap();
         assert_eq!(water.matter(), Material::Water.matter());
-        assert_eq!(light(none(), json!({ "light": "none" })).unwrap(), TileLight::NONE);
+        assert_eq!(light(none(), json!({ "light": "none" })).unwrap(), TileMatter::NONE);
     }
 
     #[test]
@@ -124,9 +124,9 @@ mod tests {
         let mut walls = Properties::default();
         walls.set("light", "walls".into());
         let none = Properties::default();
-        let hidden = TileLight::of(&none, &walls, false).unwrap();
+        let hidden = TileMatter::of(&none, &walls, false).unwrap();
         assert!(!hidden.paints && hidden.matter.is_some());
-        assert_eq!(TileLight::of(&walls, &none, false).unwrap(), TileLight::NONE);
+        assert_eq!(TileMatter::of(&walls, &none, false).unwrap(), TileMatter::NONE);
     }
 
     #[test]
