@@ -398,6 +398,16 @@ fn larger_tiles_stand_on_their_cell_and_images_may_be_one_per_tile() {
 }
 
 #[test]
+fn the_example_of_the_guide_is_lit_as_it_says() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/maps/tavern.tmx");
+    let cells = MapWorld::open(path).unwrap().all_cells().unwrap();
+    let at = |column: u32, row: u32| cells.get(16 * column + 7, 16 * row + 5).unwrap();
+    assert_eq!((at(0, 0).opacity, at(4, 5).opacity, at(12, 3).opacity), (1.0, 0.0, 0.0));
+    assert!(at(4, 5).glow[0] > 1.0 && at(12, 3).tint[0] < 1.0 && at(0, 0).albedo[0] > 0.1);
+    assert_eq!((cells.lamps().len(), cells.sky().is_black()), (1, false));
+}
+
+#[test]
 fn errors_name_the_file_the_line_and_the_remedy() {
     let folder = Folder::new();
     let of = |text: String| {
