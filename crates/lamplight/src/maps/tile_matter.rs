@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 
 /// The properties of matter, which are keys of a shape.
 const MATTER: &[&str] =
-    &["material", "emission", "glow", "opacity", "albedo", "tint", "only", "mask", "antialias"];
+    &["material", "emission", "glow", "opacity", "albedo", "tint", "only", "mask"];
 
 /// The emission of emitters, times the colour of their picture: a tile of 16 px lights a room.
 const EMITTERS: [f32; 3] = [4.0; 3];

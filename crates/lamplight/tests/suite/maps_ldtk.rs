@@ -343,13 +343,26 @@ fn files_cut_short_or_changed_anywhere_are_errors_and_no_panic() {
         folder.write_text("a.ldtk", &text[..length]);
         assert!(folder.open("a.ldtk").is_err(), "{length}");
     }
+    for number in numbers(&text) {
+        for other in
+            ["0", "1", "-1", "65537", "1048577", "4294967295", "18446744073709551615", "1e30", "x"]
+        {
+            let changed = [&text[..number.start], other, &text[number.end..]].concat();
+            folder.write_text("a.ldtk", &changed);
+            draw(&folder);
+        }
+    }
     for _ in 0..2000 {
         let mut bytes = text.clone().into_bytes();
         let at = random.usize(..bytes.len());
         bytes[at] = random.u8(32..127);
         folder.write_text("a.ldtk", std::str::from_utf8(&bytes).unwrap());
-        let _ = folder
-            .open("a.ldtk")
-            .and_then(|map| map.cells(GridWindow { first: [0, 0], size: [1, 1] }));
+        draw(&folder);
     }
+}
+
+/// Opens the file and draws a corner of it, whatever comes of it.
+fn draw(folder: &Folder) {
+    let corner = GridWindow { first: [0, 0], size: [1, 1] };
+    let _ = folder.open("a.ldtk").and_then(|map| map.cells(corner));
 }

@@ -491,13 +491,38 @@ fn files_cut_short_or_changed_anywhere_are_errors_and_no_panic() {
         folder.write("a.tmx", &text[..length]);
         assert!(folder.open("a.tmx").is_err(), "{length}");
     }
+    // An infinite map with a tileset whose columns have to be found out, and deep groups.
+    let groups = "<group>".repeat(100_000);
+    folder.write("a.tmx", map(2, 1, groups.clone() + &groups.replace('<', "</")));
+    assert!(folder.error("a.tmx").contains("64 groups"));
+    let chunks = "<chunk x=\"-2\" y=\"0\" width=\"2\" height=\"1\">1,2</chunk>";
+    let infinite = text
+        .replace("height=\"1\" tilewidth", "height=\"1\" infinite=\"1\" tilewidth")
+        .replace("1,2", chunks)
+        .replace("tilecount=\"8\" columns=\"4\"", "margin=\"0\" spacing=\"0\" tilecount=\"8\"");
+    let texts = [text.clone(), infinite];
+    for (text, number) in
+        texts.iter().flat_map(|text| numbers(text).into_iter().map(move |at| (text, at)))
+    {
+        for other in
+            ["0", "1", "-1", "65537", "1048577", "4294967295", "18446744073709551615", "1e30", "x"]
+        {
+            let changed = [&text[..number.start], other, &text[number.end..]].concat();
+            folder.write("a.tmx", &changed);
+            draw(&folder);
+        }
+    }
     for _ in 0..2000 {
         let mut bytes = text.clone().into_bytes();
         let at = random.usize(..bytes.len());
         bytes[at] = random.u8(32..127);
         folder.write("a.tmx", String::from_utf8(bytes).unwrap());
-        let _ = folder
-            .open("a.tmx")
-            .and_then(|map| map.cells(GridWindow { first: [0, 0], size: [1, 1] }));
+        draw(&folder);
     }
+}
+
+/// Opens the file and draws a corner of it, whatever comes of it.
+fn draw(folder: &Folder) {
+    let corner = GridWindow { first: [0, 0], size: [1, 1] };
+    let _ = folder.open("a.tmx").and_then(|map| map.cells(corner));
 }

@@ -77,7 +77,8 @@ impl LevelReader<'_> {
         };
         let [columns, rows] = size.map(fit);
         let first = self.map.tiles.len();
-        if side == 0 || columns * rows + first as u64 > MAX_TILES {
+        let count = columns.saturating_mul(rows);
+        if side == 0 || count.saturating_add(first as u64) > MAX_TILES {
             let found = format!("{}×{} px in tiles of {side} px", size[0], size[1]);
             return Err(Error::value(
                 "tileGridSize",
@@ -91,7 +92,6 @@ impl LevelReader<'_> {
             path: beside(self.project, image),
             transparent: None,
         });
-        let count = columns * rows;
         self.tilesets.insert(tileset.uid, (first as u32, count as u32));
         let mut own: HashMap<u32, Properties> = HashMap::new();
         for tag in &tileset.enum_tags {

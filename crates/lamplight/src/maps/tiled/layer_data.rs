@@ -46,7 +46,7 @@ fn too_large(node: Node, [width, height]: [u32; 2]) -> Error {
 /// Reads a rectangle of cells from the text of an element, encoded as `data` says.
 fn chunk(data: Node, node: Node, first: [i32; 2], size: [u32; 2]) -> Result<Chunk> {
     let count = u64::from(size[0]) * u64::from(size[1]);
-    if count > MAX_CELLS {
+    if count > MAX_CELLS || size.iter().any(|v| u64::from(*v) > MAX_CELLS) {
         return Err(too_large(node, size));
     }
     let count = count as usize;

@@ -93,7 +93,7 @@ impl Tileset<'_, '_, '_> {
             (columns, count) => {
                 let [width, height] = self.image_size(image, sheet)?;
                 let columns = columns.unwrap_or(fit(width, size[0]));
-                (columns, count.unwrap_or(columns * fit(height, size[1])))
+                (columns, count.unwrap_or(columns.saturating_mul(fit(height, size[1]))))
             }
         };
         if size.contains(&0) || columns == 0 && count > 0 {
@@ -153,7 +153,7 @@ impl Tileset<'_, '_, '_> {
     }
 
     fn check_count(&self, count: u64) -> Result<()> {
-        if u64::from(self.first) + count <= u64::from(MAX_TILES) {
+        if count.saturating_add(self.first.into()) <= MAX_TILES.into() {
             return Ok(());
         }
         let found = format!("{count} tiles from number {} on", self.first);
