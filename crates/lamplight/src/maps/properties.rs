@@ -20,6 +20,22 @@ impl Properties {
         }
     }
 
+    /// Returns the ones that are meant for lamplight: if names begin with `lamplight.` or `lamplight_`, or one is a class of
+    /// that name, only these. So a game may have a `material` of its own.
+    pub fn for_lamplight(self) -> Self {
+        let mut meant = Map::new();
+        for (name, value) in &self.0 {
+            match (name.strip_prefix("lamplight"), value) {
+                (Some(""), Value::Object(values)) => meant.extend(values.clone()),
+                (Some(rest), _) if rest.starts_with(['.', '_']) => {
+                    meant.insert(rest[1..].to_owned(), value.clone());
+                }
+                _ => {}
+            }
+        }
+        if meant.is_empty() { self } else { Self(meant) }
+    }
+
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.0.get(name)
     }
@@ -84,6 +100,22 @@ pub(super) fn of(what: &str, error: Error) -> Error {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    fn of_values(values: Value) -> Properties {
+        let Value::Object(values) = values else { panic!("{values}") };
+        Properties(values)
+    }
+
+    #[test]
+    fn names_with_a_prefix_leave_the_others_to_the_game() {
+        let all = |values| of_values(values).for_lamplight();
+        let own = json!({ "material": "dirt", "light": true });
+        assert_eq!(all(own.clone()), of_values(own));
+        let walls = of_values(json!({ "light": "walls" }));
+        assert_eq!(all(json!({ "material": "dirt", "lamplight.light": "walls" })), walls);
+        assert_eq!(all(json!({ "material": "dirt", "lamplight_light": "walls" })), walls);
+        assert_eq!(all(json!({ "light": 3, "lamplight": { "light": "walls" } })), walls);
+    }
 
     #[test]
     fn editors_write_what_scene_files_do() {

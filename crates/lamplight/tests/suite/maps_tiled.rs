@@ -187,6 +187,23 @@ fn properties_give_how_tiles_act_on_light() {
 }
 
 #[test]
+fn a_game_may_have_properties_of_the_same_names() {
+    let folder = Folder::new();
+    let own = properties(&[("light", "7"), ("material", "dirt")]);
+    folder.write("a.tmx", map(1, 1, TILESET.to_owned() + &layer("a", &own, &[1])));
+    assert!(folder.error("a.tmx").contains("layer \"a\""));
+    let class = "<property name=\"lamplight\" type=\"class\">".to_owned()
+        + &properties(&[("light", "walls")])
+        + "</property>";
+    let prefixed = "<property name=\"lamplight.light\" value=\"walls\"/>".to_owned();
+    for meant in [class, prefixed] {
+        let both = own.replace("</properties>", &(meant + "</properties>"));
+        folder.write("a.tmx", map(1, 1, TILESET.to_owned() + &layer("a", &both, &[1])));
+        assert_eq!(folder.cells("a.tmx").opacity(), [1.0; 16]);
+    }
+}
+
+#[test]
 fn objects_are_lamps_and_suns() {
     let folder = Folder::new();
     let lamp = properties(&[("color", "#ffff8000"), ("intensity", "30"), ("size", "2.5")]);

@@ -85,7 +85,7 @@ pub(super) fn of_fields(fields: &[Field]) -> Properties {
         };
         properties.set(&field.identifier.to_ascii_lowercase(), value);
     }
-    properties
+    properties.for_lamplight()
 }
 
 /// Reads the custom data of a tile. Data in another notation is the game's own.
@@ -94,7 +94,7 @@ pub(super) fn of_tile_data(data: &TileData) -> Properties {
         serde_json::from_str(&data.data).ok().or_else(|| toml::from_str(&data.data).ok());
     let mut properties = Properties::default();
     values.iter().flatten().for_each(|(name, value)| properties.set(name, value.clone()));
-    properties
+    properties.for_lamplight()
 }
 
 /// Reads a tag of tiles. One that is no role is the game's own.

@@ -5,7 +5,7 @@ use crate::maps::map_file::read_text;
 use crate::maps::properties::Properties;
 use crate::{Error, Result, notation};
 use roxmltree::{Document, Node, ParsingOptions};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::path::Path;
 use std::str::FromStr;
 
@@ -113,19 +113,32 @@ pub(super) fn child<'a, 'i: 'a>(node: Node<'a, 'i>, name: &'static str) -> Optio
     children(node, name).next()
 }
 
-/// Reads the custom properties of an element.
+/// Reads the custom properties of an element that are meant for lamplight.
 pub(super) fn properties(node: Node) -> Properties {
     let mut properties = Properties::default();
+    for (name, value) in values(node, 0) {
+        properties.set(&name, value);
+    }
+    properties.for_lamplight()
+}
+
+/// The deepest nesting of classes.
+const DEEPEST: u32 = 16;
+
+/// Returns the custom properties of an element, or of a class that is a property.
+fn values(node: Node, depth: u32) -> Map<String, Value> {
+    let mut found = Map::new();
     for property in children(node, "properties").flat_map(|all| children(all, "property")) {
         let Some(name) = property.attribute("name") else { continue };
         // A text of several lines is not in the attribute.
         let text = property.attribute("value").or(property.text()).unwrap_or_default();
         let value = match property.attribute("type") {
+            Some("class") if depth < DEEPEST => values(property, depth + 1).into(),
             Some("bool") => Value::Bool(text == "true"),
             Some("int" | "float") => serde_json::from_str(text).unwrap_or_else(|_| text.into()),
             _ => text.into(),
         };
-        properties.set(name, value);
+        found.insert(name.to_owned(), value);
     }
-    properties
+    found
 }
