@@ -1,6 +1,7 @@
 //! The error type of commands: a message, a hint, and the exit code.
 
 use anstyle::{AnsiColor, Style};
+use lamplight::maps::MapWorld;
 use std::fmt::Display;
 
 /// The result of a command or a part of one.
@@ -96,6 +97,9 @@ impl From<lamplight::Error> for CliError {
             {
                 if path.as_os_str() == "-" {
                     return refused.hint("name a file; /dev/stdin reads a scene from a pipe");
+                }
+                if MapWorld::reads(&path) {
+                    return refused;
                 }
                 let scene = path.with_extension("toml");
                 let scene = scene.display();

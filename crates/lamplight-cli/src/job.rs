@@ -3,6 +3,7 @@
 use crate::args::{Backend, DisplayArgs, LightingArgs, Renderer};
 use crate::error::{CliError, Result, warn};
 use crate::gpu::Gpu;
+use crate::input::Input;
 use crate::lit::Lit;
 use crate::memory::{self, SceneSize};
 use crate::output::OutputFiles;
@@ -10,7 +11,7 @@ use crate::solve;
 use crate::stage::{Fields, check_scale};
 use crate::warnings;
 use lamplight::settings::MethodSettings;
-use lamplight::{Bounces, Cells, Display, Scene, Settings};
+use lamplight::{Bounces, Cells, Display, Settings};
 use std::path::Path;
 
 /// Paths per pixel of the reference, unless a flag sets them.
@@ -40,12 +41,12 @@ impl RenderJob {
         computes: bool,
     ) -> Result<Self> {
         let quiet = lighting.machine.quiet;
-        let scene = Scene::load(path)?;
-        let (renderer, mut settings) = lighting.resolve(&scene.settings)?;
+        let scene = Input::load(path)?;
+        let (renderer, mut settings) = lighting.resolve(&scene.settings())?;
         average(&mut settings, lighting.frames);
         let scale = display.scale;
-        check_scale(scene.size, scale)?;
-        let display = display.resolve(scene.display)?;
+        check_scale(scene.size(), scale)?;
+        let display = display.resolve(scene.display())?;
         if renderer == Renderer::Reference && lighting.machine.backend == Backend::Gpu {
             return Err(CliError::bad_input("the reference has no GPU backend so far")
                 .hint("leave --backend out, or say --backend cpu"));
@@ -105,13 +106,13 @@ impl RenderJob {
 /// Makes the cells of a scene, if `bytes_needed` for its size can be allocated. Prints the scene's
 /// warnings unless `quiet`.
 pub fn read_cells(
-    scene: &Scene,
+    scene: &Input,
     path: &Path,
     quiet: bool,
     bytes_needed: impl FnOnce(SceneSize) -> u64,
 ) -> Result<(Cells, OutputFiles)> {
-    let [width, height] = scene.size;
-    let needed = bytes_needed(SceneSize::of(scene));
+    let [width, height] = scene.size();
+    let needed = bytes_needed(scene.scene_size());
     memory::check(needed, format_args!("lighting {} ({width}×{height} cells)", path.display()))?;
     let cells = scene.cells()?;
     if !quiet {

@@ -22,6 +22,7 @@ mod frame_cost;
 mod frames;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod input;
 mod job;
 mod lit;
 mod memory;

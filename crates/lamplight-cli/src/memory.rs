@@ -6,6 +6,7 @@
 use crate::args::{Backend, Renderer};
 use crate::available_memory::available;
 use crate::error::{CliError, Result};
+use lamplight::scene::PICTURE_BYTES;
 use lamplight::settings::{MethodSettings, Variant};
 use lamplight::{Bounces, Lamp, Scene, Settings};
 use std::collections::HashSet;
@@ -26,6 +27,8 @@ const EXACT: u64 = 50;
 const MOMENT_READ: u64 = 60;
 /// Bytes per cell of a tile with inflow, beside those of the method: border rows, and the copy that the source made.
 const INFLOW: u64 = 500;
+/// Bytes of the pixels of a world's images per cell, at most: those of eight layers.
+const PIXELS: u64 = 8 * 4;
 /// Bytes per cell of a world in its far field, and in that of the next bounce, if two fifths of its blocks hold matter.
 const FAR_FIELD: u64 = 48;
 /// Bytes per cell of the light of a row, kept until all rows are compared.
@@ -88,9 +91,12 @@ pub fn estimate(size: SceneSize, renderer: Renderer, settings: &Settings, backen
     BASE + of_cells.saturating_add(cookies.saturating_mul(COOKIE))
 }
 
-/// The number of bytes that lighting a world tile by tile takes, with `tile` cells in a tile and its margin.
+/// The number of bytes that lighting a world tile by tile takes, with `tile` cells in a tile and its margin, and the images
+/// that it keeps.
 pub fn estimate_world(cells: u64, tile: u64, settings: &Settings) -> u64 {
-    BASE + tile.saturating_mul(of_method(settings) + INFLOW) + cells.saturating_mul(FAR_FIELD)
+    BASE + PICTURE_BYTES.min(cells.saturating_mul(PIXELS))
+        + tile.saturating_mul(of_method(settings) + INFLOW)
+        + cells.saturating_mul(FAR_FIELD)
 }
 
 /// The number of bytes that a comparison of some rows needs in addition to lighting.

@@ -72,6 +72,25 @@ impl WorldSource for Cells {
     }
 }
 
+/// A borrowed source.
+impl<S: WorldSource + ?Sized> WorldSource for &S {
+    fn size(&self) -> [u32; 2] {
+        (**self).size()
+    }
+
+    fn sky(&self) -> Sky {
+        (**self).sky()
+    }
+
+    fn suns(&self) -> Vec<Sun> {
+        (**self).suns()
+    }
+
+    fn cells(&self, window: GridWindow) -> Result<Cells> {
+        (**self).cells(window)
+    }
+}
+
 /// Returns the lamps that reach into a window, with positions relative to it.
 pub fn lamps_within(lamps: &[Lamp], window: GridWindow) -> Vec<Lamp> {
     let [first, size] = [window.first, window.size].map(|of| of.map(|v| v as f32));

@@ -278,6 +278,8 @@ fn pictures() -> Result<()> {
             (format!("scenes/cookbook/{name}.toml"), format!("docs/pictures/cookbook-{name}.png"));
         lamplight(&["render", &scene, "--scale", COOKBOOK_SCALE, "-o", &output])?;
     }
+    let map = ["render", "scenes/maps/tavern.tmx", "--scale", SCALE];
+    lamplight(&[&map[..], &["-o", "docs/pictures/map-tavern.png"]].concat())?;
     for &map in ToneMap::ALL {
         let output = format!("docs/pictures/tonemap-{}.png", map.name());
         lamplight(&["render", &file("night_street"), "--tonemap", map.name(), "-o", &output])?;

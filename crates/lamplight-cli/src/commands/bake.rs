@@ -2,13 +2,13 @@
 
 use crate::args::{Backend, DisplayArgs, MachineArgs, Renderer, SettingArgs, by_name};
 use crate::error::{CliError, Result, warn};
+use crate::input::Input;
 use crate::lit::ms;
 use crate::memory;
 use crate::output::{self, OutputFiles};
 use crate::progress::Progress;
-use lamplight::scene::SceneWorld;
-use lamplight::world::{World, WorldSettings, WorldSource};
-use lamplight::{Cells, Display, GridWindow, Light, Method, Scene};
+use lamplight::world::{World, WorldSettings};
+use lamplight::{Cells, Display, GridWindow, Light, Method};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,14 +17,14 @@ use std::time::Instant;
 /// The file that says what the tiles of a directory are.
 const MANIFEST: &str = "bake.json";
 
-/// Light a scene of any size, tile by tile, into a directory of pictures
+/// Light a scene or a map of any size, tile by tile, into a directory of pictures
 ///
 /// Each tile has the light of the whole scene. The scene may be larger than a grid (up to 65536 a side); it is then
-/// drawn with shapes and sprites. Tiles are named by column and row: 0-0.png is the one at the top left. bake.json says
+/// drawn with shapes, sprites, and layers in tiles, which are read as they are needed. Tiles are named by column and row: 0-0.png is the one at the top left. bake.json says
 /// what they show.
 #[derive(clap::Args, Debug)]
 pub struct BakeArgs {
-    /// The scene file (TOML or JSON)
+    /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
     /// The directory to write tiles into
     #[arg(long, short, value_name = "DIR")]
@@ -101,36 +101,45 @@ pub fn run(args: BakeArgs) -> Result {
 fn bake(args: &BakeArgs) -> Result {
     let start = Instant::now();
     let quiet = args.machine.quiet;
-    let scene = Scene::load_world(&args.scene)?;
-    let table = args.settings.over(&scene.settings, args.method.map(Renderer::Method))?;
+    let scene = Input::load_world(&args.scene)?;
+    let table = args.settings.over(&scene.settings(), args.method.map(Renderer::Method))?;
     let settings = WorldSettings { halo: args.halo, ..WorldSettings::new(table.resolve()?) };
-    let display = args.display.resolve(scene.display)?;
-    let [width, height] = scene.size;
+    let display = args.display.resolve(scene.display())?;
+    let size @ [width, height] = scene.size();
     let side = u64::from(args.tile + 2 * args.halo);
     let cells = u64::from(width) * u64::from(height);
     let needed = memory::estimate_world(cells, side * side, &settings.solver);
     memory::check(needed, format_args!("lighting {width}×{height} cells in tiles"))?;
 
-    let source = SceneWorld::new(&scene)?;
+    let source = scene.source()?;
     let outputs = OutputFiles::protecting(scene.files());
     output::make_directory(&args.output)?;
-    let manifest = json!({
-        "scene": scene.to_toml()?, "size": scene.size, "tile": args.tile, "halo": args.halo,
+    let mut manifest = json!({
+        "scene": scene.identity()?, "size": size, "tile": args.tile, "halo": args.halo,
         "columns": width.div_ceil(args.tile), "rows": height.div_ceil(args.tile),
         "format": args.format.extension(), "settings": table, "display": display,
     });
+    if let Some(origin) = scene.origin() {
+        manifest["origin"] = json!(origin);
+    }
     if args.resume {
         check_manifest(&args.output, &manifest)?;
     }
 
+    let name = |[column, row]: [u32; 2]| {
+        args.output.join(format!("{column}-{row}.{}", args.format.extension()))
+    };
+    for row in 0..height.div_ceil(args.tile) {
+        for column in 0..width.div_ceil(args.tile) {
+            outputs.check(&name([column, row]))?;
+        }
+    }
+
     let progress = Progress::new("reading", 1, quiet);
     let world =
-        World::new(&source, settings, |part, parts| progress.of(part as u64, parts as u64))?;
+        World::new(&*source, settings, |part, parts| progress.of(part as u64, parts as u64))?;
     let tiles = world.tiles(args.tile);
-    let name = |window: &GridWindow| {
-        let [x, y] = window.first.map(|v| v / args.tile);
-        args.output.join(format!("{x}-{y}.{}", args.format.extension()))
-    };
+    let name = |window: &GridWindow| name(window.first.map(|v| v / args.tile));
     if !args.resume {
         // Those of another scene would pass for finished ones.
         for window in &tiles {
@@ -158,7 +167,7 @@ fn bake(args: &BakeArgs) -> Result {
     let took = ms(start.elapsed());
     if args.json {
         return output::print(json!({
-            "scene": args.scene, "output": args.output, "size": scene.size, "tiles": count,
+            "scene": args.scene, "output": args.output, "size": size, "tiles": count,
             "kept": kept, "total_ms": took,
         }));
     }

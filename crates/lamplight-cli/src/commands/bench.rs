@@ -6,6 +6,7 @@ use crate::device_info::DeviceInfo;
 use crate::error::{CliError, Result};
 use crate::frame_cost::FrameCost;
 use crate::gpu::Gpu;
+use crate::input::Input;
 use crate::job::read_cells;
 use crate::lit::ms;
 use crate::memory::{self, SceneSize};
@@ -15,7 +16,7 @@ use crate::stage::{FrameView, Stage};
 use crate::table::table;
 use lamplight::internals::glow::Glow;
 use lamplight::internals::holographic::paper::Paper;
-use lamplight::{Cells, Display, Method, Scene, Settings, SettingsTable, Solver};
+use lamplight::{Cells, Display, Method, Settings, SettingsTable, Solver};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -209,11 +210,11 @@ impl Case<'_> {
 /// The cells to time, and the settings of their scene.
 fn grids(args: &BenchArgs) -> Result<(Vec<Cells>, SettingsTable)> {
     if let Some(path) = &args.scene {
-        let scene = Scene::load(path)?;
-        let settings = settings(args, &scene.settings)?;
+        let scene = Input::load(path)?;
+        let settings = settings(args, &scene.settings())?;
         let needed = |size| needed(args, &settings, size);
         let (cells, _) = read_cells(&scene, path, args.machine.quiet, needed)?;
-        return Ok((vec![cells], scene.settings));
+        return Ok((vec![cells], scene.settings()));
     }
     let default = [Size(320, 180), Size(640, 360), Size(1280, 720)];
     let sizes = if args.size.is_empty() { &default[..] } else { &args.size };

@@ -5,6 +5,7 @@ use crate::comparison::{self, Comparison, Entry, Evaluator, ReferenceLight, Row}
 use crate::device_info::DeviceInfo;
 use crate::error::{CliError, Result, warn};
 use crate::gpu::Gpu;
+use crate::input::Input;
 use crate::job::read_cells;
 use crate::lit::{ms, to_json};
 use crate::memory::{self, SceneSize};
@@ -13,7 +14,7 @@ use crate::report::{self, ReferenceStats};
 use crate::solve;
 use crate::table;
 use crate::warnings;
-use lamplight::{Cells, Method, Rgb, Scene, Settings};
+use lamplight::{Cells, Method, Rgb, Settings};
 use lamplight_truth::scenes::open_cells;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -21,7 +22,7 @@ use std::path::PathBuf;
 /// Compare methods with the path tracer: errors and times, one row per preset
 #[derive(clap::Args, Debug)]
 pub struct CompareArgs {
-    /// The scene file (TOML or JSON)
+    /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
     /// Methods to compare, separated by commas [default: all]
     #[arg(long, value_name = "METHOD", value_delimiter = ',',
@@ -56,10 +57,10 @@ pub fn run(args: CompareArgs) -> Result {
     let methods = if args.methods.is_empty() { Method::ALL } else { &args.methods };
     args.machine.run(|threads| {
         let quiet = args.machine.quiet;
-        let scene = Scene::load(&args.scene)?;
-        let table = args.settings.over(&scene.settings, Some(Renderer::Reference))?;
+        let scene = Input::load(&args.scene)?;
+        let table = args.settings.over(&scene.settings(), Some(Renderer::Reference))?;
         let settings = table.resolve()?;
-        let display = args.display.resolve(scene.display)?;
+        let display = args.display.resolve(scene.display())?;
         let entries = comparison::entries(methods, &table, args.settings.quality, args.sweep)?;
         let (cells, outputs) = read_cells(&scene, &args.scene, quiet, |size| {
             needed(&args, &entries, &settings, size)

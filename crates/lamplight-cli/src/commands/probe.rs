@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Print the light at points of a scene
 #[derive(clap::Args, Debug)]
 pub struct ProbeArgs {
-    /// The scene file (TOML or JSON)
+    /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
     /// Points in px from the top left, such as 160,90 or 40.5,30.5; the centre of the first cell is
     /// 0.5,0.5

@@ -15,7 +15,7 @@ use std::time::Instant;
 /// Light a scene and write the picture
 #[derive(clap::Args, Debug)]
 pub struct RenderArgs {
-    /// The scene file (TOML or JSON)
+    /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
     /// The file to write: .png (sRGB picture) or .exr (linear floats) [default: the scene's name
     /// with .png, in the current directory]

@@ -3,19 +3,20 @@
 use crate::args::{Backend, DisplayArgs, MachineArgs, Position, Renderer};
 use crate::device_info::DeviceInfo;
 use crate::error::{CliError, Result};
+use crate::input::Input;
 use crate::job::read_cells;
 use crate::lit::ms;
 use crate::memory;
 use crate::output::{self, Format};
 use crate::stage::{check_scale, enlarge};
-use lamplight::{Cone, Method, Scene, Settings, Sight, SightSolver, debug_views};
+use lamplight::{Cone, Method, Settings, Sight, SightSolver, debug_views};
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// Write a picture of what viewers see of a scene: white is seen
 #[derive(clap::Args, Debug)]
 pub struct SightArgs {
-    /// The scene file (TOML or JSON)
+    /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
     /// The eye of a viewer in px from the top left, such as 160,90. Repeat it for more viewers, of whom the
     /// picture shows what any sees
@@ -72,8 +73,8 @@ pub fn run(args: SightArgs) -> Result {
             .hint("leave --backend out, or say --backend cpu"));
     }
     args.machine.run(|_| {
-        let scene = Scene::load(&args.scene)?;
-        check_scale(scene.size, args.scale)?;
+        let scene = Input::load(&args.scene)?;
+        check_scale(scene.size(), args.scale)?;
         let (cells, outputs) = read_cells(&scene, &args.scene, quiet, |size| {
             // Sight takes no more than the light of `polar`.
             let settings = Settings::direct(Method::Polar);

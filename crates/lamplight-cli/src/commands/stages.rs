@@ -17,7 +17,7 @@ const SHEET: &str = "contact-sheet.png";
 /// Write every stage of a frame as a picture, and one contact sheet
 #[derive(clap::Args, Debug)]
 pub struct StagesArgs {
-    /// The scene file (TOML or JSON)
+    /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
     /// The directory to write into; it is created if it does not exist
     #[arg(long, short, value_name = "DIR")]

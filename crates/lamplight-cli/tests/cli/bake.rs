@@ -104,3 +104,25 @@ fn what_cannot_be_baked_is_refused() {
     sandbox.write("world.toml", format!("{WORLD}direct = \"exact\"\n"));
     sandbox.run("bake world.toml -o tiles").failed(2, &["(150, 40)", "shadow map", "glow"]);
 }
+
+#[test]
+fn layers_in_tiles_are_read_and_never_overwritten() {
+    let sandbox = Sandbox::new();
+    std::fs::create_dir(sandbox.path("art")).unwrap();
+    let wall = image::RgbaImage::from_pixel(64, 64, image::Rgba([200, 120, 60, 255]));
+    wall.save(sandbox.path("art/1-0.png")).unwrap();
+    let layers = "size = [128, 128]\nlayers = { tile = 64, albedo = \"art/{x}-{y}.png\" }\n";
+    sandbox.write("world.toml", format!("{layers}[[lamp]]\nposition = [32, 32]\n"));
+    sandbox.run("bake world.toml -o tiles --tile 64 -q --bounces 0").done();
+    // The background is white but for one tile.
+    let [white, painted] = ["0-0", "1-0"].map(|tile| {
+        let [r, _, b] = sandbox.picture(&format!("tiles/{tile}.png")).get_pixel(32, 32).0;
+        r.abs_diff(b)
+    });
+    assert!(white < 3 && painted > 20, "{white}, {painted}");
+    let said =
+        sandbox.run("bake world.toml -o art --tile 64").failed(2, &["the scene reads this file"]);
+    assert!(said.contains("1-0.png"), "{said}");
+    assert_eq!(sandbox.picture("art/1-0.png").get_pixel(0, 0).0, [200, 120, 60]);
+    assert!(!sandbox.path("art/0-0.png").exists());
+}

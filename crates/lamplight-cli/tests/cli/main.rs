@@ -5,6 +5,7 @@ mod bake;
 mod commands;
 mod files;
 mod hints;
+mod maps;
 mod memory;
 mod on_the_gpu;
 mod render;

@@ -1,24 +1,36 @@
 //! Layers: images of the scene's size that hold one field of every cell.
 
-use super::picture::Picture;
+use super::layer::{Layer, ScenePlace, grey, tile_names, tile_parts};
+use super::pictures::Pictures;
 use super::source::Source;
 use crate::check;
-use crate::mask::{self, ALL_LAYERS};
 use crate::relief::{self, UP};
-use crate::{Cells, Error, Result, Rgb};
+use crate::{Cells, Error, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+
+/// Sides of tiles, px. Smaller ones are more files than a folder should have; a larger one does not fit the store of
+/// decoded images.
+const TILES: std::ops::RangeInclusive<u32> = 16..=4096;
 
 /// Images that fill the grid under the shapes. Each is a PNG, EXR, WebP or JPEG of exactly the scene's
 /// size; relative paths start at the scene file's folder.
+///
+/// An image may be cut into tiles: squares of `tile` px, of which each is a file. The column and the row of a tile, from
+/// 0, take the place of `{x}` and `{y}` in a name such as `"emission/{x}_{y}.png"`. A tile without a file is
+/// transparent. The scene may then be larger than a grid.
 ///
 /// Transparent pixels are mixed with the defaults (emission, glow, opacity and albedo 0, tint 1, the picture
 /// white) by their alpha; fully transparent ones are ignored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Layers {
+    /// The side of tiles, px, 16 to 4096. It is for layers whose name has `{x}` and `{y}`. Tiles at the right and at the
+    /// bottom may be cut off where the scene ends.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 16, max = 4096))]
+    pub tile: Option<u32>,
     /// Emitted radiance. An EXR is linear as it is, other images are sRGB-decoded. Without an opacity
     /// layer every cell that glows here is solid.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,6 +92,7 @@ fn is_one(value: &f32) -> bool {
 impl Default for Layers {
     fn default() -> Self {
         Self {
+            tile: None,
             emission: None,
             emission_scale: 1.0,
             glow: None,
@@ -101,24 +114,111 @@ impl Layers {
         *self == Self::default()
     }
 
-    /// The images, as the scene names them.
-    pub(crate) fn images(&self) -> impl Iterator<Item = &PathBuf> {
-        let Self { emission, glow, opacity, albedo, tint, color, normal, mask, .. } = self;
-        [emission, glow, opacity, albedo, tint, color, normal, mask].into_iter().flatten()
+    /// Returns whether some are cut into tiles.
+    pub(super) fn are_in_tiles(&self) -> bool {
+        self.in_tiles().next().is_some()
+    }
+
+    /// The key of the first that is one image.
+    pub(super) fn in_one_piece(&self) -> Option<&'static str> {
+        self.named().find(|(_, image)| tile_parts(image) == [false; 2]).map(|(key, _)| key)
+    }
+
+    /// The images that a scene of this size reads, as it names them; of tiles all that `exist`.
+    pub(super) fn images(&self, scene: [u32; 2], exist: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
+        let side = self.tile.unwrap_or(u32::MAX);
+        let mut images = Vec::new();
+        for (_, image) in self.named() {
+            match tile_parts(image) {
+                [false, false] => images.push(image.clone()),
+                _ => images.extend(tile_names(image, side, scene).filter(|name| exist(name))),
+            }
+        }
+        images
+    }
+
+    /// The key and the image of each layer.
+    fn named(&self) -> impl Iterator<Item = (&'static str, &PathBuf)> {
+        let layers = [
+            ("emission", &self.emission),
+            ("glow", &self.glow),
+            ("opacity", &self.opacity),
+            ("albedo", &self.albedo),
+            ("tint", &self.tint),
+            ("color", &self.color),
+            ("normal", &self.normal),
+            ("mask", &self.mask),
+        ];
+        layers.into_iter().filter_map(|(key, image)| image.as_ref().map(|image| (key, image)))
+    }
+
+    /// The key and the name of each layer in tiles.
+    fn in_tiles(&self) -> impl Iterator<Item = (&'static str, &PathBuf)> {
+        self.named().filter(|(_, image)| tile_parts(image) != [false; 2])
     }
 
     pub(crate) fn check(&self) -> Result<()> {
         check::number("layers.emission_scale", self.emission_scale, 0.0..=1e6)?;
-        check::number("layers.glow_scale", self.glow_scale, 0.0..=1e6)
+        check::number("layers.glow_scale", self.glow_scale, 0.0..=1e6)?;
+        for (key, image) in self.in_tiles() {
+            let key = format!("layers.{key}");
+            if tile_parts(image) != [true; 2] {
+                let expected = "the name of an image, or of tiles with both {x} and {y}";
+                return Err(Error::value(key, image.display(), expected));
+            }
+            if self.tile.is_none() {
+                let problem = "is in tiles: give the side of a tile in px, such as `tile = 512`";
+                return Err(Error::Key { key, problem: problem.into() });
+            }
+        }
+        match self.tile {
+            Some(side) if !TILES.contains(&side) => {
+                let expected = format!("{} to {} px", TILES.start(), TILES.end());
+                Err(Error::value("layers.tile", side, expected))
+            }
+            Some(_) if !self.are_in_tiles() => {
+                let problem = "is for layers in tiles, named like \"emission/{x}_{y}.png\"";
+                Err(Error::Key { key: "layers.tile".into(), problem: problem.into() })
+            }
+            _ => Ok(()),
+        }
     }
 
-    /// Reads every layer into the grid.
-    pub(crate) fn read(&self, source: Source, cells: &mut Cells) -> Result<()> {
-        let size = [cells.width(), cells.height()];
-        let open = |key, path: &Option<PathBuf>| {
-            path.as_ref().map(|path| Layer::open(key, source, path, size)).transpose()
+    /// Rejects tiles of which no file exists: that is a name that is wrong.
+    pub(super) fn check_tiles(&self, source: Source, scene: [u32; 2]) -> Result<()> {
+        let side = self.tile.unwrap_or(u32::MAX);
+        let names = |image| tile_names(image, side, scene).map(|name| source.place(&name));
+        for (key, image) in self.in_tiles() {
+            if names(image).any(|path| source.has(&path)) {
+                continue;
+            }
+            let first = names(image).next().unwrap_or_default();
+            let problem = format!(
+                "has no tile: neither {} exists, nor one of the others of a scene of {}×{} cells",
+                first.display(),
+                scene[0],
+                scene[1]
+            );
+            return Err(Error::Key { key: format!("layers.{key}"), problem });
+        }
+        Ok(())
+    }
+
+    /// Reads every layer into the grid of a window.
+    pub(super) fn read(
+        &self,
+        source: Source,
+        pictures: &Pictures,
+        place: ScenePlace,
+        cells: &mut Cells,
+    ) -> Result<()> {
+        let layer = |key: &str| {
+            let (_, image) = self.named().find(|(name, _)| *name == key)?;
+            let tile = self.tile.filter(|_| tile_parts(image) == [true; 2]);
+            let key = format!("layers.{key}");
+            Some(Layer { key, image, tile, place, source, pictures })
         };
-        if let Some(layer) = open("emission", &self.emission)? {
+        if let Some(layer) = layer("emission") {
             layer.fill_light("emission", cells.emission_mut(), self.emission_scale)?;
             if self.opacity.is_none() {
                 for i in 0..cells.len() {
@@ -127,35 +227,32 @@ impl Layers {
                 }
             }
         }
-        if let Some(layer) = open("glow", &self.glow)? {
+        if let Some(layer) = layer("glow") {
             layer.fill_light("glow", cells.glow_mut(), self.glow_scale)?;
         }
-        if let Some(layer) = open("opacity", &self.opacity)? {
-            layer.fill("opacity", cells.opacity_mut(), 0.0..=1.0, |x, y| {
-                let (rgb, alpha) = layer.picture.value(x, y);
+        if let Some(layer) = layer("opacity") {
+            layer.fill("opacity", cells.opacity_mut(), 0.0..=1.0, |pixel, _| {
+                let (rgb, alpha) = pixel.value();
                 grey(rgb) * alpha
             })?;
         }
-        if let Some(layer) = open("albedo", &self.albedo)? {
-            layer.fill("albedo", cells.albedo_mut(), 0.0..=1.0, |x, y| {
-                let (rgb, alpha) = layer.picture.color(x, y);
-                rgb.map(|v| v * alpha)
-            })?;
+        if let Some(layer) = layer("albedo") {
+            layer.fill("albedo", cells.albedo_mut(), 0.0..=1.0, |pixel, _| pixel.light())?;
             layer.paint(cells.color_mut())?;
         }
-        if let Some(layer) = open("tint", &self.tint)? {
-            layer.fill("tint", cells.tint_mut(), 0.0..=1.0, |x, y| {
-                let (rgb, alpha) = layer.picture.value(x, y);
+        if let Some(layer) = layer("tint") {
+            layer.fill("tint", cells.tint_mut(), 0.0..=1.0, |pixel, _| {
+                let (rgb, alpha) = pixel.value();
                 rgb.map(|v| 1.0 - alpha + v * alpha)
             })?;
         }
-        if let Some(layer) = open("color", &self.color)? {
+        if let Some(layer) = layer("color") {
             layer.paint(cells.color_mut())?;
         }
-        if let Some(layer) = open("normal", &self.normal)? {
+        if let Some(layer) = layer("normal") {
             let sign = if self.normal_y == NormalY::Up { 1.0 } else { -1.0 };
-            layer.fill("normal", cells.normals_mut(), -1.0..=1.0, |x, y| {
-                let (rgb, alpha) = layer.picture.value(x, y);
+            layer.fill("normal", cells.normals_mut(), -1.0..=1.0, |pixel, _| {
+                let (rgb, alpha) = pixel.value();
                 if alpha == 0.0 {
                     return UP;
                 }
@@ -163,114 +260,9 @@ impl Layers {
                 [x, sign * y, z]
             })?;
         }
-        if let Some(layer) = open("mask", &self.mask)? {
+        if let Some(layer) = layer("mask") {
             layer.fill_masks(cells.masks_mut())?;
         }
         Ok(())
     }
-}
-
-/// The image of a layer, with its key and path for errors.
-struct Layer {
-    key: String,
-    path: PathBuf,
-    picture: Picture,
-}
-
-impl Layer {
-    fn open(key: &str, source: Source, path: &Path, size: [u32; 2]) -> Result<Self> {
-        let key = format!("layers.{key}");
-        let path = source.place(path);
-        let exact = |width, height| {
-            if [width, height] == size {
-                return Ok(());
-            }
-            let expected = format!("{}×{} px, the size of the scene", size[0], size[1]);
-            let found = format!("an image of {width}×{height} px ({})", path.display());
-            Err(Error::value(&key, found, expected))
-        };
-        let picture = Picture::open(source, &path, &key, exact)?;
-        Ok(Self { picture, key, path })
-    }
-
-    /// Sets one field of every cell; rejects values that an EXR can hold and the field cannot.
-    fn fill<T: Channels>(
-        &self,
-        field: &'static str,
-        cells: &mut [T],
-        range: RangeInclusive<f32>,
-        value: impl Fn(u32, u32) -> T,
-    ) -> Result<()> {
-        let [width, _] = self.picture.size();
-        for (i, cell) in cells.iter_mut().enumerate() {
-            let (x, y) = ((i % width as usize) as u32, (i / width as usize) as u32);
-            *cell = value(x, y);
-            if let Some(&value) = cell.channels().iter().find(|v| !range.contains(v)) {
-                let expected = if *range.end() == 1.0 { "0 to 1" } else { "0 to 1e12" };
-                let error = Error::Cell { x, y, field, value, expected };
-                return Err(error.in_file(&self.path).under(&self.key));
-            }
-        }
-        Ok(())
-    }
-
-    /// Sets the light of every cell, times `scale`.
-    fn fill_light(&self, field: &'static str, cells: &mut [Rgb], scale: f32) -> Result<()> {
-        self.fill(field, cells, 0.0..=check::BRIGHT, |x, y| {
-            let (rgb, alpha) = self.picture.color(x, y);
-            rgb.map(|v| v * alpha * scale)
-        })
-    }
-
-    /// Sets the mask of every cell; rejects cells in no layer.
-    fn fill_masks(&self, masks: &mut [u8]) -> Result<()> {
-        let mut values = vec![0.0; masks.len()];
-        self.fill("mask", &mut values, 0.0..=1.0, |x, y| {
-            let (rgb, alpha) = self.picture.value(x, y);
-            if alpha == 0.0 { 1.0 } else { grey(rgb) }
-        })?;
-        let [width, _] = self.picture.size();
-        for (i, (mask, value)) in (0..).zip(masks.iter_mut().zip(values)) {
-            *mask = (value * f32::from(ALL_LAYERS)).round() as u8;
-            if *mask == 0 {
-                let (x, y, expected) = (i % width, i / width, mask::EXPECTED);
-                let error = Error::Cell { x, y, field: "mask", value: 0.0, expected };
-                return Err(error.in_file(&self.path).under(&self.key));
-            }
-        }
-        Ok(())
-    }
-
-    /// Lays the image over the picture under the light.
-    fn paint(&self, color: &mut [Rgb]) -> Result<()> {
-        let under = color.to_vec();
-        let [width, _] = self.picture.size();
-        self.fill("color", color, 0.0..=1.0, |x, y| {
-            let (rgb, alpha) = self.picture.color(x, y);
-            let below = under[y as usize * width as usize + x as usize];
-            std::array::from_fn(|c| below[c] * (1.0 - alpha) + rgb[c] * alpha)
-        })
-    }
-}
-
-/// One value or three.
-trait Channels {
-    fn channels(&self) -> &[f32];
-}
-
-impl Channels for f32 {
-    fn channels(&self) -> &[f32] {
-        std::slice::from_ref(self)
-    }
-}
-
-impl Channels for Rgb {
-    fn channels(&self) -> &[f32] {
-        self
-    }
-}
-
-/// The luma (Rec. 709) of a colour; grey stays exactly as it is.
-fn grey(rgb: Rgb) -> f32 {
-    if rgb == [rgb[0]; 3] { rgb[0] } else { crate::srgb::luminance(rgb) }
 }

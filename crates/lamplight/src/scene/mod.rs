@@ -4,25 +4,30 @@ mod cookie;
 pub(crate) mod coverage;
 mod file;
 mod geometry;
+mod layer;
 mod layers;
 mod material;
-mod picture;
-mod raster;
+pub(crate) mod picture;
+pub(crate) mod pictures;
+pub(crate) mod raster;
 mod shape;
 mod sky;
-mod source;
+pub(crate) mod source;
 mod thin_wall;
 mod window;
 
 pub use geometry::{Circle, Geometry, Line, Polygon, Rect, Sprite};
 pub use layers::{Layers, NormalY};
 pub use material::Material;
+pub use pictures::PICTURE_BYTES;
 pub use shape::{Only, Shape};
 pub use sky::{SceneSky, SkyPicture};
 pub use window::SceneWorld;
 
 use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sun, exact, world};
 use coverage::Window;
+use layer::ScenePlace;
+use pictures::Pictures;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use source::Source;
@@ -120,31 +125,41 @@ impl Scene {
     ///
     /// Nothing that grows with the size is allocated before the size is found good.
     pub fn cells(&self) -> Result<Cells> {
-        let folder = self.file.parent().unwrap_or(&self.file);
-        self.grid(Source::Folder(folder)).map_err(|e| self.in_its_file(e))
+        self.whole(self.folder()).map_err(|e| self.in_its_file(e))
     }
 
     /// Like [`Self::cells`], with the bytes of images from `files`, by the paths in the scene. Nothing is
     /// read from disk, as in a browser or for untrusted scenes.
     pub fn cells_with<'a>(&self, files: impl Fn(&Path) -> Option<&'a [u8]>) -> Result<Cells> {
-        self.grid(Source::Given(&|path: &Path| files(path))).map_err(|e| self.in_its_file(e))
+        self.whole(Source::Given(&|path: &Path| files(path))).map_err(|e| self.in_its_file(e))
     }
 
-    fn grid(&self, source: Source) -> Result<Cells> {
+    /// The folder in which relative paths start.
+    fn folder(&self) -> Source<'_> {
+        Source::Folder(self.file.parent().unwrap_or(&self.file))
+    }
+
+    fn whole(&self, source: Source) -> Result<Cells> {
         self.check()?;
-        let mut cells = Cells::new(self.size[0], self.size[1])?;
+        self.layers.check_tiles(source, self.size)?;
+        self.grid(source, &Pictures::default(), ScenePlace::whole(self.size))
+    }
+
+    /// The grid of a window, from which shapes and lamps have their positions. Layers are at their place in the scene.
+    fn grid(&self, source: Source, pictures: &Pictures, place: ScenePlace) -> Result<Cells> {
+        let [width, height] = place.window.size;
+        let mut cells = Cells::new(width, height)?;
         cells.set_sky(self.sky.read(source)?);
-        self.layers.read(source, &mut cells)?;
-        let mut images = raster::Images::default();
+        self.layers.read(source, pictures, place, &mut cells)?;
         for (i, shape) in self.shapes.iter().enumerate() {
-            raster::paint(shape, &format!("shape[{i}]"), source, &mut images, &mut cells)?;
+            raster::paint(shape, &format!("shape[{i}]"), source, pictures, &mut cells)?;
         }
         *cells.lamps_mut() = cookie::with_pixels(&self.lamps, source)?;
         cells.suns_mut().clone_from(&self.suns);
         Ok(cells)
     }
 
-    /// The files that the scene reads: its own, if it came from one, and its images.
+    /// The files that the scene reads: its own, if it came from one, and its images, of tiles those that exist.
     pub fn files(&self) -> Vec<PathBuf> {
         let folder = self.file.parent().unwrap_or(&self.file);
         let own = Some(&self.file).filter(|file| !file.as_os_str().is_empty());
@@ -152,7 +167,8 @@ impl Scene {
             Geometry::Sprite(sprite) => Some(&sprite.image),
             _ => None,
         });
-        let images = self.sky.image().into_iter().chain(self.layers.images()).chain(sprites);
+        let layers = self.layers.images(self.size, |image| folder.join(image).exists());
+        let images = self.sky.image().into_iter().chain(&layers).chain(sprites);
         let images = images.map(|image| folder.join(image));
         own.cloned().into_iter().chain(images).chain(self.cookies()).collect()
     }

@@ -115,6 +115,16 @@ impl Picture {
         [width, height]
     }
 
+    /// Bytes that its pixels take.
+    pub fn bytes(&self) -> u64 {
+        let bytes = match self {
+            Self::Byte(image) => size_of_val(image.as_raw().as_slice()),
+            Self::Word(image) => size_of_val(image.as_raw().as_slice()),
+            Self::Float(image) => size_of_val(image.as_raw().as_slice()),
+        };
+        bytes as u64
+    }
+
     /// The linear colour of a pixel and its alpha.
     pub fn color(&self, x: u32, y: u32) -> (Rgb, f32) {
         match self {

@@ -3,6 +3,7 @@
 use super::coverage::{self, Point, Window};
 use super::geometry::{Geometry, Sprite};
 use super::picture::Picture;
+use super::pictures::Pictures;
 use super::shape::Shape;
 use super::source::Source;
 use super::thin_wall::ThinWall;
@@ -10,61 +11,27 @@ use crate::check::BRIGHT;
 use crate::mask::ALL_LAYERS;
 use crate::{Cells, Error, Matter, Result, Rgb, srgb};
 use image::RgbaImage;
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Alpha from which a sprite without antialiasing covers a cell, and coverage from which a cell is in the layers of a
 /// shape, and a solid cell is replaced by what lets light through.
 const HALF: f32 = 0.5;
-
-/// Sprites' images, each read once; emptied when it has grown to a grid's size.
-#[derive(Debug, Default)]
-pub(crate) struct Images {
-    read: HashMap<PathBuf, Picture>,
-    pixels: u64,
-}
-
-impl Images {
-    fn get(&mut self, source: Source, path: PathBuf, key: &str) -> Result<&Picture> {
-        if !self.read.contains_key(&path) {
-            let fits = |width, height| {
-                Cells::check_size(u64::from(width), u64::from(height)).map_err(|_| {
-                    let found = format!("an image of {width}×{height} px ({})", path.display());
-                    let most = format!(
-                        "at most {} px a side, {} px in all",
-                        Cells::MAX_SIDE,
-                        Cells::MAX_CELLS
-                    );
-                    Error::value(key, found, most)
-                })
-            };
-            let picture = Picture::open(source, &path, key, fits)?;
-            let pixels = picture.size().into_iter().map(u64::from).product::<u64>();
-            if self.pixels + pixels > Cells::MAX_CELLS {
-                self.read.clear();
-                self.pixels = 0;
-            }
-            self.pixels += pixels;
-            self.read.insert(path.clone(), picture);
-        }
-        Ok(&self.read[&path])
-    }
-}
 
 /// Paints a shape; `key` names it in errors.
 pub(crate) fn paint(
     shape: &Shape,
     key: &str,
     source: Source,
-    images: &mut Images,
+    pictures: &Pictures,
     cells: &mut Cells,
 ) -> Result<()> {
     let matter = shape.matter();
     if let Geometry::Sprite(sprite) = &shape.geometry {
         let key = format!("{key}.sprite.image");
         let path = source.place(&sprite.image);
-        let picture = images.get(source, path.clone(), &key)?;
-        return paint_sprite(shape, sprite, picture, cells)
+        let fits = |width, height| fits_a_grid(width, height, &path, &key);
+        let picture = pictures.get(source, &path, &key, fits)?;
+        return paint_sprite(shape, sprite, &picture, cells)
             .map_err(|e| e.in_file(&path).under(&key));
     }
     let color = shape.color.or(shape.albedo).unwrap_or([1.0; 3]);
@@ -97,6 +64,15 @@ pub(crate) fn paint(
         }
     });
     Ok(())
+}
+
+/// Rejects an image that is larger than a grid.
+fn fits_a_grid(width: u32, height: u32, path: &Path, key: &str) -> Result<()> {
+    Cells::check_size(width.into(), height.into()).map_err(|_| {
+        let found = format!("an image of {width}×{height} px ({})", path.display());
+        let (side, all) = (Cells::MAX_SIDE, Cells::MAX_CELLS);
+        Error::value(key, found, format!("at most {side} px a side, {all} px in all"))
+    })
 }
 
 /// Number of cells of a grid that a shape other than a sprite covers.
@@ -211,7 +187,7 @@ impl Shape {
     pub fn draw(&self, cells: &mut Cells) -> Result<()> {
         self.check("shape")?;
         let source = Source::Folder(Path::new(""));
-        paint(self, "shape", source, &mut Images::default(), cells)
+        paint(self, "shape", source, &Pictures::default(), cells)
     }
 }
 
@@ -237,6 +213,29 @@ impl Cells {
         }
         Ok(())
     }
+}
+
+/// Draws a px of a picture over a cell as a sprite of the shape's matter draws it, without its colour.
+pub(crate) fn cover_matter(
+    shape: &Shape,
+    (rgb, alpha): (Rgb, f32),
+    [x, y]: [u32; 2],
+    cells: &mut Cells,
+) -> Result<()> {
+    let i = cells.index(x, y);
+    let share = if shape.covers_by_area() { alpha } else { f32::from(u8::from(alpha >= HALF)) };
+    let share = share_of(shape, cells, i, share);
+    if share == 0.0 {
+        return Ok(());
+    }
+    let product = |by: Rgb| -> Rgb { std::array::from_fn(|c| rgb[c] * by[c]) };
+    let matter = shape.matter();
+    let [emission, glow, albedo] = [matter.emission, matter.glow, matter.albedo].map(product);
+    let matter = Matter { emission, glow, albedo, ..matter };
+    judge(x, y, &matter, share, [0.0; 3])?;
+    cells.set_matter(i, matter.over(cells.matter(i), share));
+    set_layers(shape, i, share, cells);
+    Ok(())
 }
 
 /// A texel of an image that is drawn over a cell.
@@ -277,6 +276,6 @@ fn judge(x: u32, y: u32, matter: &Matter, share: f32, color: Rgb) -> Result<()> 
 }
 
 /// Blends a colour over a picture by a fraction.
-fn lay(picture: &mut Rgb, paint: Rgb, share: f32) {
+pub(crate) fn lay(picture: &mut Rgb, paint: Rgb, share: f32) {
     *picture = std::array::from_fn(|c| picture[c] * (1.0 - share) + paint[c] * share);
 }

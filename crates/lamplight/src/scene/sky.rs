@@ -112,7 +112,7 @@ impl SceneSky {
     }
 
     /// Refuses values that no sky has. The image is not opened.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         match self {
             Self::Radiance(sky) => sky.check(),
             Self::Picture(sky) => {
@@ -123,7 +123,7 @@ impl SceneSky {
     }
 
     /// The radiance, with that of the picture read.
-    pub(super) fn read(&self, source: Source) -> Result<Sky> {
+    pub(crate) fn read(&self, source: Source) -> Result<Sky> {
         match self {
             Self::Radiance(sky) => Ok(sky.clone()),
             Self::Picture(sky) => sky.read(source).map(Sky::from),

@@ -22,4 +22,12 @@ impl Source<'_> {
             Self::Given(_) => path.to_owned(),
         }
     }
+
+    /// Returns whether there is something at a path. Where that cannot be found out, opening it will say why.
+    pub fn has(&self, path: &Path) -> bool {
+        match self {
+            Self::Folder(_) => path.try_exists().unwrap_or(true),
+            Self::Given(files) => files(path).is_some(),
+        }
+    }
 }

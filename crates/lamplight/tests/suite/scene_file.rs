@@ -71,7 +71,8 @@ fn whole() -> Scene {
             mask: 6,
         });
     scene.layers = Layers {
-        emission: Some("emission.png".into()),
+        tile: Some(64),
+        emission: Some("emission/{x}_{y}.png".into()),
         emission_scale: 6.0,
         glow: Some("glow.png".into()),
         glow_scale: 0.5,
@@ -318,7 +319,7 @@ const TOML_MISTAKES: &[Mistake] = &[
     ),
     (
         "size = [4, 4]\n[layers]\nemision = \"a.png\"",
-        "line 3: `layers.emision` is not a known key; did you mean `emission`? (known here: \
+        "line 3: `layers.emision` is not a known key; did you mean `emission`? (known here: tile, \
          emission, emission_scale, glow, glow_scale, opacity, albedo, tint, color, normal, normal_y, mask)",
     ),
     (
