@@ -36,6 +36,13 @@ pub struct Lighting2d {
     /// World units beyond the screen in which matter still affects light. Higher values prevent changes
     /// of light at the edge of the screen, and cost as much as a larger screen.
     pub border: f32,
+    /// The number of rings around the lit grid from which light enters it, 0 to 4; more count as 4. Each is twice as wide as
+    /// the one before and knows matter half as finely: with 3, lamps and glowing matter light the screen from three and a
+    /// half screens away, behind walls that stand between, so that they do not pop in as they enter the grid.
+    ///
+    /// Light that off-screen matter reflects is left out; see [`LightMethod`] for methods that know no light from beyond the
+    /// grid. 0 is off: the sky is all that enters.
+    pub surroundings: u32,
     /// World units that light penetrates into solid walls, so that walls are visible. Its cost is
     /// negligible.
     pub wall_depth: f32,
@@ -56,6 +63,7 @@ impl Default for Lighting2d {
             bounces: LightBounces::default(),
             cells: CellSize::default(),
             border: 64.0,
+            surroundings: 0,
             wall_depth: 24.0,
             exposure: 0.0,
             tone_map: LightToneMap::default(),
