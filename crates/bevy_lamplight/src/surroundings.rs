@@ -18,7 +18,7 @@ use bevy::math::Rect;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::{Entity, Query, ResMut, Resource};
 use lamplight::surroundings::{LampPart, RingSurroundings, RingWindow, part_lamp};
-use lamplight::{Cells, Inflow, Lamp, Sky};
+use lamplight::{Cells, Inflow, Lamp, Method, Sky, Sun};
 
 /// The surroundings of lit cameras.
 #[derive(Resource, Default)]
@@ -44,6 +44,8 @@ struct ViewSurroundings {
     grid: Option<GridPlace>,
     rings: Option<RingSurroundings>,
     sky: Sky,
+    /// Suns that are part of the sky.
+    suns: Vec<Sun>,
     /// The scene around the grid, and that of the last frame.
     scene: ExtractedScene,
     before: ExtractedScene,
@@ -158,8 +160,15 @@ impl ViewSurroundings {
             .groups
             .retain(|group| group.layers.intersects(camera.layers()) && !group.is_within(area));
         let sky = camera.sky();
-        if self.sky != sky {
+        let method = Method::from(camera.lighting.method);
+        let suns = self.scene.suns.iter().filter(|(sun, layers)| {
+            layers.intersects(camera.layers()) && !method.shines_exactly(sun)
+        });
+        let suns = suns.map(|(sun, _)| *sun);
+        if self.sky != sky || !suns.clone().eq(self.suns.iter().copied()) {
             self.sky = sky;
+            self.suns.clear();
+            self.suns.extend(suns);
             changed = true;
         }
         changed |= !self.scene.has_matter_of(&self.before);
@@ -190,7 +199,7 @@ impl ViewSurroundings {
                     rings.set(ring, cells)?;
                 }
             }
-            self.still = Some(rings.inflow(&self.sky, RingSurroundings::COLUMNS)?);
+            self.still = Some(rings.inflow(&self.sky, &self.suns, RingSurroundings::COLUMNS)?);
             self.inflow = None;
         }
         let Some(still) = &self.still else { return Ok(()) };

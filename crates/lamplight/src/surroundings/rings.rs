@@ -4,14 +4,18 @@ use crate::inflow::place_on_side;
 use crate::lamp_discs::LEAST_RADIUS;
 use crate::limits::MAX_SIDE;
 use crate::math::transmittance::{OPAQUE_TRANSMITTANCE, attenuation, extinction};
-use crate::{BorderPlace, Cells, Error, Inflow, Lamp, Panorama, Result, Rgb, Sky, lamp_inflow};
+use crate::sun_glow::SunGlow;
+use crate::{
+    BorderPlace, Cells, Direct, Error, Inflow, Lamp, Method, Panorama, Result, Rgb, Sky, Sun,
+    lamp_inflow,
+};
 use rayon::prelude::*;
 use std::f64::consts::{GOLDEN_RATIO, TAU};
 
 /// px of the border between places that light is traced from: fewer are sharper near the border, and take time.
 const SPACING: u32 = 8;
-/// Rays of a column of inflow from such a place.
-const RAYS: usize = 1;
+/// Cells a side of the blocks that rays skip.
+const BLOCK: i32 = 8;
 /// Lamps that are seen one by one, the brightest: so many bound the time they take.
 const MOST_LAMPS: usize = 64;
 
@@ -50,6 +54,8 @@ pub struct RingWindow {
 struct Ring {
     window: RingWindow,
     kinds: Vec<MatterKind>,
+    /// True for blocks of cells with matter in them; rays skip the others.
+    occupied: Vec<bool>,
     /// The radiance that solid cells send, or the source function of media.
     sources: Vec<Rgb>,
     /// Extinction per px of the grid.
@@ -102,6 +108,8 @@ impl RingSurroundings {
             ring.kinds.resize(count, MatterKind::Empty);
             ring.sources.resize(count, [0.0; 3]);
             ring.extinctions.resize(count, [0.0; 3]);
+            let blocks = ring.window.size.map(|side| side.div_ceil(BLOCK as u32) as usize);
+            ring.occupied.resize(blocks.iter().product(), false);
         }
         self.clear();
         Ok(())
@@ -109,7 +117,10 @@ impl RingSurroundings {
 
     /// Forgets all matter.
     pub fn clear(&mut self) {
-        self.rings.iter_mut().for_each(|ring| ring.kinds.fill(MatterKind::Empty));
+        for ring in &mut self.rings {
+            ring.kinds.fill(MatterKind::Empty);
+            ring.occupied.fill(false);
+        }
     }
 
     /// Columns and rows of the grid.
@@ -139,7 +150,7 @@ impl RingSurroundings {
     /// # Panics
     /// If there is no such ring.
     pub fn set(&mut self, ring: usize, cells: &Cells) -> Result<()> {
-        let Ring { window, kinds, sources, extinctions } = &mut self.rings[ring];
+        let Ring { window, kinds, occupied, sources, extinctions } = &mut self.rings[ring];
         let found = [cells.width(), cells.height()];
         if found != window.size {
             let [found, expected] = [found, window.size].map(|[w, h]| format!("{w}×{h} cells"));
@@ -147,12 +158,16 @@ impl RingSurroundings {
         }
         cells.check()?;
         kinds.fill(MatterKind::Empty);
+        occupied.fill(false);
+        let width = window.size[0] as usize;
         let per_px = 1.0 / window.cell as f32;
         let (opacity, tint) = (cells.opacity(), cells.tint());
         for i in 0..cells.len() {
             if opacity[i] == 0.0 && tint[i] == [1.0; 3] {
                 continue;
             }
+            let [x, y] = [i % width, i / width].map(|v| v / BLOCK as usize);
+            occupied[y * width.div_ceil(BLOCK as usize) + x] = true;
             kinds[i] = if opacity[i] == 1.0 { MatterKind::Solid } else { MatterKind::Medium };
             sources[i] = cells.emission()[i];
             extinctions[i] = extinction(opacity[i], tint[i]).map(|v| v * per_px);
@@ -160,11 +175,15 @@ impl RingSurroundings {
         Ok(())
     }
 
-    /// Returns the light that enters the grid from the sky and the matter of all rings, in `columns` directions.
+    /// Returns the light that enters the grid from the sky, with suns in it, and from the matter of all rings, in `columns`
+    /// directions. Suns that the method lights exactly are not part of it.
     ///
     /// # Errors
     /// As [`Inflow::new`].
-    pub fn inflow(&self, sky: &Sky, columns: usize) -> Result<Inflow> {
+    pub fn inflow(&self, sky: &Sky, suns: &[Sun], columns: usize) -> Result<Inflow> {
+        let glowing: Vec<Sun> =
+            suns.iter().map(|sun| Sun { direct: Direct::Glow, ..*sun }).collect();
+        let sky = SunGlow::default().draw(Method::Holographic, sky, &glowing);
         let width = TAU / columns as f64;
         let seen = (0..columns).map(|column| {
             let middle = Panorama::angle(columns, column);
@@ -172,49 +191,33 @@ impl RingSurroundings {
         });
         let seen: Vec<Rgb> = seen.collect();
         let strips = [0, 1, 2, 3].map(|side| {
+            let sources = sources(columns, place_on_side(self.size, side, 0.0).outward);
             let length = self.size[side % 2];
             let strips = (0..length.div_ceil(SPACING)).into_par_iter();
-            strips.map(|number| self.strip(side, number, &seen)).collect()
+            strips.map(|number| self.strip(side, number, &seen, &sources)).collect()
         });
         Inflow::of_sparse_strips(self.size, columns, SPACING, &strips)
     }
 
     /// Returns the radiance that comes in at a place along a side, by column.
-    fn strip(&self, side: usize, number: u32, sky: &[Rgb]) -> Vec<Rgb> {
+    fn strip(&self, side: usize, number: u32, sky: &[Rgb], sources: &[usize]) -> Vec<Rgb> {
         let columns = sky.len();
         let length = self.size[side % 2] as f32;
-        let [x, y] = place_on_side(self.size, side, 0.0).outward.map(f64::from);
-        let mut strip = vec![[0.0; 3]; columns];
-        let leads_out = |column: usize| {
-            let (sin, cos) = Panorama::angle(columns, column).sin_cos();
-            cos * x + sin * y > 0.0
-        };
-        for column in (0..columns).filter(|&column| leads_out(column)) {
-            let mut sum = [0.0; 3];
-            for ray in 0..RAYS {
-                let spread = ((ray as f64 + 0.5) / RAYS as f64 - 0.5) / columns as f64;
-                let angle = Panorama::angle(columns, column) + spread * TAU;
-                let (sin, cos) = angle.sin_cos();
-                if cos * x + sin * y <= 0.0 {
-                    // One of a column that grazes the border.
-                    sum = [0, 1, 2].map(|c| sum[c] + sky[column][c]);
-                    continue;
-                }
-                // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
-                let past = (GOLDEN_RATIO * (column * RAYS + ray) as f64).fract() as f32;
-                let along = ((number as f32 + past) * SPACING as f32).min(length);
-                let place = place_on_side(self.size, side, along);
-                let way = [cos as f32, sin as f32];
-                let [light, through] = self.trace(place, way, f32::INFINITY, None);
-                sum = [0, 1, 2].map(|c| sum[c] + light[c] + through[c] * sky[column][c]);
+        let own = (0..columns).map(|column| {
+            if sources[column] != column {
+                return [0.0; 3];
             }
-            strip[column] = sum.map(|v| v / RAYS as f32);
-        }
-        // Those that lead inward have the light of the nearest that does not: it grazes the border.
-        for column in (0..columns).filter(|&column| !leads_out(column)) {
-            let mut nearest = (1..columns)
-                .flat_map(|d| [(column + d) % columns, (column + columns - d) % columns]);
-            strip[column] = nearest.find(|&k| leads_out(k)).map_or([0.0; 3], |k| strip[k]);
+            // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
+            let past = (GOLDEN_RATIO * column as f64).fract() as f32;
+            let along = ((number as f32 + past) * SPACING as f32).min(length);
+            let place = place_on_side(self.size, side, along);
+            let (sin, cos) = Panorama::angle(columns, column).sin_cos();
+            let [light, through] = self.trace(place, [cos as f32, sin as f32], f32::INFINITY, None);
+            [0, 1, 2].map(|c| light[c] + through[c] * sky[column][c])
+        });
+        let mut strip: Vec<Rgb> = own.collect();
+        for column in 0..columns {
+            strip[column] = strip[sources[column]];
         }
         strip
     }
@@ -313,31 +316,60 @@ impl RingSurroundings {
             let step = inverse.map(|v| v * side_length);
             let last = to
                 .map(|to| [0, 1].map(|a| ((to[a] - first[a] as f32) / side_length).floor() as i32));
+            let blocks = (size[0] + BLOCK - 1) / BLOCK;
+            let mut crosses;
             loop {
                 if last == Some(cell) {
                     return [light, through];
                 }
-                let crosses = usize::from(next[1] < next[0]);
-                let at = (cell[1] * size[0] + cell[0]) as usize;
-                match ring.kinds[at] {
-                    MatterKind::Empty => {}
-                    MatterKind::Solid => {
-                        let source = ring.sources[at];
-                        return [[0, 1, 2].map(|c| light[c] + through[c] * source[c]), [0.0; 3]];
-                    }
-                    MatterKind::Medium => {
-                        let length = (next[crosses].min(reach) - t).max(0.0);
-                        for c in 0..3 {
-                            let (passed, stopped) = attenuation(ring.extinctions[at][c] * length);
-                            light[c] += through[c] * stopped * ring.sources[at][c];
-                            through[c] *= passed;
+                let block = cell.map(|v| v / BLOCK);
+                if !ring.occupied[(block[1] * blocks + block[0]) as usize] {
+                    // To its edge, or that of the ring.
+                    let rest = [0, 1].map(|a| {
+                        let past = cell[a] % BLOCK;
+                        if ahead[a] > 0 {
+                            (BLOCK - 1 - past).min(size[a] - 1 - cell[a])
+                        } else {
+                            past
                         }
-                        if through.iter().all(|v| *v < OPAQUE_TRANSMITTANCE) {
-                            return [light, [0.0; 3]];
+                    });
+                    let exit = [0, 1].map(|a| next[a] + rest[a] as f32 * step[a]);
+                    crosses = usize::from(exit[1] < exit[0]);
+                    t = exit[crosses];
+                    let other = 1 - crosses;
+                    let crossed = ((t - next[other]) / step[other] + 1.0).max(0.0) as i32;
+                    let crossed = crossed.min(rest[other]);
+                    cell[other] += ahead[other] * crossed;
+                    next[other] += step[other] * crossed as f32;
+                    cell[crosses] += ahead[crosses] * rest[crosses];
+                    next[crosses] = t;
+                } else {
+                    crosses = usize::from(next[1] < next[0]);
+                    let at = (cell[1] * size[0] + cell[0]) as usize;
+                    match ring.kinds[at] {
+                        MatterKind::Empty => {}
+                        MatterKind::Solid => {
+                            let source = ring.sources[at];
+                            return [
+                                [0, 1, 2].map(|c| light[c] + through[c] * source[c]),
+                                [0.0; 3],
+                            ];
+                        }
+                        MatterKind::Medium => {
+                            let length = (next[crosses].min(reach) - t).max(0.0);
+                            for c in 0..3 {
+                                let (passed, stopped) =
+                                    attenuation(ring.extinctions[at][c] * length);
+                                light[c] += through[c] * stopped * ring.sources[at][c];
+                                through[c] *= passed;
+                            }
+                            if through.iter().all(|v| *v < OPAQUE_TRANSMITTANCE) {
+                                return [light, [0.0; 3]];
+                            }
                         }
                     }
+                    t = next[crosses];
                 }
-                t = next[crosses];
                 if t >= reach {
                     return [light, through];
                 }
@@ -352,6 +384,23 @@ impl RingSurroundings {
         }
         [light, through]
     }
+}
+
+/// Returns for each column the one whose light it has: its own if its middle leads outward, otherwise the nearest such
+/// column, whose light grazes the border.
+fn sources(columns: usize, outward: [f32; 2]) -> Vec<usize> {
+    let [x, y] = outward.map(f64::from);
+    let leads_out = (0..columns).map(|column| {
+        let (sin, cos) = Panorama::angle(columns, column).sin_cos();
+        cos * x + sin * y > 0.0
+    });
+    let leads_out: Vec<bool> = leads_out.collect();
+    let nearest = |column: usize| {
+        let mut near =
+            (0..columns).flat_map(|d| [(column + d) % columns, (column + columns - d) % columns]);
+        near.find(|&other| leads_out[other]).unwrap_or(column)
+    };
+    (0..columns).map(nearest).collect()
 }
 
 impl RingWindow {

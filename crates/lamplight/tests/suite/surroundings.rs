@@ -172,7 +172,7 @@ impl RingView {
             }
             rings.set(ring, &cells).unwrap();
         }
-        let still = rings.inflow(&sky, RingSurroundings::COLUMNS).unwrap();
+        let still = rings.inflow(&sky, &[], RingSurroundings::COLUMNS).unwrap();
         let mut cells = Cells::new(window.size[0], window.size[1]).unwrap();
         for (x, y) in (0..window.size[1]).flat_map(|y| (0..window.size[0]).map(move |x| (x, y))) {
             cells.set(x, y, at([origin[0] + x as i32, origin[1] + y as i32]));

@@ -24,6 +24,9 @@ pub struct BorderLight {
     rows: usize,
     /// Border cells of each point along the first row and along the last, slab by slab, and along the far end, row by row.
     cells: [Vec<usize>; 3],
+    /// Radiance at those points, column by column of the inflow, as far as cones have weights there: cones read it point by
+    /// point, in the order of memory.
+    columns: Vec<Vec<Rgb>>,
     levels: Vec<LevelLight>,
 }
 
@@ -32,6 +35,8 @@ pub struct BorderLight {
 struct LevelLight {
     /// Slopes of the middles of cones, rows per slab.
     slopes: Vec<f32>,
+    /// The weights of columns, by cone.
+    weights: Vec<ColumnWeights>,
     /// Cone by cone: along the side towards which it rises or falls, slab by slab, then along the far end, row by row.
     light: Vec<Rgb>,
 }
@@ -57,32 +62,57 @@ impl BorderLight {
             cells.clear();
             cells.extend(middles(depth).map(|slab| cell([slab, row])));
         }
-        let [first, last, end] = &mut self.cells;
+        let [_, _, end] = &mut self.cells;
         end.clear();
         end.extend(middles(rows).map(|row| cell([depth as f32, row])));
+        let count = inflow.columns();
+        self.columns.resize_with(count, Vec::new);
+        self.columns.iter_mut().for_each(Vec::clear);
+        let mut needed = vec![false; count];
         self.levels.resize_with(levels.len(), LevelLight::default);
-        for (held, (level, angles)) in self.levels.iter_mut().zip(levels) {
+        let levels = self.levels.iter_mut().zip(levels).map(|(held, (level, angles))| {
             // Those beyond the quadrant look along its edge.
             let inside = |cone: usize| cone.clamp(BEYOND, angles.len() - 1 - BEYOND);
             let middle = |cone| 0.5 * (slope(level, cone) + slope(level, cone + 1));
             let slopes = (0..angles.len()).map(|cone| middle(inside(cone)) as f32);
             held.slopes.clear();
             held.slopes.extend(slopes);
-            held.light.resize(angles.len() * (depth + rows), [0.0; 3]);
-            let cones = held.light.par_chunks_mut(depth + rows).zip(&held.slopes).enumerate();
-            cones.for_each_init(ColumnWeights::default, |weights, (cone, (light, slope))| {
+            held.weights.resize_with(angles.len(), ColumnWeights::default);
+            for (cone, weights) in held.weights.iter_mut().enumerate() {
                 let [from, to] =
                     on_grid(orientation.along_x, orientation.reversed, edges(level, inside(cone)));
-                weights.set(inflow.columns(), from, to);
-                let side = if *slope > 0.0 { &*last } else { &*first };
-                let points = side.chunks(spacing).chain(end.chunks(spacing));
-                for (light, cells) in light.iter_mut().zip(points) {
-                    let angle = angles[cone] / spacing as f32;
-                    *light = [0.0; 3];
-                    for &cell in cells {
-                        let mean = weights.mean(inflow.strip(cell));
-                        *light = std::array::from_fn(|c| light[c] + angle * mean[c]);
-                    }
+                weights.set(count, from, to);
+                weights.columns(count).for_each(|(column, _)| needed[column] = true);
+            }
+            (held, angles)
+        });
+        let levels: Vec<_> = levels.collect();
+        let points = 2 * depth + rows;
+        let of_columns = self.columns.par_iter_mut().zip(&needed).enumerate();
+        of_columns.filter(|(_, (_, needed))| **needed).for_each(|(column, (light, _))| {
+            let mean = |cells: &[usize]| {
+                let sum = cells.iter().fold([0.0; 3], |sum: Rgb, &cell| {
+                    let own = inflow.strip(cell)[column];
+                    std::array::from_fn(|c| sum[c] + own[c])
+                });
+                sum.map(|v| v / spacing as f32)
+            };
+            light.reserve_exact(points);
+            light.extend(self.cells.iter().flat_map(|cells| cells.chunks(spacing)).map(mean));
+        });
+        for (held, angles) in levels {
+            let LevelLight { slopes, weights, light } = held;
+            light.resize(angles.len() * (depth + rows), [0.0; 3]);
+            let cones = light.par_chunks_mut(depth + rows).zip(&*slopes).zip(&*weights).zip(angles);
+            cones.for_each(|(((light, slope), weights), angle)| {
+                let (side, end) = light.split_at_mut(depth);
+                side.fill([0.0; 3]);
+                end.fill([0.0; 3]);
+                let first = if *slope > 0.0 { depth } else { 0 };
+                for (column, weight) in weights.columns(count) {
+                    let of_column = &self.columns[column];
+                    add(side, &of_column[first..first + depth], angle * weight);
+                    add(end, &of_column[2 * depth..], angle * weight);
                 }
             });
         }
@@ -100,7 +130,7 @@ impl BorderLight {
     /// Returns the light of a cone at a place beyond the border, by its slab and row; of a level by its index.
     #[inline]
     pub fn at(&self, level: usize, cone: usize, slab: usize, row: isize) -> Rgb {
-        let LevelLight { slopes, light } = &self.levels[level];
+        let LevelLight { slopes, light, .. } = &self.levels[level];
         let light = &light[cone * (self.depth + self.rows)..][..self.depth + self.rows];
         let (side, end) = light.split_at(self.depth);
         let slope = slopes[cone];
@@ -130,6 +160,14 @@ impl BorderLight {
                 channel[place] = light;
             }
         }
+    }
+}
+
+/// Adds light, weighted.
+#[inline]
+fn add(to: &mut [Rgb], light: &[Rgb], weight: f32) {
+    for (to, light) in to.as_flattened_mut().iter_mut().zip(light.as_flattened()) {
+        *to += weight * light;
     }
 }
 
