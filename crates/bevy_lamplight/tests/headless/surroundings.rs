@@ -77,6 +77,25 @@ fn lamps_and_glowing_matter_off_screen_light_it_and_walls_between_shade_it() {
 }
 
 #[test]
+fn a_gpu_has_the_light_of_the_cpu_from_off_screen() {
+    let lit = |backend: LightBackend| {
+        let mut app = app();
+        let image = target(&mut app, SIZE);
+        app.insert_resource(backend);
+        camera(&mut app, &image, with_rings(LightMethod::Cascades, 2));
+        // One beyond the grid, and one on its border.
+        for x in [180.0, 92.0] {
+            app.world_mut().spawn((PointLight2d::default(), Transform::from_xyz(x, 9.0, 0.0)));
+        }
+        begin(&mut app);
+        at(&picture(&mut app, &image, 3), [[86, 32], [48, 10], [10, 32]])
+    };
+    let [gpu, cpu] = [LightBackend::Gpu, LightBackend::Cpu].map(lit);
+    println!("{gpu:?}, {cpu:?}");
+    assert!((0..3).all(|i| cpu[i] > 0.1 && (gpu[i] / cpu[i] - 1.0).abs() < 5e-3));
+}
+
+#[test]
 fn nothing_around_changes_nothing() {
     for method in [LightMethod::Cascades, LightMethod::Polar, LightMethod::Flood] {
         let lit = |surroundings: u32| {
