@@ -39,6 +39,7 @@ mod placement;
 mod quads;
 pub mod query;
 pub mod render;
+mod surroundings;
 
 pub use components::*;
 #[cfg(feature = "gizmos")]

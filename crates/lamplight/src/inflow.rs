@@ -76,6 +76,18 @@ pub struct BorderPlace {
     pub outward: [f32; 2],
 }
 
+impl BorderPlace {
+    /// The side that it lies on: top, right, bottom, left.
+    pub(crate) fn side(self) -> usize {
+        match self.outward {
+            [_, y] if y < 0.0 => 0,
+            [x, _] if x > 0.0 => 1,
+            [_, y] if y > 0.0 => 2,
+            _ => 3,
+        }
+    }
+}
+
 impl Inflow {
     /// Creates the inflow of a grid from the radiance of each border cell in each of `columns` directions.
     ///
@@ -115,6 +127,28 @@ impl Inflow {
             Some(v) => Err(Error::value("inflow", v, "a finite radiance of 0 or more")),
             None => Ok(Self { size, columns, radiance }),
         }
+    }
+
+    /// Creates the inflow of a grid from strips that are `spacing` px apart along each side (top, right, bottom, left), the
+    /// first half as far from its beginning. Between them radiance is linear.
+    pub(crate) fn of_sparse_strips(
+        size: [u32; 2],
+        columns: usize,
+        spacing: u32,
+        strips: &[Vec<Vec<Rgb>>; 4],
+    ) -> Result<Self> {
+        Self::of_strips(size, columns, |place, strip| {
+            let side = place.side();
+            let strips = &strips[side];
+            let last = (strips.len() - 1) as f32;
+            let at = (place.at[side % 2] / spacing as f32 - 0.5).clamp(0.0, last);
+            let before = at as usize;
+            let (one, other) = (&strips[before], &strips[(before + 1).min(strips.len() - 1)]);
+            let past = at - before as f32;
+            for (rgb, (one, other)) in strip.iter_mut().zip(one.iter().zip(other)) {
+                *rgb = std::array::from_fn(|c| one[c] + (other[c] - one[c]) * past);
+            }
+        })
     }
 
     /// Rejects the inflow of a grid of another size.
@@ -249,19 +283,24 @@ pub fn border_cells([width, height]: [u32; 2]) -> usize {
     2 * (width as usize + height as usize)
 }
 
+/// Returns the border place on a side (top, right, bottom, left), px from its beginning.
+pub(crate) fn place_on_side(size: [u32; 2], side: usize, along: f32) -> BorderPlace {
+    let [w, h] = size.map(|v| v as f32);
+    let (at, outward) = [
+        ([along, 0.0], [0.0, -1.0]),
+        ([w, along], [1.0, 0.0]),
+        ([along, h], [0.0, 1.0]),
+        ([0.0, along], [-1.0, 0.0]),
+    ][side];
+    BorderPlace { at, outward }
+}
+
 /// Returns the middle of a border cell's outer edge.
 fn border_place([width, height]: [u32; 2], cell: usize) -> BorderPlace {
     let [columns, rows] = [width as usize, height as usize];
-    let [w, h] = [width as f32, height as f32];
-    let middle = |along: usize| along as f32 + 0.5;
-    let [right, bottom, left] = [columns, columns + rows, 2 * columns + rows];
-    let (at, outward) = match cell {
-        i if i < right => ([middle(i), 0.0], [0.0, -1.0]),
-        i if i < bottom => ([w, middle(i - right)], [1.0, 0.0]),
-        i if i < left => ([middle(i - bottom), h], [0.0, 1.0]),
-        i => ([0.0, middle(i - left)], [-1.0, 0.0]),
-    };
-    BorderPlace { at, outward }
+    let firsts = [0, columns, columns + rows, 2 * columns + rows];
+    let side = (1..4).fold(0, |side, s| if cell >= firsts[s] { s } else { side });
+    place_on_side([width, height], side, (cell - firsts[side]) as f32 + 0.5)
 }
 
 /// Returns where a straight line leaves a grid for good, going in a direction from any point; the nearest place of

@@ -25,6 +25,7 @@ mod inflow;
 pub mod internals;
 mod lamp;
 mod lamp_discs;
+mod lamp_inflow;
 mod light;
 mod limits;
 pub mod maps;

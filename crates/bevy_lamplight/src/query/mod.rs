@@ -8,4 +8,5 @@ mod raster;
 mod sight;
 
 pub use answer::{LightQuery, LightQueryPlugin, LightQuerySettings};
+pub(crate) use raster::rasterize_around;
 pub use sight::SightQuery;

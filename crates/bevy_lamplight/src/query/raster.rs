@@ -1,11 +1,13 @@
 //! The rasterizer of quads on the CPU; the counterpart of shaders/quads.wgsl.
 
 use crate::placement::Placement;
-use crate::quads::{ExtractedScene, Quad, QuadMap, QuadMaterial, QuadShape, SceneAssets};
+use crate::quads::{
+    ExtractedScene, Quad, QuadMap, QuadMaterial, QuadShape, SceneAssets, is_within,
+};
 use bevy::camera::visibility::RenderLayers;
-use bevy::color::ColorToComponents;
+use bevy::color::{Alpha, Color, ColorToComponents};
 use bevy::image::Image;
-use bevy::math::{Mat2, Vec2, Vec4};
+use bevy::math::{Mat2, Rect, Vec2, Vec4};
 use lamplight::{Cells, Matter};
 
 /// The last place of a side of the unit square.
@@ -23,8 +25,8 @@ pub fn rasterize(
     let cells = [to.width(), to.height()];
     for_each_quad(scene, grid, layers, assets, |quad, material, image| {
         let (opacity, tint) = material.over(grid.cell);
-        let piece = Piece { quad, image, by_area: quad.is_by_area(material) };
-        for_each_cell(&piece, grid, cells, |x, y, color| {
+        let piece = Piece { quad, image, by_area: quad.is_by_area(material), is_colored: true };
+        for_each_cell(&piece, &grid.on_grid(&quad.world), cells, |x, y, color| {
             let rgb = color.truncate().to_array();
             let product =
                 |by: [f32; 3], max: f32| std::array::from_fn(|c| by[c] * rgb[c].clamp(0.0, max));
@@ -41,6 +43,53 @@ pub fn rasterize(
     });
 }
 
+/// Draws the matter around an area on coarse cells. Solid matter that is thinner than a cell is drawn as wide as one, so
+/// that it stays shut, and emits less. Its albedo is left out.
+pub fn rasterize_around(
+    scene: &ExtractedScene,
+    grid: &Placement,
+    area: Rect,
+    layers: &RenderLayers,
+    assets: &SceneAssets,
+    to: &mut Cells,
+) {
+    to.clear();
+    let cells = [to.width(), to.height()];
+    for_each_quad(scene, grid, layers, assets, |quad, material, image| {
+        if is_within(quad.world.bounds(), area) {
+            return;
+        }
+        let (opacity, tint) = material.over(grid.cell);
+        let glows = material.glows();
+        let (map, gain) = match grid.on_grid(&quad.world) {
+            map if opacity == 1.0 => at_least_a_cell(map),
+            map => (map, 1.0),
+        };
+        let piece = Piece { quad, image, by_area: quad.is_by_area(material), is_colored: glows };
+        for_each_cell(&piece, &map, cells, |x, y, color| {
+            let rgb = color.truncate().to_array();
+            let emission =
+                std::array::from_fn(|c| gain * material.emission[c] * rgb[c].clamp(0.0, f32::MAX));
+            let matter = Matter { emission, opacity, tint, ..Matter::EMPTY };
+            let i = (y * to.width() + x) as usize;
+            to.set(x, y, matter.over(to.matter(i), color.w.min(1.0)));
+        });
+    });
+}
+
+/// Stretches a map whose image is narrower than a cell. Returns the factor by which it then emits less, so that its light is
+/// the same: the mean width of a convex shape is its circumference / π (Cauchy 1832).
+fn at_least_a_cell(map: QuadMap) -> (QuadMap, f32) {
+    let middle = map.at(0.5, 0.5);
+    let axes = [Vec2::from(map.x_axis), Vec2::from(map.y_axis)];
+    let wide = axes.map(|axis| axis / axis.length().clamp(1e-6, 1.0));
+    let circumference = |axes: [Vec2; 2]| axes[0].length() + axes[1].length();
+    let gain = (circumference(axes) / circumference(wide).max(1e-6)).min(1.0);
+    let origin = middle - 0.5 * (wide[0] + wide[1]);
+    let [x_axis, y_axis] = wide.map(|axis| axis.to_array());
+    (QuadMap { x_axis, y_axis, origin: origin.to_array() }, gain)
+}
+
 /// Draws the light layers of cells, of each from whatever covers half of it or more.
 pub fn rasterize_masks(
     scene: &ExtractedScene,
@@ -52,8 +101,8 @@ pub fn rasterize_masks(
     let cells @ [width, _] = [to.width(), to.height()];
     for_each_quad(scene, grid, layers, assets, |quad, material, image| {
         let masks = to.masks_mut();
-        let piece = Piece { quad, image, by_area: quad.is_by_area(material) };
-        for_each_cell(&piece, grid, cells, |x, y, color| {
+        let piece = Piece { quad, image, by_area: quad.is_by_area(material), is_colored: true };
+        for_each_cell(&piece, &grid.on_grid(&quad.world), cells, |x, y, color| {
             if color.w >= 0.5 {
                 masks[(y * width + x) as usize] = material.bits as u8;
             }
@@ -85,16 +134,17 @@ struct Piece<'a> {
     image: Option<&'a Image>,
     /// True if it covers cells by the fraction of their area.
     by_area: bool,
+    /// False if only its coverage counts.
+    is_colored: bool,
 }
 
-/// Visits the cells that a quad covers, with its colour there; alpha is its coverage, above 0.
+/// Visits the cells that a quad covers by its map onto them, with its colour there; alpha is its coverage, above 0.
 fn for_each_cell(
     piece: &Piece,
-    grid: &Placement,
+    map: &QuadMap,
     [width, height]: [u32; 2],
     mut draw: impl FnMut(u32, u32, Vec4),
 ) {
-    let map = grid.on_grid(&piece.quad.world);
     let Some(back) = map.inverse() else { return };
     let step = back.matrix2;
     let bounds = map.bounds().inflate(if piece.by_area { 1.0 } else { 0.0 });
@@ -116,7 +166,7 @@ impl Piece<'_> {
     /// The colour at a point of the unit square; alpha is the coverage of the cell there, whose steps to the right and
     /// down are the columns of `step`.
     fn color_at(&self, unit: Vec2, step: Mat2) -> Vec4 {
-        let Self { quad, image, by_area } = *self;
+        let Self { quad, image, by_area, is_colored } = *self;
         let is_round = quad.is(QuadShape::Circle) || quad.is(QuadShape::Capsule);
         let coverage = if by_area {
             self.area(unit, step)
@@ -132,7 +182,15 @@ impl Piece<'_> {
         }
         // Beyond the edge its nearest texel counts.
         let unit = unit.clamp(Vec2::ZERO, Vec2::splat(LAST));
-        let texel = image.map_or(Vec4::ONE, |image| texel(image, &quad.texels, unit, quad.layer));
+        let texel = image.map_or(Vec4::ONE, |image| {
+            texel(image, &quad.texels, unit, quad.layer).map_or(Vec4::ONE, |color| {
+                if is_colored {
+                    color.to_linear().to_vec4()
+                } else {
+                    Vec4::ONE.with_w(color.alpha())
+                }
+            })
+        });
         let mut color = texel * Vec4::from(quad.color);
         if !is_round && quad.param < 0.0 {
             color.w = 1.0;
@@ -171,8 +229,8 @@ impl Piece<'_> {
     }
 }
 
-/// The nearest texel; white if the image is compressed or not kept on the CPU.
-fn texel(image: &Image, texels: &QuadMap, unit: Vec2, layer: u32) -> Vec4 {
+/// The nearest texel; none if the image is compressed or not kept on the CPU.
+fn texel(image: &Image, texels: &QuadMap, unit: Vec2, layer: u32) -> Option<Color> {
     let size = image.size();
     let at = (texels.at(unit.x, unit.y) * size.as_vec2()).floor();
     let at = at.clamp(Vec2::ZERO, size.as_vec2() - 1.0).as_uvec2();
@@ -181,5 +239,5 @@ fn texel(image: &Image, texels: &QuadMap, unit: Vec2, layer: u32) -> Vec4 {
     } else {
         image.get_color_at_3d(at.x, at.y, layer)
     };
-    color.map_or(Vec4::ONE, |color| color.to_linear().to_vec4())
+    color.ok()
 }

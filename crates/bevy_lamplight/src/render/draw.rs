@@ -2,11 +2,13 @@
 
 use super::extract::{ExtractedLighting, LitCameraView};
 use crate::quads::{ExtractedScene, Quad, QuadGroup, QuadMap, QuadMaterial, QuadShape};
+use crate::surroundings::is_parted;
 use bevy::asset::AssetId;
 use bevy::image::Image;
 use bevy::math::Vec2;
 use bevy::platform::collections::HashMap;
 use lamplight::internals::lamp;
+use lamplight::surroundings::{LampPart, part_lamp};
 use lamplight::{ALL_LAYERS, Lamp, Settings, Sun};
 use std::ops::Range;
 
@@ -125,15 +127,27 @@ impl DrawList {
                 self.lamps.push(on_grid);
                 continue;
             }
-            let middle = Vec2::from(on_grid.position);
-            let [width, height] = placement.placed.size.map(|v| v as f32);
-            let past = (middle - middle.clamp(Vec2::ZERO, Vec2::new(width, height))).abs();
-            if past.max_element() > on_grid.size {
-                continue;
-            }
             // Where all lamps are solid by the method's rule, all are visible.
             let all_solid = model == LampModel::Solid;
-            self.add_disc(&on_grid, all_solid || on_grid.solid, all_solid || on_grid.visible);
+            let (is_solid, is_visible) = (all_solid || on_grid.solid, all_solid || on_grid.visible);
+            if view.inflow.is_none() || !is_parted(&on_grid, all_solid) {
+                self.add_lamp(view, &on_grid, is_solid, is_visible);
+                continue;
+            }
+            let parts = part_lamp(&on_grid, placement.placed.size);
+            for (part, _) in parts.filter(|(_, part)| *part == LampPart::Inside) {
+                self.add_lamp(view, &part, is_solid, is_visible);
+            }
+        }
+    }
+
+    /// Lists a lamp, if its disc is on the grid.
+    fn add_lamp(&mut self, view: &LitCameraView, lamp: &Lamp, is_solid: bool, is_visible: bool) {
+        let middle = Vec2::from(lamp.position);
+        let [width, height] = view.placement.placed.size.map(|v| v as f32);
+        let past = (middle - middle.clamp(Vec2::ZERO, Vec2::new(width, height))).abs();
+        if past.max_element() <= lamp.size {
+            self.add_disc(lamp, is_solid, is_visible);
         }
     }
 
@@ -141,7 +155,7 @@ impl DrawList {
     fn add_disc(&mut self, lamp: &Lamp, is_solid: bool, is_drawn: bool) {
         let gain = if is_solid { self.normalization.of(lamp.position, lamp.size) } else { 1.0 };
         let material = self.materials.len() as u32;
-        self.materials.push(QuadMaterial::lamp(lamp.color.map(|c| c * gain)));
+        self.materials.push(QuadMaterial::lamp(lamp.color.map(|c| c * lamp.intensity * gain)));
         let size = Vec2::splat(2.0 * lamp.size);
         let map = QuadMap {
             x_axis: [size.x, 0.0],

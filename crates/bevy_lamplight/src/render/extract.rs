@@ -4,12 +4,13 @@ use crate::components::{Lighting2d, Relief2d};
 use crate::lit_camera::LitCamera;
 use crate::placement::{Placement, PlacementError};
 use crate::quads::{ExtractedScene, Gather, GatherMasks, GatherSurfaces};
+use crate::surroundings::CameraSurroundings;
 use bevy::camera::visibility::RenderLayers;
 use bevy::math::Rect;
-use bevy::prelude::{Entity, Query, ResMut, Resource};
+use bevy::prelude::{Entity, Query, Res, ResMut, Resource};
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
-use lamplight::{Sky, ToneMap};
+use lamplight::{Inflow, Sky, ToneMap};
 
 /// Everything that a frame is lit from.
 #[derive(Resource, Default)]
@@ -35,6 +36,8 @@ pub struct LitCameraView {
     pub lighting: Lighting2d,
     pub layers: RenderLayers,
     pub sky: Sky,
+    /// The light of its surroundings, in place of the sky.
+    pub inflow: Option<Inflow>,
     pub ambient: [f32; 3],
     pub relief: Relief2d,
     pub tone_map: ToneMap,
@@ -48,6 +51,7 @@ pub struct LitCameraView {
 pub fn extract(
     mut extracted: ResMut<ExtractedLighting>,
     cameras: Extract<Query<(Entity, RenderEntity, LitCamera)>>,
+    surroundings: Extract<Res<CameraSurroundings>>,
     gather: Extract<Gather>,
     gather_surfaces: Extract<GatherSurfaces>,
     gather_masks: Extract<GatherMasks>,
@@ -71,6 +75,7 @@ pub fn extract(
             lighting: lit.lighting.clone(),
             layers: lit.layers().clone(),
             sky: lit.sky(),
+            inflow: surroundings.inflow(camera, &placement).cloned(),
             ambient: lit.ambient(),
             relief: lit.relief(),
             tone_map: lit.tone_map(),

@@ -238,7 +238,7 @@ impl LitView {
         let placed = &view.placement.placed;
         let textures = self.grid.textures();
         let DrawList { lamps, suns, .. } = &self.draw;
-        let lights = Lights { lamps, suns, sky: &view.sky, inflow: None };
+        let lights = Lights { lamps, suns, sky: &view.sky, inflow: view.inflow.as_ref() };
         let input = FrameInput::of_textures(&self.settings, &textures, lights);
         let (origin, output) = (placed.origin, self.texture.as_ref());
         Ok(self.lighting.prepare(&FrameInput { origin, output, ..input })?)

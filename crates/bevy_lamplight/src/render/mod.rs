@@ -2,6 +2,7 @@
 //!
 //! | when | what | file |
 //! | --- | --- | --- |
+//! | the end of the main world's frame | the light that enters each camera's grid from around it | `../surroundings.rs` |
 //! | extraction | lit cameras, the scene around them, surfaces if any has normals | `extract.rs` |
 //! | prepare | each camera's quads, textures and settings | `draw.rs`, `lit_view.rs`, `image_bindings.rs` |
 //! | before the main pass | matter on the grid, then its light | `light.rs`, `quad_buffers.rs`, `budget.rs` |
@@ -22,7 +23,8 @@ mod unlit;
 pub use backend::LightBackend;
 pub use light::ViewLightTexture;
 
-use bevy::app::{App, Plugin};
+use crate::surroundings::{self, CameraSurroundings};
+use bevy::app::{App, Last, Plugin};
 use bevy::core_pipeline::{Core2d, Core2dSystems};
 use bevy::prelude::{ExtractSchedule, IntoScheduleConfigs};
 use bevy::render::{Render, RenderApp, RenderSystems};
@@ -37,6 +39,10 @@ impl Plugin for LightRenderPlugin {
     fn finish(&self, app: &mut App) {
         let backend = app.world().get_resource::<LightBackend>().copied().unwrap_or_default();
         // There is no render app on a headless server.
+        if app.get_sub_app(RenderApp).is_none() {
+            return;
+        }
+        app.init_resource::<CameraSurroundings>().add_systems(Last, surroundings::find);
         let Some(app) = app.get_sub_app_mut(RenderApp) else { return };
         app.insert_resource(backend)
             .init_resource::<extract::ExtractedLighting>()

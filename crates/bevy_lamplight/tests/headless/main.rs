@@ -14,5 +14,6 @@ mod parity;
 mod query;
 mod reflect;
 mod sight;
+mod surroundings;
 mod tools;
 mod unlit;

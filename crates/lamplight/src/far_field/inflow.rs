@@ -69,24 +69,7 @@ pub fn inflow(
         });
         strips.collect::<Vec<_>>()
     });
-    Inflow::of_strips(size, columns, |place, strip| {
-        let along = usize::from(place.outward[0] != 0.0);
-        let side = match place.outward {
-            [_, y] if y < 0.0 => 0,
-            [x, _] if x > 0.0 => 1,
-            [_, y] if y > 0.0 => 2,
-            _ => 3,
-        };
-        let strips = &strips[side];
-        let at = (place.at[along] / SIDE as f32 - 0.5).clamp(0.0, (strips.len() - 1) as f32);
-        let before = at as usize;
-        let (one, other) = (&strips[before], &strips[(before + 1).min(strips.len() - 1)]);
-        let past = at - before as f32;
-        for (column, rgb) in strip.iter_mut().enumerate() {
-            let (one, other) = (one[column], other[column]);
-            *rgb = std::array::from_fn(|c| one[c] + (other[c] - one[c]) * past);
-        }
-    })
+    Inflow::of_sparse_strips(size, columns, SIDE as u32, &strips)
 }
 
 /// A side of the border of a window.

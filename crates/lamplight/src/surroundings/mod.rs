@@ -1,21 +1,29 @@
 //! The world around a moving view.
 //!
 //! A view that is lit alone misses what lies beyond its border: lamps pop in as they enter it. With a [`World`] around it,
-//! read once, and the lamps that move in that world, it needs a margin of a few cells.
+//! read once, and the lamps that move in that world, it needs a margin of a few cells. Where everything may move, the matter
+//! around it is drawn anew, coarser the farther away it is ([`RingSurroundings`]).
+
+mod parted;
+mod rings;
+
+pub use parted::{LEAST_RADIUS_BEYOND, LampPart, part_lamp};
+pub use rings::{RingSurroundings, RingWindow};
 
 use crate::world::{World, expanded};
 use crate::{Error, GridWindow, Inflow, Lamp, Result};
 
 /// The surroundings of a view in a world that stands still, with lamps that may move.
 ///
-/// Every frame, the view's cells are lit in the [`window`](Self::window) with a margin, with the lamps that reach into it and
-/// the [`inflow`](Self::inflow) there, by a [`Solver`](crate::Solver) or on a GPU.
+/// Every frame, the view's cells are lit in the [`window`](Self::window) with a margin, with the lamps in it and the
+/// [`inflow`](Self::inflow) there, by a [`Solver`](crate::Solver) or on a GPU. Lamps on the border of the window should be
+/// [parted](part_lamp): the cells have the parts inside, and the inflow those beyond.
 ///
 /// Cost: while the window is the same, a copy of the inflow, and some lines through each lamp from every border cell.
 /// Another window takes as long as the inflow of a tile of [`World`].
 ///
-/// Known failures: a lamp jumps by some hundredths of the view's mean light while it crosses the border; large blocks that
-/// are matter in part shadow lamps behind them evenly; a view at the edge of the world has no margin there.
+/// Known failures: large blocks that are matter in part shadow lamps behind them evenly; a view at the edge of the world has
+/// no margin there.
 pub struct Surroundings<'a> {
     world: &'a World<'a>,
     margin: u32,
@@ -25,7 +33,7 @@ pub struct Surroundings<'a> {
 
 impl<'a> Surroundings<'a> {
     /// The default margin, px.
-    pub const MARGIN: u32 = 8;
+    pub const MARGIN: u32 = 32;
 
     /// Creates the surroundings of a view in a world, with a margin around the view, px. More is closer to the light of
     /// the whole at the edges of the view.
