@@ -25,7 +25,7 @@ pub struct Orientation {
 pub struct BorderLight {
     depth: usize,
     rows: usize,
-    /// What it was read from, and the points of the grid and px between them.
+    /// The inflow that it was read from, the way of the sweep, and the points of the grid and px between them.
     read: Option<(Inflow, Orientation, [usize; 3])>,
     /// Border cells of each point along the first row and along the last, slab by slab, and along the far end, row by row.
     cells: [Vec<usize>; 3],
@@ -187,7 +187,7 @@ impl BorderLight {
         let rises = slope > 0.0;
         let place =
             if at_end { row } else { x + (if rises { rows as f32 } else { 0.0 } - y) / slope };
-        let place = Place::new(place, if at_end { rows } else { depth });
+        let place = SidePlace::new(place, if at_end { rows } else { depth });
         match cones {
             ConesLight::Wide(light) => {
                 let light = &light[cone * (depth + rows)..];
@@ -239,12 +239,12 @@ impl Orientation {
 }
 
 /// A place along a side: the cells before and after it, and the fraction of the way between their middles.
-struct Place {
+struct SidePlace {
     cells: [usize; 2],
     past: f32,
 }
 
-impl Place {
+impl SidePlace {
     #[inline]
     fn new(at: f32, cells: usize) -> Self {
         let at = (at - 0.5).clamp(0.0, (cells - 1) as f32);
