@@ -125,9 +125,10 @@ def test_a_lost_worker_changes_no_reference(cluster, client):
     [*_, victim] = client.run(os.getpid).values()
     timer = threading.Timer(0.5, os.kill, [victim, signal.SIGKILL])
     timer.start()
-    found = ll.dask.reference(scene, 64, bounces=1).compute()
+    # Enough samples that workers are still busy when one is killed.
+    found = ll.dask.reference(scene, 400, bounces=1).compute()
     assert not timer.is_alive()
-    same(found, ll.reference(scene.cells(), 64, bounces=1))
+    same(found, ll.reference(scene.cells(), 400, bounces=1))
 
 
 WORLD = {"solver": ll.Solver(threads=1, bounces=1), "halo": 16, "columns": 32}
