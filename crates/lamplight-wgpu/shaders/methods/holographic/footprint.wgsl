@@ -97,7 +97,8 @@ fn shifted(words: vec4u, rows: u32) -> vec2u {
 }
 
 // The rows of the slab `begin` of a workgroup from which any cell of a mask has one of two bits: the rows of the first
-// bit, which every cell with the second has too, then those of the second. The mask begins at `mask`, with an entry per slab: rows from −32 to −1, and from 0 to 31.
+// bit, which every cell with the second has too, then those of the second. The mask begins at `mask`, with an entry per
+// slab: rows from −32 to −1, and from 0 to 31.
 fn meeting(first: u32, second: u32, mask: u32, begin: u32, slabs: u32) -> vec4u {
     var met = vec4u(0u);
     for (var slab = 0u; slab < slabs; slab++) {

@@ -103,6 +103,8 @@ impl BorderLight {
         let [from, to] = quadrant.map(|angle| (column(all, angle) - 1e-6).floor() as i64);
         let begin = from.rem_euclid(all as i64) as usize;
         let count = all.min((to - from) as usize + MOST_COLUMNS);
+        // The place in the table of a column of the inflow.
+        let place_of = |column: usize| (column + all - begin) % all;
         let [first, last, end] = &self.cells;
         let points = 2 * depth + rows;
         self.columns.resize(count * points, [0.0; 3]);
@@ -135,7 +137,7 @@ impl BorderLight {
                     for (weight, found) in of_columns.iter_mut().zip(found) {
                         *weight = angle * found;
                     }
-                    ((first + all - begin) % all, of_columns)
+                    (place_of(first), of_columns)
                 });
                 held.cones = ConesLight::Narrow(narrow.collect());
                 continue;
@@ -151,7 +153,7 @@ impl BorderLight {
                 let [from, to] = between(level, angles.len(), cone);
                 weights.set(all, from, to);
                 let (first, weights) = weights.of_columns();
-                let first = (first + all - begin) % all;
+                let first = place_of(first);
                 light.fill([0.0; 3]);
                 for (i, weight) in weights.iter().enumerate() {
                     let column = &found[(first + i) % count * points..][..points];
