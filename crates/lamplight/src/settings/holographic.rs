@@ -28,7 +28,7 @@ settings! {
         variant: Variant = Variant::Bundles;
         /// Distance between neighbouring points of the lattice in px. 2: the lattice has a quarter of the points
         /// and moves a quarter of the bytes. Pixels still trace every cell to the next plane, and walls let no light
-        /// through, except where their cells touch only at corners; shadows and small lights are less sharp.
+        /// through; shadows and small lights are less sharp.
         lattice_spacing: u32 = 1, in 1..=2;
         /// Level of the planes at which the final gather ends: they are 2^level px apart, and a
         /// pixel sends 16·2^level ÷ `lattice_spacing` rays to them. Higher: fewer stars and stripes round small lights;

@@ -193,10 +193,6 @@ fn no_preset_of_holographic_lets_light_out() {
     let random = &mut fresh();
     for contact in [Contact::Sides, Contact::Corners] {
         for preset in ["default", "fast", "quality", "draft"] {
-            // Its points lie too far apart to see that walls touch at a corner (docs/holographic.md).
-            if preset == "draft" && contact == Contact::Corners {
-                continue;
-            }
             for bounces in BOUNCES {
                 for _ in 0..8 {
                     let holographic = Holographic::preset(preset).unwrap();

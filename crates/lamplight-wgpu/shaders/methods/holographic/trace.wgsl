@@ -43,16 +43,16 @@ fn counts(lane: u32, row: i32, rise: i32) -> bool {
     return !is_solid(lane, 0, 0) && row < rows && (rows % 2 == 0 || row + rise != rows);
 }
 
-// The mean over the two rows of a lane's point. Of neither that counts it is the first: the second may lie beyond the
-// grid.
+// The mean over the two rows of a lane's point. Nothing passes where neither counts.
 fn mean_of_pair(lane: u32, row: i32, rise: i32) -> Interval {
     let first = 2u * (lane & ~1u);
     let low = row & ~1;
-    var weight = select(1.0, 0.5, counts(lane & ~1u, low, rise));
-    weight = select(0.0, weight, counts(lane | 1u, low + 1, rise));
+    let one = f32(counts(lane & ~1u, low, rise));
+    let other = f32(counts(lane | 1u, low + 1, rise));
+    let share = 1.0 / max(one + other, 1.0);
     return Interval(
-        mix(bitcast<vec3f>(halves[first]), bitcast<vec3f>(halves[first + 2u]), weight),
-        mix(bitcast<vec3f>(halves[first + 1u]), bitcast<vec3f>(halves[first + 3u]), weight),
+        share * (one * bitcast<vec3f>(halves[first]) + other * bitcast<vec3f>(halves[first + 2u])),
+        share * (one * bitcast<vec3f>(halves[first + 1u]) + other * bitcast<vec3f>(halves[first + 3u])),
     );
 }
 

@@ -165,7 +165,7 @@ impl PointPairs {
         self.open & !self.beyond.map_or(0, |beyond| bit(beyond - rise))
     }
 
-    /// Returns the mean over pairs of rows, 32 from `first` on.
+    /// Returns the mean over pairs of rows, 32 from `first` on: nothing passes where neither row counts.
     #[inline(always)]
     fn mean<S: Simd, const K: usize>(
         simd: S,
@@ -176,17 +176,20 @@ impl PointPairs {
         let bits = rows >> first;
         let [one, other] = [even_bits(bits), even_bits(bits >> 1)];
         let [zero, half, whole] = [0.0, 0.5, 1.0].map(|v| f32x16::splat(simd, v));
-        // Of neither row, the first: the second may lie beyond the grid.
-        let weight = mask(simd, one, 0).select(half, whole);
-        let weight = mask(simd, other, 0).select(weight, zero);
+        let share = |own, beside| {
+            mask(simd, own, 0).select(mask(simd, beside, 0).select(half, whole), zero)
+        };
+        let [one, other] = [share(one, other), share(other, one)];
+        let mean_of = |low: f32x16<S>, high: f32x16<S>| {
+            let (first, second) = low.deinterleave(high);
+            first.mul_add(one, second * other)
+        };
         let mut mean = low;
         for c in 0..3 {
-            let (one, other) = low.light[c].deinterleave(high.light[c]);
-            mean.light[c] = (other - one).mul_add(weight, one);
+            mean.light[c] = mean_of(low.light[c], high.light[c]);
         }
         for k in 0..K {
-            let (one, other) = low.transmittance[k].deinterleave(high.transmittance[k]);
-            mean.transmittance[k] = (other - one).mul_add(weight, one);
+            mean.transmittance[k] = mean_of(low.transmittance[k], high.transmittance[k]);
         }
         mean
     }
