@@ -40,14 +40,11 @@ fn invalid_settings_options_and_cells_are_rejected_as_on_the_cpu() {
         lighting.prepare(&FrameInput::of_cells(&raymarch(), &dark)).unwrap_err().to_string();
     assert!(error.contains("cell (1, 1)"), "{error}");
 
-    for fused_levels in [0, 3] {
-        let error = Lighting::new(
-            &device,
-            &queue,
-            &LightingOptions { fused_levels, ..LightingOptions::default() },
-        )
-        .unwrap_err();
-        let wanted = format!("the option `fused_levels` is {fused_levels}, not from 1 to 2");
+    for levels in [0, 3] {
+        let fused_levels = Some(levels);
+        let options = LightingOptions { fused_levels, ..LightingOptions::default() };
+        let error = Lighting::new(&device, &queue, &options).unwrap_err();
+        let wanted = format!("the option `fused_levels` is {levels}, not from 1 to 2");
         assert_eq!(error.to_string(), wanted);
     }
 }

@@ -12,21 +12,23 @@ use std::fmt::Write;
 /// The size of the grid that is timed.
 pub const SIZE: &str = "512x512";
 
-/// `gather_level`, `gather_length`, `gather_rays` and `bundle_rays` of each row.
-const ROWS: [[u32; 4]; 13] = [
-    [1, 1, 1, 4],
-    [1, 1, 3, 8],
-    [1, 2, 3, 8],
-    [2, 1, 1, 4],
-    [2, 2, 1, 8],
-    [2, 2, 3, 8],
-    [2, 4, 3, 8],
-    [3, 2, 3, 8],
-    [3, 4, 3, 12],
-    [3, 8, 3, 12],
-    [4, 2, 2, 8],
-    [4, 6, 2, 12],
-    [4, 15, 4, 16],
+/// `lattice_spacing`, `gather_level`, `gather_length`, `gather_rays` and `bundle_rays` of each row.
+const ROWS: [[u32; 5]; 15] = [
+    [2, 2, 1, 2, 8],
+    [2, 3, 2, 3, 8],
+    [1, 1, 1, 1, 4],
+    [1, 1, 1, 3, 8],
+    [1, 1, 2, 3, 8],
+    [1, 2, 1, 1, 4],
+    [1, 2, 2, 1, 8],
+    [1, 2, 2, 3, 8],
+    [1, 2, 4, 3, 8],
+    [1, 3, 2, 3, 8],
+    [1, 3, 4, 3, 12],
+    [1, 3, 8, 3, 12],
+    [1, 4, 2, 2, 8],
+    [1, 4, 6, 2, 12],
+    [1, 4, 15, 4, 16],
 ];
 
 /// Scenes whose error is measured, by direct light at some open cells.
@@ -70,14 +72,15 @@ impl Judged {
 pub fn table(times_faster: impl Fn(&str) -> Result<f64>) -> Result<String> {
     let judged = SCENES.map(Judged::new).into_iter().collect::<Result<Vec<_>>>()?;
     let mut table = String::from(
-        "| `gather_level` | `gather_length` | `gather_rays` | `bundle_rays` | preset |",
+        "| `lattice_spacing` | `gather_level` | `gather_length` | `gather_rays` | `bundle_rays` | preset |",
     );
     SCENES.iter().for_each(|name| table += &format!(" {name} |"));
     table += " ripple | worst place | times faster |\n";
-    table += &format!("| {}--- |\n", "--- | ".repeat(7 + SCENES.len()));
-    for row @ [gather_level, gather_length, gather_rays, bundle_rays] in ROWS {
+    table += &format!("| {}--- |\n", "--- | ".repeat(8 + SCENES.len()));
+    for row @ [lattice_spacing, gather_level, gather_length, gather_rays, bundle_rays] in ROWS {
         println!("holographic {row:?}");
         let settings = Holographic {
+            lattice_spacing,
             gather_level,
             gather_length,
             gather_rays,
@@ -93,8 +96,8 @@ pub fn table(times_faster: impl Fn(&str) -> Result<f64>) -> Result<String> {
         }
         let ripple = lone_lamps::worst(settings.clone())?;
         let flag = format!(
-            "holographic={{ gather_level = {gather_level}, gather_length = {gather_length}, \
-             gather_rays = {gather_rays}, bundle_rays = {bundle_rays} }}"
+            "holographic={{ lattice_spacing = {lattice_spacing}, gather_level = {gather_level}, \
+             gather_length = {gather_length}, gather_rays = {gather_rays}, bundle_rays = {bundle_rays} }}"
         );
         let faster = times_faster(&flag)?;
         let [rms, worst] = [ripple.rms, ripple.worst].map(|part| 100.0 * part);

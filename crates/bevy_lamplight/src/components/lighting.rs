@@ -136,9 +136,7 @@ pub enum LightMethod {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum LightQuality {
-    /// For weak GPUs: about a third of the memory traffic, softer shadows, and faint rays around small lights.
-    Draft,
-    /// The fewest rays with which light still looks right.
+    /// For weak GPUs: half the time, slightly softer shadows, and faint rays around small lights.
     Fast,
     /// For games.
     #[default]
@@ -152,7 +150,6 @@ pub enum LightQuality {
 impl From<LightQuality> for Quality {
     fn from(quality: LightQuality) -> Self {
         match quality {
-            LightQuality::Draft => Self::Draft,
             LightQuality::Fast => Self::Fast,
             LightQuality::Default => Self::Default,
             LightQuality::High => Self::High,

@@ -13,7 +13,7 @@ fn cost(
     fused_levels: u32,
 ) -> Cost {
     let settings = Settings::direct(Holographic::preset(preset).unwrap());
-    let options = LightingOptions { backend: Backend::Gpu, fused_levels };
+    let options = LightingOptions { backend: Backend::Gpu, fused_levels: Some(fused_levels) };
     let mut lighting = Lighting::new(device, queue, &options).unwrap();
     let cells = Cells::new(width, height).unwrap();
     lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
@@ -21,7 +21,7 @@ fn cost(
 }
 
 /// Megabytes that a frame may take on a card with memory of its own, which sweeps more quadrants together.
-const ON_A_CARD: u64 = 600;
+const ON_A_CARD: u64 = 720;
 
 /// The most megabytes on this GPU.
 fn most_held((device, _): &(Device, Queue), most: u64) -> u64 {
@@ -30,9 +30,9 @@ fn most_held((device, _): &(Device, Queue), most: u64) -> u64 {
 }
 
 /// Megabytes that a frame may take at 512² and 1024², by preset. At 512² all quadrants go together.
-const MEMORY: [(&str, [u64; 2]); 2] = [("default", [115, 160]), ("fast", [130, 180])];
+const MEMORY: [(&str, [u64; 2]); 2] = [("default", [115, 160]), ("fast", [50, 200])];
 /// Megabytes that a frame may move.
-const MOVED: [(&str, [f64; 2]); 2] = [("default", [370.0, 1570.0]), ("fast", [410.0, 1850.0])];
+const MOVED: [(&str, [f64; 2]); 2] = [("default", [370.0, 1570.0]), ("fast", [165.0, 680.0])];
 
 #[test]
 fn holographic_fuses_levels_and_takes_little_memory() {
@@ -70,14 +70,14 @@ fn holographic_fuses_levels_and_takes_little_memory() {
 
 /// Dispatches and megabytes at 1920×1080: each quadrant is one chunk.
 const LARGE: (usize, u64) = (47, 370);
-/// Megabytes that `draft` may move there; `default` moves 3700.
-const DRAFT: f64 = 1310.0;
+/// Megabytes that `fast` may move there; `default` moves 3700.
+const FAST: f64 = 1310.0;
 
 #[test]
 fn a_large_grid_takes_few_dispatches() {
     let gpu = device();
-    for preset in ["default", "fast", "high", "draft"] {
-        let cost = cost(&gpu, preset, [1920, 1080], LightingOptions::default().fused_levels);
+    for preset in ["default", "fast", "high"] {
+        let cost = cost(&gpu, preset, [1920, 1080], LightingOptions::MAX_FUSED_LEVELS);
         let (dispatches, held) = (cost.dispatches(), cost.memory / 1_000_000);
         let traffic = cost.traffic();
         let moved = (traffic.read + traffic.written) as f64 / 1e6;
@@ -86,7 +86,7 @@ fn a_large_grid_takes_few_dispatches() {
         );
         let most = most_held(&gpu, LARGE.1);
         assert!(dispatches <= LARGE.0 && held <= most, "{preset}: {dispatches}, {held} MB");
-        assert!(preset != "draft" || moved <= DRAFT, "{preset}: {moved} MB");
+        assert!(preset != "fast" || moved <= FAST, "{preset}: {moved} MB");
     }
 }
 

@@ -13,7 +13,7 @@ use lamplight_wgpu::FrameInput;
 fn variants() -> Vec<(&'static str, Settings)> {
     let holographic = |preset| Settings::direct(Holographic::preset(preset).unwrap());
     let own =
-        [("high holographic", holographic("high")), ("draft holographic", holographic("draft"))];
+        [("high holographic", holographic("high")), ("fast holographic", holographic("fast"))];
     seeing_directions().into_iter().chain(own).collect()
 }
 

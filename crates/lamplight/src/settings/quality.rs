@@ -27,8 +27,6 @@ use std::str::FromStr;
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Quality {
-    /// For weak GPUs and slow CPUs: `holographic` on a lattice of half the resolution, other methods as with `fast`.
-    Draft,
     /// The fewest rays with which light still looks right.
     Fast,
     /// For games and previews.
@@ -42,13 +40,11 @@ pub enum Quality {
 
 impl Quality {
     /// All levels.
-    pub const ALL: &'static [Self] =
-        &[Self::Draft, Self::Fast, Self::Default, Self::High, Self::Paper];
+    pub const ALL: &'static [Self] = &[Self::Fast, Self::Default, Self::High, Self::Paper];
 
     /// The name in files and flags.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Draft => "draft",
             Self::Fast => "fast",
             Self::Default => "default",
             Self::High => "high",
@@ -63,8 +59,6 @@ impl Quality {
             (Self::Paper, Method::Flood) => "seed",
             (Self::Paper, Method::Polar) => "gamemaker",
             (Self::Paper, Method::Cascades) => "plain",
-            (Self::Draft, Method::Holographic) => self.name(),
-            (Self::Draft, _) => Self::Fast.name(),
             _ => self.name(),
         }
     }

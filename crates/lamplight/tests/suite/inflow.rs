@@ -15,7 +15,7 @@ fn methods() -> Vec<(&'static str, Settings)> {
         ("raymarch", Settings::direct(unfiltered(Raymarch { rays: 256, ..Raymarch::default() }))),
         ("cascades", Settings::direct(Cascades::default())),
     ];
-    for preset in ["default", "fast", "high", "draft"] {
+    for preset in ["default", "fast", "high"] {
         all.push((preset, Settings::direct(Holographic::preset(preset).unwrap())));
     }
     all

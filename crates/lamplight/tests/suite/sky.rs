@@ -154,7 +154,7 @@ fn a_turned_sky_over_a_turned_grid_gives_turned_light() {
             continue;
         }
         // A lattice of pairs of rows turns on a grid of pairs only.
-        let side = if name.contains("draft") { 38 } else { 37 };
+        let side = if name == "holographic fast" { 38 } else { 37 };
         let cells = walls(side, side);
         let light = solve(&settings, &cells, panorama.clone());
         let both = solve(&settings, &turned(&cells), panorama.clone().turned(quarter));

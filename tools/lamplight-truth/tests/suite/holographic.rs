@@ -84,33 +84,33 @@ fn errors(name: &str, kind: impl Fn(u64) -> Cells, presets: &[&str]) -> Vec<f64>
     sums.into_iter().map(f64::sqrt).collect()
 }
 
-/// Holds default, quality, fast and draft to bounds, and finds the published variant out of the first.
-fn hold(name: &str, kind: impl Fn(u64) -> Cells, bounds: [f64; 4]) {
-    let errors = errors(name, kind, &["default", "quality", "fast", "draft", "paper"]);
+/// Holds default, quality and fast to bounds, and finds the published variant out of the first.
+fn hold(name: &str, kind: impl Fn(u64) -> Cells, bounds: [f64; 3]) {
+    let errors = errors(name, kind, &["default", "quality", "fast", "paper"]);
     for (error, bound) in errors.iter().zip(bounds) {
         assert!(error <= &bound, "{name}: {errors:?} against {bounds:?}");
     }
-    assert!(errors[4] > bounds[0], "the published variant passes for the better one: {errors:?}");
+    assert!(errors[3] > bounds[0], "the published variant passes for the better one: {errors:?}");
 }
 
 #[test]
 fn large_emitters_are_right() {
-    hold("large emitters", large_emitters, [0.012, 0.006, 0.018, 0.022]);
+    hold("large emitters", large_emitters, [0.012, 0.006, 0.022]);
 }
 
 #[test]
 fn a_grove_of_small_lights_is_right() {
-    hold("grove", grove, [0.03, 0.017, 0.04, 0.06]);
+    hold("grove", grove, [0.03, 0.017, 0.06]);
 }
 
 #[test]
 fn a_dungeon_of_small_lamps_is_right() {
-    hold("dungeon", dungeon, [0.055, 0.028, 0.08, 0.11]);
+    hold("dungeon", dungeon, [0.055, 0.028, 0.15]);
 }
 
 #[test]
 fn fog_tint_and_sky_are_right() {
-    hold("weather", weather, [0.01, 0.006, 0.015, 0.018]);
+    hold("weather", weather, [0.01, 0.006, 0.018]);
 }
 
 #[test]
@@ -248,12 +248,8 @@ fn ripple_of_lone_lamps(preset: &str) -> [f64; 2] {
 
 /// Bounds for the ripple, rms and worst. `quality` was measured at 0.64 and 4.2 % for the smallest lamp, 0.48 and
 /// 3.1 % for larger ones; its targets are 0.6 and 2.5 %.
-const RIPPLE: [(&str, [f64; 2]); 4] = [
-    ("fast", [0.008, 0.06]),
-    ("default", [0.006, 0.04]),
-    ("quality", [0.007, 0.045]),
-    ("draft", [0.007, 0.065]),
-];
+const RIPPLE: [(&str, [f64; 2]); 3] =
+    [("default", [0.006, 0.04]), ("quality", [0.007, 0.045]), ("fast", [0.007, 0.065])];
 
 #[test]
 fn the_light_of_a_lone_lamp_has_no_bricks() {
@@ -305,10 +301,10 @@ fn fans(preset: &str) -> [f64; 2] {
     [error(&glowing, &of_one_cell), error(&solid, &|at| covered(&solid, at))]
 }
 
-/// Bounds for the fans around a cell that glows and a solid one. Measured at 3.9 and 4.8, 2.9 and 4.4, 2.8 and
+/// Bounds for the fans around a cell that glows and a solid one. Measured at 8.7 and 10.5, 2.9 and 4.4, 2.8 and
 /// 5.1 %.
 const FANS: [(&str, [f64; 2]); 3] =
-    [("fast", [0.045, 0.053]), ("default", [0.035, 0.05]), ("quality", [0.032, 0.056])];
+    [("fast", [0.095, 0.115]), ("default", [0.035, 0.05]), ("quality", [0.032, 0.056])];
 
 #[test]
 fn the_light_of_one_cell_has_no_fans() {
@@ -369,8 +365,7 @@ fn flicker(settings: &Settings, by: [u32; 2]) -> f64 {
 }
 
 /// The largest flicker of each preset.
-const FLICKER: [(&str, f64); 4] =
-    [("fast", 0.035), ("default", 0.035), ("quality", 0.025), ("draft", 0.07)];
+const FLICKER: [(&str, f64); 3] = [("default", 0.035), ("quality", 0.025), ("fast", 0.07)];
 
 #[test]
 fn light_is_steady_when_the_camera_moves_by_one_px() {
@@ -412,7 +407,7 @@ fn parity(light: impl Fn(&Cells) -> Vec<Rgb>) -> f64 {
 
 #[test]
 fn there_is_no_checkerboard() {
-    for preset in ["default", "fast", "quality", "draft"] {
+    for preset in ["default", "fast", "quality"] {
         let parity = parity(|cells| solve(cells, settings(preset)).pixels().to_vec());
         println!("{preset}: {:.3} %", 100.0 * parity);
         assert!(parity < PARITY, "{preset}: {parity}");

@@ -6,7 +6,7 @@
 // stored: merge.wgsl makes it again.
 //
 // A lane is a row of a tile, or beside it: rays that spread and bend lead there. Waves share the rays of the
-// group or, if there is one level, each has its own k; so all lanes of one take the same branches.
+// group or, if there is one level, each has a group of its own; so all lanes of one take the same branches.
 
 #import methods/holographic/bend
 #import methods/holographic/fetch_interval
@@ -20,7 +20,7 @@ override BEFORE: u32;
 // Lanes: rows of a tile and beside it.
 override LANES: u32;
 const WAVES_LOG2: u32 = 2u;
-// Rays of the lowest level from one group to the next, of two levels.
+// Rays of the lowest level from one group to the next.
 override WIDTH: u32;
 // Pairs of words in workgroup memory, and the first of those that hold a third word.
 override HELD: u32;
@@ -70,20 +70,15 @@ fn load(g: Group, up: u32, plane: u32, ray: i32, place: i32) -> Interval {
     return unpack(words);
 }
 
-// Rays of the lowest level in a group.
-fn width() -> i32 {
-    return select(1i, i32(WIDTH), LEVELS == 2u);
-}
-
 // The rays of a level that the group makes, from one to before another.
 fn rays_made(g: Group, above: u32) -> vec2i {
-    let all = width() << above;
+    let all = i32(WIDTH) << above;
     if above < LEVELS {
         // A path of an even ray bends to the rays on both sides.
         return vec2i(select(0i, -1i, sweep.level + above >= BENT), all + 1i);
     }
     // The last ray is the next group's first.
-    return vec2i(0i, all + i32(g.ray + width() == (2i << sweep.level)));
+    return vec2i(0i, all + i32(g.ray + i32(WIDTH) == (2i << sweep.level)));
 }
 
 // Holds an interval of the level between, or stores one of the topmost.
@@ -153,8 +148,8 @@ fn make(g: Group, up: u32, wave: u32) {
 @compute @workgroup_size(LANES, 4)
 fn main(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let z = select_quadrant(id.z);
-    // One level makes a ray per wave.
-    let ray = i32(select((id.y << WAVES_LOG2) + local.y, id.y * WIDTH, LEVELS == 2u));
+    // If there is one level, each wave is a group.
+    let ray = i32(WIDTH * select((id.y << WAVES_LOG2) + local.y, id.y, LEVELS == 2u));
     let place = i32(local.x) - i32(BEFORE);
     let g = Group(sweep.first + z, ray, i32(id.x * TILE), ray - (1i << sweep.level), place);
     // Browsers reject a barrier after a return that depends on the quadrant.

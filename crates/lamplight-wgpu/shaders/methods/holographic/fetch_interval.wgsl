@@ -12,12 +12,12 @@ fn fetch_words(at: u32) -> vec3u {
     return words;
 }
 
-// The words of an interval of the lowest level; of nothing outside the grid.
+// The words of an interval of the lowest level; of nothing outside the grid. They are loaded in any case: loads that no
+// branch holds back wait for memory together.
 fn stored(p: u32, ray: i32, row: i32) -> vec3u {
     let rays = (2u << sweep.level) + 1u;
-    if u32(row) >= sweep.rows || u32(ray) >= rays || p >= planes(sweep.level) {
-        return pack(nothing());
-    }
+    let outside = u32(row) >= sweep.rows || u32(ray) >= rays || p >= planes(sweep.level);
     let base = select(sweep.even, sweep.odd, (p & 1u) == 1u);
-    return fetch_words(base + ((p / 2u - sweep.stored) * rays + u32(ray)) * sweep.rows + u32(row));
+    let at = base + ((p / 2u - sweep.stored) * rays + u32(ray)) * sweep.rows + u32(row);
+    return select(fetch_words(select(at, 0u, outside)), pack(nothing()), outside);
 }

@@ -3,7 +3,8 @@
 //
 // A workgroup takes some slabs that look at the same plane, whose light it unpacks once for all, some cones at a time.
 // Most rays meet nothing, and are summed first. A lane per slab and cone finds the rows of the tile from which its rays
-// meet matter; each pixel traces those that it has left afterwards, so that none waits for the cones of another.
+// meet matter, and what the ray along its middle meets: most of these are stopped by dark walls or only pass beside them.
+// Each pixel traces what it has left afterwards, so that none waits for the cones of another.
 //
 // The same light is the irradiance of faces, and without PIXELS only that is found. Faces are shaded by the
 // steps of their own wall: of light that comes down s px along the face for each px that it comes nearer, a
@@ -25,10 +26,10 @@ override CONES: u32;
 override SPACING: u32;
 // Slabs of a workgroup.
 override DEPTH: u32;
-// Cones whose light it holds at a time, the points of the plane of which it holds that, and those before its first row.
+// Cones whose light it holds at a time, the rows of the plane of which it holds that, and those before its first row.
 override HELD_CONES: u32;
-override HELD_POINTS: u32;
-override POINTS_BEFORE: u32;
+override HELD_ROWS: u32;
+override ROWS_BEFORE: u32;
 
 @group(0) @binding(7) var<storage, read> cones: array<vec4f>;
 @group(0) @binding(8) var<storage, read> shown_odd: array<vec2u>;
@@ -42,10 +43,16 @@ override POINTS_BEFORE: u32;
 const FAR_AWAY: f32 = 1e9;
 const TAU: f32 = 6.2831855;
 
-// By slab, cone and 32 rows of the tile: the rows from which its rays meet matter, and from which they meet an emitter.
-var<workgroup> meets: array<vec2u, 2u * CONES * DEPTH>;
-// The light on the plane ahead, by cone and point.
-var<workgroup> held: array<vec4u, HELD_CONES * HELD_POINTS>;
+// By slab and cone, three masks of the rows of the tile: MET and after it.
+var<workgroup> meets: array<vec2u, 3u * CONES * DEPTH>;
+// The rows from which rays meet matter.
+const MET: u32 = 0u;
+// Those from which the ray along the middle is stopped by a dark wall.
+const STOPPED: u32 = 1u;
+// Those from which it has to be traced; in both of these: in place of it, several that meet an emitter.
+const TRACED: u32 = 2u;
+// The light on the plane ahead, by cone and row.
+var<workgroup> held: array<vec4u, HELD_CONES * HELD_ROWS>;
 // 1 if the workgroup has anything to gather.
 var<workgroup> needed: array<u32, 1>;
 
@@ -68,66 +75,73 @@ fn view_of(ahead: u32) -> vec2u {
     return vec2u(first, RAYS + 2u * (sweep.rays + 1u) + ahead + 1u);
 }
 
-// Holds the light of some cones, from one on, on a plane. The first of all cones is not gathered from.
-fn hold(plane: u32, first_row: u32, first_cone: u32, lane: u32) {
+// A plane that is gathered from: the first entry of its light, and whether it is one of the lattice's.
+struct PlaneLight {
+    plane: u32,
+    base: u32,
+    odd: bool,
+    stored: bool,
+}
+
+fn plane_light(plane: u32) -> PlaneLight {
     // A plane of even index is a plane of the level above.
     let odd = (plane & 1u) == 1u;
     let slot = select(sweep.far - plane / 2u, sweep.far - (plane + 1u) / 2u, odd);
     let base = select(sweep.above, sweep.below, odd) + slot * shown_count(sweep.level + 1u) * sweep.rows;
-    // Beyond the grid is none.
-    let stored = plane < planes(sweep.level);
-    let first_point = i32(first_row / SPACING) - i32(POINTS_BEFORE);
-    for (var i = lane; i < min(HELD_CONES, CONES - first_cone) * HELD_POINTS; i += TILE * DEPTH) {
-        let cone = first_cone + i / HELD_POINTS;
-        let point = first_point + i32(i % HELD_POINTS);
-        var light: vec3f;
-        if stored && u32(point) < sweep.rows {
-            let at = base + cone * sweep.rows + u32(point);
-            var words: vec2u;
-            if odd {
-                words = shown_odd[at];
-            } else {
-                words = shown_even[at];
+    return PlaneLight(plane, base, odd, plane < planes(sweep.level));
+}
+
+// The light of a cone at a point of a plane. The first of all cones is not gathered from.
+fn light_at(on: PlaneLight, cone: u32, point: i32) -> vec3f {
+    if !on.stored || u32(point) >= sweep.rows {
+        return beyond(sweep.cones_above + cone + 1u, on.plane << sweep.level, point);
+    }
+    let at = on.base + cone * sweep.rows + u32(point);
+    var words: vec2u;
+    if on.odd {
+        words = shown_odd[at];
+    } else {
+        words = shown_even[at];
+    }
+    return unpack_rgb(words);
+}
+
+// The share of the next point's light at a row of the plane: ¼ (Chaikin 1974) if the row that touches it is open, on the
+// `side` of it.
+fn share_of_next(pixel: Pixel, row: i32, side: i32) -> f32 {
+    // Nothing comes back into the grid, and the second row of its last point may lie beyond.
+    if row == -1 || row == 2 * i32(sweep.rows) {
+        return 0.0;
+    }
+    if row == i32(sweep.cell_rows) {
+        return 1.0;
+    }
+    return select(0.25, 0.0, is_solid(0u, i32(pixel.ahead), row + side - i32(pixel.first_row)));
+}
+
+// Holds the light of some cones, from one on, on the plane ahead.
+fn hold(pixel: Pixel, plane: u32, first_cone: u32, lane: u32) {
+    let on = plane_light(plane);
+    for (var i = lane; i < min(HELD_CONES, CONES - first_cone) * HELD_ROWS; i += TILE * DEPTH) {
+        let cone = first_cone + i / HELD_ROWS;
+        let row = i32(pixel.first_row + i % HELD_ROWS) - i32(ROWS_BEFORE);
+        // Rounded down, below 0 too.
+        let point = row >> (SPACING - 1u);
+        var light = light_at(on, cone, point);
+        if SPACING == 2u {
+            let side = 2 * (row & 1) - 1;
+            let share = share_of_next(pixel, row, side);
+            if share > 0.0 {
+                light = mix(light, light_at(on, cone, point + side), share);
             }
-            light = unpack_rgb(words);
-        } else {
-            light = beyond(sweep.cones_above + cone + 1u, plane << sweep.level, point);
         }
         held[i] = bitcast<vec4u>(vec4f(light, 0.0));
     }
 }
 
-// The weights of the points before, at and after that of a row of cells, for weights of the rows before, at and after
-// it: a row has ¾ of its point's light and ¼ of the next one's (Chaikin 1974), if the row that touches it is open.
-fn weights_of_points(pixel: Pixel, row: i32, weights: vec3f) -> vec3f {
-    let rows = i32(sweep.cell_rows);
-    var points = vec3f(0.0);
-    for (var i = 0; i < 3; i++) {
-        let at = row + i - 1;
-        let side = 2 * (at & 1) - 1;
-        var share = select(0.25, 0.0, is_solid(pixel.lane, i32(pixel.ahead), at + side - i32(pixel.row)));
-        // Nothing comes back into the grid, and the second row of its last point may lie beyond.
-        if at == -1 || at == 2 * i32(sweep.rows) {
-            share = 0.0;
-        } else if at == rows {
-            share = 1.0;
-        }
-        let point = (at >> 1u) - (row >> 1u) + 1;
-        points[point] += weights[i] * (1.0 - share);
-        points[point + side] += weights[i] * share;
-    }
-    return points;
-}
-
 // The light of a held cone on the plane ahead, in the rows before, at and after one, times their weights.
-fn far(pixel: Pixel, cone: u32, row: i32, of_rows: vec3f) -> vec3f {
-    var weights = of_rows;
-    if SPACING == 2u {
-        weights = weights_of_points(pixel, row, of_rows);
-    }
-    // Rounded down, below 0 too.
-    let point = (row >> (SPACING - 1u)) - i32(pixel.first_row / SPACING);
-    let at = (cone % HELD_CONES) * HELD_POINTS + u32(point + i32(POINTS_BEFORE));
+fn far(pixel: Pixel, cone: u32, row: i32, weights: vec3f) -> vec3f {
+    let at = (cone % HELD_CONES) * HELD_ROWS + u32(row - i32(pixel.first_row) + i32(ROWS_BEFORE));
     var sum = vec3f(0.0);
     for (var i = 0u; i < 3u; i++) {
         sum += weights[i] * bitcast<vec4f>(held[at + i - 1u]).rgb;
@@ -178,18 +192,21 @@ fn through_nothing(pixel: Pixel, cone: u32) -> vec3f {
     return far(pixel, cone, end, weights) / (WEIGHT_EPSILON + weights.x + weights.y + weights.z);
 }
 
-// The light through a cone in which there is matter.
-fn through(pixel: Pixel, cone: u32, emits: bool) -> vec3f {
+// The light through a cone in which there is matter, along its middle or by several rays; `traced`: they meet it.
+fn through(pixel: Pixel, cone: u32, traced: bool, several: bool) -> vec3f {
     let entry = pixel.view + cone * pixel.size;
     let angle = bitcast<f32>(footprints[entry + 1u].x);
-    let first = select(0u, 1u, emits);
-    let count = select(1u, sweep.rays, emits);
+    let first = select(0u, 1u, several);
+    let count = select(1u, sweep.rays, several);
     var sum = vec3f(0.0);
     for (var ray = first; ray < first + count; ray++) {
         let crossings = footprints[entry + RAYS + 2u * ray];
         let end_past = footprints[entry + RAYS + 2u * ray + 1u];
         let row = bitcast<i32>(end_past.x);
-        let near = march(pixel.slab, pixel.row, pixel.lane, crossings);
+        var near = nothing();
+        if traced {
+            near = march(pixel.slab, pixel.row, pixel.lane, crossings);
+        }
         let weights = weights_behind(pixel, row, bitcast<f32>(end_past.y));
         let all = WEIGHT_EPSILON + weights.x + weights.y + weights.z;
         sum += near.light * angle + near.transmittance * (far(pixel, cone, i32(pixel.row) + row, weights) / all);
@@ -280,11 +297,28 @@ fn find_met(ahead: u32, lane: u32) {
     for (var i = lane; i < CONES * DEPTH; i += TILE * DEPTH) {
         let slab = i / CONES;
         let view = view_of(ahead - slab);
-        let mask = view.x + (i % CONES) * view.y + RAYS + 2u * (sweep.rays + 1u);
+        let entry = view.x + (i % CONES) * view.y;
         // Solid cells gather nothing.
+        let mask = entry + RAYS + 2u * (sweep.rays + 1u);
         let met = meeting(OCCUPIED, LAST, mask, slab, ahead - slab + 1u) & ~solid_rows(slab).xyxy;
-        meets[2u * i] = met.xz;
-        meets[2u * i + 1u] = met.yw;
+        // The ray along the middle, from the rows that need no other.
+        var stopped = met.zw;
+        var traced = met.zw;
+        var open = met.xy & ~met.zw;
+        let crossings = footprints[entry + RAYS];
+        for (var k = 0u; k < crossings.y && any(open != vec2u(0u)); k++) {
+            let crossing = footprints[crossings.x + k].x;
+            let at = slab + slabs_to(crossing) + 1u;
+            let rows = u32(rows_to(crossing) + ASIDE);
+            let hit = open & shifted(near[OCCUPIED * SLABS + at], rows);
+            let dark = ~shifted(near[MEDIUM * SLABS + at] | near[EMITTING * SLABS + at], rows);
+            stopped |= hit & dark;
+            traced |= hit & ~dark;
+            open &= ~hit;
+        }
+        meets[3u * i + MET] = met.xy;
+        meets[3u * i + STOPPED] = stopped;
+        meets[3u * i + TRACED] = traced;
     }
 }
 
@@ -341,26 +375,30 @@ fn main(
         steps.above = step(pixel, 0, 1, 1u, 1u);
         steps.below = step(pixel, 0, -1, 1u, 2u);
     }
-    let half = lane / 32u;
-    let shift = lane % 32u;
     for (var first = 0u; first < CONES; first += HELD_CONES) {
         // All have read the cones before, and `meets` is found.
         workgroupBarrier();
-        hold(plane, first_row, first, index_in_group);
+        hold(pixel, plane, first, index_in_group);
         workgroupBarrier();
         if gathers {
             var left = 0u;
             for (var cone = first; cone < min(first + HELD_CONES, CONES); cone++) {
-                if ((meets[2u * (local.y * CONES + cone) + half].x >> shift) & 1u) == 0u {
+                let at = 3u * (local.y * CONES + cone);
+                if !has(meets[at + MET], lane) {
                     add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
-                } else {
+                } else if has(meets[at + TRACED], lane) || !has(meets[at + STOPPED], lane) {
                     left |= 1u << (cone - first);
+                } else if faces {
+                    // Steps may shine on them through it.
+                    add(&gathered, pixel, cone, vec3f(0.0), faces, steps);
                 }
             }
             while left != 0u {
                 let cone = first + firstTrailingBit(left);
-                let emits = ((meets[2u * (local.y * CONES + cone) + half].y >> shift) & 1u) == 1u;
-                add(&gathered, pixel, cone, through(pixel, cone, emits), faces, steps);
+                let at = 3u * (local.y * CONES + cone);
+                let traced = has(meets[at + TRACED], lane);
+                let several = traced && has(meets[at + STOPPED], lane);
+                add(&gathered, pixel, cone, through(pixel, cone, traced, several), faces, steps);
                 left &= left - 1u;
             }
         }

@@ -68,18 +68,36 @@ fn near(p: u32, ray: i32, row: i32) -> Interval {
     return unpack(stored(p, made(sweep.level, ray), row));
 }
 
-// The light of a half cone of a level above, on a plane.
-fn far(level: u32, plane: u32, cone: u32, row: i32) -> vec3f {
-    if row < 0 || row >= i32(sweep.rows) || plane >= planes(level) {
-        return beyond(sweep.cones_above + cone, plane << level, row);
-    }
-    let slot = (sweep.far - plane) * cone_count(level) + cone;
-    return unpack_rgb(radiance[sweep.above + slot * sweep.rows + u32(row)]);
-}
-
 // The light that arrives through a half cone, along an interval, of what is behind it.
 fn along(interval: Interval, cone: u32, behind: vec3f) -> vec3f {
     return interval.transmittance * behind + interval.light * cones[cone].x;
+}
+
+// The light of two half cones of a level above in a row of a plane, one after the other: the ends of two cones of the level
+// below that share a ray.
+struct Halves {
+    first: vec3f,
+    second: vec3f,
+}
+
+// Those of a cone and the next. The outermost cones have none: what is read in their place is dropped.
+fn far(level: u32, plane: u32, cone: i32, row: i32) -> Halves {
+    let half = u32(2 * cone - 1);
+    let slot = (sweep.far - plane) * cone_count(level) + half;
+    let at = sweep.above + slot * sweep.rows + u32(row);
+    // Loads that no branch holds back wait for memory together.
+    let words = array(radiance[at], radiance[at + sweep.rows]);
+    if u32(row) >= sweep.rows || plane >= planes(level) {
+        let first = sweep.cones_above + half;
+        return Halves(beyond(first, plane << level, row), beyond(first + 1u, plane << level, row));
+    }
+    return Halves(unpack_rgb(words[0]), unpack_rgb(words[1]));
+}
+
+// The light of two half cones along the ray between their cones.
+fn along_ray(interval: Interval, cone: i32, behind: Halves) -> Halves {
+    let first = sweep.cones_above + u32(2 * cone - 1);
+    return Halves(along(interval, first, behind.first), along(interval, first + 1u, behind.second));
 }
 
 // Stores the light of a half cone of the lowest level.
@@ -105,27 +123,19 @@ fn once(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: v
     var low = vec3f(0.0);
     var before = vec3f(0.0);
     var own = vec3f(0.0);
-    for (var ray = first - 1 - BEYOND; ray < end + 2 - BEYOND; ray++) {
+    for (var i = 0; i < i32(RUN) + 3; i++) {
         // A ray lies between a cone and the next.
-        let cone = ray + BEYOND - 1;
-        let interval = near(p, ray, row);
-        let behind = row + select(0, rise(n, ray), odd);
-        if cone >= first - 1 {
-            var after = vec3f(0.0);
-            if is_lit(n, cone) {
-                let half = u32(2 * cone - 1);
-                after = low + along(interval, sweep.cones_above + half, far(n + 1u, (p + 1u) / 2u, half, behind));
-            }
-            if cone > first {
-                put(p, cone - 1, row, 0.5 * own + 0.25 * (before + after));
-            }
-            before = own;
-            own = after;
+        let cone = first - 2 + i;
+        let ray = cone + 1 - BEYOND;
+        let behind = far(n + 1u, (p + 1u) / 2u, cone, row + select(0, rise(n, ray), odd));
+        let halves = along_ray(near(p, ray, row), cone, behind);
+        let after = select(vec3f(0.0), low + halves.first, is_lit(n, cone));
+        if cone > first && cone <= end {
+            put(p, cone - 1, row, 0.5 * own + 0.25 * (before + after));
         }
-        if is_lit(n, cone + 1) {
-            let half = u32(2 * cone);
-            low = along(interval, sweep.cones_above + half, far(n + 1u, (p + 1u) / 2u, half, behind));
-        }
+        low = halves.second;
+        before = own;
+        own = after;
     }
 }
 
@@ -228,18 +238,12 @@ fn make_lines(s: Share, wave: i32, end: i32, lane: u32) {
             interval = remake(&remade, s.q, ray, row);
             behind += rise(u, ray);
         }
+        let halves = along_ray(interval, cone, far(u + 1u, plane, cone, behind));
         if cone >= begin {
-            var light = vec3f(0.0);
-            if is_lit(u, cone) {
-                let half = u32(2 * cone - 1);
-                light = low + along(interval, sweep.cones_above + half, far(u + 1u, plane, half, behind));
-            }
+            let light = select(vec3f(0.0), low + halves.first, is_lit(u, cone));
             lines[u32(cone - s.first) * LANES + lane] = pack_rgb(light);
         }
-        if cone + 1 < to && is_lit(u, cone + 1) {
-            let half = u32(2 * cone);
-            low = along(interval, sweep.cones_above + half, far(u + 1u, plane, half, behind));
-        }
+        low = halves.second;
     }
 }
 

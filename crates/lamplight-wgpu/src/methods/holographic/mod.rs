@@ -46,7 +46,7 @@ const MAX_HELD: u64 = 58;
 /// Bytes that are not worth a dispatch. Quadrants go together in as many: on cards with memory of their own in more, where
 /// few dispatches of one quadrant fill the card.
 const LITTLE: u64 = 160 << 20;
-const LITTLE_OF_CARD: u64 = 512 << 20;
+const LITTLE_OF_CARD: u64 = 640 << 20;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -142,9 +142,9 @@ impl MemoryLayout {
         let [width, height] = <[u32; 2]>::from(planner.size)
             .map(|side| points(side as usize, geometry.spacing_level));
         let sides = [[width, height], [height, width]];
-        let fused = planner.options.fused_levels;
-        let lattice = |sides, halvings| Lattice::new(sides, level, fused, halvings);
         let is_card = planner.device.adapter_info().device_type == DeviceType::DiscreteGpu;
+        let fused = planner.options.fused_levels(is_card);
+        let lattice = |sides, halvings| Lattice::new(sides, level, fused, halvings);
         let little = if is_card { LITTLE_OF_CARD } else { LITTLE };
         // Chunks are smaller if much memory would be needed, or more than the device can bind.
         let padded = sides.map(|[depth, rows]| (depth.next_power_of_two() * rows) as u64);
@@ -263,8 +263,8 @@ impl Holographic {
                 ("CONES", lattice::shown(geometry.first() + 1) as f64),
                 ("DEPTH", tile.depth.into()),
                 ("HELD_CONES", tile.cones.into()),
-                ("HELD_POINTS", tile.points.into()),
-                ("POINTS_BEFORE", tile.before.into()),
+                ("HELD_ROWS", tile.rows.into()),
+                ("ROWS_BEFORE", tile.before.into()),
                 spacing(geometry),
                 shaders::moment(moment && pixels),
             ];

@@ -270,7 +270,7 @@ impl Quadrant {
         };
         let rays = 2usize << level;
         let (work, rows, width) = match levels {
-            1 => (Work::ExtendOnce, LANES, WAVES),
+            1 => (Work::ExtendOnce, LANES, WAVES * WIDTH),
             _ => (Work::Extend, EXTENDED.rows, WIDTH),
         };
         let tiles = lattice.rows.div_ceil(rows as usize);

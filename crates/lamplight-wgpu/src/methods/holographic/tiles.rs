@@ -59,8 +59,8 @@ pub struct GatherTile {
     pub depth: u32,
     /// Cones whose light is held at a time.
     pub cones: u32,
-    /// Points of the plane, and those before the first row of the tile.
-    pub points: u32,
+    /// Rows of the plane, and those before the first of the tile.
+    pub rows: u32,
     pub before: u32,
 }
 
@@ -71,24 +71,23 @@ impl GatherTile {
     /// Bytes of a held light, of the bits of cells near a tile, and of the cones that meet matter, per slab and cone.
     const LIGHT: u32 = 16;
     const NEAR: u32 = 4 * 33 * 16;
-    const MEETS: u32 = 16;
+    const MEETS: u32 = 24;
     /// Bytes that are left over, since browsers count each array as up to 16 more.
     const SPARE: u32 = 4 * 16;
 
     pub fn new(geometry: GatherGeometry) -> Self {
-        let spacing = 1 << geometry.spacing_level;
         let depth = WAVES.min(1 << geometry.level);
         let all = shown(geometry.first() + 1) as u32;
-        // A ray reads the rows beside its end, and a row may lie between two points.
+        // A ray reads the rows beside its end.
         let cones = geometry.cones(geometry.max_length());
         let rays = cones.iter().flat_map(|cone| &cone.rays);
         let rise = rays.map(|ray| ray.row.unsigned_abs() as u32).max().unwrap_or(0);
-        let before = (rise + 1).div_ceil(spacing) + 1;
-        let points = TILE / spacing + 2 * before;
+        let before = rise + 1;
+        let rows = TILE + 2 * before;
         let left = Self::MEMORY - Self::NEAR - Self::MEETS * depth * all - Self::SPARE;
         // As many each time.
-        let times = all.div_ceil((left / (Self::LIGHT * points)).clamp(1, u32::BITS));
-        Self { depth, cones: all.div_ceil(times), points, before }
+        let times = all.div_ceil((left / (Self::LIGHT * rows)).clamp(1, u32::BITS));
+        Self { depth, cones: all.div_ceil(times), rows, before }
     }
 
     /// Returns the blocks of slabs that cover some slabs.
@@ -118,7 +117,7 @@ mod tests {
                 let all = shown(geometry.first() + 1) as u32;
                 let bytes = GatherTile::NEAR
                     + GatherTile::MEETS * tile.depth * all
-                    + GatherTile::LIGHT * tile.cones * tile.points;
+                    + GatherTile::LIGHT * tile.cones * tile.rows;
                 let most = wgpu::Limits::default().max_compute_workgroup_storage_size;
                 assert!(bytes + GatherTile::SPARE <= most, "{settings:?}: {bytes} bytes");
             }

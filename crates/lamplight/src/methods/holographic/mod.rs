@@ -301,7 +301,7 @@ mod tests {
     #[test]
     fn every_vector_unit_gives_the_same_light() {
         let cells = cells().drawn().into_owned();
-        for preset in ["default", "fast", "quality", "draft"] {
+        for preset in ["default", "fast", "quality"] {
             let settings = settings::Holographic::preset(preset).unwrap();
             agree(ROUNDING, |level| {
                 let mut light = Light::default();
