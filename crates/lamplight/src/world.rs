@@ -21,6 +21,7 @@ use crate::{
     Bounces, Cells, Direct, Error, GridWindow, Inflow, Lamp, Light, Result, Settings, Sky, Solver,
     Sun,
 };
+use std::sync::{Mutex, PoisonError};
 
 /// Side of the parts in which a world is read and its surfaces are lit, px.
 const PART: u32 = 2 * ALIGNMENT;
@@ -230,6 +231,31 @@ pub struct FarWorld {
     /// Radiance that surfaces send on, part by part.
     surfaces: Vec<PartLight>,
     state: BounceState,
+    solvers: IdleSolvers,
+}
+
+/// Solvers that have solved a part or a tile. The next one does not allocate its buffers again.
+#[derive(Debug, Default)]
+struct IdleSolvers(Mutex<Vec<Solver>>);
+
+impl IdleSolvers {
+    /// Returns a solver without history.
+    fn take(&self, settings: &Settings) -> Result<Solver> {
+        let idle = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let Some(mut solver) = idle else { return Solver::new(settings.clone()) };
+        solver.reset();
+        Ok(solver)
+    }
+
+    fn put_back(&self, solver: Solver) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(solver);
+    }
+
+    /// Returns all that are idle.
+    fn take_all(&self) -> Self {
+        let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        Self(Mutex::new(std::mem::take(&mut *idle)))
+    }
 }
 
 impl FarWorld {
@@ -241,7 +267,8 @@ impl FarWorld {
         let (settings, sky) = prepare(size, sky, suns, settings)?;
         let far_field = FarField::new(size, sky.clone());
         let state = BounceState::default();
-        Ok(Self { size, settings, sky, far_field, surfaces: Vec::new(), state })
+        let solvers = IdleSolvers::default();
+        Ok(Self { size, settings, sky, far_field, surfaces: Vec::new(), state, solvers })
     }
 
     /// Creates a finished one from its blocks, or one that lights a tile from the blocks for that.
@@ -258,7 +285,8 @@ impl FarWorld {
         let (settings, sky) = prepare(size, sky, suns, settings)?;
         let FarBlocks { levels, surfaces, state } = blocks;
         let far_field = FarField::of_levels(size, sky.clone(), levels)?;
-        Ok(Self { size, settings, sky, far_field, surfaces, state })
+        let solvers = IdleSolvers::default();
+        Ok(Self { size, settings, sky, far_field, surfaces, state, solvers })
     }
 
     /// Columns and rows.
@@ -302,14 +330,16 @@ impl FarWorld {
     pub fn bounce(&self, part: GridWindow, cells: Cells) -> Result<FarPart> {
         self.check_part(part)?;
         let around = self.around_tile(part);
-        let cells = self.lit_from_afar(around, cells)?;
+        // Surfaces send on light from a half circle, in which edges of shadows blur: half the directions do.
+        let cells = self.lit_from_afar(around, cells, self.settings.columns.div_ceil(2))?;
         let light = self.surface_light(around);
-        let mut solver = Solver::new(self.settings.solver.clone())?;
+        let mut solver = self.solvers.take(&self.settings.solver)?;
         solver.solve_known(&cells, Some(KnownSurfaces { light: &light, bounce: true }))?;
         let light = match solver.surfaces() {
             Some(surfaces) => PartLight::of(surfaces, around, part),
             None => PartLight::none(part),
         };
+        self.solvers.put_back(solver);
         Ok(self.far_part(part, cells, around, light))
     }
 
@@ -347,6 +377,7 @@ impl FarWorld {
             far_field: FarField::new(self.size, self.sky.clone()),
             surfaces: Vec::new(),
             state: BounceState { bounces: self.state.bounces + 1, ..BounceState::default() },
+            solvers: self.solvers.take_all(),
         }
     }
 
@@ -376,13 +407,14 @@ impl FarWorld {
     pub fn light(&self, tile: GridWindow, cells: Cells) -> Result<Light> {
         tile.check(self.size)?;
         let around = self.around_tile(tile);
-        let cells = self.lit_from_afar(around, cells)?;
+        let cells = self.lit_from_afar(around, cells, self.settings.columns)?;
         let light = self.surface_light(around);
-        let mut solver = Solver::new(self.settings.solver.clone())?;
-        let light =
-            solver.solve_known(&cells, Some(KnownSurfaces { light: &light, bounce: false }))?;
+        let mut solver = self.solvers.take(&self.settings.solver)?;
+        let known = KnownSurfaces { light: &light, bounce: false };
         let first = [0, 1].map(|a| tile.first[a] - around.first[a]);
-        Ok(light.window(GridWindow { first, ..tile }))
+        let light = solver.solve_known(&cells, Some(known))?.window(GridWindow { first, ..tile });
+        self.solvers.put_back(solver);
+        Ok(light)
     }
 
     fn check_part(&self, part: GridWindow) -> Result<()> {
@@ -411,11 +443,11 @@ impl FarWorld {
         FarPart::read(part, &cells, &sent, around.first, light, change)
     }
 
-    /// Returns the cells of a window with all light that enters.
-    fn lit_from_afar(&self, window: GridWindow, mut cells: Cells) -> Result<Cells> {
+    /// Returns the cells of a window with all light that enters, in so many directions.
+    fn lit_from_afar(&self, window: GridWindow, mut cells: Cells, columns: usize) -> Result<Cells> {
         check_cells(&cells, window)?;
         cells.suns_mut().clear();
-        cells.set_inflow(Some(self.inflow(window)?))?;
+        cells.set_inflow(Some(self.far_field.inflow(window, columns)?))?;
         Ok(cells)
     }
 

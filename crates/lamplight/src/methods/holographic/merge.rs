@@ -447,8 +447,8 @@ impl MergedLight {
         if let Some(border) = border {
             let slab = plane << level;
             let end = self.rows as isize;
-            // Rays of pixels rise by no more rows than the pad's, paths from the level below are half as long as rays.
-            let lengths = if at < SHOWN { [0, pad] } else { [(1 << level) / 2; 2] };
+            // Rays of pixels are shorter than the pad without a tile, paths from the level below half as long as rays.
+            let lengths = if at < SHOWN { [0, pad - TILE] } else { [(1 << level) / 2; 2] };
             for (cone, rows) in rows.chunks_exact_mut(size).enumerate() {
                 let beside = border.rows_beside(at, cone, lengths, pad);
                 let [before, after] = beside.map(|rows| rows as isize);
