@@ -29,9 +29,18 @@ pub struct BorderLight {
     /// The inflow that it was read from, the way of the sweep, and the points of the grid and px between them.
     read: Option<(Inflow, Orientation, [usize; 3])>,
     columns: QuadrantColumns,
-    /// Radiance by column, channel and point.
-    radiance: Vec<f32>,
+    /// Radiance by column.
+    radiance: PointLights,
     levels: Vec<LevelLight>,
+}
+
+/// The light at all points, several times.
+#[derive(Debug, Default)]
+struct PointLights {
+    /// Along the first row and the last, with one value more for whole vectors: read in steps of more than a point.
+    rows: Vec<[f32; 4]>,
+    /// Along the far end, channel by channel: neighbouring rows see neighbouring points.
+    end: Vec<f32>,
 }
 
 /// The points along the border of a grid of `depth` slabs: its first row and its last, slab by slab, and its far end,
@@ -60,8 +69,8 @@ struct LevelLight {
 
 #[derive(Debug)]
 enum ConesLight {
-    /// By cone, channel and point; not along the row from which none of a cone's light comes.
-    Wide(Vec<f32>),
+    /// By cone; not along the row from which none of a cone's light comes.
+    Wide(PointLights),
     /// The place of the first column that each cone sees, and the weights of it and the next.
     Narrow(Vec<(usize, [f32; MOST_COLUMNS])>),
 }
@@ -71,17 +80,22 @@ const MOST_COLUMNS: usize = 3;
 
 impl Default for ConesLight {
     fn default() -> Self {
-        Self::Wide(Vec::new())
+        Self::Wide(PointLights::default())
     }
 }
 
 /// The number of the side along the far end; the others are the first row and the last.
 const FAR_END: usize = 2;
 
+/// Returns the number of the other side from which a cone has light, by its slope.
+fn side_of(slope: f32) -> usize {
+    usize::from(slope > 0.0)
+}
+
 impl BorderPoints {
-    /// The number of points in all.
-    fn count(self) -> usize {
-        self.side(FAR_END).end
+    /// The number of points along the first row and the last, and along the far end.
+    fn counts(self) -> [usize; 2] {
+        [2 * (self.depth + 2), self.rows + 2]
     }
 
     /// The points of a side.
@@ -89,15 +103,6 @@ impl BorderPoints {
     fn side(self, side: usize) -> Range<usize> {
         let begin = side * (self.depth + 2);
         begin..begin + 2 + if side == FAR_END { self.rows } else { self.depth }
-    }
-
-    /// The sides from which a cone has light, of a channel.
-    fn sides_of(self, channel: usize, slope: f32) -> [Range<usize>; 2] {
-        [usize::from(slope > 0.0), FAR_END].map(|side| {
-            let Range { start, end } = self.side(side);
-            let first = channel * self.count();
-            first + start..first + end
-        })
     }
 
     /// Returns the border cells at each point, `spacing` of them.
@@ -121,6 +126,41 @@ impl BorderPoints {
         };
         (0..=FAR_END).flat_map(of_side).collect()
     }
+}
+
+impl PointLights {
+    /// Makes room for `count` lights at all points.
+    fn resize(&mut self, count: usize, points: BorderPoints) {
+        let [rows, end] = points.counts();
+        self.rows.resize(count * rows, [0.0; 4]);
+        self.end.resize(count * 3 * end, 0.0);
+    }
+
+    /// Returns the light of a number.
+    #[inline]
+    fn of(&self, number: usize, points: BorderPoints) -> PointLight<'_> {
+        let [rows, end] = points.counts();
+        PointLight {
+            rows: &self.rows[number * rows..][..rows],
+            end: &self.end[number * 3 * end..][..3 * end],
+        }
+    }
+
+    /// Returns all lights, to be filled.
+    fn all_mut(
+        &mut self,
+        points: BorderPoints,
+    ) -> impl IndexedParallelIterator<Item = (&mut [[f32; 4]], &mut [f32])> {
+        let [rows, end] = points.counts();
+        self.rows.par_chunks_mut(rows).zip(self.end.par_chunks_mut(3 * end))
+    }
+}
+
+/// The light at all points, as in [`PointLights`].
+#[derive(Clone, Copy, Debug, Default)]
+struct PointLight<'a> {
+    rows: &'a [[f32; 4]],
+    end: &'a [f32],
 }
 
 impl QuadrantColumns {
@@ -173,17 +213,27 @@ impl BorderLight {
 
     /// Reads the radiance of each column of the quadrant.
     fn read_columns(&mut self, inflow: &Inflow, cells: &[usize], spacing: usize) {
-        let (points, columns) = (self.points.count(), self.columns);
-        self.radiance.resize(columns.count * 3 * points, 0.0);
-        let of_columns = self.radiance.par_chunks_mut(3 * points).enumerate();
-        of_columns.for_each(|(place, radiance)| {
+        let (points, columns) = (self.points, self.columns);
+        let [in_rows, at_end] = points.counts();
+        self.radiance.resize(columns.count, points);
+        let of_columns = self.radiance.all_mut(points).enumerate();
+        of_columns.for_each(|(place, (rows, end))| {
             let column = columns.column(place);
-            for (point, cells) in cells.chunks(spacing).enumerate() {
+            let mean = |point: usize| {
+                let cells = &cells[point * spacing..][..spacing];
                 let sum = cells.iter().fold([0.0; 3], |sum: Rgb, &cell| {
                     let radiance = inflow.strip(cell)[column];
                     std::array::from_fn(|c| sum[c] + radiance[c])
                 });
-                (0..3).for_each(|c| radiance[c * points + point] = sum[c] / spacing as f32);
+                sum.map(|v| v / spacing as f32)
+            };
+            for (point, light) in rows.iter_mut().enumerate() {
+                let [r, g, b] = mean(point);
+                *light = [r, g, b, 0.0];
+            }
+            for row in 0..at_end {
+                let light = mean(in_rows + row);
+                (0..3).for_each(|c| end[c * at_end + row] = light[c]);
             }
         });
     }
@@ -216,23 +266,29 @@ impl BorderLight {
         }
         let mut wide = match std::mem::take(&mut held.cones) {
             ConesLight::Wide(light) => light,
-            ConesLight::Narrow(_) => Vec::new(),
+            ConesLight::Narrow(_) => PointLights::default(),
         };
         let points = *points;
-        let size = 3 * points.count();
-        wide.resize(count * size, 0.0);
-        let cones = wide.par_chunks_mut(size).zip(&held.slopes).zip(angles).enumerate();
+        wide.resize(count, points);
+        let cones = wide.all_mut(points).zip(&held.slopes).zip(angles).enumerate();
         cones.for_each_init(ColumnWeights::default, |weights, (cone, ((light, slope), angle))| {
             set(weights, cone);
             let (first, weights) = weights.of_columns();
             let first = columns.place(first);
-            light.fill(0.0);
+            let (rows, end) = light;
+            let side = points.side(side_of(*slope));
+            rows[side.clone()].fill([0.0; 4]);
+            end.fill(0.0);
             for (i, weight) in weights.iter().enumerate() {
-                let column = &radiance[(first + i) % columns.count * size..][..size];
-                for side in (0..3).flat_map(|channel| points.sides_of(channel, *slope)) {
-                    for (light, radiance) in light[side.clone()].iter_mut().zip(&column[side]) {
-                        *light += angle * weight * radiance;
-                    }
+                let column = radiance.of((first + i) % columns.count, points);
+                let weight = angle * weight;
+                for (light, radiance) in
+                    rows[side.clone()].iter_mut().zip(&column.rows[side.clone()])
+                {
+                    (0..4).for_each(|c| light[c] += weight * radiance[c]);
+                }
+                for (light, radiance) in end.iter_mut().zip(column.end) {
+                    *light += weight * radiance;
                 }
             }
         });
@@ -243,21 +299,20 @@ impl BorderLight {
     pub fn cone(&self, level: usize, cone: usize, slab: usize) -> BorderCone<'_> {
         let LevelLight { slopes, cones } = &self.levels[level];
         let BorderPoints { depth, rows } = self.points;
-        let size = 3 * self.points.count();
-        let mut columns = [(&[][..], 0.0); MOST_COLUMNS];
+        let mut columns = [(PointLight::default(), 0.0); MOST_COLUMNS];
         match cones {
-            ConesLight::Wide(light) => columns[0] = (&light[cone * size..][..size], 1.0),
+            ConesLight::Wide(light) => columns[0] = (light.of(cone, self.points), 1.0),
             ConesLight::Narrow(narrow) => {
                 let (first, weights) = narrow[cone];
                 for (i, weight) in weights.into_iter().enumerate() {
                     let place = (first + i) % self.columns.count;
-                    columns[i] = (&self.radiance[place * size..][..size], weight);
+                    columns[i] = (self.radiance.of(place, self.points), weight);
                 }
             }
         }
         let slope = slopes[cone];
         let x = slab as f32 + 0.5;
-        let side = usize::from(slope > 0.0);
+        let side = side_of(slope);
         let edge = if side == 1 { rows as f32 } else { 0.0 };
         BorderCone {
             columns,
@@ -292,8 +347,8 @@ const BESIDE: f32 = 3.0;
 /// The light of a cone at the rows of a plane, where it comes from beyond the border.
 #[derive(Clone, Copy, Debug)]
 pub struct BorderCone<'a> {
-    /// Radiance by channel and point, and weights.
-    columns: [(&'a [f32], f32); MOST_COLUMNS],
+    /// Radiance, and weights.
+    columns: [(PointLight<'a>, f32); MOST_COLUMNS],
     points: BorderPoints,
     /// The place on the far end of what row 0 sees, in points; that of others lies as many points on.
     to_end: f32,
@@ -320,7 +375,7 @@ impl BorderCone<'_> {
             }
             let weights = [weight * (1.0 - past), weight * past];
             for (c, light) in light.iter_mut().enumerate() {
-                let radiance = &radiance[c * self.points.count() + before..][..LANES + 1];
+                let radiance = &radiance.end[c * (self.points.rows + 2) + before..][..LANES + 1];
                 let one = f32x16::from_slice(simd, &radiance[..LANES]);
                 let other = f32x16::from_slice(simd, &radiance[1..]);
                 *light = other.mul_add(weights[1], one.mul_add(weights[0], *light));
@@ -345,19 +400,27 @@ impl BorderCone<'_> {
     fn at(&self, row: isize) -> Rgb {
         let at_end = row as f32 + self.to_end;
         let is_at_end = at_end >= 0.0 && at_end <= self.points.rows as f32;
-        let BetweenPoints { before, past } = if is_at_end {
-            self.points.between(FAR_END, at_end)
+        let columns = self.columns.iter().filter(|(_, weight)| *weight != 0.0);
+        let mut light = [0.0; 4];
+        if is_at_end {
+            let BetweenPoints { before, past } = self.points.between(FAR_END, at_end);
+            for (radiance, weight) in columns {
+                for (c, light) in light[..3].iter_mut().enumerate() {
+                    let radiance = &radiance.end[c * (self.points.rows + 2) + before..][..2];
+                    *light += weight * (radiance[0] + (radiance[1] - radiance[0]) * past);
+                }
+            }
         } else {
-            self.points.between(self.side, self.to_side + row as f32 * self.per_row)
-        };
-        let mut light = [0.0; 3];
-        for (radiance, weight) in self.columns.into_iter().filter(|(_, weight)| *weight != 0.0) {
-            for (c, light) in light.iter_mut().enumerate() {
-                let radiance = &radiance[c * self.points.count() + before..][..2];
-                *light += weight * (radiance[0] + (radiance[1] - radiance[0]) * past);
+            let place = self.to_side + row as f32 * self.per_row;
+            let BetweenPoints { before, past } = self.points.between(self.side, place);
+            for (radiance, weight) in columns {
+                let [one, other] = [radiance.rows[before], radiance.rows[before + 1]];
+                for c in 0..4 {
+                    light[c] += weight * (one[c] + (other[c] - one[c]) * past);
+                }
             }
         }
-        light
+        [light[0], light[1], light[2]]
     }
 
     /// Stores the light at some rows of a plane, counted from the grid's first, which is at `pad`.
@@ -379,11 +442,13 @@ struct BetweenPoints {
 }
 
 impl BorderPoints {
-    /// Returns the points around a place along a side, or around the nearest on it.
+    /// Returns the points around a place along a side, or around the nearest on it: by their numbers among those of the rows,
+    /// or among those of the far end.
     #[inline(always)]
     fn between(self, side: usize, place: f32) -> BetweenPoints {
-        let Range { start, end } = self.side(side);
-        let at = place.clamp(0.0, (end - start - 2) as f32) + 0.5;
+        let (start, length) =
+            if side == FAR_END { (0, self.rows) } else { (side * (self.depth + 2), self.depth) };
+        let at = place.clamp(0.0, length as f32) + 0.5;
         let before = at as usize;
         BetweenPoints { before: start + before, past: at - before as f32 }
     }
