@@ -27,6 +27,7 @@ mod inflow;
 mod lamps;
 mod levels;
 mod march;
+mod near;
 mod parts;
 mod paths;
 mod read;
@@ -38,6 +39,7 @@ use crate::stages::bounce::SurfaceLight;
 use crate::{Cells, GridWindow, Inflow, Lamp, Result, Sky};
 use block::FarBlock;
 use levels::{BlockLevel, EMPTY, SOLID};
+pub use near::NearCells;
 pub use parts::{BounceState, FarBlocks, FarPart};
 use rayon::prelude::*;
 use read::{BlockReader, Found, SIDE};
@@ -162,12 +164,18 @@ impl FarField {
         self.measured.iter_mut().for_each(HashMap::clear);
     }
 
-    /// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions.
+    /// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions, through the cells
+    /// near it if they are known.
     ///
     /// # Errors
     /// As [`Inflow::new`].
-    pub fn inflow(&self, window: GridWindow, columns: usize) -> Result<Inflow> {
-        inflow::inflow(&self.levels, &self.sky, window, columns)
+    pub fn inflow(
+        &self,
+        window: GridWindow,
+        columns: usize,
+        near: Option<&NearCells>,
+    ) -> Result<Inflow> {
+        inflow::inflow(&self.levels, &self.sky, window, columns, near)
     }
 
     /// Returns an inflow of a window, which begins at a multiple of 4, with the light of lamps in it. Positions are px of
