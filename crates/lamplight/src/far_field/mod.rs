@@ -4,7 +4,8 @@
 //! if it is known as roughly as it is far, as in the far field of fast multipole methods (Greengard and Rokhlin 1987).
 //! The smallest blocks are 4×4 cells ([`read`]), and each level has blocks twice as large, up to 512 px measured by
 //! lines through the cells ([`sweep`]), beyond that composed of the smaller ones ([`levels`]). Rays from the border of a
-//! tile cross smaller blocks near it and larger ones farther away ([`march`]; [`inflow`]).
+//! tile cross smaller blocks near it and larger ones farther away ([`march`]; [`inflow`]), and cells before them if the
+//! tile's margin is narrow ([`near`]).
 //!
 //! A block keeps two means for each of sixteen directions and for each of four strips across it: the radiance that
 //! parallel rays in the strip see in it, and the fraction of light that it stops ([`paths`]). They are means over the

@@ -143,7 +143,7 @@ fn tiles_have_the_light_of_their_world() {
 
 #[test]
 fn narrow_margins_have_nearly_the_same_light() {
-    /// Of a margin of 32 px, beside which blocks as near as that would leave a seam of 2.6 %.
+    /// The largest error and jump with a margin of 32 px. Blocks so near would leave a seam of 2.6 %.
     const NARROW: [f64; 2] = [0.015, 0.02];
     let cells = open_world(512);
     let settings = bounces(2);

@@ -1,9 +1,9 @@
 //! Light that enters through the border of the grid, for the cones of a quadrant.
 //!
 //! Rows beside the grid and planes behind it, which lie beyond the border, have the light that enters the grid
-//! where the middle of its cone leaves it. It is linear between border cells. Wide cones see the mean of many columns,
-//! which is found once for every cone and border cell; most cones are narrower than a column, and take theirs from two or
-//! three.
+//! where the middle of its cone leaves it. Paths of the merge read it there, each once; rows beside the grid are stored
+//! as far as paths rise. Light is linear between border cells. Wide cones see the mean of many columns, which is found
+//! once for every cone and border cell; most cones are narrower than a column, and take theirs from two or three.
 
 use super::interval::LANES;
 use super::lattice::{BEYOND, edges, on_grid, slope};
@@ -37,7 +37,8 @@ pub struct BorderLight {
 /// The light at all points, several times.
 #[derive(Debug, Default)]
 struct PointLights {
-    /// Along the first row and the last, with one value more for whole vectors: read in steps of more than a point.
+    /// Along the first row and the last, with a fourth value that makes whole vectors: neighbouring rows see points that
+    /// lie farther apart.
     rows: Vec<[f32; 4]>,
     /// Along the far end, channel by channel: neighbouring rows see neighbouring points.
     end: Vec<f32>,
