@@ -12,7 +12,7 @@
 //! Tiles do not depend on each other: they may be solved in any order, on any machine, and again after a break, with
 //! the same result to the bit.
 
-use crate::far_field::{ALIGNMENT, BounceState, FarField, PartLight};
+use crate::far_field::{ALIGNMENT, BounceState, FarField, NearCells, PartLight};
 pub use crate::far_field::{FarBlocks, FarPart};
 use crate::stages::bounce::{CONVERGED, KnownSurfaces, SurfaceLight};
 use crate::stages::glow::Glow;
@@ -21,6 +21,10 @@ use crate::{
     Bounces, Cells, Direct, Error, GridWindow, Inflow, Lamp, Light, Result, Settings, Sky, Solver,
     Sun,
 };
+use std::sync::{Mutex, PoisonError};
+
+/// The least distance from a tile up to which rays cross cells, px; beyond it they cross blocks of the far field.
+const NEAR: u32 = 64;
 
 /// Side of the parts in which a world is read and its surfaces are lit, px.
 const PART: u32 = 2 * ALIGNMENT;
@@ -108,8 +112,8 @@ pub fn lamps_within(lamps: &[Lamp], window: GridWindow) -> Vec<Lamp> {
 pub struct WorldSettings {
     /// The settings of every tile. [`Bounces::Feedback`] means all bounces here.
     pub solver: Settings,
-    /// The margin of a tile, px, in which matter is known cell by cell. More is closer to one solve of the whole at the
-    /// edges of tiles, and takes time.
+    /// The margin of a tile, px, that is solved with it. More is closer to one solve of the whole at the edges of tiles,
+    /// and takes time. With less than 64 px, what lies between is crossed cell by cell by the rays that enter.
     pub halo: u32,
     /// Directions of the light that enters a tile. More are sharper shadows of distant lights, and take time and memory.
     pub columns: usize,
@@ -230,6 +234,31 @@ pub struct FarWorld {
     /// Radiance that surfaces send on, part by part.
     surfaces: Vec<PartLight>,
     state: BounceState,
+    solvers: IdleSolvers,
+}
+
+/// Solvers that have solved a part or a tile. The next one does not allocate its buffers again.
+#[derive(Debug, Default)]
+struct IdleSolvers(Mutex<Vec<Solver>>);
+
+impl IdleSolvers {
+    /// Returns a solver without history.
+    fn take(&self, settings: &Settings) -> Result<Solver> {
+        let idle = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let Some(mut solver) = idle else { return Solver::new(settings.clone()) };
+        solver.reset();
+        Ok(solver)
+    }
+
+    fn put_back(&self, solver: Solver) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(solver);
+    }
+
+    /// Returns all that are idle.
+    fn take_all(&self) -> Self {
+        let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        Self(Mutex::new(std::mem::take(&mut *idle)))
+    }
 }
 
 impl FarWorld {
@@ -241,7 +270,8 @@ impl FarWorld {
         let (settings, sky) = prepare(size, sky, suns, settings)?;
         let far_field = FarField::new(size, sky.clone());
         let state = BounceState::default();
-        Ok(Self { size, settings, sky, far_field, surfaces: Vec::new(), state })
+        let solvers = IdleSolvers::default();
+        Ok(Self { size, settings, sky, far_field, surfaces: Vec::new(), state, solvers })
     }
 
     /// Creates a finished one from its blocks, or one that lights a tile from the blocks for that.
@@ -258,7 +288,8 @@ impl FarWorld {
         let (settings, sky) = prepare(size, sky, suns, settings)?;
         let FarBlocks { levels, surfaces, state } = blocks;
         let far_field = FarField::of_levels(size, sky.clone(), levels)?;
-        Ok(Self { size, settings, sky, far_field, surfaces, state })
+        let solvers = IdleSolvers::default();
+        Ok(Self { size, settings, sky, far_field, surfaces, state, solvers })
     }
 
     /// Columns and rows.
@@ -278,6 +309,11 @@ impl FarWorld {
 
     /// The window of cells that light a tile, or find the next bounce of a part.
     pub fn around_tile(&self, tile: GridWindow) -> GridWindow {
+        expanded(tile, self.settings.halo.max(NEAR), self.size, 4)
+    }
+
+    /// The window of cells in which a tile is solved.
+    fn solved(&self, tile: GridWindow) -> GridWindow {
         expanded(tile, self.settings.halo, self.size, 4)
     }
 
@@ -301,16 +337,18 @@ impl FarWorld {
     /// Fails if the window is none of the parts, the cells are not those around it, or as [`Solver::solve`].
     pub fn bounce(&self, part: GridWindow, cells: Cells) -> Result<FarPart> {
         self.check_part(part)?;
-        let around = self.around_tile(part);
-        let cells = self.lit_from_afar(around, cells)?;
-        let light = self.surface_light(around);
-        let mut solver = Solver::new(self.settings.solver.clone())?;
+        let solved = self.solved(part);
+        // Surfaces send on light from a half circle, in which edges of shadows blur: half the directions do.
+        let cells = self.lit_from_afar(part, cells, self.settings.columns.div_ceil(2))?;
+        let light = self.surface_light(solved);
+        let mut solver = self.solvers.take(&self.settings.solver)?;
         solver.solve_known(&cells, Some(KnownSurfaces { light: &light, bounce: true }))?;
         let light = match solver.surfaces() {
-            Some(surfaces) => PartLight::of(surfaces, around, part),
+            Some(surfaces) => PartLight::of(surfaces, solved, part),
             None => PartLight::none(part),
         };
-        Ok(self.far_part(part, cells, around, light))
+        self.solvers.put_back(solver);
+        Ok(self.far_part(part, cells, solved, light))
     }
 
     /// Adds what was read of a part, or its next bounce.
@@ -347,18 +385,20 @@ impl FarWorld {
             far_field: FarField::new(self.size, self.sky.clone()),
             surfaces: Vec::new(),
             state: BounceState { bounces: self.state.bounces + 1, ..BounceState::default() },
+            solvers: self.solvers.take_all(),
         }
     }
 
     /// Returns the blocks of a finished one: all, or those that light a tile.
     pub fn blocks(&self, tile: Option<GridWindow>) -> FarBlocks {
         let around = tile.map(|tile| self.around_tile(tile));
+        let solved = tile.map(|tile| self.solved(tile));
         let surfaces = self.surfaces.iter();
         let surfaces = match around {
             Some(around) => surfaces.filter_map(|part| part.within(around)).collect(),
             None => surfaces.cloned().collect(),
         };
-        FarBlocks { levels: self.far_field.levels(around), surfaces, state: self.state }
+        FarBlocks { levels: self.far_field.levels(solved), surfaces, state: self.state }
     }
 
     /// Returns the light that enters a window from the world around it, whose first cell lies at a multiple of 4.
@@ -366,7 +406,7 @@ impl FarWorld {
     /// # Errors
     /// As [`Inflow::new`].
     pub fn inflow(&self, window: GridWindow) -> Result<Inflow> {
-        self.far_field.inflow(window, self.settings.columns)
+        self.far_field.inflow(window, self.settings.columns, None)
     }
 
     /// Returns the light of a tile, from the cells [around](Self::around_tile) it.
@@ -375,14 +415,15 @@ impl FarWorld {
     /// Fails if the tile does not lie in the world, the cells are not those around it, or as [`Solver::solve`].
     pub fn light(&self, tile: GridWindow, cells: Cells) -> Result<Light> {
         tile.check(self.size)?;
-        let around = self.around_tile(tile);
-        let cells = self.lit_from_afar(around, cells)?;
-        let light = self.surface_light(around);
-        let mut solver = Solver::new(self.settings.solver.clone())?;
-        let light =
-            solver.solve_known(&cells, Some(KnownSurfaces { light: &light, bounce: false }))?;
-        let first = [0, 1].map(|a| tile.first[a] - around.first[a]);
-        Ok(light.window(GridWindow { first, ..tile }))
+        let solved = self.solved(tile);
+        let cells = self.lit_from_afar(tile, cells, self.settings.columns)?;
+        let light = self.surface_light(solved);
+        let mut solver = self.solvers.take(&self.settings.solver)?;
+        let known = KnownSurfaces { light: &light, bounce: false };
+        let first = [0, 1].map(|a| tile.first[a] - solved.first[a]);
+        let light = solver.solve_known(&cells, Some(known))?.window(GridWindow { first, ..tile });
+        self.solvers.put_back(solver);
+        Ok(light)
     }
 
     fn check_part(&self, part: GridWindow) -> Result<()> {
@@ -411,12 +452,23 @@ impl FarWorld {
         FarPart::read(part, &cells, &sent, around.first, light, change)
     }
 
-    /// Returns the cells of a window with all light that enters.
-    fn lit_from_afar(&self, window: GridWindow, mut cells: Cells) -> Result<Cells> {
-        check_cells(&cells, window)?;
-        cells.suns_mut().clear();
-        cells.set_inflow(Some(self.inflow(window)?))?;
-        Ok(cells)
+    /// Returns the cells in which a tile is solved, of those around it, with all light that enters, in so many directions.
+    fn lit_from_afar(&self, tile: GridWindow, mut cells: Cells, columns: usize) -> Result<Cells> {
+        let [around, solved] = [self.around_tile(tile), self.solved(tile)];
+        check_cells(&cells, around)?;
+        let (mut lit, inflow) = if around == solved {
+            (cells, self.far_field.inflow(solved, columns, None)?)
+        } else {
+            let first = [0, 1].map(|a| solved.first[a] - around.first[a]);
+            let lit = WorldSource::cells(&cells, GridWindow { first, ..solved })?;
+            self.settings.solver.method.draw_lamps(&mut cells);
+            Glow::default().to_media(&mut cells);
+            let near = NearCells::new(&cells, around, &self.surface_light(around));
+            (lit, self.far_field.inflow(solved, columns, Some(&near))?)
+        };
+        lit.suns_mut().clear();
+        lit.set_inflow(Some(inflow))?;
+        Ok(lit)
     }
 
     /// Returns what the surfaces in a window send on.

@@ -2,6 +2,7 @@
 
 use super::levels::BlockLevel;
 use super::march::{BlockRay, RayDirection, Rings, march};
+use super::near::{NearCells, NearRay};
 use super::read::SIDE;
 use crate::{GridWindow, Inflow, Panorama, Result, Rgb, Sky};
 use rayon::prelude::*;
@@ -27,7 +28,8 @@ fn edges(GridWindow { first, size }: GridWindow) -> [[i32; 2]; 2] {
     [first, [0, 1].map(|a| (first[a] + size[a] as i32 + 3) / 4 * 4)]
 }
 
-/// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions.
+/// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions, through the cells near
+/// it if they are known.
 ///
 /// # Errors
 /// As [`Inflow::new`].
@@ -36,6 +38,7 @@ pub fn inflow(
     sky: &Sky,
     window: GridWindow,
     columns: usize,
+    near: Option<&NearCells>,
 ) -> Result<Inflow> {
     let size = window.size;
     let [first, end] = edges(window);
@@ -59,7 +62,8 @@ pub fn inflow(
         let along = side % 2;
         let across = 1 - along;
         let outward = if side == 0 || side == 3 { -1 } else { 1 };
-        let border = Border { levels, rings: &rings, rays: &rays, sky: &seen, across, outward };
+        let border =
+            Border { levels, rings: &rings, near, rays: &rays, sky: &seen, across, outward };
         let sources = border.sources();
         let strips = (0..blocks[along]).into_par_iter().map(|i| {
             let mut block = first.map(|v| v / SIDE as i32);
@@ -76,6 +80,7 @@ pub fn inflow(
 struct Border<'a> {
     levels: &'a [BlockLevel],
     rings: &'a Rings,
+    near: Option<&'a NearCells<'a>>,
     /// Directions of all rays, column by column.
     rays: &'a [RayDirection],
     /// The sky by column.
@@ -107,6 +112,40 @@ impl Border<'_> {
         (0..columns).map(nearest).collect()
     }
 
+    /// Returns the numbers of the cells along the border at a block that light can reach: all if none can, or if cells are
+    /// not known.
+    fn open_cells(&self, block: [i32; 2]) -> Vec<i32> {
+        let all = 0..SIDE as i32;
+        let Some(near) = self.near else { return all.collect() };
+        let along = 1 - self.across;
+        let is_open = |&number: &i32| {
+            let mut cell = block.map(|v| v * SIDE as i32);
+            cell[along] += number;
+            cell[self.across] += if self.outward < 0 { SIDE as i32 } else { -1 };
+            !near.is_solid(cell)
+        };
+        let open: Vec<i32> = all.clone().filter(is_open).collect();
+        if open.is_empty() { all.collect() } else { open }
+    }
+
+    /// Returns the radiance along a ray that enters a block at the border, and the transmittance of its way.
+    fn seen(&self, from: [f64; 2], direction: &RayDirection, block: [i32; 2]) -> [Rgb; 2] {
+        let of_blocks = |block| {
+            let ray = BlockRay { from, direction, block, reach: f64::INFINITY };
+            march(self.levels, self.rings, ray)
+        };
+        let Some(near) = self.near else { return of_blocks(block) };
+        let NearRay { light, through, block } = near.cross(from, direction.way, self.across);
+        if through == [0.0; 3] {
+            return [light, through];
+        }
+        let [behind, passed] = of_blocks(block);
+        [
+            std::array::from_fn(|c| light[c] + through[c] * behind[c]),
+            std::array::from_fn(|c| through[c] * passed[c]),
+        ]
+    }
+
     /// Returns the radiance that comes through a block at the border, by column.
     fn strip(&self, block: [i32; 2], sources: &[usize]) -> Vec<Rgb> {
         let mut strip = vec![[0.0; 3]; sources.len()];
@@ -114,6 +153,7 @@ impl Border<'_> {
         let mut from = [0.0; 2];
         let edge = block[self.across] + i32::from(self.outward < 0);
         from[self.across] = f64::from(edge * SIDE as i32);
+        let open = self.open_cells(block);
         for column in (0..sources.len()).filter(|&column| sources[column] == column) {
             // Those of a column that grazes the border may lead inward.
             let rays = (column * RAYS..(column + 1) * RAYS).filter(|&ray| self.cosine(ray) > 0.0);
@@ -121,10 +161,10 @@ impl Border<'_> {
             for ray in rays {
                 // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
                 let place = (GOLDEN_RATIO * ray as f64).fract();
-                from[along] = (f64::from(block[along]) + place) * SIDE as f64;
-                let ray =
-                    BlockRay { from, direction: &self.rays[ray], block, reach: f64::INFINITY };
-                let [light, through] = march(self.levels, self.rings, ray);
+                let place = place * open.len() as f64;
+                let cell = f64::from(open[place as usize]);
+                from[along] = f64::from(block[along] * SIDE as i32) + cell + place.fract();
+                let [light, through] = self.seen(from, &self.rays[ray], block);
                 count += 1.0;
                 for c in 0..3 {
                     strip[column][c] += light[c] + through[c] * self.sky[column][c];

@@ -4,7 +4,8 @@
 //! if it is known as roughly as it is far, as in the far field of fast multipole methods (Greengard and Rokhlin 1987).
 //! The smallest blocks are 4×4 cells ([`read`]), and each level has blocks twice as large, up to 512 px measured by
 //! lines through the cells ([`sweep`]), beyond that composed of the smaller ones ([`levels`]). Rays from the border of a
-//! tile cross smaller blocks near it and larger ones farther away ([`march`]; [`inflow`]).
+//! tile cross smaller blocks near it and larger ones farther away ([`march`]; [`inflow`]), and cells before them if the
+//! tile's margin is narrow ([`near`]).
 //!
 //! A block keeps two means for each of sixteen directions and for each of four strips across it: the radiance that
 //! parallel rays in the strip see in it, and the fraction of light that it stops ([`paths`]). They are means over the
@@ -27,6 +28,7 @@ mod inflow;
 mod lamps;
 mod levels;
 mod march;
+mod near;
 mod parts;
 mod paths;
 mod read;
@@ -38,6 +40,7 @@ use crate::stages::bounce::SurfaceLight;
 use crate::{Cells, GridWindow, Inflow, Lamp, Result, Sky};
 use block::FarBlock;
 use levels::{BlockLevel, EMPTY, SOLID};
+pub use near::NearCells;
 pub use parts::{BounceState, FarBlocks, FarPart};
 use rayon::prelude::*;
 use read::{BlockReader, Found, SIDE};
@@ -162,12 +165,18 @@ impl FarField {
         self.measured.iter_mut().for_each(HashMap::clear);
     }
 
-    /// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions.
+    /// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions, through the cells
+    /// near it if they are known.
     ///
     /// # Errors
     /// As [`Inflow::new`].
-    pub fn inflow(&self, window: GridWindow, columns: usize) -> Result<Inflow> {
-        inflow::inflow(&self.levels, &self.sky, window, columns)
+    pub fn inflow(
+        &self,
+        window: GridWindow,
+        columns: usize,
+        near: Option<&NearCells>,
+    ) -> Result<Inflow> {
+        inflow::inflow(&self.levels, &self.sky, window, columns, near)
     }
 
     /// Returns an inflow of a window, which begins at a multiple of 4, with the light of lamps in it. Positions are px of

@@ -1,14 +1,16 @@
 //! Light that enters through the border of the grid, for the cones of a quadrant.
 //!
 //! Rows beside the grid and planes behind it, which lie beyond the border, have the light that enters the grid
-//! where the middle of its cone leaves it. It is linear between border cells. Wide cones see the mean of many columns,
-//! which is found once for every cone and border cell; most cones are narrower than a column, and take theirs from two or
-//! three.
+//! where the middle of its cone leaves it. Paths of the merge read it there, each once; rows beside the grid are stored
+//! as far as paths rise. Light is linear between border cells. Wide cones see the mean of many columns, which is found
+//! once for every cone and border cell; most cones are narrower than a column, and take theirs from two or three.
 
+use super::interval::LANES;
 use super::lattice::{BEYOND, edges, on_grid, slope};
 use crate::inflow::ColumnWeights;
 use crate::panorama::column;
 use crate::{Inflow, Rgb};
+use fearless_simd::{f32x16, prelude::*};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::ops::Range;
@@ -23,15 +25,39 @@ pub struct Orientation {
 /// The light of all cones at the border.
 #[derive(Debug, Default)]
 pub struct BorderLight {
-    depth: usize,
-    rows: usize,
+    points: BorderPoints,
     /// The inflow that it was read from, the way of the sweep, and the points of the grid and px between them.
     read: Option<(Inflow, Orientation, [usize; 3])>,
-    /// Border cells of each point along the first row and along the last, slab by slab, and along the far end, row by row.
-    cells: [Vec<usize>; 3],
-    /// Radiance by column: of each point along the first row, along the last, and along the far end.
-    columns: Vec<Rgb>,
+    columns: QuadrantColumns,
+    /// Radiance by column.
+    radiance: PointLights,
     levels: Vec<LevelLight>,
+}
+
+/// The light at all points, several times.
+#[derive(Debug, Default)]
+struct PointLights {
+    /// Along the first row and the last, with a fourth value that makes whole vectors: neighbouring rows see points that
+    /// lie farther apart.
+    rows: Vec<[f32; 4]>,
+    /// Along the far end, channel by channel: neighbouring rows see neighbouring points.
+    end: Vec<f32>,
+}
+
+/// The points along the border of a grid of `depth` slabs: its first row and its last, slab by slab, and its far end,
+/// row by row. The outermost of each side are there twice, so that light is linear between two points everywhere.
+#[derive(Clone, Copy, Debug, Default)]
+struct BorderPoints {
+    depth: usize,
+    rows: usize,
+}
+
+/// The columns of an inflow of `all` columns that the cones of a quadrant see.
+#[derive(Clone, Copy, Debug, Default)]
+struct QuadrantColumns {
+    all: usize,
+    first: usize,
+    count: usize,
 }
 
 /// The light of the cones of a level at the border.
@@ -44,9 +70,9 @@ struct LevelLight {
 
 #[derive(Debug)]
 enum ConesLight {
-    /// Cone by cone: along the side towards which it rises or falls, slab by slab, then along the far end, row by row.
-    Wide(Vec<Rgb>),
-    /// The first column that each cone sees, and the weights of it and the next.
+    /// By cone; not along the row from which none of a cone's light comes.
+    Wide(PointLights),
+    /// The place of the first column that each cone sees, and the weights of it and the next.
     Narrow(Vec<(usize, [f32; MOST_COLUMNS])>),
 }
 
@@ -55,12 +81,112 @@ const MOST_COLUMNS: usize = 3;
 
 impl Default for ConesLight {
     fn default() -> Self {
-        Self::Wide(Vec::new())
+        Self::Wide(PointLights::default())
+    }
+}
+
+/// The number of the side along the far end; the others are the first row and the last.
+const FAR_END: usize = 2;
+
+/// Returns the number of the other side from which a cone has light, by its slope.
+fn side_of(slope: f32) -> usize {
+    usize::from(slope > 0.0)
+}
+
+impl BorderPoints {
+    /// The number of points along the first row and the last, and along the far end.
+    fn counts(self) -> [usize; 2] {
+        [2 * (self.depth + 2), self.rows + 2]
+    }
+
+    /// The points of a side.
+    #[inline]
+    fn side(self, side: usize) -> Range<usize> {
+        let begin = side * (self.depth + 2);
+        begin..begin + 2 + if side == FAR_END { self.rows } else { self.depth }
+    }
+
+    /// Returns the border cells at each point, `spacing` of them.
+    fn cells(self, inflow: &Inflow, orientation: Orientation, spacing: usize) -> Vec<usize> {
+        let cell = |side: usize, along: f32| {
+            let place = match side {
+                0 => [along, 0.0],
+                1 => [along, self.rows as f32],
+                _ => [self.depth as f32, along],
+            };
+            let place = orientation.on_grid(self.depth, place);
+            inflow.nearest_cell(place.map(|v| v * spacing as f32))
+        };
+        let of_side = |side: usize| {
+            let count = self.side(side).len() - 2;
+            let cells = (0..count + 2).flat_map(move |point| {
+                let first = (point.clamp(1, count) - 1) * spacing;
+                first..first + spacing
+            });
+            cells.map(move |i| cell(side, (i as f32 + 0.5) / spacing as f32))
+        };
+        (0..=FAR_END).flat_map(of_side).collect()
+    }
+}
+
+impl PointLights {
+    /// Makes room for `count` lights at all points.
+    fn resize(&mut self, count: usize, points: BorderPoints) {
+        let [rows, end] = points.counts();
+        self.rows.resize(count * rows, [0.0; 4]);
+        self.end.resize(count * 3 * end, 0.0);
+    }
+
+    /// Returns the light of a number.
+    #[inline]
+    fn of(&self, number: usize, points: BorderPoints) -> PointLight<'_> {
+        let [rows, end] = points.counts();
+        PointLight {
+            rows: &self.rows[number * rows..][..rows],
+            end: &self.end[number * 3 * end..][..3 * end],
+        }
+    }
+
+    /// Returns all lights, to be filled.
+    fn all_mut(
+        &mut self,
+        points: BorderPoints,
+    ) -> impl IndexedParallelIterator<Item = (&mut [[f32; 4]], &mut [f32])> {
+        let [rows, end] = points.counts();
+        self.rows.par_chunks_mut(rows).zip(self.end.par_chunks_mut(3 * end))
+    }
+}
+
+/// The light at all points, as in [`PointLights`].
+#[derive(Clone, Copy, Debug, Default)]
+struct PointLight<'a> {
+    rows: &'a [[f32; 4]],
+    end: &'a [f32],
+}
+
+impl QuadrantColumns {
+    fn new(all: usize, orientation: Orientation) -> Self {
+        let quadrant = orientation.on_circle([-FRAC_PI_4, FRAC_PI_4]);
+        // Rounding may put its edge into the column before.
+        let [from, to] = quadrant.map(|angle| (column(all, angle) - 1e-6).floor() as i64);
+        let count = all.min((to - from) as usize + MOST_COLUMNS);
+        Self { all, first: from.rem_euclid(all as i64) as usize, count }
+    }
+
+    /// Returns the column of the inflow at a place among them.
+    fn column(self, place: usize) -> usize {
+        (self.first + place) % self.all
+    }
+
+    /// Returns the place of a column of the inflow.
+    fn place(self, column: usize) -> usize {
+        (column + self.all - self.first) % self.all
     }
 }
 
 impl BorderLight {
-    /// Reads the inflow of a grid of `depth` × `rows` points `spacing` px apart, whose cones of each level, by number, stand for these angles.
+    /// Reads the inflow of a grid of `depth` × `rows` points `spacing` px apart, whose cones of each level, by number, stand
+    /// for these angles.
     pub fn read<'a>(
         &mut self,
         inflow: &Inflow,
@@ -76,188 +202,268 @@ impl BorderLight {
         }
         self.read = Some((inflow.clone(), orientation, grid));
         let [depth, rows, spacing] = grid;
-        (self.depth, self.rows) = (depth, rows);
-        let cell = |place| {
-            let place = orientation.on_grid(depth, place);
-            inflow.nearest_cell(place.map(|v| v * spacing as f32))
-        };
-        // The middle of each cell, in points.
-        let middles =
-            |count: usize| (0..count * spacing).map(|i| (i as f32 + 0.5) / spacing as f32);
-        for (cells, row) in self.cells.iter_mut().zip([0.0, rows as f32]) {
-            cells.clear();
-            cells.extend(middles(depth).map(|slab| cell([slab, row])));
-        }
-        let [_, _, end] = &mut self.cells;
-        end.clear();
-        end.extend(middles(rows).map(|row| cell([depth as f32, row])));
+        self.points = BorderPoints { depth, rows };
+        self.columns = QuadrantColumns::new(inflow.columns(), orientation);
+        let cells = self.points.cells(inflow, orientation, spacing);
+        self.read_columns(inflow, &cells, spacing);
         self.levels.resize_with(levels.len(), LevelLight::default);
-        let all = inflow.columns();
-        // Angles of the grid between which a cone lies. Those beyond the quadrant look along its edge.
-        let between = |level, count: usize, cone: usize| {
-            let inside = cone.clamp(BEYOND, count - 1 - BEYOND);
-            on_grid(orientation.along_x, orientation.reversed, edges(level, inside))
-        };
-        let quadrant = on_grid(orientation.along_x, orientation.reversed, [-FRAC_PI_4, FRAC_PI_4]);
-        // Rounding may put its edge into the column before.
-        let [from, to] = quadrant.map(|angle| (column(all, angle) - 1e-6).floor() as i64);
-        let begin = from.rem_euclid(all as i64) as usize;
-        let count = all.min((to - from) as usize + MOST_COLUMNS);
-        // The place in the table of a column of the inflow.
-        let place_of = |column: usize| (column + all - begin) % all;
-        let [first, last, end] = &self.cells;
-        let points = 2 * depth + rows;
-        self.columns.resize(count * points, [0.0; 3]);
-        let columns = self.columns.par_chunks_mut(points).enumerate();
-        columns.for_each(|(number, light)| {
-            let number = (begin + number) % all;
-            let cells = [first, last, end].into_iter().flat_map(|side| side.chunks(spacing));
-            for (light, cells) in light.iter_mut().zip(cells) {
+        for (number, (level, angles)) in levels.enumerate() {
+            self.read_level(number, orientation, level, angles);
+        }
+    }
+
+    /// Reads the radiance of each column of the quadrant.
+    fn read_columns(&mut self, inflow: &Inflow, cells: &[usize], spacing: usize) {
+        let (points, columns) = (self.points, self.columns);
+        let [in_rows, at_end] = points.counts();
+        self.radiance.resize(columns.count, points);
+        let of_columns = self.radiance.all_mut(points).enumerate();
+        of_columns.for_each(|(place, (rows, end))| {
+            let column = columns.column(place);
+            let mean = |point: usize| {
+                let cells = &cells[point * spacing..][..spacing];
                 let sum = cells.iter().fold([0.0; 3], |sum: Rgb, &cell| {
-                    let radiance = inflow.strip(cell)[number];
+                    let radiance = inflow.strip(cell)[column];
                     std::array::from_fn(|c| sum[c] + radiance[c])
                 });
-                *light = sum.map(|v| v / spacing as f32);
+                sum.map(|v| v / spacing as f32)
+            };
+            for (point, light) in rows.iter_mut().enumerate() {
+                let [r, g, b] = mean(point);
+                *light = [r, g, b, 0.0];
+            }
+            for row in 0..at_end {
+                let light = mean(in_rows + row);
+                (0..3).for_each(|c| end[c * at_end + row] = light[c]);
             }
         });
-        for (held, (level, angles)) in self.levels.iter_mut().zip(levels) {
-            let inside = |cone: usize| cone.clamp(BEYOND, angles.len() - 1 - BEYOND);
-            let middle = |cone| 0.5 * (slope(level, cone) + slope(level, cone + 1));
-            let slopes = (0..angles.len()).map(|cone| middle(inside(cone)) as f32);
-            held.slopes.clear();
-            held.slopes.extend(slopes);
-            let widest = angles.iter().copied().fold(0.0, f32::max);
-            if f64::from(widest) * all as f64 <= TAU {
-                let mut weights = ColumnWeights::default();
-                let narrow = angles.iter().enumerate().map(|(cone, &angle)| {
-                    let [from, to] = between(level, angles.len(), cone);
-                    weights.set(all, from, to);
-                    let (first, found) = weights.of_columns();
-                    let mut of_columns = [0.0; MOST_COLUMNS];
-                    for (weight, found) in of_columns.iter_mut().zip(found) {
-                        *weight = angle * found;
-                    }
-                    (place_of(first), of_columns)
-                });
-                held.cones = ConesLight::Narrow(narrow.collect());
-                continue;
-            }
-            let mut light = match std::mem::take(&mut held.cones) {
-                ConesLight::Wide(light) => light,
-                ConesLight::Narrow(_) => Vec::new(),
-            };
-            light.resize(angles.len() * (depth + rows), [0.0; 3]);
-            let cones = light.par_chunks_mut(depth + rows).zip(&held.slopes).enumerate();
-            let found = &self.columns;
-            cones.for_each_init(ColumnWeights::default, |weights, (cone, (light, slope))| {
-                let [from, to] = between(level, angles.len(), cone);
-                weights.set(all, from, to);
-                let (first, weights) = weights.of_columns();
-                let first = place_of(first);
-                light.fill([0.0; 3]);
-                for (i, weight) in weights.iter().enumerate() {
-                    let column = &found[(first + i) % count * points..][..points];
-                    let side = if *slope > 0.0 { &column[depth..] } else { column };
-                    let seen = side[..depth].iter().chain(&column[2 * depth..]);
-                    for (light, radiance) in light.iter_mut().zip(seen) {
-                        (0..3).for_each(|c| light[c] += angles[cone] * weight * radiance[c]);
-                    }
-                }
+    }
+
+    /// Finds the light of the cones of a level from that of the columns.
+    fn read_level(&mut self, number: usize, orientation: Orientation, level: u32, angles: &[f32]) {
+        let Self { points, columns, radiance, levels, .. } = self;
+        let (count, columns) = (angles.len(), *columns);
+        let held = &mut levels[number];
+        // Cones beyond the quadrant look along its edge.
+        let inside = |cone: usize| cone.clamp(BEYOND, count - 1 - BEYOND);
+        let middle = |cone| 0.5 * (slope(level, cone) + slope(level, cone + 1));
+        held.slopes.clear();
+        held.slopes.extend((0..count).map(|cone| middle(inside(cone)) as f32));
+        let set = |weights: &mut ColumnWeights, cone| {
+            let [from, to] = orientation.on_circle(edges(level, inside(cone)));
+            weights.set(columns.all, from, to);
+        };
+        let widest = angles.iter().copied().fold(0.0, f32::max);
+        if f64::from(widest) * columns.all as f64 <= TAU {
+            let mut weights = ColumnWeights::default();
+            let narrow = angles.iter().enumerate().map(|(cone, &angle)| {
+                set(&mut weights, cone);
+                let (first, found) = weights.of_columns();
+                let weight = |i| angle * found.get(i).copied().unwrap_or(0.0);
+                (columns.place(first), std::array::from_fn(weight))
             });
-            held.cones = ConesLight::Wide(light);
+            held.cones = ConesLight::Narrow(narrow.collect());
+            return;
         }
-    }
-
-    /// Returns whether light of a cone comes from before the first row, and from behind the last.
-    pub fn sides(&self, level: usize, cone: usize) -> [bool; 2] {
-        let slopes = &self.levels[level].slopes;
-        // Paths are bent to the rays of neighbours.
-        let around =
-            &slopes[cone.saturating_sub(2 * BEYOND)..(cone + 2 * BEYOND + 1).min(slopes.len())];
-        [around.iter().any(|slope| *slope < 0.0), around.iter().any(|slope| *slope > 0.0)]
-    }
-
-    /// Returns the light of a cone at a place beyond the border, by its slab and row; of a level by its index.
-    #[inline]
-    pub fn at(&self, level: usize, cone: usize, slab: usize, row: isize) -> Rgb {
-        let LevelLight { slopes, cones } = &self.levels[level];
-        let [depth, rows] = [self.depth, self.rows];
-        let slope = slopes[cone];
-        let [x, y] = [slab as f32 + 0.5, row as f32 + 0.5];
-        let row = y + slope * (depth as f32 - x);
-        let at_end = row >= 0.0 && row <= rows as f32 || slope == 0.0;
-        let rises = slope > 0.0;
-        let place =
-            if at_end { row } else { x + (if rises { rows as f32 } else { 0.0 } - y) / slope };
-        let place = SidePlace::new(place, if at_end { rows } else { depth });
-        match cones {
-            ConesLight::Wide(light) => {
-                let light = &light[cone * (depth + rows)..];
-                place.of(if at_end { &light[depth..] } else { light })
-            }
-            ConesLight::Narrow(narrow) => {
-                let points = 2 * depth + rows;
-                let side = if at_end { 2 * depth } else { depth * usize::from(rises) };
-                let (first, weights) = narrow[cone];
-                let count = self.columns.len() / points;
-                let mut sum = [0.0; 3];
-                for (i, weight) in weights.into_iter().enumerate() {
-                    let column = first + i;
-                    let column = if column >= count { column % count } else { column };
-                    let radiance = place.of(&self.columns[column * points + side..]);
-                    (0..3).for_each(|c| sum[c] += weight * radiance[c]);
+        let mut wide = match std::mem::take(&mut held.cones) {
+            ConesLight::Wide(light) => light,
+            ConesLight::Narrow(_) => PointLights::default(),
+        };
+        let points = *points;
+        wide.resize(count, points);
+        let cones = wide.all_mut(points).zip(&held.slopes).zip(angles).enumerate();
+        cones.for_each_init(ColumnWeights::default, |weights, (cone, ((light, slope), angle))| {
+            set(weights, cone);
+            let (first, weights) = weights.of_columns();
+            let first = columns.place(first);
+            let (rows, end) = light;
+            let side = points.side(side_of(*slope));
+            rows[side.clone()].fill([0.0; 4]);
+            end.fill(0.0);
+            for (i, weight) in weights.iter().enumerate() {
+                let column = radiance.of((first + i) % columns.count, points);
+                let weight = angle * weight;
+                for (light, radiance) in
+                    rows[side.clone()].iter_mut().zip(&column.rows[side.clone()])
+                {
+                    (0..4).for_each(|c| light[c] += weight * radiance[c]);
                 }
-                sum
+                for (light, radiance) in end.iter_mut().zip(column.end) {
+                    *light += weight * radiance;
+                }
             }
+        });
+        held.cones = ConesLight::Wide(wide);
+    }
+
+    /// Returns a cone of a level, by its index, at the plane in a slab.
+    pub fn cone(&self, level: usize, cone: usize, slab: usize) -> BorderCone<'_> {
+        let LevelLight { slopes, cones } = &self.levels[level];
+        let BorderPoints { depth, rows } = self.points;
+        let mut columns = [(PointLight::default(), 0.0); MOST_COLUMNS];
+        match cones {
+            ConesLight::Wide(light) => columns[0] = (light.of(cone, self.points), 1.0),
+            ConesLight::Narrow(narrow) => {
+                let (first, weights) = narrow[cone];
+                for (i, weight) in weights.into_iter().enumerate() {
+                    let place = (first + i) % self.columns.count;
+                    columns[i] = (self.radiance.of(place, self.points), weight);
+                }
+            }
+        }
+        let slope = slopes[cone];
+        let x = slab as f32 + 0.5;
+        let side = side_of(slope);
+        let edge = if side == 1 { rows as f32 } else { 0.0 };
+        BorderCone {
+            columns,
+            points: self.points,
+            to_end: 0.5 + slope * (depth as f32 - x),
+            side,
+            to_side: x + (edge - 0.5) / slope,
+            per_row: -1.0 / slope,
         }
     }
 
-    /// Stores the light of a cone at some rows of a plane, counted from the grid's first, which is at `pad`.
-    pub fn store(
+    /// Returns the numbers of rows before the first and after the last one, no more than `most`, where light of a cone
+    /// enters that reaches the grid within these lengths, slabs.
+    pub fn rows_beside(
         &self,
         level: usize,
         cone: usize,
-        slab: usize,
-        range: Range<isize>,
-        pad: usize,
-        mut channels: [&mut [f32]; 3],
-    ) {
+        lengths: [usize; 2],
+        most: usize,
+    ) -> [usize; 2] {
+        let slope = self.levels[level].slopes[cone];
+        let [least, rise] = lengths.map(|length| slope * length as f32);
+        [(-least).max(-rise), least.max(rise)]
+            .map(|rise| most.min((rise + BESIDE).max(0.0) as usize))
+    }
+}
+
+/// Rows beside those that the middle of a cone crosses, where its light is read: paths are bent to the rays of neighbours,
+/// and cones beyond the quadrant are steeper than its edge.
+const BESIDE: f32 = 3.0;
+
+/// The light of a cone at the rows of a plane, where it comes from beyond the border.
+#[derive(Clone, Copy, Debug)]
+pub struct BorderCone<'a> {
+    /// Radiance, and weights.
+    columns: [(PointLight<'a>, f32); MOST_COLUMNS],
+    points: BorderPoints,
+    /// The place on the far end of what row 0 sees, in points; that of others lies as many points on.
+    to_end: f32,
+    /// The other side from which light comes, the place on it of what row 0 sees, and points along it per row.
+    side: usize,
+    to_side: f32,
+    per_row: f32,
+}
+
+impl BorderCone<'_> {
+    /// Returns the light at sixteen rows from `row` on, by channel.
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S, row: isize) -> [f32x16<S>; 3] {
+        let place = row as f32 + self.to_end;
+        if place < 0.0 || place + (LANES - 1) as f32 > self.points.rows as f32 {
+            return self.lanes(row).map(|channel| f32x16::from_slice(simd, &channel));
+        }
+        // All from the far end, at the same fraction between two points.
+        let BetweenPoints { before, past } = self.points.between(FAR_END, place);
+        let mut light = [f32x16::splat(simd, 0.0); 3];
+        for (radiance, weight) in self.columns {
+            if weight == 0.0 {
+                continue;
+            }
+            let weights = [weight * (1.0 - past), weight * past];
+            for (c, light) in light.iter_mut().enumerate() {
+                let radiance = &radiance.end[c * (self.points.rows + 2) + before..][..LANES + 1];
+                let one = f32x16::from_slice(simd, &radiance[..LANES]);
+                let other = f32x16::from_slice(simd, &radiance[1..]);
+                *light = other.mul_add(weights[1], one.mul_add(weights[0], *light));
+            }
+        }
+        light
+    }
+
+    /// Like [`Self::load`], row by row.
+    #[inline(never)]
+    fn lanes(&self, row: isize) -> [[f32; LANES]; 3] {
+        let mut light = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let rgb = self.at(row + lane as isize);
+            (0..3).for_each(|c| light[c][lane] = rgb[c]);
+        }
+        light
+    }
+
+    /// Returns the light at a row.
+    #[inline]
+    fn at(&self, row: isize) -> Rgb {
+        let at_end = row as f32 + self.to_end;
+        let is_at_end = at_end >= 0.0 && at_end <= self.points.rows as f32;
+        let columns = self.columns.iter().filter(|(_, weight)| *weight != 0.0);
+        let mut light = [0.0; 4];
+        if is_at_end {
+            let BetweenPoints { before, past } = self.points.between(FAR_END, at_end);
+            for (radiance, weight) in columns {
+                for (c, light) in light[..3].iter_mut().enumerate() {
+                    let radiance = &radiance.end[c * (self.points.rows + 2) + before..][..2];
+                    *light += weight * (radiance[0] + (radiance[1] - radiance[0]) * past);
+                }
+            }
+        } else {
+            let place = self.to_side + row as f32 * self.per_row;
+            let BetweenPoints { before, past } = self.points.between(self.side, place);
+            for (radiance, weight) in columns {
+                let [one, other] = [radiance.rows[before], radiance.rows[before + 1]];
+                for c in 0..4 {
+                    light[c] += weight * (one[c] + (other[c] - one[c]) * past);
+                }
+            }
+        }
+        [light[0], light[1], light[2]]
+    }
+
+    /// Stores the light at some rows of a plane, counted from the grid's first, which is at `pad`.
+    pub fn store(&self, range: Range<isize>, pad: usize, mut channels: [&mut [f32]; 3]) {
         for row in range {
-            let light = self.at(level, cone, slab, row);
             let place = pad.wrapping_add_signed(row);
-            for (channel, light) in channels.iter_mut().zip(light) {
+            for (channel, light) in channels.iter_mut().zip(self.at(row)) {
                 channel[place] = light;
             }
         }
     }
 }
 
+/// A place between two points.
+struct BetweenPoints {
+    /// The first of both, and the fraction of the way to the other.
+    before: usize,
+    past: f32,
+}
+
+impl BorderPoints {
+    /// Returns the points around a place along a side, or around the nearest on it: by their numbers among those of the rows,
+    /// or among those of the far end.
+    #[inline(always)]
+    fn between(self, side: usize, place: f32) -> BetweenPoints {
+        let (start, length) =
+            if side == FAR_END { (0, self.rows) } else { (side * (self.depth + 2), self.depth) };
+        let at = place.clamp(0.0, length as f32) + 0.5;
+        let before = at as usize;
+        BetweenPoints { before: start + before, past: at - before as f32 }
+    }
+}
+
 impl Orientation {
+    /// Returns the angles of the grid, radians from +x towards +y, that two in the quadrant are.
+    fn on_circle(self, angles: [f64; 2]) -> [f64; 2] {
+        on_grid(self.along_x, self.reversed, angles)
+    }
+
     /// Returns the place in the grid of one in its slabs, `depth` of them.
     fn on_grid(self, depth: usize, [slab, row]: [f32; 2]) -> [f32; 2] {
         let slab = if self.reversed { depth as f32 - slab } else { slab };
         if self.along_x { [slab, row] } else { [row, slab] }
-    }
-}
-
-/// A place along a side: the cells before and after it, and the fraction of the way between their middles.
-struct SidePlace {
-    cells: [usize; 2],
-    past: f32,
-}
-
-impl SidePlace {
-    #[inline]
-    fn new(at: f32, cells: usize) -> Self {
-        let at = (at - 0.5).clamp(0.0, (cells - 1) as f32);
-        let before = at as usize;
-        Self { cells: [before, (before + 1).min(cells - 1)], past: at - before as f32 }
-    }
-
-    /// Returns the light there, linear between the middles of the cells of the side.
-    #[inline]
-    fn of(&self, side: &[Rgb]) -> Rgb {
-        let [one, other] = self.cells.map(|cell| side[cell]);
-        std::array::from_fn(|c| one[c] + (other[c] - one[c]) * self.past)
     }
 }

@@ -32,7 +32,7 @@
 //!
 //! Pixels are lit from the far end to the near one, so one plane per level is held at any time.
 
-use super::border::{BorderLight, Orientation};
+use super::border::{BorderCone, BorderLight, Orientation};
 use super::extend::IntervalLevels;
 use super::fine_rows::FineRows;
 use super::interval::{LANES, PAD, RowIntervals, words};
@@ -49,6 +49,9 @@ use std::ops::Range;
 /// Added to the sum of the weights at a ray's end, each a transmittance times its share of the
 /// interpolation: where both cells are opaque, no light comes from behind them, instead of 0 ÷ 0.
 pub const WEIGHT_EPSILON: f32 = 1e-6;
+
+/// The number of levels whose planes pixels may gather from.
+const SHOWN: usize = 2;
 
 /// The light of one plane of a level.
 #[derive(Debug, Default)]
@@ -245,21 +248,15 @@ impl MergedLight {
         self.descend(&mut angles(intervals.end), |level, angles| {
             level.angles = angles.iter().map(|&angle| angle as f32).collect();
         });
-        self.hold_rows(false);
-    }
-
-    /// Allocates the rows of all levels; the topmost, the sky, has some only if its light differs from row to row.
-    fn hold_rows(&mut self, of_sky: bool) {
-        let (last, stride) = (self.levels.len() - 1, self.stride);
-        for (at, level) in self.levels.iter_mut().enumerate() {
-            let held = if at < last || of_sky { level.sky.len() * 3 * stride } else { 0 };
-            level.rows.resize(held, 0.0);
+        // The topmost is the sky, which has rows only where pixels may gather from it.
+        let (held, stride) = ((self.levels.len() - 1).max(SHOWN), self.stride);
+        for level in &mut self.levels[..held] {
+            level.rows = vec![0.0; level.sky.len() * 3 * stride];
         }
     }
 
     /// Starts at the far end of a grid with inflow.
     pub fn begin_with_inflow(&mut self, inflow: &Inflow, orientation: Orientation) {
-        self.hold_rows(true);
         let Self { levels, borders, entering, first, depth, rows, spacing_level, .. } = self;
         let cones = levels.iter().enumerate().map(|(at, level)| {
             let level_of_cones = (*first + at as u32).max(*first + 1);
@@ -291,7 +288,6 @@ impl MergedLight {
         let had_border = self.entering.take().is_some();
         if had_border {
             self.borders = Default::default();
-            self.hold_rows(false);
         }
         if !changed && !had_border {
             return;
@@ -363,7 +359,7 @@ impl MergedLight {
         // A plane is made from the next one of the level above that is not before it.
         let mut missing = self.shown;
         while self.levels[missing].plane != self.required(missing, plane) {
-            if self.is_beyond(missing, plane) {
+            if missing < SHOWN && self.is_beyond(missing, plane) {
                 self.enter(missing, plane.div_ceil(1 << missing));
                 break;
             }
@@ -379,9 +375,10 @@ impl MergedLight {
     }
 
     /// Returns the plane of a level that light passes on its way to one of the first; none if it comes
-    /// from the sky.
+    /// from the sky, or from beyond the border and is read there.
     fn required(&self, at: usize, plane: usize) -> Option<usize> {
-        let held = self.entering.is_some() || !self.is_beyond(at, plane);
+        let enters = self.entering.is_some() && at < SHOWN;
+        let held = enters || !self.is_beyond(at, plane);
         held.then(|| plane.div_ceil(1 << at))
     }
 
@@ -390,7 +387,7 @@ impl MergedLight {
         plane.div_ceil(1 << at) >= planes(self.depth, self.first + at as u32)
     }
 
-    /// Makes a plane behind the grid, of the light that enters.
+    /// Makes a plane behind the grid that pixels gather from, of the light that enters.
     fn enter(&mut self, at: usize, plane: usize) {
         let Self { borders, entering, levels, stride, pad, first, .. } = self;
         let Some(way) = *entering else { return };
@@ -400,7 +397,7 @@ impl MergedLight {
         let slab = plane << (*first as usize + at);
         let all = -(*pad as isize)..(*stride - *pad) as isize;
         for (cone, rows) in made.rows.chunks_exact_mut(3 * *stride).enumerate() {
-            border.store(at, cone, slab, all.clone(), *pad, channels_mut(rows, *stride));
+            border.cone(at, cone, slab).store(all.clone(), *pad, channels_mut(rows, *stride));
         }
     }
 
@@ -450,13 +447,14 @@ impl MergedLight {
         if let Some(border) = border {
             let slab = plane << level;
             let end = self.rows as isize;
-            // Paths from the level below rise by no more rows, those of pixels by no more than the pad's.
-            let most = (1 << level).clamp(pad - TILE, pad);
+            // Rays of pixels are shorter than the pad without a tile, paths from the level below half as long as rays.
+            let lengths = if at < SHOWN { [0, pad - TILE] } else { [(1 << level) / 2; 2] };
             for (cone, rows) in rows.chunks_exact_mut(size).enumerate() {
-                let [before, after] =
-                    border.sides(at, cone).map(|is| if is { most as isize } else { 0 });
+                let beside = border.rows_beside(at, cone, lengths, pad);
+                let [before, after] = beside.map(|rows| rows as isize);
+                let cone = border.cone(at, cone, slab);
                 for beside in [-before..0, end..end + after] {
-                    border.store(at, cone, slab, beside, pad, channels_mut(rows, stride));
+                    cone.store(beside, pad, channels_mut(rows, stride));
                 }
             }
             return;
@@ -513,12 +511,8 @@ impl PlaneMerge<'_> {
                 weight: weights[i],
                 far: above.rows(parts[i], stride),
                 sky: above.sky[parts[i]],
-                behind: behind.map(|(border, level)| BehindBorder {
-                    border,
-                    level,
-                    cone: parts[i],
-                    slab: (plane + 1) << self.level,
-                }),
+                behind: behind
+                    .map(|(border, level)| border.cone(level, parts[i], (plane + 1) << self.level)),
             };
         }
         // Rows from which both paths end on held rows, pads included.
@@ -572,28 +566,7 @@ struct MergePath<'a> {
     far: &'a [f32],
     sky: Rgb,
     /// In place of the sky.
-    behind: Option<BehindBorder<'a>>,
-}
-
-/// The light of a cone beyond the border, at a plane.
-#[derive(Clone, Copy)]
-struct BehindBorder<'a> {
-    border: &'a BorderLight,
-    level: usize,
-    cone: usize,
-    slab: usize,
-}
-
-impl BehindBorder<'_> {
-    /// Returns the light at sixteen rows from `row` on, by channel.
-    fn load<S: Simd>(&self, simd: S, row: isize) -> [f32x16<S>; 3] {
-        let mut light = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            let rgb = self.border.at(self.level, self.cone, self.slab, row + lane as isize);
-            (0..3).for_each(|c| light[c][lane] = rgb[c]);
-        }
-        light.map(|channel| f32x16::from_slice(simd, &channel))
-    }
+    behind: Option<BorderCone<'a>>,
 }
 
 /// The layout of stored rows.
