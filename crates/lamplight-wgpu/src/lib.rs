@@ -28,7 +28,10 @@
 //! # }
 //! ```
 
+#[cfg(not(target_arch = "wasm32"))]
+mod ahead;
 mod camera;
+mod compiler;
 mod compose;
 mod cookies;
 mod cost;

@@ -1,5 +1,7 @@
 //! The middleware: a host creates it once, and prepares and records it every frame.
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::ahead::Ahead;
 use crate::cookies::CookieAtlas;
 use crate::cost::Cost;
 use crate::cpu_backend::CpuBackend;
@@ -41,7 +43,7 @@ use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, Texture
 /// Finds light on the host's device, or beside it ([`Backend`]).
 ///
 /// Each frame, [`Self::prepare`] it from a [`FrameInput`], then [`Self::record`] it. Pipelines are compiled when
-/// settings are first used (or by [`Self::precompile`]), and buffers are created when the size of the grid
+/// they are first used, by [`Self::precompile`], or in the background ([`LightingOptions::compile_ahead`]), and buffers are created when the size of the grid
 /// changes; in the steady state nothing is created. Any number of instances can share a device; each stays with
 /// the device and the queue it was created with.
 ///
@@ -87,6 +89,11 @@ pub struct Lighting {
     number: u32,
     before: Option<FrameBefore>,
     plan_ids: PlanIds,
+    /// The pipelines compiled by frames before the one that is prepared.
+    waits_before: usize,
+    /// Set if pipelines are compiled ahead.
+    #[cfg(not(target_arch = "wasm32"))]
+    ahead: Option<Ahead>,
 }
 
 /// The light of a prepared frame, and the matter that it falls on: the inputs of the compose pass.
@@ -221,18 +228,19 @@ impl Lighting {
         options.check()?;
         let backend = options.backend.on(device);
         with_error_scope(device, || {
+            let shared = Shared::new(device, queue);
             let fastest = backend == Backend::Fastest;
             Ok(Self {
                 options: *options,
                 cpu: (backend == Backend::Cpu).then(CpuBackend::default),
                 trial: fastest.then(|| Trial::new(device, queue)).flatten(),
-                shared: Shared::new(device, queue),
                 pipelines: PipelineCache::default(),
-                glow: Glow::new(device),
-                walls: Walls::new(device),
+                glow: Glow::new(&shared.compiler),
+                walls: Walls::new(&shared.compiler),
                 moment_walls: None,
-                reproject: Reproject::new(device),
-                output: Output::new(device),
+                reproject: Reproject::new(&shared.compiler),
+                output: Output::new(&shared.compiler),
+                shared,
                 distance: None,
                 direct: None,
                 sight: None,
@@ -248,17 +256,28 @@ impl Lighting {
                 number: 0,
                 before: None,
                 plan_ids: PlanIds::default(),
+                waits_before: 0,
+                #[cfg(not(target_arch = "wasm32"))]
+                ahead: options.compile_ahead.then(Ahead::default),
             })
         })
     }
 
     /// Compiles the pipelines of settings, so that the first [`Self::prepare`] with them is as quick as any
     /// other, unless it has inflow. Those of the last sixteen settings are cached.
+    ///
+    /// It waits for all of them. Changes to settings or the scene that were not precompiled are compiled in the
+    /// background ([`LightingOptions::compile_ahead`]).
     pub fn precompile(&mut self, settings: &Settings) -> Result<(), CreateError> {
         settings.check()?;
-        let Shared { device, queue, .. } = &self.shared;
+        let Shared { compiler, queue, .. } = &self.shared;
         if self.cpu.is_none() {
-            self.pipelines.method::<CreateError>(device, queue, settings, false)?;
+            self.pipelines.method::<CreateError>(compiler, queue, settings, false)?;
+            let method = |compiler: &_| Method::new(compiler, queue, settings, false);
+            let (_, programs) = compiler.programs_of(method)?;
+            for program in programs {
+                (0..program.entries()).try_for_each(|entry| program.compile_ahead(entry))?;
+            }
         }
         Ok(())
     }
@@ -269,7 +288,7 @@ impl Lighting {
     /// panorama or an inflow is uploaded when it has changed, and planned for if it has another number of columns, or if
     /// the frame before had none; cookies are uploaded when there is one that no lamp had before, and planned for when they need more room.) Other texture
     /// views of the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers;
-    /// any other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
+    /// any other change of settings compiles those pipelines that no frame has used yet, unless that is done ahead.
     ///
     /// # Errors
     /// If the input is invalid or the device cannot light it. The frame before then stays prepared.
@@ -281,9 +300,14 @@ impl Lighting {
         let input = &FrameInput { settings: &settings, ..*input };
         // The upload is taken out of `self`, so that its textures can be borrowed beside it.
         let mut upload = self.upload.take();
+        self.waits_before = self.shared.compiler.waits();
         let prepared =
             self.check(input, &mut upload).and_then(|scene| self.prepare_scene(input, &scene));
         self.upload = upload;
+        if let Err(PrepareError::Device(_)) = prepared {
+            // Pipelines may be invalid.
+            self.shared.compiler.forget();
+        }
         prepared
     }
 
@@ -347,22 +371,22 @@ impl Lighting {
         }
         self.keep_panorama(if inflow.is_some() { &Sky::BLACK } else { sky })?;
         self.keep_inflow(inflow)?;
-        let Shared { device, queue, .. } = &self.shared;
+        let Shared { device, queue, compiler, .. } = &self.shared;
         let method = match self.cpu {
             None => {
                 let (pipelines, settings) = (&mut self.pipelines, input.settings);
                 let enters = inflow.is_some();
-                Some(pipelines.method::<PrepareError>(device, queue, settings, enters)?)
+                Some(pipelines.method::<PrepareError>(compiler, queue, settings, enters)?)
             }
             Some(_) => None,
         };
         if input.distance_field && self.distance.is_none() {
-            let compile = || Ok(DistancePipelines::new(device));
+            let compile = || Ok(DistancePipelines::new(&self.shared.compiler));
             self.distance = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         self.sights.set(input.sights)?;
         if !self.sights.is_empty() && self.sight.is_none() {
-            let compile = || Ok(SightPipelines::new(device));
+            let compile = || Ok(SightPipelines::new(&self.shared.compiler));
             self.sight = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         let size = grid.size.into();
@@ -376,11 +400,11 @@ impl Lighting {
         let moment = input.settings.moment;
         let compiled = self.direct.as_ref().is_some_and(|direct| direct.moment == moment);
         if needed.has_direct() && !compiled {
-            let compile = || Ok(Direct::new(device, moment));
+            let compile = || Ok(Direct::new(&self.shared.compiler, moment));
             self.direct = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         if moment && self.moment_walls.is_none() && method.is_some() {
-            let compile = || Ok(MomentWalls::new(device));
+            let compile = || Ok(MomentWalls::new(&self.shared.compiler));
             self.moment_walls = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         let serves = |frame: &PreparedFrame| {
@@ -448,6 +472,10 @@ impl Lighting {
             queue.write_buffer(&frame.light, 0, bytemuck::cast_slice(cpu.light()));
         }
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
+        #[cfg(not(target_arch = "wasm32"))]
+        if let (Some(ahead), None) = (&mut self.ahead, &self.cpu) {
+            ahead.follow(&self.shared.compiler, queue, input.settings, inflow.is_some());
+        }
         let sky = Sky::clone(sky);
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky });
         self.number = self.number.wrapping_add(1);
@@ -693,6 +721,21 @@ impl Lighting {
         self.before = None;
         if let Some(cpu) = &mut self.cpu {
             cpu.reset();
+        }
+    }
+
+    /// The number of pipelines that [`Self::prepare`] had to compile last: none in the steady state, nor after a change
+    /// that was compiled ahead.
+    pub fn compiled(&self) -> usize {
+        self.shared.compiler.waits() - self.waits_before
+    }
+
+    /// Waits until the pipelines that frames may need next are compiled ([`LightingOptions::compile_ahead`]), as behind a
+    /// loading screen.
+    pub fn wait_for_pipelines(&mut self) {
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(ahead) = &mut self.ahead {
+            ahead.wait();
         }
     }
 

@@ -44,6 +44,10 @@ pub struct LightingOptions {
     /// `holographic`: levels per dispatch, 1 or 2. With 2, the level between stays in workgroup memory, and levels move
     /// about 0.6 times as many bytes.
     pub fused_levels: u32,
+    /// Pipelines that frames may need after a change of bounces, of inflow, of normals, lamps or viewers are compiled by a
+    /// thread in the background, once a frame has been prepared. Otherwise the frame waits that first needs them, on some
+    /// drivers for a second. Not in browsers, which have no such threads.
+    pub compile_ahead: bool,
 }
 
 impl LightingOptions {
@@ -66,6 +70,10 @@ impl LightingOptions {
 
 impl Default for LightingOptions {
     fn default() -> Self {
-        Self { backend: Backend::default(), fused_levels: Self::MAX_FUSED_LEVELS }
+        Self {
+            backend: Backend::default(),
+            fused_levels: Self::MAX_FUSED_LEVELS,
+            compile_ahead: true,
+        }
     }
 }

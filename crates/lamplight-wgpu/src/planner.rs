@@ -311,7 +311,7 @@ impl<'a> FramePlanner<'a> {
         bound: &BoundResources,
         step: Option<u32>,
     ) -> Dispatch {
-        Dispatch::over(self.size.into(), &pipelines.entries[entry], bound, step)
+        Dispatch::over(self.size.into(), pipelines.entry(entry), bound, step)
     }
 
     /// Dispatches that alternate between two buffers, bound by which they write: entry 0 writes the first,

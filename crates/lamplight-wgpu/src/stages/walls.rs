@@ -1,5 +1,6 @@
 //! The light that solid cells show.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
@@ -7,7 +8,7 @@ use crate::traffic::Traffic;
 use crate::{programs, shaders};
 use lamplight::Settings;
 use lamplight::internals::walls::{ALONG, KERNEL, OCTAVE, SOFTENING, STRAIGHT, octaves};
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -18,8 +19,8 @@ pub struct Walls(ComputePipelines);
 pub struct MomentWalls([Walls; 2]);
 
 impl MomentWalls {
-    pub fn new(device: &Device) -> Self {
-        Self([1, 2].map(|component| Walls::of(device, component)))
+    pub fn new(compiler: &Compiler) -> Self {
+        Self([1, 2].map(|component| Walls::of(compiler, component)))
     }
 
     /// Plans the first moment of solid cells from that before their faces, and from their light before that has
@@ -27,7 +28,7 @@ impl MomentWalls {
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
         let Self([x, y]) = self;
         let bound = x.bind(planner, light)?;
-        let turn = Dispatch::over(planner.size.into(), &x.0.entries[TURN_FACES], &bound, Some(0));
+        let turn = Dispatch::over(planner.size.into(), x.0.entry(TURN_FACES), &bound, Some(0));
         let turn = turn.moving(traffic(planner, TURN_FACES, 0));
         let x = x.sink(planner, &bound);
         Ok([turn].into_iter().chain(x).chain(y.plan(planner, light)?).collect())
@@ -35,12 +36,12 @@ impl MomentWalls {
 }
 
 impl Walls {
-    pub fn new(device: &Device) -> Self {
-        Self::of(device, 0)
+    pub fn new(compiler: &Compiler) -> Self {
+        Self::of(compiler, 0)
     }
 
     /// The pipelines for light, or for a component of its first moment.
-    fn of(device: &Device, component: u32) -> Self {
+    fn of(compiler: &Compiler, component: u32) -> Self {
         let constants = [
             ("OCTAVE", f64::from(OCTAVE)),
             ("STRAIGHT", f64::from(STRAIGHT)),
@@ -55,7 +56,7 @@ impl Walls {
             ("MAX_WALL_DEPTH", f64::from(Settings::MAX_WALL_DEPTH)),
         ];
         let constants = [&constants[..], &shaders::LUMINANCE].concat();
-        Self(ComputePipelines::new(device, &programs::WALLS, &constants))
+        Self(ComputePipelines::new(compiler, &programs::WALLS, &constants))
     }
 
     /// Plans the light of solid cells from that of their faces.
@@ -88,7 +89,7 @@ impl Walls {
     /// The dispatches by which light sinks in.
     fn sink(&self, planner: &FramePlanner, bound: &BoundResources) -> Vec<Dispatch> {
         let over = |entry: usize, level: u32| {
-            let pipeline = &self.0.entries[entry];
+            let pipeline = self.0.entry(entry);
             let traffic = traffic(planner, entry, level);
             let size = level_size(planner, level);
             Dispatch::over(size, pipeline, bound, Some(level)).moving(traffic)
@@ -101,7 +102,7 @@ impl Walls {
         let small = (1..octaves).find(is_small);
         let blurs = (1..=small.unwrap_or(octaves)).map(|level| over(BLUR, level));
         let coarsest = small.map(|level| {
-            let pipeline = &self.0.entries[ADD_COARSEST];
+            let pipeline = self.0.entry(ADD_COARSEST);
             let traffic = traffic(planner, ADD_COARSEST, level);
             Dispatch::new(pipeline, bound, Some(level), [1; 3]).moving(traffic)
         });

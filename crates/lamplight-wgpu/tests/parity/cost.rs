@@ -1,9 +1,9 @@
 //! The cost of frames, as counted by the code.
 
-use crate::common::device;
+use crate::common::{device, on_gpu};
 use lamplight::settings::Holographic;
 use lamplight::{Cells, Settings};
-use lamplight_wgpu::{Backend, Cost, FrameInput, Lighting, LightingOptions};
+use lamplight_wgpu::{Cost, FrameInput, Lighting, LightingOptions};
 use wgpu::{Device, DeviceType, Queue};
 
 fn cost(
@@ -13,7 +13,7 @@ fn cost(
     fused_levels: u32,
 ) -> Cost {
     let settings = Settings::direct(Holographic::preset(preset).unwrap());
-    let options = LightingOptions { backend: Backend::Gpu, fused_levels };
+    let options = LightingOptions { fused_levels, ..on_gpu() };
     let mut lighting = Lighting::new(device, queue, &options).unwrap();
     let cells = Cells::new(width, height).unwrap();
     lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
