@@ -38,7 +38,9 @@ use lamplight::internals::sky::SunGlow;
 use lamplight::{ALL_LAYERS, Inflow, Settings, Sky};
 use std::sync::PoisonError;
 use std::time::Instant;
-use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
+use wgpu::{
+    Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureUsages, TextureView,
+};
 
 /// Finds light on the host's device, or beside it ([`Backend`]).
 ///
@@ -103,6 +105,8 @@ pub struct ComposeInputs<'a> {
     /// Emission in place of the textures'.
     pub shown: Option<&'a TextureView>,
     pub light: &'a Buffer,
+    /// The light as a texture, in its place, on a device without storage buffers.
+    pub light_texture: Option<&'a TextureView>,
     pub frame: &'a Buffer,
     /// The elevation of light, if its first moment is behind it.
     pub elevation: Option<f32>,
@@ -136,6 +140,8 @@ struct PreparedFrame {
     /// True if its light comes from the CPU.
     by_cpu: bool,
     light: Buffer,
+    /// The same values in rows as long as the grid's, on a device without storage buffers.
+    light_texture: Option<TextureView>,
     passes: PassList,
     /// The buffers of suns and exact lamps, written before each frame.
     direct: Option<LightBuffers>,
@@ -163,7 +169,8 @@ struct PreparedFrame {
 #[derive(Clone, Debug)]
 struct OutputPass {
     picture: TextureView,
-    dispatch: Dispatch,
+    /// None on a device without compute shaders, where the texture is written before each frame.
+    dispatch: Option<Dispatch>,
 }
 
 /// The additions of a frame to its plan.
@@ -194,7 +201,7 @@ impl PreparedFrame {
         let fields = fields.flat_map(|fields| &fields.dispatches);
         let sight = self.sight.iter().filter(|_| self.records_sight);
         let sight = sight.flat_map(|sight| &sight.dispatches);
-        let output = self.output.iter().map(|output| &output.dispatch);
+        let output = self.output.iter().filter_map(|output| output.dispatch.as_ref());
         self.resize
             .iter()
             .chain(reproject)
@@ -358,6 +365,9 @@ impl Lighting {
 
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
         let CheckedScene { grid, shown, normals, lights } = scene;
+        if !self.shared.has_compute {
+            check_without_compute(input)?;
+        }
         let Lights { lamps, suns, sky, inflow } = *lights;
         let sky = &self.sun_glow.draw(input.settings.method(), sky, suns);
         // The CPU has its own copy.
@@ -470,6 +480,13 @@ impl Lighting {
         self.cookies.write(queue);
         if let Some(cpu) = &self.cpu {
             queue.write_buffer(&frame.light, 0, bytemuck::cast_slice(cpu.light()));
+            if let Some(texture) = &frame.light_texture {
+                matter::write_texels(queue, texture, cpu.light());
+                if let Some(output) = &frame.output {
+                    let light = &cpu.light()[..grid.size.cells() as usize];
+                    matter::write_halves(queue, &output.picture, light);
+                }
+            }
         }
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
         #[cfg(not(target_arch = "wasm32"))]
@@ -584,6 +601,12 @@ impl Lighting {
                 }
                 _ => planner.buffer::<[f32; 4]>("light", planner.light_values())?,
             };
+            let same = before.filter(|frame| frame.light == light);
+            let light_texture = match same.and_then(|frame| frame.light_texture.as_ref()) {
+                Some(texture) => Some(texture.clone()),
+                None if self.shared.has_compute => None,
+                None => Some(light_texture(&planner)?),
+            };
             let direct = self.direct.as_ref().filter(|_| planner.capacity.has_direct());
             let direct = direct.map(|direct| direct.plan(&planner)).transpose()?;
             let (found, direct, shine) = match direct {
@@ -641,6 +664,7 @@ impl Lighting {
                 history,
                 resize,
                 light,
+                light_texture,
                 passes,
                 direct,
                 reproject: None,
@@ -707,10 +731,16 @@ impl Lighting {
         light: &Buffer,
         picture: &TextureView,
     ) -> Result<OutputPass> {
-        let size = matter::writable("output", picture)?;
+        let has_compute = self.shared.has_compute;
+        let usage = if has_compute {
+            (TextureUsages::STORAGE_BINDING, "STORAGE_BINDING")
+        } else {
+            (TextureUsages::COPY_DST, "COPY_DST")
+        };
+        let size = matter::writable("output", picture, usage)?;
         matter::check_size("output", size, "the grid", planner.size.into())?;
         with_error_scope(&self.shared.device, || {
-            let dispatch = self.output.plan(planner, light, picture);
+            let dispatch = has_compute.then(|| self.output.plan(planner, light, picture));
             Ok(OutputPass { picture: picture.clone(), dispatch })
         })
     }
@@ -755,6 +785,10 @@ impl Lighting {
             timer.record(encoder, frame.dispatches());
             return Ok(());
         }
+        if frame.dispatches().next().is_none() {
+            // The CPU's light is there already, and the device may have no compute passes.
+            return Ok(());
+        }
         let descriptor = ComputePassDescriptor { label: Some("lamplight"), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         frame.dispatches().for_each(|dispatch| dispatch.record(&mut pass));
@@ -794,12 +828,23 @@ impl Lighting {
 
     /// The inputs of the compose pass; `None` before the first frame.
     pub(crate) fn compose_inputs(&self) -> Option<ComposeInputs<'_>> {
-        let PreparedFrame { size, textures, shown, normals, light, settings, .. } =
-            self.frame.as_ref()?;
+        let PreparedFrame {
+            size, textures, shown, normals, light, light_texture, settings, ..
+        } = self.frame.as_ref()?;
+        let light_texture = light_texture.as_ref();
         let (size, shown, frame) = ((*size).into(), shown.as_ref(), &self.shared.frame);
         let elevation = settings.moment.then_some(settings.elevation);
         let normals = normals.as_ref();
-        Some(ComposeInputs { size, textures, shown, light, frame, elevation, normals })
+        Some(ComposeInputs {
+            size,
+            textures,
+            shown,
+            light,
+            light_texture,
+            frame,
+            elevation,
+            normals,
+        })
     }
 
     /// The cost of the frame prepared last; `None` before the first.
@@ -852,6 +897,28 @@ impl Lighting {
     pub(crate) fn device(&self) -> (&Device, &Queue) {
         (&self.shared.device, &self.shared.queue)
     }
+}
+
+/// Rejects what a device without compute shaders cannot do.
+fn check_without_compute(input: &FrameInput) -> Result<()> {
+    let textures = matches!(input.scene, SceneInput::Textures { .. });
+    let wanted = [
+        (textures, "light from textures"),
+        (input.distance_field, "the distance field"),
+        (!input.sights.is_empty(), "sight"),
+    ];
+    match wanted.into_iter().find(|(is_wanted, _)| *is_wanted) {
+        Some((_, what)) => Err(PrepareError::NoCompute { what }),
+        None => Ok(()),
+    }
+}
+
+/// Creates a texture for the values of light, in rows as long as the grid's.
+fn light_texture(planner: &FramePlanner) -> Result<TextureView> {
+    let GridSize { width, height } = planner.size;
+    let values = planner.light_values() / planner.cells();
+    let size = GridSize::new(planner.device, [width, height * values as u32])?;
+    Ok(matter::texture(planner.device, "light", size, matter::UPLOADED))
 }
 
 /// Rejects an inflow that the method does not read, or of a grid of another size.

@@ -134,6 +134,9 @@ impl<'a> FramePlanner<'a> {
     /// The largest size of a buffer, in bytes.
     pub fn max_buffer_bytes(&self) -> u64 {
         let limits = self.device.limits();
+        if !self.shared.has_compute {
+            return limits.max_buffer_size;
+        }
         limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
     }
 

@@ -161,6 +161,10 @@ programs! {
         params: Uniform, light: Read, emission: Texture, matter: Texture, color: Texture,
         color_emission: Texture, more: Texture, shown: Texture, normals: Texture,
     }
+    DISPLAY_TEXTURE: "stages/display_texture", ["cover", "show"], {
+        params: Uniform, light: Texture, emission: Texture, matter: Texture, color: Texture,
+        color_emission: Texture, more: Texture, shown: Texture, normals: Texture,
+    }
 
     RAYMARCH: "methods/raymarch/march", ["main", "receive"], {
         blue: Read, directions: Read, source: Read, extinction: Read, squares: Read,
