@@ -35,7 +35,7 @@ struct AheadShared {
     interrupted: AtomicBool,
 }
 
-/// What the thread has to do next.
+/// The next work of the thread.
 #[derive(Debug, Default)]
 struct Job {
     next: Option<(Settings, bool)>,

@@ -33,7 +33,8 @@ impl Compiler {
         Self { device, known, asked: None, waits }
     }
 
-    /// Returns a program with constants.
+    /// Returns a program with constants, the values of the shader's overrides: one that has been asked for before, or a new
+    /// one.
     pub fn program(&self, program: &Program, constants: &[(&str, f64)]) -> ComputePipelines {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known.iter().position(|known| known.is(program, constants));

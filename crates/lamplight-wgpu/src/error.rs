@@ -101,7 +101,7 @@ pub enum PrepareError {
     /// The device has no compute shaders or storage buffers, as under WebGL 2.
     #[error("this device has no compute shaders, which {what} needs: it only lights cells")]
     NoCompute {
-        /// What the frame asks for.
+        /// The part of the frame that needs them.
         what: &'static str,
     },
     /// There is nothing to show: no frame has been prepared ([`crate::Lighting::prepare`]).

@@ -140,7 +140,7 @@ struct PreparedFrame {
     /// True if its light comes from the CPU.
     by_cpu: bool,
     light: Buffer,
-    /// The same values in rows as long as the grid's, on a device without storage buffers.
+    /// Its values in rows as long as the grid's, on a device without storage buffers.
     light_texture: Option<TextureView>,
     passes: PassList,
     /// The buffers of suns and exact lamps, written before each frame.

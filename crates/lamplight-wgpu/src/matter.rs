@@ -2,7 +2,6 @@
 
 use crate::error::{PrepareError, Result};
 use crate::grid_size::GridSize;
-use crate::stages::output::MAX_HALF;
 use lamplight::internals::display::emitted;
 use lamplight::internals::lamp::show_lamps;
 use lamplight::settings::MethodSettings;
@@ -13,6 +12,8 @@ use wgpu::{
     TextureUsages, TextureView,
 };
 
+/// The largest half float.
+pub const MAX_HALF: f32 = 65504.0;
 /// Bytes of a texel: four floats.
 const TEXEL: u32 = 16;
 
@@ -262,7 +263,7 @@ pub fn write_halves(queue: &Queue, view: &TextureView, light: &[[f32; 4]]) {
 
 /// The bits of the nearest half float. Light is 0 or more; beyond the largest half it is that one.
 fn half(v: f32) -> u16 {
-    /// The least half with all bits of its fraction, and how often the least half is in 1.
+    // The least half with all bits of its fraction, and how often the least half is in 1.
     const LEAST_NORMAL: f32 = 1.0 / 16384.0;
     const STEPS: f32 = 16_777_216.0;
     let v = v.min(MAX_HALF);

@@ -1,6 +1,5 @@
 //! Compute pipelines, the resources bound to them, and their dispatches.
 
-use crate::compiler::Compiler;
 use crate::error::DeviceError;
 use crate::error_scope::with_error_scope;
 use crate::programs::{Binding, Program};
@@ -68,13 +67,7 @@ struct Entries {
 }
 
 impl ComputePipelines {
-    /// Takes a program that has been asked for before, or a new one. `constants` are the values of the shader's
-    /// overrides.
-    pub fn new(compiler: &Compiler, program: &Program, constants: &[(&str, f64)]) -> Self {
-        compiler.program(program, constants)
-    }
-
-    /// A program of which nothing is compiled.
+    /// A program of which nothing is compiled. `constants` are the values of the shader's overrides.
     pub fn uncompiled(
         device: &Device,
         program: &Program,

@@ -67,8 +67,8 @@ impl Flood {
         Self {
             settings: settings.clone(),
             class: ClassPipeline::new(compiler),
-            rays: ComputePipelines::new(compiler, &programs::FLOOD_RAYS, &constants),
-            blur: ComputePipelines::new(compiler, &programs::FLOOD_BLUR, &decay),
+            rays: compiler.program(&programs::FLOOD_RAYS, &constants),
+            blur: compiler.program(&programs::FLOOD_BLUR, &decay),
             directions: filled(
                 &compiler.device,
                 queue,

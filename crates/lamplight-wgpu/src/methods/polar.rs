@@ -79,9 +79,9 @@ impl Polar {
             class: ClassPipeline::new(compiler),
             distance: (settings.traversal == Traversal::Distance)
                 .then(|| DistancePipelines::new(compiler)),
-            shadow_map: ComputePipelines::new(compiler, &programs::POLAR_SHADOW_MAP, &rays),
-            shadow_bounds: ComputePipelines::new(compiler, &programs::POLAR_SHADOW_BOUNDS, &bounds),
-            gather: ComputePipelines::new(compiler, &programs::POLAR_GATHER, &gather),
+            shadow_map: compiler.program(&programs::POLAR_SHADOW_MAP, &rays),
+            shadow_bounds: compiler.program(&programs::POLAR_SHADOW_BOUNDS, &bounds),
+            gather: compiler.program(&programs::POLAR_GATHER, &gather),
         })
     }
 

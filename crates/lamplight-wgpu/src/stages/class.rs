@@ -26,7 +26,7 @@ pub struct Classes {
 
 impl ClassPipeline {
     pub fn new(compiler: &Compiler) -> Self {
-        Self(ComputePipelines::new(compiler, &programs::CLASS, &[]))
+        Self(compiler.program(&programs::CLASS, &[]))
     }
 
     /// Plans the classification.

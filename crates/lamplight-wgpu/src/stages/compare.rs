@@ -12,7 +12,7 @@ pub struct Compare(ComputePipelines);
 
 impl Compare {
     pub fn new(compiler: &Compiler) -> Self {
-        Self(ComputePipelines::new(compiler, &programs::COMPARE, &[]))
+        Self(compiler.program(&programs::COMPARE, &[]))
     }
 
     /// Plans the replacement of `scattered` radiance by that of the `next` bounce, and the measurement of the

@@ -28,7 +28,7 @@ pub struct Convergence(ComputePipelines);
 impl Convergence {
     pub fn new(compiler: &Compiler) -> Self {
         let constants = [("CONVERGED", f64::from(CONVERGED))];
-        Self(ComputePipelines::new(compiler, &programs::CONVERGENCE, &constants))
+        Self(compiler.program(&programs::CONVERGENCE, &constants))
     }
 
     /// Creates the buffer for the change of each tile in a bounce.

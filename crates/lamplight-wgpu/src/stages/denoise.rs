@@ -33,7 +33,7 @@ impl Denoise {
             shaders::moment(moment),
         ];
         let constants = [&constants[..], &shaders::LUMINANCE].concat();
-        let pipelines = ComputePipelines::new(compiler, &programs::DENOISE, &constants);
+        let pipelines = compiler.program(&programs::DENOISE, &constants);
         Self { pipelines, passes: settings.denoise.passes }
     }
 

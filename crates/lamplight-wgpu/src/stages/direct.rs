@@ -121,8 +121,8 @@ impl Direct {
         Self {
             moment,
             class: ClassPipeline::new(compiler),
-            shine: ComputePipelines::new(compiler, &programs::DIRECT, &constants),
-            add: ComputePipelines::new(compiler, &programs::ADD_DIRECT, &[found]),
+            shine: compiler.program(&programs::DIRECT, &constants),
+            add: compiler.program(&programs::ADD_DIRECT, &[found]),
         }
     }
 

@@ -2,8 +2,8 @@
 
 use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
+use crate::matter::MAX_HALF;
 use crate::shader_module::shader_module;
-use crate::stages::output::MAX_HALF;
 use crate::tier::has_compute;
 use crate::{programs, shaders};
 use lamplight::internals::display::{

@@ -38,7 +38,7 @@ impl DistancePipelines {
         Self {
             seed: Seed::new(compiler),
             jump_flood: JumpFlood::new(compiler),
-            distance: ComputePipelines::new(compiler, &programs::DISTANCE, &constants),
+            distance: compiler.program(&programs::DISTANCE, &constants),
         }
     }
 

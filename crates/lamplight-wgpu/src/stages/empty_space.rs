@@ -16,7 +16,7 @@ pub struct EmptySpace(ComputePipelines);
 impl EmptySpace {
     pub fn new(compiler: &Compiler) -> Self {
         let constants = [("MAX_SKIP", f64::from(LONGEST)), ("HAS_MEDIUM", f64::from(MATTER))];
-        Self(ComputePipelines::new(compiler, &programs::EMPTY_SPACE, &constants))
+        Self(compiler.program(&programs::EMPTY_SPACE, &constants))
     }
 
     /// Plans the squares. Returns their buffer and the dispatches that fill it.

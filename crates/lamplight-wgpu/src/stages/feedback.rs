@@ -13,7 +13,7 @@ pub struct Feedback(ComputePipelines);
 
 impl Feedback {
     pub fn new(compiler: &Compiler) -> Self {
-        Self(ComputePipelines::new(compiler, &programs::FEEDBACK, &[]))
+        Self(compiler.program(&programs::FEEDBACK, &[]))
     }
 
     /// Plans a copy of the scattered radiance of the frame `before`, where the same scatterer is still there.

@@ -18,7 +18,7 @@ impl Glow {
             ("MAX_OPTICAL_DEPTH", f64::from(lamplight::internals::MAX_OPTICAL_DEPTH)),
             ("THINNEST", f64::from(THINNEST)),
         ];
-        Self(ComputePipelines::new(compiler, &programs::GLOW, &constants))
+        Self(compiler.program(&programs::GLOW, &constants))
     }
 
     /// Plans turning the cells of the planner's textures, which glow by `glow`, into media. Returns their

@@ -14,7 +14,7 @@ pub struct GradientMoment(ComputePipelines);
 impl GradientMoment {
     pub fn new(compiler: &Compiler) -> Self {
         let constants = [&[("HALF", f64::from(HALF))][..], &shaders::LUMINANCE].concat();
-        Self(ComputePipelines::new(compiler, &programs::GRADIENT_MOMENT, &constants))
+        Self(compiler.program(&programs::GRADIENT_MOMENT, &constants))
     }
 
     /// Plans the moment of open cells from the light of all.

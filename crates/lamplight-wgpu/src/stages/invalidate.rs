@@ -14,7 +14,7 @@ pub struct Invalidate(ComputePipelines);
 
 impl Invalidate {
     pub fn new(compiler: &Compiler) -> Self {
-        Self(ComputePipelines::new(compiler, &programs::INVALIDATE, &[]))
+        Self(compiler.program(&programs::INVALIDATE, &[]))
     }
 
     /// Plans marks in the medium grid. Returns a number that is 1 if any cell changed.

@@ -21,7 +21,7 @@ pub struct JumpFlood(ComputePipelines);
 impl JumpFlood {
     pub fn new(compiler: &Compiler) -> Self {
         let constants = [("NO_SEED", f64::from(NONE))];
-        Self(ComputePipelines::new(compiler, &programs::JUMP_FLOOD, &constants))
+        Self(compiler.program(&programs::JUMP_FLOOD, &constants))
     }
 
     /// Plans all passes from a seed map on. Returns the buffer that the last one writes.

@@ -27,7 +27,7 @@ impl MediumGridPipelines {
     pub fn new(compiler: &Compiler, apart: bool) -> Self {
         let constants =
             [("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH)), ("APART", f64::from(apart))];
-        Self(ComputePipelines::new(compiler, &programs::MEDIUM_GRID, &constants))
+        Self(compiler.program(&programs::MEDIUM_GRID, &constants))
     }
 
     /// Creates the buffers.

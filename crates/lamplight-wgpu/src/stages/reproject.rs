@@ -17,7 +17,7 @@ pub struct Reproject(ComputePipelines);
 
 impl Reproject {
     pub fn new(compiler: &Compiler) -> Self {
-        Self(ComputePipelines::new(compiler, &programs::REPROJECT, &[]))
+        Self(compiler.program(&programs::REPROJECT, &[]))
     }
 
     /// Plans the move of all history, buffer by buffer: to a copy, and back to the present place of each cell.

@@ -15,7 +15,7 @@ pub struct Seed(ComputePipelines);
 impl Seed {
     pub fn new(compiler: &Compiler) -> Self {
         let constants = [("NO_SEED", f64::from(NONE))];
-        Self(ComputePipelines::new(compiler, &programs::SEED, &constants))
+        Self(compiler.program(&programs::SEED, &constants))
     }
 
     /// Plans the seed map.

@@ -102,7 +102,7 @@ impl SightPipelines {
         constants.extend(shaders::LUMINANCE);
         Self {
             class: ClassPipeline::new(compiler),
-            see: ComputePipelines::new(compiler, &programs::SIGHT, &constants),
+            see: compiler.program(&programs::SIGHT, &constants),
         }
     }
 

@@ -47,7 +47,7 @@ impl Temporal {
             ),
             shaders::moment(moment),
         ];
-        let pipelines = ComputePipelines::new(compiler, &programs::TEMPORAL, &constants);
+        let pipelines = compiler.program(&programs::TEMPORAL, &constants);
         Self { pipelines, tracks: Self::tracks(settings) }
     }
 

@@ -56,7 +56,7 @@ impl Walls {
             ("MAX_WALL_DEPTH", f64::from(Settings::MAX_WALL_DEPTH)),
         ];
         let constants = [&constants[..], &shaders::LUMINANCE].concat();
-        Self(ComputePipelines::new(compiler, &programs::WALLS, &constants))
+        Self(compiler.program(&programs::WALLS, &constants))
     }
 
     /// Plans the light of solid cells from that of their faces: a dispatch for every two octaves, in which they are blurred,

@@ -93,8 +93,8 @@ impl Cascades {
             let [merge, gather] = [&merge, &gather]
                 .map(|constants| [constants, &[shaders::moment(moment)][..]].concat());
             Passes {
-                merge: ComputePipelines::new(compiler, &programs::CASCADES_MERGE, &merge),
-                gather: ComputePipelines::new(compiler, &programs::CASCADES_GATHER, &gather),
+                merge: compiler.program(&programs::CASCADES_MERGE, &merge),
+                gather: compiler.program(&programs::CASCADES_GATHER, &gather),
             }
         };
         let rays = settings.nearest_rays();

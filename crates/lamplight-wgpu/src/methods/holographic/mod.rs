@@ -99,7 +99,7 @@ impl IntervalPipelines {
                 ("HELD", pairs.into()),
                 ("FIRST_TINT", tiles::HELD.into()),
             ];
-            ComputePipelines::new(compiler, &programs::HOLOGRAPHIC_EXTEND, &constants)
+            compiler.program(&programs::HOLOGRAPHIC_EXTEND, &constants)
         };
         let merge = [
             stored,
@@ -114,10 +114,10 @@ impl IntervalPipelines {
         let merge = [&merge[..], &shaders::inflow(inflow)].concat();
         Self {
             words,
-            trace: ComputePipelines::new(compiler, &programs::HOLOGRAPHIC_TRACE, &trace),
+            trace: compiler.program(&programs::HOLOGRAPHIC_TRACE, &trace),
             extend: [1, 2].map(extend),
-            merge: ComputePipelines::new(compiler, &programs::HOLOGRAPHIC_MERGE, &merge),
-            finish: ComputePipelines::new(compiler, &programs::HOLOGRAPHIC_FINISH, &merge),
+            merge: compiler.program(&programs::HOLOGRAPHIC_MERGE, &merge),
+            finish: compiler.program(&programs::HOLOGRAPHIC_FINISH, &merge),
         }
     }
 }
@@ -270,17 +270,15 @@ impl Holographic {
                 shaders::moment(moment && pixels),
             ];
             let constants = [CELLS, MARCH, &own, &shaders::inflow(inflow)].concat();
-            ComputePipelines::new(compiler, &programs::HOLOGRAPHIC_GATHER, &constants)
+            compiler.program(&programs::HOLOGRAPHIC_GATHER, &constants)
         };
-        let compared =
-            || ComputePipelines::new(compiler, &programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
-        let feedback = || ComputePipelines::new(compiler, &programs::HOLOGRAPHIC_FEEDBACK, &[]);
+        let compared = || compiler.program(&programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
+        let feedback = || compiler.program(&programs::HOLOGRAPHIC_FEEDBACK, &[]);
         let bounce = Bounce::new(compiler, bounces, compared, feedback);
         let marks = ("MARKS", f64::from(bounces == Bounces::Feedback));
         Self {
             settings: settings.clone(),
-            slabs: ComputePipelines::new(
-                compiler,
+            slabs: compiler.program(
                 &programs::HOLOGRAPHIC_SLABS,
                 &[CELLS, &[("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
             ),
@@ -288,7 +286,7 @@ impl Holographic {
                 .map(|words| IntervalPipelines::new(compiler, geometry, words, inflow)),
             gather: gather(true),
             gather_faces: gather(false),
-            faces: ComputePipelines::new(compiler, &programs::HOLOGRAPHIC_FACES, &[marks]),
+            faces: compiler.program(&programs::HOLOGRAPHIC_FACES, &[marks]),
             bounce,
         }
     }

@@ -70,7 +70,7 @@ impl Gather {
             [GATHER, &march, &shaders::LUMINANCE, &needed, &shaders::inflow(inflow)].concat();
         let directions: Vec<[f32; 2]> = directions(settings).collect();
         Ok(Self {
-            rays: ComputePipelines::new(compiler, program, &constants),
+            rays: compiler.program(program, &constants),
             blue: storage("blue noise", noise::blue()),
             directions: storage("directions", bytemuck::cast_slice(&directions)),
         })

@@ -63,9 +63,9 @@ impl LevelPipelines {
         let trace = [stored, ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH))];
         Self {
             bytes: u64::from(words) * size_of::<f32>() as u64,
-            trace: ComputePipelines::new(compiler, &programs::PAPER_TRACE, &trace),
-            extend: ComputePipelines::new(compiler, &programs::PAPER_EXTEND, &[stored]),
-            merge: ComputePipelines::new(compiler, &programs::PAPER_MERGE, &[stored]),
+            trace: compiler.program(&programs::PAPER_TRACE, &trace),
+            extend: compiler.program(&programs::PAPER_EXTEND, &[stored]),
+            merge: compiler.program(&programs::PAPER_MERGE, &[stored]),
         }
     }
 
@@ -179,7 +179,7 @@ struct PaperBuffers<'a> {
 
 impl Paper {
     pub fn new(compiler: &Compiler, bounces: Bounces, moment: bool) -> Self {
-        let new = |program| ComputePipelines::new(compiler, program, &[]);
+        let new = |program| compiler.program(program, &[]);
         let converged = || (Convergence::new(compiler), new(&programs::PAPER_SOURCE_COMPARED));
         Self {
             source: new(&programs::PAPER_SOURCE),
