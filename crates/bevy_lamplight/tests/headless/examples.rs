@@ -90,7 +90,7 @@ fn frame_time(example: fn(&mut App)) -> f64 {
 
 /// The figures of docs/bevy-performance.md.
 #[test]
-#[ignore = "measures: cargo test --release -p bevy_lamplight --test headless -- --ignored --nocapture times"]
+#[ignore = "measures: cargo test -p bevy_lamplight --test headless -- --ignored --nocapture times"]
 fn times_of_frames() {
     let examples: [(&str, fn(&mut App)); 3] = [
         ("hello", hello::example),
