@@ -228,7 +228,10 @@ impl Compose {
         self.pipeline = self.pipelines.get(&target).cloned();
         let resources = [
             Resource::Buffer(lit.frame.clone()),
-            Resource::Buffer(lit.light.clone()),
+            match lit.light_texture {
+                Some(light) => Resource::View(light.clone()),
+                None => Resource::Buffer(lit.light.clone()),
+            },
             Resource::View(lit.textures.emission.clone()),
             Resource::View(lit.textures.tint_opacity.clone()),
             Resource::View(color.clone()),

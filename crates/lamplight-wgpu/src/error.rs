@@ -98,6 +98,12 @@ pub enum PrepareError {
     /// The CPU lights the host's textures, and they could not be read.
     #[error("the matter is lit by the CPU: {0}")]
     ReadBack(#[from] ReadBackError),
+    /// The device has no compute shaders or storage buffers, as under WebGL 2.
+    #[error("this device has no compute shaders, which {what} needs: it only lights cells")]
+    NoCompute {
+        /// The part of the frame that needs them.
+        what: &'static str,
+    },
     /// There is nothing to show: no frame has been prepared ([`crate::Lighting::prepare`]).
     #[error("there is no light to show: no frame has been prepared")]
     NothingLit,

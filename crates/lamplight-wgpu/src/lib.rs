@@ -3,7 +3,7 @@
 //!
 //! It is middleware: [`Lighting`] uses the host's [`wgpu::Device`] and [`wgpu::Queue`], records into the host's
 //! [`wgpu::CommandEncoder`], and never creates a device, submits or waits. (On a software device, where the CPU is
-//! faster, [`lamplight::Solver`] takes its place: [`Backend`].) All stages, methods and settings of the
+//! faster, and on one without compute shaders, [`lamplight::Solver`] takes its place: [`Backend`].) All stages, methods and settings of the
 //! library are supported. The same settings give the same light as on the CPU, to within 0.1 %. Matter comes from
 //! cells, which are uploaded, or from the host's textures and lamps ([`SceneInput`]).
 //!
@@ -28,7 +28,10 @@
 //! # }
 //! ```
 
+#[cfg(not(target_arch = "wasm32"))]
+mod ahead;
 mod camera;
+mod compiler;
 mod compose;
 mod cookies;
 mod cost;

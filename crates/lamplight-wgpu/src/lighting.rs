@@ -1,5 +1,7 @@
 //! The middleware: a host creates it once, and prepares and records it every frame.
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::ahead::Ahead;
 use crate::cookies::CookieAtlas;
 use crate::cost::Cost;
 use crate::cpu_backend::CpuBackend;
@@ -36,12 +38,14 @@ use lamplight::internals::sky::SunGlow;
 use lamplight::{ALL_LAYERS, Inflow, Settings, Sky};
 use std::sync::PoisonError;
 use std::time::Instant;
-use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureView};
+use wgpu::{
+    Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureUsages, TextureView,
+};
 
 /// Finds light on the host's device, or beside it ([`Backend`]).
 ///
 /// Each frame, [`Self::prepare`] it from a [`FrameInput`], then [`Self::record`] it. Pipelines are compiled when
-/// settings are first used (or by [`Self::precompile`]), and buffers are created when the size of the grid
+/// they are first used, by [`Self::precompile`], or in the background ([`LightingOptions::compile_ahead`]), and buffers are created when the size of the grid
 /// changes; in the steady state nothing is created. Any number of instances can share a device; each stays with
 /// the device and the queue it was created with.
 ///
@@ -87,6 +91,11 @@ pub struct Lighting {
     number: u32,
     before: Option<FrameBefore>,
     plan_ids: PlanIds,
+    /// The pipelines compiled by frames before the one that is prepared.
+    waits_before: usize,
+    /// Set if pipelines are compiled ahead.
+    #[cfg(not(target_arch = "wasm32"))]
+    ahead: Option<Ahead>,
 }
 
 /// The light of a prepared frame, and the matter that it falls on: the inputs of the compose pass.
@@ -96,6 +105,8 @@ pub struct ComposeInputs<'a> {
     /// Emission in place of the textures'.
     pub shown: Option<&'a TextureView>,
     pub light: &'a Buffer,
+    /// The light as a texture, in its place, on a device without storage buffers.
+    pub light_texture: Option<&'a TextureView>,
     pub frame: &'a Buffer,
     /// The elevation of light, if its first moment is behind it.
     pub elevation: Option<f32>,
@@ -129,6 +140,8 @@ struct PreparedFrame {
     /// True if its light comes from the CPU.
     by_cpu: bool,
     light: Buffer,
+    /// Its values in rows as long as the grid's, on a device without storage buffers.
+    light_texture: Option<TextureView>,
     passes: PassList,
     /// The buffers of suns and exact lamps, written before each frame.
     direct: Option<LightBuffers>,
@@ -156,7 +169,8 @@ struct PreparedFrame {
 #[derive(Clone, Debug)]
 struct OutputPass {
     picture: TextureView,
-    dispatch: Dispatch,
+    /// None on a device without compute shaders, where the texture is written before each frame.
+    dispatch: Option<Dispatch>,
 }
 
 /// The additions of a frame to its plan.
@@ -187,7 +201,7 @@ impl PreparedFrame {
         let fields = fields.flat_map(|fields| &fields.dispatches);
         let sight = self.sight.iter().filter(|_| self.records_sight);
         let sight = sight.flat_map(|sight| &sight.dispatches);
-        let output = self.output.iter().map(|output| &output.dispatch);
+        let output = self.output.iter().filter_map(|output| output.dispatch.as_ref());
         self.resize
             .iter()
             .chain(reproject)
@@ -221,18 +235,19 @@ impl Lighting {
         options.check()?;
         let backend = options.backend.on(device);
         with_error_scope(device, || {
+            let shared = Shared::new(device, queue);
             let fastest = backend == Backend::Fastest;
             Ok(Self {
                 options: *options,
                 cpu: (backend == Backend::Cpu).then(CpuBackend::default),
                 trial: fastest.then(|| Trial::new(device, queue)).flatten(),
-                shared: Shared::new(device, queue),
                 pipelines: PipelineCache::default(),
-                glow: Glow::new(device),
-                walls: Walls::new(device),
+                glow: Glow::new(&shared.compiler),
+                walls: Walls::new(&shared.compiler),
                 moment_walls: None,
-                reproject: Reproject::new(device),
-                output: Output::new(device),
+                reproject: Reproject::new(&shared.compiler),
+                output: Output::new(&shared.compiler),
+                shared,
                 distance: None,
                 direct: None,
                 sight: None,
@@ -248,17 +263,28 @@ impl Lighting {
                 number: 0,
                 before: None,
                 plan_ids: PlanIds::default(),
+                waits_before: 0,
+                #[cfg(not(target_arch = "wasm32"))]
+                ahead: options.compile_ahead.then(Ahead::default),
             })
         })
     }
 
     /// Compiles the pipelines of settings, so that the first [`Self::prepare`] with them is as quick as any
     /// other, unless it has inflow. Those of the last sixteen settings are cached.
+    ///
+    /// It waits for all of them. Changes to settings or the scene that were not precompiled are compiled in the
+    /// background ([`LightingOptions::compile_ahead`]).
     pub fn precompile(&mut self, settings: &Settings) -> Result<(), CreateError> {
         settings.check()?;
-        let Shared { device, queue, .. } = &self.shared;
+        let Shared { compiler, queue, .. } = &self.shared;
         if self.cpu.is_none() {
-            self.pipelines.method::<CreateError>(device, queue, settings, false)?;
+            self.pipelines.method::<CreateError>(compiler, queue, settings, false)?;
+            let method = |compiler: &_| Method::new(compiler, queue, settings, false);
+            let (_, programs) = compiler.programs_of(method)?;
+            for program in programs {
+                (0..program.entries()).try_for_each(|entry| program.compile_ahead(entry))?;
+            }
         }
         Ok(())
     }
@@ -269,7 +295,7 @@ impl Lighting {
     /// panorama or an inflow is uploaded when it has changed, and planned for if it has another number of columns, or if
     /// the frame before had none; cookies are uploaded when there is one that no lamp had before, and planned for when they need more room.) Other texture
     /// views of the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers;
-    /// any other change of settings compiles pipelines unless they are cached ([`Self::precompile`]).
+    /// any other change of settings compiles those pipelines that no frame has used yet, unless that is done ahead.
     ///
     /// # Errors
     /// If the input is invalid or the device cannot light it. The frame before then stays prepared.
@@ -281,9 +307,14 @@ impl Lighting {
         let input = &FrameInput { settings: &settings, ..*input };
         // The upload is taken out of `self`, so that its textures can be borrowed beside it.
         let mut upload = self.upload.take();
+        self.waits_before = self.shared.compiler.waits();
         let prepared =
             self.check(input, &mut upload).and_then(|scene| self.prepare_scene(input, &scene));
         self.upload = upload;
+        if let Err(PrepareError::Device(_)) = prepared {
+            // Pipelines may be invalid.
+            self.shared.compiler.forget();
+        }
         prepared
     }
 
@@ -334,6 +365,9 @@ impl Lighting {
 
     fn prepare_scene(&mut self, input: &FrameInput, scene: &CheckedScene) -> Result<()> {
         let CheckedScene { grid, shown, normals, lights } = scene;
+        if !self.shared.has_compute {
+            check_without_compute(input)?;
+        }
         let Lights { lamps, suns, sky, inflow } = *lights;
         let sky = &self.sun_glow.draw(input.settings.method(), sky, suns);
         // The CPU has its own copy.
@@ -347,22 +381,22 @@ impl Lighting {
         }
         self.keep_panorama(if inflow.is_some() { &Sky::BLACK } else { sky })?;
         self.keep_inflow(inflow)?;
-        let Shared { device, queue, .. } = &self.shared;
+        let Shared { device, queue, compiler, .. } = &self.shared;
         let method = match self.cpu {
             None => {
                 let (pipelines, settings) = (&mut self.pipelines, input.settings);
                 let enters = inflow.is_some();
-                Some(pipelines.method::<PrepareError>(device, queue, settings, enters)?)
+                Some(pipelines.method::<PrepareError>(compiler, queue, settings, enters)?)
             }
             Some(_) => None,
         };
         if input.distance_field && self.distance.is_none() {
-            let compile = || Ok(DistancePipelines::new(device));
+            let compile = || Ok(DistancePipelines::new(&self.shared.compiler));
             self.distance = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         self.sights.set(input.sights)?;
         if !self.sights.is_empty() && self.sight.is_none() {
-            let compile = || Ok(SightPipelines::new(device));
+            let compile = || Ok(SightPipelines::new(&self.shared.compiler));
             self.sight = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         let size = grid.size.into();
@@ -376,11 +410,11 @@ impl Lighting {
         let moment = input.settings.moment;
         let compiled = self.direct.as_ref().is_some_and(|direct| direct.moment == moment);
         if needed.has_direct() && !compiled {
-            let compile = || Ok(Direct::new(device, moment));
+            let compile = || Ok(Direct::new(&self.shared.compiler, moment));
             self.direct = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         if moment && self.moment_walls.is_none() && method.is_some() {
-            let compile = || Ok(MomentWalls::new(device));
+            let compile = || Ok(MomentWalls::new(&self.shared.compiler));
             self.moment_walls = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         let serves = |frame: &PreparedFrame| {
@@ -446,8 +480,19 @@ impl Lighting {
         self.cookies.write(queue);
         if let Some(cpu) = &self.cpu {
             queue.write_buffer(&frame.light, 0, bytemuck::cast_slice(cpu.light()));
+            if let Some(texture) = &frame.light_texture {
+                matter::write_texels(queue, texture, cpu.light());
+                if let Some(output) = &frame.output {
+                    let light = &cpu.light()[..grid.size.cells() as usize];
+                    matter::write_halves(queue, &output.picture, light);
+                }
+            }
         }
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
+        #[cfg(not(target_arch = "wasm32"))]
+        if let (Some(ahead), None) = (&mut self.ahead, &self.cpu) {
+            ahead.follow(&self.shared.compiler, queue, input.settings, inflow.is_some());
+        }
         let sky = Sky::clone(sky);
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky });
         self.number = self.number.wrapping_add(1);
@@ -556,6 +601,12 @@ impl Lighting {
                 }
                 _ => planner.buffer::<[f32; 4]>("light", planner.light_values())?,
             };
+            let same = before.filter(|frame| frame.light == light);
+            let light_texture = match same.and_then(|frame| frame.light_texture.as_ref()) {
+                Some(texture) => Some(texture.clone()),
+                None if self.shared.has_compute => None,
+                None => Some(light_texture(&planner)?),
+            };
             let direct = self.direct.as_ref().filter(|_| planner.capacity.has_direct());
             let direct = direct.map(|direct| direct.plan(&planner)).transpose()?;
             let (found, direct, shine) = match direct {
@@ -613,6 +664,7 @@ impl Lighting {
                 history,
                 resize,
                 light,
+                light_texture,
                 passes,
                 direct,
                 reproject: None,
@@ -679,10 +731,16 @@ impl Lighting {
         light: &Buffer,
         picture: &TextureView,
     ) -> Result<OutputPass> {
-        let size = matter::writable("output", picture)?;
+        let has_compute = self.shared.has_compute;
+        let usage = if has_compute {
+            (TextureUsages::STORAGE_BINDING, "STORAGE_BINDING")
+        } else {
+            (TextureUsages::COPY_DST, "COPY_DST")
+        };
+        let size = matter::writable("output", picture, usage)?;
         matter::check_size("output", size, "the grid", planner.size.into())?;
         with_error_scope(&self.shared.device, || {
-            let dispatch = self.output.plan(planner, light, picture);
+            let dispatch = has_compute.then(|| self.output.plan(planner, light, picture));
             Ok(OutputPass { picture: picture.clone(), dispatch })
         })
     }
@@ -693,6 +751,21 @@ impl Lighting {
         self.before = None;
         if let Some(cpu) = &mut self.cpu {
             cpu.reset();
+        }
+    }
+
+    /// The number of pipelines that [`Self::prepare`] had to compile last: none in the steady state, nor after a change
+    /// that was compiled ahead.
+    pub fn compiled(&self) -> usize {
+        self.shared.compiler.waits() - self.waits_before
+    }
+
+    /// Waits until the pipelines that frames may need next are compiled ([`LightingOptions::compile_ahead`]), as behind a
+    /// loading screen.
+    pub fn wait_for_pipelines(&mut self) {
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(ahead) = &mut self.ahead {
+            ahead.wait();
         }
     }
 
@@ -710,6 +783,10 @@ impl Lighting {
         if let Some(timer) = self.trial.as_ref().and_then(Trial::timer) {
             let mut timer = timer.lock().unwrap_or_else(PoisonError::into_inner);
             timer.record(encoder, frame.dispatches());
+            return Ok(());
+        }
+        if frame.dispatches().next().is_none() {
+            // The CPU's light is there already, and the device may have no compute passes.
             return Ok(());
         }
         let descriptor = ComputePassDescriptor { label: Some("lamplight"), timestamp_writes: None };
@@ -751,12 +828,23 @@ impl Lighting {
 
     /// The inputs of the compose pass; `None` before the first frame.
     pub(crate) fn compose_inputs(&self) -> Option<ComposeInputs<'_>> {
-        let PreparedFrame { size, textures, shown, normals, light, settings, .. } =
-            self.frame.as_ref()?;
+        let PreparedFrame {
+            size, textures, shown, normals, light, light_texture, settings, ..
+        } = self.frame.as_ref()?;
+        let light_texture = light_texture.as_ref();
         let (size, shown, frame) = ((*size).into(), shown.as_ref(), &self.shared.frame);
         let elevation = settings.moment.then_some(settings.elevation);
         let normals = normals.as_ref();
-        Some(ComposeInputs { size, textures, shown, light, frame, elevation, normals })
+        Some(ComposeInputs {
+            size,
+            textures,
+            shown,
+            light,
+            light_texture,
+            frame,
+            elevation,
+            normals,
+        })
     }
 
     /// The cost of the frame prepared last; `None` before the first.
@@ -809,6 +897,28 @@ impl Lighting {
     pub(crate) fn device(&self) -> (&Device, &Queue) {
         (&self.shared.device, &self.shared.queue)
     }
+}
+
+/// Rejects what a device without compute shaders cannot do.
+fn check_without_compute(input: &FrameInput) -> Result<()> {
+    let textures = matches!(input.scene, SceneInput::Textures { .. });
+    let wanted = [
+        (textures, "light from textures"),
+        (input.distance_field, "the distance field"),
+        (!input.sights.is_empty(), "sight"),
+    ];
+    match wanted.into_iter().find(|(is_wanted, _)| *is_wanted) {
+        Some((_, what)) => Err(PrepareError::NoCompute { what }),
+        None => Ok(()),
+    }
+}
+
+/// Creates a texture for the values of light, in rows as long as the grid's.
+fn light_texture(planner: &FramePlanner) -> Result<TextureView> {
+    let GridSize { width, height } = planner.size;
+    let values = planner.light_values() / planner.cells();
+    let size = GridSize::new(planner.device, [width, height * values as u32])?;
+    Ok(matter::texture(planner.device, "light", size, matter::UPLOADED))
 }
 
 /// Rejects an inflow that the method does not read, or of a grid of another size.

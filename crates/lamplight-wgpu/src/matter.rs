@@ -12,6 +12,8 @@ use wgpu::{
     TextureUsages, TextureView,
 };
 
+/// The largest half float.
+pub const MAX_HALF: f32 = 65504.0;
 /// Bytes of a texel: four floats.
 const TEXEL: u32 = 16;
 
@@ -75,14 +77,18 @@ pub fn check_size(
 }
 
 /// Returns columns and rows of a texture of the host's. Rejects one that the light cannot be written to.
-pub fn writable(name: &'static str, view: &TextureView) -> Result<[u32; 2]> {
+pub fn writable(
+    name: &'static str,
+    view: &TextureView,
+    (usage, usage_name): (TextureUsages, &str),
+) -> Result<[u32; 2]> {
     let texture = view.texture();
     let wrong = |problem: String| Err(PrepareError::Texture { name, problem });
     if texture.format() != TextureFormat::Rgba16Float {
         return wrong(format!("has the format {:?}, not Rgba16Float", texture.format()));
     }
-    if !texture.usage().contains(TextureUsages::STORAGE_BINDING) {
-        return wrong("lacks the usage STORAGE_BINDING".into());
+    if !texture.usage().contains(usage) {
+        return wrong(format!("lacks the usage {usage_name}"));
     }
     single(name, view)
 }
@@ -222,7 +228,7 @@ impl Upload {
 }
 
 /// The usage of textures that are uploaded to.
-const UPLOADED: TextureUsages = TextureUsages::TEXTURE_BINDING.union(TextureUsages::COPY_DST);
+pub const UPLOADED: TextureUsages = TextureUsages::TEXTURE_BINDING.union(TextureUsages::COPY_DST);
 
 /// Creates a texture of four floats per cell.
 pub fn texture(device: &Device, label: &str, size: GridSize, usage: TextureUsages) -> TextureView {
@@ -247,6 +253,26 @@ pub fn cookies_texture(device: &Device, size: [u32; 2]) -> TextureView {
 /// Writes a texture of four floats.
 pub fn write_texels(queue: &Queue, view: &TextureView, texels: &[[f32; 4]]) {
     write_bytes(queue, view.texture(), bytemuck::cast_slice(texels), TEXEL);
+}
+
+/// Writes light to a texture of half floats.
+pub fn write_halves(queue: &Queue, view: &TextureView, light: &[[f32; 4]]) {
+    let halves: Vec<[u16; 4]> = light.iter().map(|rgba| rgba.map(half)).collect();
+    write_bytes(queue, view.texture(), bytemuck::cast_slice(&halves), TEXEL / 2);
+}
+
+/// The bits of the nearest half float. Light is 0 or more; beyond the largest half it is that one.
+fn half(v: f32) -> u16 {
+    // The least half with all bits of its fraction, and how often the least half is in 1.
+    const LEAST_NORMAL: f32 = 1.0 / 16384.0;
+    const STEPS: f32 = 16_777_216.0;
+    let v = v.min(MAX_HALF);
+    if v < LEAST_NORMAL {
+        return (v * STEPS).round_ties_even() as u16;
+    }
+    let bits = v.to_bits();
+    // The exponent's bias is 15 in place of 127; 13 bits of the fraction are rounded off, to even.
+    ((bits - (112 << 23) + 0xfff + ((bits >> 13) & 1)) >> 13) as u16
 }
 
 /// Writes the layers of all cells.

@@ -1,6 +1,7 @@
 //! Options that affect performance, never the result.
 
 use crate::error::CreateError;
+use crate::tier::has_compute;
 use wgpu::{Device, DeviceType};
 
 /// The finder of light of [`crate::Lighting`]: with each, the host gets the same light in the same way.
@@ -20,6 +21,10 @@ pub enum Backend {
     /// [`lamplight::Solver`], in [`crate::Lighting::prepare`], which then takes the whole time. It submits and waits for
     /// a copy of the host's textures, as they are at that moment: draw and submit them before, or light is a frame
     /// late. In browsers, where nothing can wait, only cells are lit.
+    ///
+    /// Every backend is this one on a device without compute shaders or storage buffers, as under WebGL 2. Only cells are
+    /// lit there, and [`crate::Compose`] shows them, without storage buffers; [`crate::FrameInput::output`] needs the
+    /// usage `COPY_DST` in place of `STORAGE_BINDING`; there is no distance field, and no sight.
     Cpu,
 }
 
@@ -28,6 +33,7 @@ impl Backend {
     pub(crate) fn on(self, device: &Device) -> Self {
         let software = || device.adapter_info().device_type == DeviceType::Cpu;
         match self {
+            _ if !has_compute(device) => Self::Cpu,
             Self::Auto | Self::Fastest if cfg!(target_arch = "wasm32") => Self::Gpu,
             Self::Auto if software() => Self::Cpu,
             Self::Auto => Self::Fastest,
@@ -45,6 +51,10 @@ pub struct LightingOptions {
     /// 0.6 times as many bytes, and half as many dispatches are needed; with 1 less is computed. By default 1 on cards
     /// with memory of their own, where it takes 0.9 times as long (NVIDIA H100), and else 2.
     pub fused_levels: Option<u32>,
+    /// Pipelines that frames may need after a change of bounces, of inflow, of normals, lamps or viewers are compiled by a
+    /// thread in the background, once a frame has been prepared. Otherwise the frame waits that first needs them, on some
+    /// drivers for a second. Not in browsers, which have no such threads.
+    pub compile_ahead: bool,
 }
 
 impl LightingOptions {
@@ -74,6 +84,6 @@ impl LightingOptions {
 
 impl Default for LightingOptions {
     fn default() -> Self {
-        Self { backend: Backend::default(), fused_levels: None }
+        Self { backend: Backend::default(), fused_levels: None, compile_ahead: true }
     }
 }

@@ -1,15 +1,19 @@
 //! Compute pipelines, the resources bound to them, and their dispatches.
 
+use crate::error::DeviceError;
+use crate::error_scope::with_error_scope;
 use crate::programs::{Binding, Program};
 use crate::shader_module::shader_module;
 use crate::shaders;
 use crate::traffic::Traffic;
 use std::num::NonZeroU64;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindingResource, Buffer, ComputePass, ComputePipelineDescriptor, Device,
-    PipelineCompilationOptions, PipelineLayoutDescriptor, ShaderStages, TextureView,
+    PipelineCompilationOptions, PipelineLayout, PipelineLayoutDescriptor, ShaderModule,
+    ShaderStages, TextureView,
 };
 
 /// Side of a workgroup, in cells, of shaders that run over cells.
@@ -31,56 +35,97 @@ pub struct ComputePipeline {
     pub pipeline: wgpu::ComputePipeline,
 }
 
-/// The compiled entry points of a program, and their bindings.
+/// A program with the values of its overrides. Each entry point is compiled when it is first used, or ahead
+/// ([`crate::ahead`]). Clones share what is compiled.
+#[derive(Clone, Debug)]
+pub struct ComputePipelines(Arc<Compiled>);
+
+/// A program, and what is compiled of it.
 #[derive(Debug)]
-pub struct ComputePipelines {
-    label: &'static str,
-    layout: BindGroupLayout,
-    bindings: &'static [(&'static str, Binding)],
-    pub entries: Vec<ComputePipeline>,
+struct Compiled {
+    device: Device,
+    program: Program,
+    constants: Arc<[(String, f64)]>,
+    layouts: OnceLock<Layouts>,
+    entries: Mutex<Entries>,
+    /// The count of pipelines that were compiled when they were first used.
+    waits: Arc<AtomicUsize>,
+}
+
+#[derive(Debug)]
+struct Layouts {
+    group: BindGroupLayout,
+    pipeline: PipelineLayout,
+}
+
+/// Entry points.
+#[derive(Debug)]
+struct Entries {
+    pipelines: Vec<Option<wgpu::ComputePipeline>>,
+    /// The shader, until all of them are compiled.
+    module: Option<ShaderModule>,
 }
 
 impl ComputePipelines {
-    /// Compiles a program. `constants` are the values of the shader's overrides.
-    pub fn new(device: &Device, program: &Program, constants: &[(&str, f64)]) -> Self {
-        let label = shaders::label(program.shader);
-        let slots = (0..).zip(program.bindings);
-        let slots = slots.map(|(slot, (_, binding))| binding.entry(slot, ShaderStages::COMPUTE));
-        let layout = device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some(label),
-            entries: &slots.collect::<Vec<_>>(),
-        });
-        let pipeline_layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
-            label: Some(label),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        #[cfg(not(test))]
-        let text = shaders::text(program.shader);
-        #[cfg(test)]
-        let text = crate::poison::text(program);
-        let module = shader_module(device, label, text);
+    /// A program of which nothing is compiled. `constants` are the values of the shader's overrides.
+    pub fn uncompiled(
+        device: &Device,
+        program: &Program,
+        constants: &[(&str, f64)],
+        waits: &Arc<AtomicUsize>,
+    ) -> Self {
         let named = constants.iter().map(|&(name, value)| (name.to_owned(), value));
-        let named: Arc<[_]> = named.collect();
-        let compile = |&entry: &&'static str| ComputePipeline {
-            label,
-            entry,
+        let pipelines = vec![None; program.entries.len()];
+        Self(Arc::new(Compiled {
+            device: device.clone(),
             program: *program,
-            constants: named.clone(),
-            pipeline: device.create_compute_pipeline(&ComputePipelineDescriptor {
-                label: Some(label),
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: Some(entry),
-                compilation_options: PipelineCompilationOptions {
-                    constants,
-                    zero_initialize_workgroup_memory: !program.writes_first(),
-                },
-                cache: None,
-            }),
-        };
-        let entries = program.entries.iter().map(compile).collect();
-        Self { label, layout, bindings: program.bindings, entries }
+            constants: named.collect(),
+            layouts: OnceLock::new(),
+            entries: Mutex::new(Entries { pipelines, module: None }),
+            waits: waits.clone(),
+        }))
+    }
+
+    /// Returns whether it is this program with these constants.
+    pub fn is(&self, program: &Program, constants: &[(&str, f64)]) -> bool {
+        let own = self.0.constants.iter().map(|(name, value)| (name.as_str(), value.to_bits()));
+        let others = constants.iter().map(|(name, value)| (*name, value.to_bits()));
+        let known = &self.0.program;
+        (known.shader, known.entries) == (program.shader, program.entries) && own.eq(others)
+    }
+
+    /// The number of entry points.
+    pub fn entries(&self) -> usize {
+        self.0.program.entries.len()
+    }
+
+    /// An entry point, which is compiled now if it is not yet.
+    pub fn entry(&self, entry: usize) -> ComputePipeline {
+        let mut entries = self.0.lock();
+        if entries.pipelines[entry].is_none() {
+            self.0.waits.fetch_add(1, Ordering::Relaxed);
+        }
+        let pipeline = self.0.compiled(&mut entries, entry);
+        let Compiled { program, constants, .. } = &*self.0;
+        let (label, entry) = (shaders::label(program.shader), program.entries[entry]);
+        ComputePipeline { label, entry, program: *program, constants: constants.clone(), pipeline }
+    }
+
+    /// Compiles an entry point ahead. If the device fails to, it is compiled when it is used, where errors are
+    /// returned.
+    pub fn compile_ahead(&self, entry: usize) -> Result<(), DeviceError> {
+        let mut entries = self.0.lock();
+        let compile = || Ok(self.0.compiled(&mut entries, entry));
+        let compiled: Result<_, DeviceError> = with_error_scope(&self.0.device, compile);
+        if compiled.is_err() {
+            entries.pipelines[entry] = None;
+        }
+        compiled.map(|_| ())
+    }
+
+    /// Forgets what is compiled.
+    pub fn forget(&self) {
+        self.0.lock().pipelines.fill(None);
     }
 
     /// Binds resources to the slots, in the order of the program's declaration.
@@ -88,25 +133,85 @@ impl ComputePipelines {
     /// Browsers drop a whole frame if one of its dispatches has a buffer in two slots that are written, used or not
     /// (WebGPU, "Encoder Bind Groups Alias a Writable Resource"). wgpu accepts it, so tests find it here.
     pub fn bind(&self, device: &Device, resources: &[BindingResource]) -> BoundResources {
-        let slots = self.bindings.iter().zip(resources);
+        let Compiled { program, .. } = &*self.0;
+        let label = shaders::label(program.shader);
+        let slots = program.bindings.iter().zip(resources);
         let written = slots.clone().filter(|((_, binding), _)| binding.is_written());
         let twice = shared(written.filter_map(|((name, _), resource)| match resource {
             BindingResource::Buffer(part) => Some((*name, part.buffer)),
             _ => None,
         }));
-        debug_assert_eq!(twice, None, "{}: slots that are written share a buffer", self.label);
+        debug_assert_eq!(twice, None, "{label}: slots that are written share a buffer");
         let entries: Vec<_> = (0..)
             .zip(resources)
             .map(|(binding, resource)| BindGroupEntry { binding, resource: resource.clone() })
             .collect();
         let group = device.create_bind_group(&BindGroupDescriptor {
-            label: Some(self.label),
-            layout: &self.layout,
+            label: Some(label),
+            layout: &self.0.layouts().group,
             entries: &entries,
         });
         let traffic = slots.map(|((_, binding), resource)| traffic(*binding, resource)).sum();
         let resources = resources.iter().filter_map(BoundResource::new).collect();
         BoundResources { group, traffic, resources }
+    }
+}
+
+impl Compiled {
+    fn lock(&self) -> MutexGuard<'_, Entries> {
+        self.entries.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn layouts(&self) -> &Layouts {
+        let label = Some(shaders::label(self.program.shader));
+        self.layouts.get_or_init(|| {
+            let slots = (0..).zip(self.program.bindings);
+            let slots =
+                slots.map(|(slot, (_, binding))| binding.entry(slot, ShaderStages::COMPUTE));
+            let group = self.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+                label,
+                entries: &slots.collect::<Vec<_>>(),
+            });
+            let pipeline = self.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+                label,
+                bind_group_layouts: &[Some(&group)],
+                immediate_size: 0,
+            });
+            Layouts { group, pipeline }
+        })
+    }
+
+    fn compiled(&self, entries: &mut Entries, entry: usize) -> wgpu::ComputePipeline {
+        let Entries { pipelines, module } = entries;
+        if let Some(known) = &pipelines[entry] {
+            return known.clone();
+        }
+        let label = shaders::label(self.program.shader);
+        let module = module.get_or_insert_with(|| {
+            #[cfg(not(test))]
+            let text = shaders::text(self.program.shader);
+            #[cfg(test)]
+            let text = crate::poison::text(&self.program);
+            shader_module(&self.device, label, text)
+        });
+        let constants: Vec<_> =
+            self.constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+        let pipeline = self.device.create_compute_pipeline(&ComputePipelineDescriptor {
+            label: Some(label),
+            layout: Some(&self.layouts().pipeline),
+            module,
+            entry_point: Some(self.program.entries[entry]),
+            compilation_options: PipelineCompilationOptions {
+                constants: &constants,
+                zero_initialize_workgroup_memory: !self.program.writes_first(),
+            },
+            cache: None,
+        });
+        pipelines[entry] = Some(pipeline.clone());
+        if pipelines.iter().all(Option::is_some) {
+            entries.module = None;
+        }
+        pipeline
     }
 }
 
@@ -191,28 +296,20 @@ pub struct Dispatch {
 impl Dispatch {
     /// Dispatches `groups` workgroups; `step` selects the entry of the dynamic offset.
     pub fn new(
-        pipeline: &ComputePipeline,
+        pipeline: ComputePipeline,
         bound: &BoundResources,
         step: Option<u32>,
         groups: [u32; 3],
     ) -> Self {
         let offset = step.map(|step| step * STEP_BYTES);
         let BoundResources { group, traffic, resources } = bound.clone();
-        Self {
-            pipeline: pipeline.clone(),
-            bound: group,
-            resources,
-            traffic,
-            offset,
-            groups,
-            indirect: None,
-        }
+        Self { pipeline, bound: group, resources, traffic, offset, groups, indirect: None }
     }
 
     /// Dispatches a thread per cell of a grid.
     pub fn over(
         [width, height]: [u32; 2],
-        pipeline: &ComputePipeline,
+        pipeline: ComputePipeline,
         bound: &BoundResources,
         step: Option<u32>,
     ) -> Self {

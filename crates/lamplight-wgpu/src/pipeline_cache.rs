@@ -1,12 +1,12 @@
-//! A cache of compiled pipelines. Switching back to recently used or precompiled settings does not compile
-//! again.
+//! A cache of methods. Switching back to recently used or precompiled settings does not compile again.
 
+use crate::compiler::Compiler;
 use crate::error::DeviceError;
 use crate::error_scope::with_error_scope;
 use crate::methods::Method;
 use lamplight::Settings;
 use std::sync::Arc;
-use wgpu::{Device, Queue};
+use wgpu::Queue;
 
 /// The number of cached methods. A slider that is dragged adds one at every stop.
 const CAPACITY: usize = 16;
@@ -22,7 +22,7 @@ impl PipelineCache {
     /// Returns the compiled method of settings, which have been checked. `inflow`: for frames with some.
     pub fn method<E: From<DeviceError> + From<lamplight::Error>>(
         &mut self,
-        device: &Device,
+        compiler: &Compiler,
         queue: &Queue,
         settings: &Settings,
         inflow: bool,
@@ -32,8 +32,8 @@ impl PipelineCache {
         let method = match known {
             Some(known) => self.0.remove(known).1,
             None => {
-                let compile = || Method::new(device, queue, settings, inflow).map_err(E::from);
-                Arc::new(with_error_scope(device, compile)?)
+                let compile = || Method::new(compiler, queue, settings, inflow).map_err(E::from);
+                Arc::new(with_error_scope(&compiler.device, compile)?)
             }
         };
         if self.0.len() == CAPACITY {

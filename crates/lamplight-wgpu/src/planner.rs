@@ -134,6 +134,9 @@ impl<'a> FramePlanner<'a> {
     /// The largest size of a buffer, in bytes.
     pub fn max_buffer_bytes(&self) -> u64 {
         let limits = self.device.limits();
+        if !self.shared.has_compute {
+            return limits.max_buffer_size;
+        }
         limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
     }
 
@@ -311,7 +314,7 @@ impl<'a> FramePlanner<'a> {
         bound: &BoundResources,
         step: Option<u32>,
     ) -> Dispatch {
-        Dispatch::over(self.size.into(), &pipelines.entries[entry], bound, step)
+        Dispatch::over(self.size.into(), pipelines.entry(entry), bound, step)
     }
 
     /// Dispatches that alternate between two buffers, bound by which they write: entry 0 writes the first,

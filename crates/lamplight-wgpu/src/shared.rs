@@ -1,7 +1,9 @@
 //! The host's device, and buffers that are the same for every grid.
 
+use crate::compiler::Compiler;
 use crate::matter::{cookies_texture, masks_texture, strips_texture, write_masks};
 use crate::pipeline::STEP_BYTES;
+use crate::tier::has_compute;
 use crate::uniforms::FrameUniforms;
 use lamplight::ALL_LAYERS;
 use wgpu::{
@@ -15,6 +17,9 @@ const STEPS: u32 = 66;
 /// The device and buffers that all methods share.
 #[derive(Debug)]
 pub struct Shared {
+    /// True if the device has compute shaders.
+    pub has_compute: bool,
+    pub compiler: Compiler,
     pub device: Device,
     pub queue: Queue,
     /// [`FrameUniforms`], written before each frame.
@@ -38,6 +43,8 @@ impl Shared {
         let all_layers = masks_texture(device, [1, 1]);
         write_masks(queue, &all_layers, &[ALL_LAYERS]);
         Self {
+            has_compute: has_compute(device),
+            compiler: Compiler::new(device),
             device: device.clone(),
             queue: queue.clone(),
             frame: filled(device, queue, "frame", BufferUsages::UNIFORM, &frame),

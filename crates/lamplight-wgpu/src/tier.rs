@@ -1,6 +1,6 @@
 //! The features and limits that a device has to be created with.
 
-use wgpu::{Adapter, Features, Limits};
+use wgpu::{Adapter, Device, DownlevelFlags, Features, Limits};
 
 /// Levels of requirements on a device, the lowest first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -20,6 +20,14 @@ pub enum Tier {
     Native,
 }
 
+/// Returns whether a device has compute shaders with as many storage buffers as every WebGPU device.
+pub fn has_compute(device: &Device) -> bool {
+    let limits = device.limits();
+    let needed = Limits::default().max_storage_buffers_per_shader_stage;
+    limits.max_storage_buffers_per_shader_stage >= needed
+        && limits.max_compute_workgroups_per_dimension > 0
+}
+
 /// Returns the features to request of an adapter. Every method and stage runs without any.
 pub fn required_features(tier: Tier, adapter: &Adapter) -> Features {
     match tier {
@@ -28,10 +36,15 @@ pub fn required_features(tier: Tier, adapter: &Adapter) -> Features {
     }
 }
 
-/// Returns the limits to request of an adapter.
+/// Returns the limits to request of an adapter. On one without compute shaders, as under WebGL 2, the CPU finds the light
+/// of cells ([`crate::Backend::Cpu`]).
 pub fn required_limits(tier: Tier, adapter: &Adapter) -> Limits {
     let granted = Limits::default();
     let most = adapter.limits();
+    let flags = adapter.get_downlevel_capabilities().flags;
+    if !flags.contains(DownlevelFlags::COMPUTE_SHADERS) {
+        return Limits::downlevel_webgl2_defaults().using_resolution(most);
+    }
     match tier {
         Tier::Web => granted,
         Tier::Native => Limits {

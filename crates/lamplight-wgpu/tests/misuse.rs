@@ -6,10 +6,11 @@ mod textures;
 
 use common::{adapter, cells, device, frame, lighting, open, raymarch_of, recorded};
 use lamplight::settings::Temporal;
-use lamplight::{Bounces, Cells, Lamp, Method, Settings, Sky};
+use lamplight::{Bounces, Cells, Inflow, Lamp, Matter, Method, Settings, Sight, Sky, Sun};
 use lamplight_wgpu::error::PrepareError;
 use lamplight_wgpu::{
-    Color, Compose, ComposeParams, FrameInput, Lighting, Lights, Stage, Textures, Tier,
+    Backend, Color, Compose, ComposeParams, FrameInput, Lighting, LightingOptions, Lights, Stage,
+    Textures, Tier,
 };
 use textures::{fetch, filled, texture, view};
 use wgpu::{
@@ -324,6 +325,49 @@ fn precompiled_settings_compile_no_pipelines_when_they_are_used() {
     assert!(pipelines() < most, "{} pipelines are kept", pipelines());
     let invalid = Settings { wall_depth: f32::NAN, ..raymarch() };
     assert!(lighting.precompile(&invalid).is_err());
+}
+
+#[test]
+fn changes_compiled_ahead_compile_nothing_when_they_come() {
+    let (device, queue) = device();
+    let plain = Cells::new(31, 17).unwrap();
+    let changed = |change: &dyn Fn(&mut Cells)| {
+        let mut cells = plain.clone();
+        change(&mut cells);
+        cells
+    };
+    let glass = changed(&|cells| {
+        cells.set(3, 3, Matter { tint: [0.2, 0.5, 0.9], ..Matter::EMPTY });
+    });
+    let sun = changed(&|cells| cells.suns_mut().push(Sun::default()));
+    let entering = changed(&|cells| {
+        let inflow = Inflow::new([31, 17], 16, |_, _| [1.0; 3]).unwrap();
+        cells.set_inflow(Some(inflow)).unwrap();
+    });
+    for method in [Method::Holographic, Method::Raymarch] {
+        let direct = Settings::direct(method);
+        let bounces = [Bounces::Count(2), Bounces::Converged, Bounces::Feedback];
+        let bounces = bounces.map(|bounces| Settings { bounces, ..direct.clone() });
+        let moment = Settings { moment: true, ..direct.clone() };
+        let bounced = bounces.iter().map(|settings| (settings, &plain));
+        let scenes = [&glass, &sun, &entering].map(|cells| (&direct, cells));
+        let frames = [(&direct, &plain)].into_iter().chain(scenes).chain(bounced);
+        for (settings, cells) in frames.chain([(&moment, &plain), (&bounces[0], &entering)]) {
+            // Each change is the first after a frame without any.
+            let options = LightingOptions::on(Backend::Gpu);
+            let mut lighting = Lighting::new(&device, &queue, &options).unwrap();
+            lighting.prepare(&FrameInput::of_cells(&direct, &plain)).unwrap();
+            assert!(lighting.compiled() > 0, "the first frame compiles nothing: it is not counted");
+            lighting.wait_for_pipelines();
+            let input = FrameInput {
+                sights: &[Sight::default()],
+                distance_field: true,
+                ..FrameInput::of_cells(settings, cells)
+            };
+            lighting.prepare(&input).unwrap();
+            assert_eq!(lighting.compiled(), 0, "{settings:?}");
+        }
+    }
 }
 
 #[test]

@@ -42,6 +42,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("wgsl stage invalidate", "in solver.rs on the CPU, where cells are compared"),
     ("wgsl stage reproject", "part of bounce.rs; the means of raymarch start anew"),
     ("wgsl stage matter_values", "reads textures for the CPU"),
+    ("wgsl stage display_texture", "display.wgsl on devices without storage buffers"),
     ("wgsl stage output", "writes a texture of the host's"),
     ("wgsl raymarch march_distance", "the second march of march.rs"),
     ("wgsl raymarch accumulate", "part of gather.rs"),

@@ -7,7 +7,7 @@ use std::env::consts::EXE_SUFFIX;
 use std::process::Command;
 
 /// Debian's packages of a Vulkan loader and a software GPU (lavapipe).
-const PACKAGES: [&str; 2] = ["libvulkan1", "mesa-vulkan-drivers"];
+const PACKAGES: [&str; 3] = ["libegl1", "libvulkan1", "mesa-vulkan-drivers"];
 
 /// Checks that there is a GPU, and installs a software one if there is none and that can be done.
 pub fn ensure() -> Result<()> {

@@ -5,10 +5,13 @@
 use crate::common::{Picture, begin, headless, picture, target_of};
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
-use bevy::render::render_resource::TextureFormat;
+use bevy::render::RenderApp;
+use bevy::render::render_resource::{PollType, TextureFormat};
+use bevy::render::renderer::RenderDevice;
 use bevy::time::TimeUpdateStrategy;
+use bevy_lamplight::prelude::LightBackend;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 #[path = "../../examples/dungeon.rs"]
 mod dungeon;
@@ -27,12 +30,9 @@ const SIZE: [u32; 2] = [640, 360];
 /// The largest mean difference to the picture, of 255. GPUs differ in rounding; there is no noise.
 const TOLERANCE: f32 = 1.5;
 
-/// The picture of an example after a few frames of 16 ms.
-fn shown(example: fn(&mut App)) -> Picture {
-    let mut app = headless();
-    app.add_plugins(example);
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)));
-    let image = target_of(&mut app, SIZE, TextureFormat::Rgba8UnormSrgb);
+/// Lets the cameras of an example draw on an image.
+fn draw_on_image(app: &mut App) -> Handle<Image> {
+    let image = target_of(app, SIZE, TextureFormat::Rgba8UnormSrgb);
     let target = RenderTarget::Image(image.clone().into());
     app.add_systems(
         PostStartup,
@@ -42,6 +42,15 @@ fn shown(example: fn(&mut App)) -> Picture {
             }
         },
     );
+    image
+}
+
+/// The picture of an example after a few frames of 16 ms.
+fn shown(example: fn(&mut App)) -> Picture {
+    let mut app = headless();
+    app.add_plugins(example);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)));
+    let image = draw_on_image(&mut app);
     begin(&mut app);
     // A lit frame takes seconds on a software GPU, so cameras are off until everything is loaded.
     let light = |app: &mut App, is_active| {
@@ -55,6 +64,42 @@ fn shown(example: fn(&mut App)) -> Picture {
     (0..2).for_each(|_| app.update());
     light(&mut app, false);
     picture(&mut app, &image, 0)
+}
+
+/// Milliseconds per frame of an example, from its begin until the adapter has finished it: the median of frames after
+/// those in which everything is loaded and the finder of light is chosen.
+fn frame_time(example: fn(&mut App)) -> f64 {
+    let mut app = headless();
+    app.insert_resource(LightBackend::Auto).add_plugins(example);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)));
+    draw_on_image(&mut app);
+    begin(&mut app);
+    (0..10).for_each(|_| app.update());
+    let mut times: Vec<f64> = (0..31)
+        .map(|_| {
+            let start = Instant::now();
+            app.update();
+            let device = app.sub_app(RenderApp).world().resource::<RenderDevice>();
+            device.poll(PollType::wait_indefinitely()).unwrap();
+            start.elapsed().as_secs_f64() * 1e3
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// The figures of docs/bevy-performance.md.
+#[test]
+#[ignore = "measures: cargo test -p bevy_lamplight --test headless -- --ignored --nocapture times"]
+fn times_of_frames() {
+    let examples: [(&str, fn(&mut App)); 3] = [
+        ("hello", hello::example),
+        ("dungeon", dungeon::example),
+        ("neon_street", neon_street::example),
+    ];
+    for (name, example) in examples {
+        println!("{name}: {:.1} ms per frame", frame_time(example));
+    }
 }
 
 /// Mean over all pixels and channels, of 255.

@@ -3,6 +3,7 @@
 //! The library also keeps the source's energy without colour, a mean of old and new that depends on which ray
 //! came first. It does not affect light, and is not computed here.
 
+use crate::compiler::Compiler;
 use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
 use crate::pass_list::PassList;
@@ -18,7 +19,7 @@ use lamplight::internals::flood::{STEEPNESS, reach};
 use lamplight::internals::{MAX_OPTICAL_DEPTH, circle};
 use lamplight::settings::{Fade, Flood as Settings, Sweeps};
 use std::f64::consts::TAU;
-use wgpu::{Buffer, BufferUsages, Device, Queue};
+use wgpu::{Buffer, BufferUsages, Queue};
 
 /// The pipelines, and the directions of rays.
 #[derive(Debug)]
@@ -42,7 +43,7 @@ const MIX: usize = 1;
 const SHOW: usize = 2;
 
 impl Flood {
-    pub fn new(device: &Device, queue: &Queue, settings: &Settings, moment: bool) -> Self {
+    pub fn new(compiler: &Compiler, queue: &Queue, settings: &Settings, moment: bool) -> Self {
         // The shader divides by the number of matter rays, even if none are drawn.
         let counts = [settings.rays, settings.matter_rays.max(1), settings.bounce_rays];
         let directions: Vec<[f32; 4]> = counts
@@ -65,11 +66,17 @@ impl Flood {
         let directions = bytemuck::cast_slice(&directions);
         Self {
             settings: settings.clone(),
-            class: ClassPipeline::new(device),
-            rays: ComputePipelines::new(device, &programs::FLOOD_RAYS, &constants),
-            blur: ComputePipelines::new(device, &programs::FLOOD_BLUR, &decay),
-            directions: filled(device, queue, "directions", BufferUsages::STORAGE, directions),
-            moment: moment.then(|| GradientMoment::new(device)),
+            class: ClassPipeline::new(compiler),
+            rays: compiler.program(&programs::FLOOD_RAYS, &constants),
+            blur: compiler.program(&programs::FLOOD_BLUR, &decay),
+            directions: filled(
+                &compiler.device,
+                queue,
+                "directions",
+                BufferUsages::STORAGE,
+                directions,
+            ),
+            moment: moment.then(|| GradientMoment::new(compiler)),
         }
     }
 
@@ -121,7 +128,7 @@ impl Flood {
         let mut dispatches = vec![class.dispatch, blur(DECAY, 0, 0)];
         let rays = |entry: usize, count: u64| {
             let groups = planner.groups(count.div_ceil(GROUP_RAYS.into()));
-            Dispatch::new(&self.rays.entries[entry], &drawn, None, groups)
+            Dispatch::new(self.rays.entry(entry), &drawn, None, groups)
         };
         dispatches.push(rays(LAMP_RAYS, planner.capacity.rays));
         if settings.matter_rays > 0 {

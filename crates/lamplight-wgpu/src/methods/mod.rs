@@ -6,6 +6,7 @@ pub mod holographic;
 pub mod polar;
 pub mod raymarch;
 
+use crate::compiler::Compiler;
 use crate::cookies::CookieAtlas;
 use crate::error::{Result, unsupported};
 use crate::lamps::LampList;
@@ -19,7 +20,7 @@ use lamplight::settings::{MethodSettings, Variant};
 use lamplight::{Lamp, Settings};
 use polar::Polar;
 use raymarch::Raymarch;
-use wgpu::{Buffer, Device, Queue};
+use wgpu::{Buffer, Queue};
 
 /// The compiled method of settings.
 #[derive(Debug)]
@@ -38,7 +39,7 @@ impl Method {
     /// # Errors
     /// If the GPU does not have the method.
     pub fn new(
-        device: &Device,
+        compiler: &Compiler,
         queue: &Queue,
         settings: &Settings,
         inflow: bool,
@@ -46,25 +47,25 @@ impl Method {
         let (bounces, moment) = (settings.method.bounces(settings.bounces), settings.moment);
         Ok(match &settings.method {
             MethodSettings::Cascades(settings) => {
-                let cascades = Cascades::new(device, queue, settings, bounces, moment, inflow)?;
+                let cascades = Cascades::new(compiler, queue, settings, bounces, moment, inflow)?;
                 Self::Cascades(Box::new(cascades))
             }
             MethodSettings::Flood(settings) => {
-                Self::Flood(Box::new(Flood::new(device, queue, settings, moment)))
+                Self::Flood(Box::new(Flood::new(compiler, queue, settings, moment)))
             }
             MethodSettings::Holographic(settings) => match settings.variant {
-                Variant::Paper => Self::Paper(Box::new(Paper::new(device, bounces, moment))),
+                Variant::Paper => Self::Paper(Box::new(Paper::new(compiler, bounces, moment))),
                 Variant::Bundles => {
-                    let holographic = Holographic::new(device, settings, bounces, moment, inflow);
+                    let holographic = Holographic::new(compiler, settings, bounces, moment, inflow);
                     Self::Holographic(Box::new(holographic))
                 }
                 other => return Err(unsupported("holographic.variant", other)),
             },
             MethodSettings::Polar(settings) => {
-                Self::Polar(Box::new(Polar::new(device, settings, moment)?))
+                Self::Polar(Box::new(Polar::new(compiler, settings, moment)?))
             }
             MethodSettings::Raymarch(settings) => {
-                let raymarch = Raymarch::new(device, queue, settings, bounces, moment, inflow)?;
+                let raymarch = Raymarch::new(compiler, queue, settings, bounces, moment, inflow)?;
                 Self::Raymarch(Box::new(raymarch))
             }
             other => return Err(unsupported("method", other.method())),

@@ -4,6 +4,7 @@
 //! lights all pixels. Only the shaders read the number of lamps, so that a frame with fewer lamps is recorded
 //! as it was planned, for the full capacity.
 
+use crate::compiler::Compiler;
 use crate::error::{Result, unsupported};
 use crate::lamps::{GROUP_RAYS, LampList, LampRays};
 use crate::pass_list::PassList;
@@ -19,7 +20,7 @@ use lamplight::internals::distance::MARGIN;
 use lamplight::internals::polar;
 use lamplight::internals::polar::{APART, FINEST, NARROWEST, NEAREST, WIDEST};
 use lamplight::settings::{Blend, Polar as Settings, ShadowFilter, Traversal};
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// Side of a tile, px.
 const TILE: u32 = 16;
@@ -40,7 +41,7 @@ pub struct Polar {
 }
 
 impl Polar {
-    pub fn new(device: &Device, settings: &Settings, moment: bool) -> lamplight::Result<Self> {
+    pub fn new(compiler: &Compiler, settings: &Settings, moment: bool) -> lamplight::Result<Self> {
         let shadow_filter = match settings.shadow_filter {
             ShadowFilter::Soft => 0.0,
             ShadowFilter::Linear => 1.0,
@@ -75,12 +76,12 @@ impl Polar {
         let gather = [&rays[..], &widths, &gather].concat();
         Ok(Self {
             settings: settings.clone(),
-            class: ClassPipeline::new(device),
+            class: ClassPipeline::new(compiler),
             distance: (settings.traversal == Traversal::Distance)
-                .then(|| DistancePipelines::new(device)),
-            shadow_map: ComputePipelines::new(device, &programs::POLAR_SHADOW_MAP, &rays),
-            shadow_bounds: ComputePipelines::new(device, &programs::POLAR_SHADOW_BOUNDS, &bounds),
-            gather: ComputePipelines::new(device, &programs::POLAR_GATHER, &gather),
+                .then(|| DistancePipelines::new(compiler)),
+            shadow_map: compiler.program(&programs::POLAR_SHADOW_MAP, &rays),
+            shadow_bounds: compiler.program(&programs::POLAR_SHADOW_BOUNDS, &bounds),
+            gather: compiler.program(&programs::POLAR_GATHER, &gather),
         })
     }
 
@@ -132,9 +133,9 @@ impl Polar {
         let groups = planner.groups(rays / u64::from(GROUP_RAYS));
         dispatches.extend([
             class.dispatch,
-            Dispatch::new(&self.shadow_map.entries[0], &traced, None, groups),
-            Dispatch::new(&self.shadow_bounds.entries[0], &bounded, None, groups),
-            Dispatch::new(&self.gather.entries[0], &gathered, None, [tiles[0], tiles[1], 1]),
+            Dispatch::new(self.shadow_map.entry(0), &traced, None, groups),
+            Dispatch::new(self.shadow_bounds.entry(0), &bounded, None, groups),
+            Dispatch::new(self.gather.entry(0), &gathered, None, [tiles[0], tiles[1], 1]),
         ]);
         dispatches.extend(planner.add_direct(light));
         stages.push((Stage::Light, light.clone()));

@@ -3,10 +3,11 @@
 use super::compare::Compare;
 use super::convergence::Convergence;
 use super::feedback::Feedback;
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::planner::FramePlanner;
 use lamplight::Bounces;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// Faces of a cell; a medium uses the first.
 pub const FACES: u64 = 4;
@@ -22,14 +23,14 @@ pub enum Bounce<C, F> {
 
 impl<C, F> Bounce<C, F> {
     pub fn new(
-        device: &Device,
+        compiler: &Compiler,
         bounces: Bounces,
         compare: impl FnOnce() -> C,
         feedback: impl FnOnce() -> F,
     ) -> Self {
         match bounces {
             Bounces::Count(times) => Self::Times(times),
-            Bounces::Converged => Self::Converged(Convergence::new(device), compare()),
+            Bounces::Converged => Self::Converged(Convergence::new(compiler), compare()),
             Bounces::Feedback => Self::Feedback(feedback()),
         }
     }
@@ -62,7 +63,7 @@ impl<C, F> Bounce<C, F> {
 
 impl Bounce<Compare, Feedback> {
     /// Bounces whose scattered radiance is stored in four floats.
-    pub fn in_floats(device: &Device, bounces: Bounces) -> Self {
-        Self::new(device, bounces, || Compare::new(device), || Feedback::new(device))
+    pub fn in_floats(compiler: &Compiler, bounces: Bounces) -> Self {
+        Self::new(compiler, bounces, || Compare::new(compiler), || Feedback::new(compiler))
     }
 }

@@ -1,10 +1,11 @@
 //! The classes of cells, packed for rays of lamps.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// Side, in cells, of a block whose classes share a word.
 const BLOCK: u32 = 4;
@@ -24,8 +25,8 @@ pub struct Classes {
 }
 
 impl ClassPipeline {
-    pub fn new(device: &Device) -> Self {
-        Self(ComputePipelines::new(device, &programs::CLASS, &[]))
+    pub fn new(compiler: &Compiler) -> Self {
+        Self(compiler.program(&programs::CLASS, &[]))
     }
 
     /// Plans the classification.
@@ -36,7 +37,7 @@ impl ClassPipeline {
         let used = planner.buffer::<u32>("used", 1)?;
         let resources = [view(&planner.textures.tint_opacity), whole(&classes), whole(&used)];
         let bound = planner.bind(&self.0, &resources);
-        let dispatch = Dispatch::over(blocks, &self.0.entries[0], &bound, None);
+        let dispatch = Dispatch::over(blocks, self.0.entry(0), &bound, None);
         Ok(Classes { classes, used, dispatch })
     }
 }

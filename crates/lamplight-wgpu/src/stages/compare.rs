@@ -1,17 +1,18 @@
 //! The change of scattered radiance in a bounce, over four faces per cell.
 
+use crate::compiler::Compiler;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct Compare(ComputePipelines);
 
 impl Compare {
-    pub fn new(device: &Device) -> Self {
-        Self(ComputePipelines::new(device, &programs::COMPARE, &[]))
+    pub fn new(compiler: &Compiler) -> Self {
+        Self(compiler.program(&programs::COMPARE, &[]))
     }
 
     /// Plans the replacement of `scattered` radiance by that of the `next` bounce, and the measurement of the

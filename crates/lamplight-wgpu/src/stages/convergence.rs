@@ -7,13 +7,14 @@
 //! `InstanceFlags::VALIDATION_INDIRECT_CALL`). So if the albedo is known, no more bounces are recorded than it
 //! can need ([`crate::hints`]).
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch, WORKGROUP};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
 use lamplight::internals::CONVERGED;
 use lamplight::settings::Bounces;
-use wgpu::{Buffer, BufferUsages, Device};
+use wgpu::{Buffer, BufferUsages};
 
 /// `Change` of shaders/shared/change.wgsl.
 type Change = [f32; 3];
@@ -25,9 +26,9 @@ type Groups = [u32; 3];
 pub struct Convergence(ComputePipelines);
 
 impl Convergence {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(compiler: &Compiler) -> Self {
         let constants = [("CONVERGED", f64::from(CONVERGED))];
-        Self(ComputePipelines::new(device, &programs::CONVERGENCE, &constants))
+        Self(compiler.program(&programs::CONVERGENCE, &constants))
     }
 
     /// Creates the buffer for the change of each tile in a bounce.
@@ -55,7 +56,7 @@ impl Convergence {
         let groups = planner.buffer_for("workgroups of later bounces", table.size(), usage)?;
 
         let bound = planner.bind(&self.0, &[whole(changes), whole(&table), whole(&groups)]);
-        let run = |entry: usize| Dispatch::new(&self.0.entries[entry], &bound, None, [1, 1, 1]);
+        let run = |entry: usize| Dispatch::new(self.0.entry(entry), &bound, None, [1, 1, 1]);
         let indirect = |bounce: Vec<Dispatch>| {
             let indirect = |dispatch: Dispatch| {
                 let at = sizes.partition_point(|size| *size < dispatch.groups);

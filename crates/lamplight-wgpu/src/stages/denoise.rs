@@ -1,5 +1,6 @@
 //! The edge-aware blur.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
@@ -8,7 +9,7 @@ use lamplight::internals::denoise::{DEVIATIONS, KERNEL, OPACITY};
 use lamplight::internals::distance::MARGIN;
 use lamplight::internals::empty_space::LONGEST;
 use lamplight::settings::{Hit, Raymarch};
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -18,7 +19,7 @@ pub struct Denoise {
 }
 
 impl Denoise {
-    pub fn new(device: &Device, settings: &Raymarch, moment: bool) -> Self {
+    pub fn new(compiler: &Compiler, settings: &Raymarch, moment: bool) -> Self {
         let by_distance = settings.hit == Hit::Distance;
         let constants = [
             ("MAX_SKIP", f64::from(LONGEST)),
@@ -32,7 +33,7 @@ impl Denoise {
             shaders::moment(moment),
         ];
         let constants = [&constants[..], &shaders::LUMINANCE].concat();
-        let pipelines = ComputePipelines::new(device, &programs::DENOISE, &constants);
+        let pipelines = compiler.program(&programs::DENOISE, &constants);
         Self { pipelines, passes: settings.denoise.passes }
     }
 

@@ -6,6 +6,7 @@
 //! a cell goes through the blocks of cells in the triangle between itself and the light. Cost: about
 //! `d/4 · (1 + s/4)` words of classes per cell and light at distance d and of size s.
 
+use crate::compiler::Compiler;
 use crate::cookies::CookieAtlas;
 use crate::error::Result;
 use crate::found_light::FoundLight;
@@ -19,7 +20,7 @@ use lamplight::internals::elevation::of_sun;
 use lamplight::internals::{MAX_OPTICAL_DEPTH, polar};
 use lamplight::settings::Polar;
 use lamplight::{Lamp, Settings};
-use wgpu::{Buffer, Device, Queue};
+use wgpu::{Buffer, Queue};
 
 /// Side of a tile, px.
 const TILE: u32 = 16;
@@ -113,15 +114,15 @@ pub struct Direct {
 }
 
 impl Direct {
-    pub fn new(device: &Device, moment: bool) -> Self {
+    pub fn new(compiler: &Compiler, moment: bool) -> Self {
         let found = shaders::moment(moment);
         let medium = ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH));
         let constants = [("TRANSLUCENT", 1.0), medium, found];
         Self {
             moment,
-            class: ClassPipeline::new(device),
-            shine: ComputePipelines::new(device, &programs::DIRECT, &constants),
-            add: ComputePipelines::new(device, &programs::ADD_DIRECT, &[found]),
+            class: ClassPipeline::new(compiler),
+            shine: compiler.program(&programs::DIRECT, &constants),
+            add: compiler.program(&programs::ADD_DIRECT, &[found]),
         }
     }
 
@@ -151,7 +152,7 @@ impl Direct {
         let bound = planner.bind(&self.shine, &resources);
         let [columns, rows] = <[u32; 2]>::from(planner.size).map(|side| side.div_ceil(TILE));
         let shine = |entry: usize| {
-            Dispatch::new(&self.shine.entries[entry], &bound, None, [columns, rows, FACES])
+            Dispatch::new(self.shine.entry(entry), &bound, None, [columns, rows, FACES])
         };
         let mut dispatches = vec![class.dispatch, shine(LAMPS)];
         dispatches.extend((suns > 0).then(|| shine(SUNS)));

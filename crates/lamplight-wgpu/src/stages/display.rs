@@ -2,8 +2,9 @@
 
 use crate::error::{Result, unsupported};
 use crate::gpu_struct::gpu_struct;
+use crate::matter::MAX_HALF;
 use crate::shader_module::shader_module;
-use crate::stages::output::MAX_HALF;
+use crate::tier::has_compute;
 use crate::{programs, shaders};
 use lamplight::internals::display::{
     ACES, ACES_LUMA, ACES_WHITE, AGX_CONTRAST, AGX_GAMMA, AGX_INSET, AGX_OUTSET, AGX_PLAIN,
@@ -151,9 +152,11 @@ pub struct Shading {
 
 impl Shading {
     pub fn new(device: &Device) -> Self {
-        let label = shaders::label(programs::DISPLAY.shader);
-        let module = shader_module(device, label, shaders::text(programs::DISPLAY.shader));
-        let slots = (0..).zip(programs::DISPLAY.bindings);
+        let program =
+            if has_compute(device) { programs::DISPLAY } else { programs::DISPLAY_TEXTURE };
+        let label = shaders::label(program.shader);
+        let module = shader_module(device, label, shaders::text(program.shader));
+        let slots = (0..).zip(program.bindings);
         let slots = slots.map(|(slot, (_, binding))| binding.entry(slot, ShaderStages::FRAGMENT));
         let layout = device.create_bind_group_layout(&BindGroupLayoutDescriptor {
             label: Some(label),

@@ -2,6 +2,7 @@
 
 use super::jump_flood::JumpFlood;
 use super::seed::Seed;
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pass_list::PassList;
 use crate::pipeline::ComputePipelines;
@@ -9,7 +10,7 @@ use crate::planner::{FramePlanner, whole};
 use crate::programs;
 use crate::stage::Stage;
 use lamplight::internals::seed::NONE;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The distance in a grid without matter, where the CPU has +∞: shaders may assume that infinity does not
 /// occur.
@@ -32,12 +33,12 @@ pub struct DistanceField {
 }
 
 impl DistancePipelines {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(compiler: &Compiler) -> Self {
         let constants = [("NO_SEED", f64::from(NONE)), ("FAR", f64::from(FAR))];
         Self {
-            seed: Seed::new(device),
-            jump_flood: JumpFlood::new(device),
-            distance: ComputePipelines::new(device, &programs::DISTANCE, &constants),
+            seed: Seed::new(compiler),
+            jump_flood: JumpFlood::new(compiler),
+            distance: compiler.program(&programs::DISTANCE, &constants),
         }
     }
 

@@ -1,21 +1,22 @@
 //! Empty-space skipping: squares of equal cells.
 
 use super::medium_grid::MediumGrid;
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
 use lamplight::internals::empty_space::{LONGEST, MATTER};
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct EmptySpace(ComputePipelines);
 
 impl EmptySpace {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(compiler: &Compiler) -> Self {
         let constants = [("MAX_SKIP", f64::from(LONGEST)), ("HAS_MEDIUM", f64::from(MATTER))];
-        Self(ComputePipelines::new(device, &programs::EMPTY_SPACE, &constants))
+        Self(compiler.program(&programs::EMPTY_SPACE, &constants))
     }
 
     /// Plans the squares. Returns their buffer and the dispatches that fill it.

@@ -1,18 +1,19 @@
 //! Bounces by feedback: the scattered radiance of the frame before.
 
 use super::medium_grid::MediumGrid;
+use crate::compiler::Compiler;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct Feedback(ComputePipelines);
 
 impl Feedback {
-    pub fn new(device: &Device) -> Self {
-        Self(ComputePipelines::new(device, &programs::FEEDBACK, &[]))
+    pub fn new(compiler: &Compiler) -> Self {
+        Self(compiler.program(&programs::FEEDBACK, &[]))
     }
 
     /// Plans a copy of the scattered radiance of the frame `before`, where the same scatterer is still there.

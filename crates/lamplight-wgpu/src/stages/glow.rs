@@ -1,23 +1,24 @@
 //! Cells that glow, as the media that every method reads.
 
+use crate::compiler::Compiler;
 use crate::matter::{Textures, texture};
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view};
 use crate::programs;
 use lamplight::internals::glow::THINNEST;
-use wgpu::{Device, TextureUsages, TextureView};
+use wgpu::{TextureUsages, TextureView};
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct Glow(ComputePipelines);
 
 impl Glow {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(compiler: &Compiler) -> Self {
         let constants = [
             ("MAX_OPTICAL_DEPTH", f64::from(lamplight::internals::MAX_OPTICAL_DEPTH)),
             ("THINNEST", f64::from(THINNEST)),
         ];
-        Self(ComputePipelines::new(device, &programs::GLOW, &constants))
+        Self(compiler.program(&programs::GLOW, &constants))
     }
 
     /// Plans turning the cells of the planner's textures, which glow by `glow`, into media. Returns their

@@ -1,19 +1,20 @@
 //! Cells whose matter changed since the frame before, which invalidate history.
 
 use super::medium_grid::MediumGrid;
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipelines.
 #[derive(Debug)]
 pub struct Invalidate(ComputePipelines);
 
 impl Invalidate {
-    pub fn new(device: &Device) -> Self {
-        Self(ComputePipelines::new(device, &programs::INVALIDATE, &[]))
+    pub fn new(compiler: &Compiler) -> Self {
+        Self(compiler.program(&programs::INVALIDATE, &[]))
     }
 
     /// Plans marks in the medium grid. Returns a number that is 1 if any cell changed.
@@ -33,7 +34,7 @@ impl Invalidate {
             whole(&any),
         ];
         let bound = planner.bind(&self.0, &resources);
-        let begin = Dispatch::new(&self.0.entries[0], &bound, None, [1, 1, 1]);
+        let begin = Dispatch::new(self.0.entry(0), &bound, None, [1, 1, 1]);
         Ok((any, [begin, planner.over_cells(&self.0, 1, &bound, None)]))
     }
 }

@@ -1,12 +1,13 @@
 //! The jump flood: the nearest seed of every cell.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::programs;
 use lamplight::internals::jump_flood::passes;
 use lamplight::internals::seed::NONE;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// Passes of offset 1 after the jump flood, where the CPU goes on until nothing changes. It needed at most 4
 /// over the example scenes and 9 over 400 random grids of up to 400 px a side. With fewer, single cells would
@@ -18,9 +19,9 @@ const SETTLING: u32 = 12;
 pub struct JumpFlood(ComputePipelines);
 
 impl JumpFlood {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(compiler: &Compiler) -> Self {
         let constants = [("NO_SEED", f64::from(NONE))];
-        Self(ComputePipelines::new(device, &programs::JUMP_FLOOD, &constants))
+        Self(compiler.program(&programs::JUMP_FLOOD, &constants))
     }
 
     /// Plans all passes from a seed map on. Returns the buffer that the last one writes.

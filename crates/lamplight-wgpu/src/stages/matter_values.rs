@@ -36,7 +36,7 @@ pub struct MatterValues {
 impl MatterValues {
     pub fn new(planner: &FramePlanner) -> Result<Self> {
         with_error_scope(planner.device, || {
-            let pipelines = ComputePipelines::new(planner.device, &programs::MATTER_VALUES, &[]);
+            let pipelines = planner.shared.compiler.program(&programs::MATTER_VALUES, &[]);
             Ok(Self { pipelines, buffer: None })
         })
     }

@@ -1,11 +1,12 @@
 //! The medium grid of `raymarch` and `cascades`.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -23,10 +24,10 @@ pub struct MediumGrid {
 impl MediumGridPipelines {
     /// Compiles the pipelines. With `apart`, rays skip no two cells of media that scatter: squares are then
     /// right whatever the media are going to scatter.
-    pub fn new(device: &Device, apart: bool) -> Self {
+    pub fn new(compiler: &Compiler, apart: bool) -> Self {
         let constants =
             [("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH)), ("APART", f64::from(apart))];
-        Self(ComputePipelines::new(device, &programs::MEDIUM_GRID, &constants))
+        Self(compiler.program(&programs::MEDIUM_GRID, &constants))
     }
 
     /// Creates the buffers.

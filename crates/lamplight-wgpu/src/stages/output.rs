@@ -1,21 +1,20 @@
 //! The light as a texture of the host's.
 
+use crate::compiler::Compiler;
+use crate::matter::MAX_HALF;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
-use wgpu::{Buffer, Device, TextureView};
-
-/// The largest half float.
-pub const MAX_HALF: f32 = 65504.0;
+use wgpu::{Buffer, TextureView};
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct Output(ComputePipelines);
 
 impl Output {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(compiler: &Compiler) -> Self {
         let constants = [("MAX_HALF", f64::from(MAX_HALF))];
-        Self(ComputePipelines::new(device, &programs::OUTPUT, &constants))
+        Self(compiler.program(&programs::OUTPUT, &constants))
     }
 
     /// Plans writing `light` to `picture`.

@@ -1,11 +1,12 @@
 //! Reprojection of history when the grid moves over the world, or changes its size.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::grid_size::GridSize;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, HistoryBuffer, scattered_of, whole};
 use crate::programs;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The entry of [`programs::REPROJECT`] that copies to the present place of each cell.
 const BACK: usize = 1;
@@ -15,8 +16,8 @@ const BACK: usize = 1;
 pub struct Reproject(ComputePipelines);
 
 impl Reproject {
-    pub fn new(device: &Device) -> Self {
-        Self(ComputePipelines::new(device, &programs::REPROJECT, &[]))
+    pub fn new(compiler: &Compiler) -> Self {
+        Self(compiler.program(&programs::REPROJECT, &[]))
     }
 
     /// Plans the move of all history, buffer by buffer: to a copy, and back to the present place of each cell.

@@ -1,20 +1,21 @@
 //! The seed map.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::programs;
 use lamplight::internals::seed::NONE;
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipeline.
 #[derive(Debug)]
 pub struct Seed(ComputePipelines);
 
 impl Seed {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(compiler: &Compiler) -> Self {
         let constants = [("NO_SEED", f64::from(NONE))];
-        Self(ComputePipelines::new(device, &programs::SEED, &constants))
+        Self(compiler.program(&programs::SEED, &constants))
     }
 
     /// Plans the seed map.

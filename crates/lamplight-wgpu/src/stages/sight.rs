@@ -4,6 +4,7 @@
 //! triangle between itself and each eye in whose range it is. Cost: about `d/4 · (1 + s/4)` words of classes per cell and
 //! viewer at distance d and of size s, and rays through media where there are some.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::gpu_struct::gpu_struct;
 use crate::lamps::cone_of;
@@ -12,7 +13,7 @@ use crate::planner::{FramePlanner, view, whole};
 use crate::stages::class::ClassPipeline;
 use crate::{programs, shaders};
 use lamplight::internals::MAX_OPTICAL_DEPTH;
-use wgpu::{Buffer, Device, Queue};
+use wgpu::{Buffer, Queue};
 
 /// Bytes before the viewers: their number.
 const HEAD: u64 = size_of::<[u32; 4]>() as u64;
@@ -95,13 +96,13 @@ impl SightPass {
 }
 
 impl SightPipelines {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(compiler: &Compiler) -> Self {
         let medium = ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH));
         let mut constants = vec![("TRANSLUCENT", 1.0), medium];
         constants.extend(shaders::LUMINANCE);
         Self {
-            class: ClassPipeline::new(device),
-            see: ComputePipelines::new(device, &programs::SIGHT, &constants),
+            class: ClassPipeline::new(compiler),
+            see: compiler.program(&programs::SIGHT, &constants),
         }
     }
 

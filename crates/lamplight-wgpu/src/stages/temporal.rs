@@ -1,12 +1,13 @@
 //! The mean over frames.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, whole};
 use crate::{programs, shaders};
 use lamplight::internals::temporal::{FEEDBACK, REACH};
 use lamplight::settings::{Bounces, Hit, Raymarch};
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -26,7 +27,7 @@ impl Temporal {
     /// Compiles the pipelines. With `traced`, the gather leaves variance and changes, and the variance is
     /// updated.
     pub fn new(
-        device: &Device,
+        compiler: &Compiler,
         settings: &Raymarch,
         bounces: Bounces,
         traced: bool,
@@ -46,7 +47,7 @@ impl Temporal {
             ),
             shaders::moment(moment),
         ];
-        let pipelines = ComputePipelines::new(device, &programs::TEMPORAL, &constants);
+        let pipelines = compiler.program(&programs::TEMPORAL, &constants);
         Self { pipelines, tracks: Self::tracks(settings) }
     }
 

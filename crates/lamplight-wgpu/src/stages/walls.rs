@@ -1,5 +1,6 @@
 //! The light that solid cells show.
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
@@ -7,7 +8,7 @@ use crate::traffic::Traffic;
 use crate::{programs, shaders};
 use lamplight::Settings;
 use lamplight::internals::walls::{ALONG, KERNEL, OCTAVE, SOFTENING, STRAIGHT, octaves};
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 /// The pipelines.
 #[derive(Debug)]
@@ -18,8 +19,8 @@ pub struct Walls(ComputePipelines);
 pub struct MomentWalls([Walls; 2]);
 
 impl MomentWalls {
-    pub fn new(device: &Device) -> Self {
-        Self([1, 2].map(|component| Walls::of(device, component)))
+    pub fn new(compiler: &Compiler) -> Self {
+        Self([1, 2].map(|component| Walls::of(compiler, component)))
     }
 
     /// Plans the first moment of solid cells from that before their faces, and from their light before that has
@@ -27,7 +28,7 @@ impl MomentWalls {
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
         let Self([x, y]) = self;
         let bound = x.bind(planner, light)?;
-        let turn = Dispatch::over(planner.size.into(), &x.0.entries[TURN_FACES], &bound, Some(0));
+        let turn = Dispatch::over(planner.size.into(), x.0.entry(TURN_FACES), &bound, Some(0));
         let turn = turn.moving(traffic(planner, TURN_FACES, 0));
         let x = x.sink(planner, &bound);
         Ok([turn].into_iter().chain(x).chain(y.plan(planner, light)?).collect())
@@ -35,12 +36,12 @@ impl MomentWalls {
 }
 
 impl Walls {
-    pub fn new(device: &Device) -> Self {
-        Self::of(device, 0)
+    pub fn new(compiler: &Compiler) -> Self {
+        Self::of(compiler, 0)
     }
 
     /// The pipelines for light, or for a component of its first moment.
-    fn of(device: &Device, component: u32) -> Self {
+    fn of(compiler: &Compiler, component: u32) -> Self {
         let constants = [
             ("OCTAVE", f64::from(OCTAVE)),
             ("STRAIGHT", f64::from(STRAIGHT)),
@@ -55,10 +56,11 @@ impl Walls {
             ("MAX_WALL_DEPTH", f64::from(Settings::MAX_WALL_DEPTH)),
         ];
         let constants = [&constants[..], &shaders::LUMINANCE].concat();
-        Self(ComputePipelines::new(device, &programs::WALLS, &constants))
+        Self(compiler.program(&programs::WALLS, &constants))
     }
 
-    /// Plans the light of solid cells from that of their faces.
+    /// Plans the light of solid cells from that of their faces: a dispatch for every two octaves, in which they are blurred,
+    /// and one in which their sum sinks in, and the last octave if it has no other.
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
         Ok(self.sink(planner, &self.bind(planner, light)?))
     }
@@ -69,7 +71,7 @@ impl Walls {
         let level_cells =
             |level: u32| level_size(planner, level).map(u64::from).iter().product::<u64>();
         let cells = if octaves == 0 { 1 } else { planner.cells() };
-        let sums = (1..=octaves).map(level_cells).sum::<u64>().max(1);
+        let sums = (1..=octaves / 2 * 2).map(level_cells).sum::<u64>().max(1);
         let surface = planner.buffer::<[f32; 4]>("walls: surface", cells)?;
         let irradiance = planner.buffer::<[f32; 4]>("walls: irradiance", sums)?;
         let emission = planner.buffer::<[f32; 4]>("walls: emission", sums)?;
@@ -87,27 +89,23 @@ impl Walls {
 
     /// The dispatches by which light sinks in.
     fn sink(&self, planner: &FramePlanner, bound: &BoundResources) -> Vec<Dispatch> {
-        let over = |entry: usize, level: u32| {
-            let pipeline = &self.0.entries[entry];
-            let traffic = traffic(planner, entry, level);
-            let size = level_size(planner, level);
-            Dispatch::over(size, pipeline, bound, Some(level)).moving(traffic)
+        let over = |entry: usize| {
+            let pipeline = self.0.entry(entry);
+            let traffic = traffic(planner, entry, 0);
+            Dispatch::over(planner.size.into(), pipeline, bound, Some(0)).moving(traffic)
         };
         let octaves = octaves(planner.settings.wall_depth);
         if octaves == 0 {
-            return vec![over(SHOW_FACES, 0)];
+            return vec![over(SHOW_FACES)];
         }
-        let is_small = |&level: &u32| level_size(planner, level).iter().product::<u32>() <= SMALL;
-        let small = (1..octaves).find(is_small);
-        let blurs = (1..=small.unwrap_or(octaves)).map(|level| over(BLUR, level));
-        let coarsest = small.map(|level| {
-            let pipeline = &self.0.entries[ADD_COARSEST];
-            let traffic = traffic(planner, ADD_COARSEST, level);
-            Dispatch::new(pipeline, bound, Some(level), [1; 3]).moving(traffic)
-        });
-        let sums = (1..small.unwrap_or(octaves)).rev().map(|level| over(ADD_COARSER, level));
-        let (flags, sink) = ([over(FIND_FLAGS, 0)], [over(SINK, 0)]);
-        flags.into_iter().chain(blurs).chain(coarsest).chain(sums).chain(sink).collect()
+        let blur = |level: u32| {
+            let entry = if level == 1 { BLUR_SURFACE } else { BLUR };
+            let [columns, rows] = level_size(planner, level + 1).map(|side| side.div_ceil(TILE));
+            let traffic = traffic(planner, entry, level);
+            Dispatch::new(self.0.entry(entry), bound, Some(level), [columns, rows, 1])
+                .moving(traffic)
+        };
+        (1..octaves).step_by(2).map(blur).chain([over(SINK)]).collect()
     }
 }
 
@@ -118,13 +116,8 @@ fn traffic(planner: &FramePlanner, entry: usize, level: u32) -> Traffic {
     // Irradiance and emission.
     let sums = |level| 2 * VEC4 * level_size(planner, level).map(u64::from).iter().product::<u64>();
     match entry {
-        FIND_FLAGS => Traffic { read: 2 * cells, written: cells },
-        BLUR if level == 1 => Traffic { read: cells, written: sums(1) },
-        BLUR => Traffic { read: sums(level - 1), written: sums(level) },
-        // Further levels are a few cells.
-        ADD_COARSER | ADD_COARSEST => {
-            Traffic { read: sums(level) + sums(level + 1), written: sums(level) }
-        }
+        BLUR_SURFACE => Traffic { read: 2 * cells, written: cells + sums(level) + sums(level + 1) },
+        BLUR => Traffic { read: sums(level - 1), written: sums(level) + sums(level + 1) },
         _ => Traffic { read: cells, written: 0 },
     }
 }
@@ -136,12 +129,10 @@ fn level_size(planner: &FramePlanner, level: u32) -> [u32; 2] {
 
 /// Entries of [`programs::WALLS`].
 const SHOW_FACES: usize = 0;
-const FIND_FLAGS: usize = 1;
+const BLUR_SURFACE: usize = 1;
 const BLUR: usize = 2;
-const ADD_COARSER: usize = 3;
-const ADD_COARSEST: usize = 4;
-const SINK: usize = 5;
-const TURN_FACES: usize = 6;
+const SINK: usize = 3;
+const TURN_FACES: usize = 4;
 
-/// The most cells of a level whose coarser levels a single workgroup makes: a few for each thread.
-const SMALL: u32 = 1024;
+/// `TILE` of shaders/stages/walls.wgsl: cells along an axis of the coarser level that a workgroup makes.
+const TILE: u32 = 4;

@@ -70,7 +70,12 @@ pub fn device_with(lower: impl Fn(&mut Limits)) -> (Device, Queue) {
 
 /// A [`Lighting`] on the device, also if that is software.
 pub fn lighting(device: &Device, queue: &Queue) -> Lighting {
-    Lighting::new(device, queue, &LightingOptions::on(Backend::Gpu)).unwrap()
+    Lighting::new(device, queue, &on_gpu()).unwrap()
+}
+
+/// The GPU, without threads beside the test.
+pub fn on_gpu() -> LightingOptions {
+    LightingOptions { compile_ahead: false, ..LightingOptions::on(Backend::Gpu) }
 }
 
 /// Records and submits the frame prepared last, and fetches the light.

@@ -1,11 +1,11 @@
 //! `holographic`, every preset.
 
-use crate::common::{cells, device, device_of, device_with, frame, lighting};
+use crate::common::{cells, device, device_of, device_with, frame, lighting, on_gpu};
 use crate::compare::{Both, SIZES, agree, differences, scenes};
 use crate::inflow::entered;
 use lamplight::settings::{Holographic, Variant};
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Settings, Sky};
-use lamplight_wgpu::{Backend, FrameInput, Lighting, LightingOptions, Tier};
+use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Tier};
 use std::time::{Duration, Instant};
 
 fn holographic(preset: &str) -> Settings {
@@ -102,7 +102,7 @@ fn lit(cells: &Cells, preset: &str, most_bytes: Option<u64>, fused_levels: u32) 
             limits.max_storage_buffer_binding_size = most;
         }
     });
-    let options = LightingOptions { backend: Backend::Gpu, fused_levels: Some(fused_levels) };
+    let options = LightingOptions { fused_levels: Some(fused_levels), ..on_gpu() };
     let mut lighting = Lighting::new(&device, &queue, &options).unwrap();
     let light = frame(&device, &queue, &mut lighting, &holographic(preset), cells);
     let cost = lighting.cost().unwrap();

@@ -8,6 +8,7 @@
 
 pub mod ladder;
 
+use crate::compiler::Compiler;
 use crate::error::{Result, unsupported};
 use crate::pass_list::PassList;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch, WORKGROUP};
@@ -25,7 +26,7 @@ use crate::{programs, shaders};
 use ladder::Ladder;
 use lamplight::internals::cascades::{BEFORE, cosine};
 use lamplight::settings::{Bounces, Cascades as Settings, Merge};
-use wgpu::{BindingResource, Buffer, BufferUsages, Device, Queue};
+use wgpu::{BindingResource, Buffer, BufferUsages, Queue};
 
 /// The pipelines, and buffers that are the same for every grid.
 #[derive(Debug)]
@@ -73,7 +74,7 @@ const SCATTERED: usize = 1;
 
 impl Cascades {
     pub fn new(
-        device: &Device,
+        compiler: &Compiler,
         queue: &Queue,
         settings: &Settings,
         bounces: Bounces,
@@ -92,22 +93,22 @@ impl Cascades {
             let [merge, gather] = [&merge, &gather]
                 .map(|constants| [constants, &[shaders::moment(moment)][..]].concat());
             Passes {
-                merge: ComputePipelines::new(device, &programs::CASCADES_MERGE, &merge),
-                gather: ComputePipelines::new(device, &programs::CASCADES_GATHER, &gather),
+                merge: compiler.program(&programs::CASCADES_MERGE, &merge),
+                gather: compiler.program(&programs::CASCADES_GATHER, &gather),
             }
         };
         let rays = settings.nearest_rays();
         let cosines = |cone| [0, 1, 2, 3].map(|face| cosine(face, cone, rays));
         let cosines: Vec<[f32; 4]> = (0..rays).map(cosines).collect();
         let cosines = bytemuck::cast_slice(&cosines);
-        let bounce = Bounce::in_floats(device, bounces);
+        let bounce = Bounce::in_floats(compiler, bounces);
         Ok(Self {
             settings: settings.clone(),
-            medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
-            empty_space: EmptySpace::new(device),
+            medium_grid: MediumGridPipelines::new(compiler, bounce.keeps_media_apart()),
+            empty_space: EmptySpace::new(compiler),
             passes: passes(false),
             moment: moment.then(|| passes(true)),
-            cosines: filled(device, queue, "cosines", BufferUsages::STORAGE, cosines),
+            cosines: filled(&compiler.device, queue, "cosines", BufferUsages::STORAGE, cosines),
             bounce,
         })
     }
@@ -193,7 +194,7 @@ impl Cascades {
                 let [columns, rows] = plan.ladder.cascades[further].lattice.count;
                 let cones = plan.ladder.cones_before(further) as u32;
                 let groups = [columns.div_ceil(WORKGROUP), rows.div_ceil(WORKGROUP), cones];
-                let (pipeline, bound) = (&merges.entries[0], &merge[further % 2]);
+                let (pipeline, bound) = (merges.entry(0), &merge[further % 2]);
                 let layer = plan.ladder.layer(batch, further);
                 dispatches.push(Dispatch::new(pipeline, bound, Some(layer), groups));
             }

@@ -14,6 +14,7 @@ mod tiles;
 mod traffic;
 mod work;
 
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pass_list::PassList;
 use crate::pipeline::{BoundResources, ComputePipelines, Dispatch};
@@ -37,7 +38,7 @@ use sweep::Sweeps;
 use tables::Footprints;
 use tiles::{BLOCK, EXTENDED, GatherTile, LINES, LINES_LAST, MERGED, WIDTH, held_pairs};
 use traffic::BITS;
-use wgpu::{Buffer, BufferUsages, Device, DeviceType};
+use wgpu::{Buffer, BufferUsages, DeviceType};
 use work::Work;
 
 /// Bytes of a quadrant that are stored per cell, of a grid padded to a power of two, and per word of an
@@ -74,7 +75,7 @@ struct IntervalPipelines {
 }
 
 impl IntervalPipelines {
-    fn new(device: &Device, geometry: GatherGeometry, words: u32, inflow: bool) -> Self {
+    fn new(compiler: &Compiler, geometry: GatherGeometry, words: u32, inflow: bool) -> Self {
         let level = geometry.first();
         let stored = ("WORDS", f64::from(words));
         let exchanged = ("EXCHANGED", EXCHANGED.into());
@@ -98,7 +99,7 @@ impl IntervalPipelines {
                 ("HELD", pairs.into()),
                 ("FIRST_TINT", tiles::HELD.into()),
             ];
-            ComputePipelines::new(device, &programs::HOLOGRAPHIC_EXTEND, &constants)
+            compiler.program(&programs::HOLOGRAPHIC_EXTEND, &constants)
         };
         let merge = [
             stored,
@@ -113,10 +114,10 @@ impl IntervalPipelines {
         let merge = [&merge[..], &shaders::inflow(inflow)].concat();
         Self {
             words,
-            trace: ComputePipelines::new(device, &programs::HOLOGRAPHIC_TRACE, &trace),
+            trace: compiler.program(&programs::HOLOGRAPHIC_TRACE, &trace),
             extend: [1, 2].map(extend),
-            merge: ComputePipelines::new(device, &programs::HOLOGRAPHIC_MERGE, &merge),
-            finish: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FINISH, &merge),
+            merge: compiler.program(&programs::HOLOGRAPHIC_MERGE, &merge),
+            finish: compiler.program(&programs::HOLOGRAPHIC_FINISH, &merge),
         }
     }
 }
@@ -246,7 +247,7 @@ struct Bindings {
 impl Holographic {
     /// Compiles the pipelines. `inflow`: for frames with light that enters by place.
     pub fn new(
-        device: &Device,
+        compiler: &Compiler,
         settings: &Settings,
         bounces: Bounces,
         moment: bool,
@@ -269,23 +270,23 @@ impl Holographic {
                 shaders::moment(moment && pixels),
             ];
             let constants = [CELLS, MARCH, &own, &shaders::inflow(inflow)].concat();
-            ComputePipelines::new(device, &programs::HOLOGRAPHIC_GATHER, &constants)
+            compiler.program(&programs::HOLOGRAPHIC_GATHER, &constants)
         };
-        let compared = || ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
-        let feedback = || ComputePipelines::new(device, &programs::HOLOGRAPHIC_FEEDBACK, &[]);
-        let bounce = Bounce::new(device, bounces, compared, feedback);
+        let compared = || compiler.program(&programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
+        let feedback = || compiler.program(&programs::HOLOGRAPHIC_FEEDBACK, &[]);
+        let bounce = Bounce::new(compiler, bounces, compared, feedback);
         let marks = ("MARKS", f64::from(bounces == Bounces::Feedback));
         Self {
             settings: settings.clone(),
-            slabs: ComputePipelines::new(
-                device,
+            slabs: compiler.program(
                 &programs::HOLOGRAPHIC_SLABS,
                 &[CELLS, &[("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
             ),
-            intervals: [2, 3].map(|words| IntervalPipelines::new(device, geometry, words, inflow)),
+            intervals: [2, 3]
+                .map(|words| IntervalPipelines::new(compiler, geometry, words, inflow)),
             gather: gather(true),
             gather_faces: gather(false),
-            faces: ComputePipelines::new(device, &programs::HOLOGRAPHIC_FACES, &[marks]),
+            faces: compiler.program(&programs::HOLOGRAPHIC_FACES, &[marks]),
             bounce,
         }
     }
@@ -495,7 +496,7 @@ impl Holographic {
             Work::Gather => (&self.gather, 0, &bindings.gather),
             Work::Faces => (&self.gather_faces, 0, &bindings.gather),
         };
-        let pipeline = &pipelines.entries[entry];
+        let pipeline = pipelines.entry(entry);
         let dispatch = Dispatch::new(pipeline, bound, Some(planned.step), planned.groups);
         dispatch.moving(planned.traffic)
     }

@@ -1,5 +1,6 @@
 //! The gather of light, or of scattered radiance, by rays from every pixel.
 
+use crate::compiler::Compiler;
 use crate::error::unsupported;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
@@ -12,7 +13,7 @@ use lamplight::internals::noise;
 use lamplight::internals::raymarch::{GOLDEN_RATIO, NEVER, SECTOR, directions};
 use lamplight::internals::seed::NONE;
 use lamplight::settings::{Hit, Raymarch};
-use wgpu::{Buffer, BufferUsages, Device, Queue};
+use wgpu::{Buffer, BufferUsages, Queue};
 
 /// The pipelines, and buffers that are the same for every grid.
 #[derive(Debug)]
@@ -43,7 +44,7 @@ pub enum Gathered {
 impl Gather {
     /// Compiles the pipelines. With `tracks`, rays report changes; with `varies`, the variance is measured.
     pub fn new(
-        device: &Device,
+        compiler: &Compiler,
         queue: &Queue,
         settings: &Raymarch,
         tracks: bool,
@@ -51,7 +52,8 @@ impl Gather {
         moment: bool,
         inflow: bool,
     ) -> lamplight::Result<Self> {
-        let storage = |label, bytes| filled(device, queue, label, BufferUsages::STORAGE, bytes);
+        let storage =
+            |label, bytes| filled(&compiler.device, queue, label, BufferUsages::STORAGE, bytes);
         let stops = [("STOPS", f64::from(tracks || settings.attenuation))];
         let (program, march) = match settings.hit {
             Hit::Edge => (&programs::RAYMARCH, [PACKET, &[("ENDS", 0.0)], &stops].concat()),
@@ -68,7 +70,7 @@ impl Gather {
             [GATHER, &march, &shaders::LUMINANCE, &needed, &shaders::inflow(inflow)].concat();
         let directions: Vec<[f32; 2]> = directions(settings).collect();
         Ok(Self {
-            rays: ComputePipelines::new(device, program, &constants),
+            rays: compiler.program(program, &constants),
             blue: storage("blue noise", noise::blue()),
             directions: storage("directions", bytemuck::cast_slice(&directions)),
         })

@@ -3,6 +3,7 @@
 mod bounce;
 mod gather;
 
+use crate::compiler::Compiler;
 use crate::error::{Result, unsupported};
 use crate::pass_list::PassList;
 use crate::planner::FramePlanner;
@@ -18,7 +19,7 @@ use crate::stages::medium_grid::MediumGridPipelines;
 use crate::stages::temporal::Temporal;
 use gather::{Gather, GatherBuffers, Gathered};
 use lamplight::settings::{Bounces, Hit, Raymarch as Settings};
-use wgpu::{Buffer, Device, Queue};
+use wgpu::{Buffer, Queue};
 
 /// The pipelines, and buffers that are the same for every grid.
 #[derive(Debug)]
@@ -43,7 +44,7 @@ enum Skipping {
 
 impl Raymarch {
     pub fn new(
-        device: &Device,
+        compiler: &Compiler,
         queue: &Queue,
         settings: &Settings,
         bounces: Bounces,
@@ -54,20 +55,21 @@ impl Raymarch {
         let (tracks, varies) = (Temporal::tracks(settings), settings.denoise.passes > 0);
         let traced = tracks || varies;
         let skipping = match settings.hit {
-            Hit::Edge => Skipping::Squares(EmptySpace::new(device)),
-            Hit::Distance => Skipping::Distance(DistancePipelines::new(device)),
+            Hit::Edge => Skipping::Squares(EmptySpace::new(compiler)),
+            Hit::Distance => Skipping::Distance(DistancePipelines::new(compiler)),
             other => return Err(unsupported("raymarch.hit", other)),
         };
         let rejects = accumulates && settings.temporal.reject;
-        let bounce = Bounce::in_floats(device, bounces);
+        let bounce = Bounce::in_floats(compiler, bounces);
         Ok(Self {
-            medium_grid: MediumGridPipelines::new(device, bounce.keeps_media_apart()),
+            medium_grid: MediumGridPipelines::new(compiler, bounce.keeps_media_apart()),
             skipping,
-            gather: Gather::new(device, queue, settings, tracks, varies, moment, inflow)?,
+            gather: Gather::new(compiler, queue, settings, tracks, varies, moment, inflow)?,
             bounce,
-            invalidate: rejects.then(|| Invalidate::new(device)),
-            temporal: accumulates.then(|| Temporal::new(device, settings, bounces, traced, moment)),
-            denoise: varies.then(|| Denoise::new(device, settings, moment)),
+            invalidate: rejects.then(|| Invalidate::new(compiler)),
+            temporal: accumulates
+                .then(|| Temporal::new(compiler, settings, bounces, traced, moment)),
+            denoise: varies.then(|| Denoise::new(compiler, settings, moment)),
             traced,
         })
     }

@@ -12,6 +12,7 @@ mod tables;
 use super::lattice::TILE;
 use super::sky::{ConeSky, ConeTable};
 use super::sweep::{Sweep, Sweeps};
+use crate::compiler::Compiler;
 use crate::error::Result;
 use crate::pass_list::PassList;
 use crate::pipeline::{ComputePipelines, Dispatch};
@@ -26,7 +27,7 @@ use lamplight::internals::MAX_OPTICAL_DEPTH;
 use lamplight::internals::holographic::lattice::planes;
 use lamplight::internals::holographic::paper::{Paper as Cpu, rays};
 use std::num::NonZeroU64;
-use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages, Device};
+use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};
 
 /// Light, in cones and of a cell.
 type Rgb = [f32; 3];
@@ -57,14 +58,14 @@ struct LevelPipelines {
 }
 
 impl LevelPipelines {
-    fn new(device: &Device, words: u32) -> Self {
+    fn new(compiler: &Compiler, words: u32) -> Self {
         let stored = ("WORDS", f64::from(words));
         let trace = [stored, ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH))];
         Self {
             bytes: u64::from(words) * size_of::<f32>() as u64,
-            trace: ComputePipelines::new(device, &programs::PAPER_TRACE, &trace),
-            extend: ComputePipelines::new(device, &programs::PAPER_EXTEND, &[stored]),
-            merge: ComputePipelines::new(device, &programs::PAPER_MERGE, &[stored]),
+            trace: compiler.program(&programs::PAPER_TRACE, &trace),
+            extend: compiler.program(&programs::PAPER_EXTEND, &[stored]),
+            merge: compiler.program(&programs::PAPER_MERGE, &[stored]),
         }
     }
 
@@ -81,7 +82,7 @@ impl LevelPipelines {
         let stored = |level: u32| part(&intervals[level as usize], bytes(level));
         let plan = |pipelines: &ComputePipelines, entry: usize, own: &[_], level, groups| {
             let bound = planner.bind(pipelines, &[&[sweeps.binding()], own].concat());
-            Dispatch::new(&pipelines.entries[entry], &bound, Some(first + level), groups)
+            Dispatch::new(pipelines.entry(entry), &bound, Some(first + level), groups)
         };
         let mut dispatches = Vec::new();
         for level in 0..=axis.top() {
@@ -177,14 +178,14 @@ struct PaperBuffers<'a> {
 }
 
 impl Paper {
-    pub fn new(device: &Device, bounces: Bounces, moment: bool) -> Self {
-        let new = |program| ComputePipelines::new(device, program, &[]);
-        let converged = || (Convergence::new(device), new(&programs::PAPER_SOURCE_COMPARED));
+    pub fn new(compiler: &Compiler, bounces: Bounces, moment: bool) -> Self {
+        let new = |program| compiler.program(program, &[]);
+        let converged = || (Convergence::new(compiler), new(&programs::PAPER_SOURCE_COMPARED));
         Self {
             source: new(&programs::PAPER_SOURCE),
-            levels: [LevelPipelines::new(device, 4), LevelPipelines::new(device, 6)],
+            levels: [LevelPipelines::new(compiler, 4), LevelPipelines::new(compiler, 6)],
             gather: new(&programs::PAPER_GATHER),
-            moment: moment.then(|| GradientMoment::new(device)),
+            moment: moment.then(|| GradientMoment::new(compiler)),
             convergence: (bounces == Bounces::Converged).then(converged),
         }
     }

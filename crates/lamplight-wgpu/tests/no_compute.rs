@@ -1,0 +1,156 @@
+//! Light on devices without compute shaders and storage buffers, as under WebGL 2: the CPU finds it.
+
+mod common;
+#[path = "common/textures.rs"]
+mod textures;
+
+use common::{adapter, cells};
+use lamplight::{Cells, Display, Method, Relief, Settings, Sight, Solver};
+use lamplight_wgpu::error::PrepareError;
+use lamplight_wgpu::{
+    Backend, Compose, ComposeParams, FrameInput, Lighting, LightingOptions, Lights, Tier,
+    read_back, required_limits,
+};
+use textures::{fetch, float, texture, view};
+use wgpu::{
+    Adapter, Backends, Device, DeviceDescriptor, DownlevelFlags, Instance, InstanceDescriptor,
+    Limits, Queue, TextureFormat, TextureUsages,
+};
+
+const SIZE: [u32; 2] = [67, 41];
+
+fn open(adapter: &Adapter, required_limits: Limits) -> (Device, Queue) {
+    let descriptor = DeviceDescriptor { required_limits, ..DeviceDescriptor::default() };
+    pollster::block_on(adapter.request_device(&descriptor)).unwrap()
+}
+
+/// A device that grants no more than WebGL 2 does, so that it rejects compute shaders and storage buffers.
+fn limited() -> (Device, Queue) {
+    open(&adapter(), Limits::downlevel_webgl2_defaults())
+}
+
+/// A device of OpenGL, with the limits of WebGL 2; `None` on machines without OpenGL.
+fn opengl() -> Option<(Device, Queue)> {
+    let mut descriptor = InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = Backends::GL;
+    let instance = Instance::new(descriptor);
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).ok()?;
+    println!("{:?}", adapter.get_info());
+    Some(open(&adapter, Limits::downlevel_webgl2_defaults()))
+}
+
+/// The settings of direct light with its first moment, which normals need.
+fn settings() -> Settings {
+    let direct = Settings::direct(Method::Holographic);
+    Settings { wall_depth: 3.0, moment: true, elevation: 0.6, ..direct }
+}
+
+fn normals(cells: &mut Cells) {
+    for (i, normal) in cells.normals_mut().iter_mut().enumerate() {
+        *normal = if i % 3 == 0 { [0.6, 0.0, 0.8] } else { [0.0, 0.0, 1.0] };
+    }
+}
+
+/// 8-bit steps by which pictures may differ: rounding of values that lie between two.
+const STEP: u8 = 1;
+/// The relative error of a half float.
+const HALF: f32 = 1.0 / 2048.0;
+
+/// Checks the picture and the output texture of a device against the CPU's.
+fn shows_the_cpus_light((device, queue): &(Device, Queue)) {
+    for with_normals in [false, true] {
+        let mut cells = cells(SIZE[0], SIZE[1], 17);
+        if with_normals {
+            normals(&mut cells);
+        }
+        let settings = settings();
+        let right = Solver::new(settings.clone()).unwrap().solve(&cells).unwrap().clone();
+        let mut lighting = Lighting::new(device, queue, &LightingOptions::default()).unwrap();
+        assert_eq!(lighting.backend(), Backend::Cpu);
+        lighting.precompile(&settings).unwrap();
+        let output =
+            texture(device, SIZE, TextureFormat::Rgba16Float, TextureUsages::TEXTURE_BINDING);
+        let output_view = view(&output);
+        let input =
+            FrameInput { output: Some(&output_view), ..FrameInput::of_cells(&settings, &cells) };
+        let display = Display { relief: Relief::default(), ..Display::default() };
+        let mut compose = Compose::new(device, queue).unwrap();
+        let format = TextureFormat::Rgba8Unorm;
+        let target = texture(device, SIZE, format, TextureUsages::RENDER_ATTACHMENT);
+        // The second frame reuses what the first has made, under a grid that has moved.
+        for origin in [[0; 2], [1, 0]] {
+            lighting.prepare(&FrameInput { origin, ..input }).unwrap();
+            let params = ComposeParams { display, ..ComposeParams::default() };
+            compose.prepare(&lighting, format, &params).unwrap();
+            let mut encoder = device.create_command_encoder(&Default::default());
+            lighting.record(&mut encoder).unwrap();
+            compose.record(&mut encoder, &view(&target)).unwrap();
+            queue.submit([encoder.finish()]);
+        }
+        let picture = right.compose(&cells, &display).unwrap().into_raw();
+        let seen = fetch(device, queue, &target);
+        for (i, (seen, right)) in seen.chunks(4).zip(picture.chunks(3)).enumerate() {
+            let near = seen.iter().zip(right).all(|(s, r)| s.abs_diff(*r) <= STEP);
+            assert!(near, "pixel {i} is {seen:?} in place of {right:?}, normals: {with_normals}");
+        }
+        let bytes = fetch(device, queue, &output);
+        let halves: &[[u16; 4]] = bytemuck::cast_slice(&bytes);
+        for (seen, right) in halves.iter().zip(right.pixels()) {
+            let near = |c: usize| (float(seen[c]) - right[c]).abs() <= HALF * right[c] + 1e-4;
+            assert!((0..3).all(near) && float(seen[3]) == 1.0, "{seen:?} for {right:?}");
+        }
+        let read = read_back::light(&lighting, &cells).unwrap();
+        assert_eq!(read.pixels(), right.pixels());
+    }
+}
+
+#[test]
+fn a_device_without_compute_shaders_shows_the_cpus_light() {
+    shows_the_cpus_light(&limited());
+}
+
+#[test]
+fn opengl_shows_the_cpus_light() {
+    match opengl() {
+        Some(gpu) => shows_the_cpus_light(&gpu),
+        None => println!("no OpenGL here; on Debian: apt-get install libegl1"),
+    }
+}
+
+#[test]
+fn what_needs_compute_shaders_is_rejected() {
+    let (device, queue) = limited();
+    let mut lighting = Lighting::new(&device, &queue, &LightingOptions::default()).unwrap();
+    let (settings, cells) = (settings(), cells(SIZE[0], SIZE[1], 17));
+    let input = FrameInput::of_cells(&settings, &cells);
+    let matter =
+        view(&texture(&device, SIZE, TextureFormat::Rgba8Unorm, TextureUsages::TEXTURE_BINDING));
+    let textures = lamplight_wgpu::Textures {
+        emission: matter.clone(),
+        tint_opacity: matter.clone(),
+        albedo: matter.clone(),
+        glow: None,
+        masks: None,
+    };
+    let of_textures = FrameInput::of_textures(&settings, &textures, Lights::default());
+    for (input, wanted) in [
+        (of_textures, "light from textures"),
+        (FrameInput { distance_field: true, ..input }, "the distance field"),
+        (FrameInput { sights: &[Sight::default()], ..input }, "sight"),
+    ] {
+        match lighting.prepare(&input) {
+            Err(PrepareError::NoCompute { what }) => assert_eq!(what, wanted),
+            other => panic!("{wanted}: {other:?}"),
+        }
+    }
+    lighting.prepare(&input).unwrap();
+}
+
+#[test]
+fn limits_are_those_of_the_adapter() {
+    let adapter = adapter();
+    let flags = adapter.get_downlevel_capabilities().flags;
+    let limits = required_limits(Tier::Web, &adapter);
+    let computes = flags.contains(DownlevelFlags::COMPUTE_SHADERS);
+    assert_eq!(limits.max_storage_buffers_per_shader_stage > 0, computes);
+}
