@@ -14,29 +14,30 @@ use lamplight_wgpu::{
 use textures::{fetch, float, texture, view};
 use wgpu::{
     Adapter, Backends, Device, DeviceDescriptor, DownlevelFlags, Instance, InstanceDescriptor,
-    Limits, Queue, TextureFormat, TextureUsages,
+    Limits, Queue, RequestDeviceError, TextureFormat, TextureUsages,
 };
 
 const SIZE: [u32; 2] = [67, 41];
 
-fn open(adapter: &Adapter, required_limits: Limits) -> (Device, Queue) {
+fn open(adapter: &Adapter) -> Result<(Device, Queue), RequestDeviceError> {
+    let required_limits = Limits::downlevel_webgl2_defaults();
     let descriptor = DeviceDescriptor { required_limits, ..DeviceDescriptor::default() };
-    pollster::block_on(adapter.request_device(&descriptor)).unwrap()
+    pollster::block_on(adapter.request_device(&descriptor))
 }
 
 /// A device that grants no more than WebGL 2 does, so that it rejects compute shaders and storage buffers.
 fn limited() -> (Device, Queue) {
-    open(&adapter(), Limits::downlevel_webgl2_defaults())
+    open(&adapter()).unwrap()
 }
 
-/// A device of OpenGL, with the limits of WebGL 2; `None` on machines without OpenGL.
+/// A device of OpenGL, with the limits of WebGL 2; `None` on machines whose OpenGL gives none without a window.
 fn opengl() -> Option<(Device, Queue)> {
     let mut descriptor = InstanceDescriptor::new_without_display_handle();
     descriptor.backends = Backends::GL;
     let instance = Instance::new(descriptor);
     let adapter = pollster::block_on(instance.request_adapter(&Default::default())).ok()?;
     println!("{:?}", adapter.get_info());
-    Some(open(&adapter, Limits::downlevel_webgl2_defaults()))
+    open(&adapter).ok()
 }
 
 /// The settings of direct light with its first moment, which normals need.

@@ -190,8 +190,8 @@ fn gpu_table(cost: bool) -> Result<String> {
     if !cost {
         writeln!(
             table,
-            "\nMedian of the frames of a second on an {adapter}, by its own clock, stage by stage. GB/s are the bytes of \
-             the table above by the time of the frame."
+            "\nMedian of the frames of a second on an {adapter}, by its own clock, stage by stage. GB/s are the bytes \
+             that the frame moves there by its time."
         )?;
     }
     Ok(table)

@@ -24,7 +24,7 @@ fn cost(
 }
 
 /// Megabytes that a frame may take on a card with memory of its own, which sweeps more quadrants together.
-const ON_A_CARD: u64 = 720;
+const ON_A_CARD: u64 = 1100;
 
 /// The most megabytes on this GPU.
 fn most_held((device, _): &(Device, Queue), most: u64) -> u64 {
@@ -33,9 +33,9 @@ fn most_held((device, _): &(Device, Queue), most: u64) -> u64 {
 }
 
 /// Megabytes that a frame may take at 512² and 1024², by preset. At 512² all quadrants go together.
-const MEMORY: [(&str, [u64; 2]); 2] = [("default", [115, 160]), ("fast", [50, 200])];
+const MEMORY: [(&str, [u64; 2]); 2] = [("default", [115, 160]), ("fast", [45, 180])];
 /// Megabytes that a frame may move.
-const MOVED: [(&str, [f64; 2]); 2] = [("default", [370.0, 1570.0]), ("fast", [165.0, 680.0])];
+const MOVED: [(&str, [f64; 2]); 2] = [("default", [370.0, 1570.0]), ("fast", [140.0, 570.0])];
 
 #[test]
 fn holographic_fuses_levels_and_takes_little_memory() {

@@ -47,7 +47,7 @@ const MAX_HELD: u64 = 58;
 /// Bytes that are not worth a dispatch. Quadrants go together in as many: on cards with memory of their own in more, where
 /// few dispatches of one quadrant fill the card.
 const LITTLE: u64 = 160 << 20;
-const LITTLE_OF_CARD: u64 = 640 << 20;
+const LITTLE_OF_CARD: u64 = 1 << 30;
 
 /// The pipelines.
 #[derive(Debug)]
