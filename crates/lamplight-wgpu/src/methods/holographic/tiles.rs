@@ -68,7 +68,7 @@ impl GatherTile {
     /// Workgroup memory, bytes: less than browsers grant, so that more workgroups share a processor. On an NVIDIA H100 a
     /// gather of `default` takes 9 % less time than with all of it.
     const MEMORY: u32 = 12288;
-    /// What browsers grant: used if it holds all cones at once, or for the fewest cones that are worth a round.
+    /// All that browsers grant: used if it holds all cones at once, or for the fewest cones that are worth a round.
     const MOST_MEMORY: u32 = 16384;
     const FEWEST: u32 = 4;
     /// Bytes of a held light, of the bits of cells near a tile, and of the cones that meet matter, per slab and cone.
