@@ -7,6 +7,7 @@ mod cells;
 mod command;
 mod json;
 mod light;
+mod map;
 mod reference;
 mod scene;
 mod solver;
@@ -24,6 +25,8 @@ mod _core {
     use crate::command::run_command;
     #[pymodule_export]
     use crate::light::Light;
+    #[pymodule_export]
+    use crate::map::Map;
     #[pymodule_export]
     use crate::reference::{Measures, Reference, compare, join_parts, reference, trace_part};
     #[pymodule_export]

@@ -4,12 +4,14 @@ import os
 import pickle
 import signal
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lamplight2d as ll
 
+MAP = Path(__file__).parents[3] / "scenes/maps/tavern.tmx"
 # Two parts, of which the second is narrow.
 HEIGHT, WIDTH, TILE = 160, 1100, 256
 SOLVER = ll.Solver(threads=1, bounces=1)
@@ -238,10 +240,35 @@ def test_other_sources_are_refused():
         world.tiles(0)
 
 
-def test_progress_counts_the_parts():
+def test_progress_counts_the_parts_and_their_bounces():
     seen = []
-    ll.World(ll.Cells((8, 1100)), progress=lambda *numbers: seen.append(numbers))
-    assert seen == [(1, 2), (2, 2)]
+    cells = ll.Cells((8, 1100), albedo=np.full((8, 1100, 3), 0.5), opacity=np.eye(8, 1100), sky=SKY)
+    ll.World(cells, solver=ll.Solver(bounces=2), progress=lambda *numbers: seen.append(numbers))
+    assert seen == [(done, 2, bounce) for bounce in range(3) for done in (1, 2)]
+
+
+def test_a_map_is_a_world():
+    level = ll.Map.load(MAP)
+    assert ll.Map.reads(MAP) and not ll.Map.reads("cave.toml")
+    assert (level.shape, level.origin) == ((192, 384), (0, 0))
+    cells = level.cells()
+    part = level.window(32, 100, 90, 200)
+    for field in ("opacity", "emission", "albedo", "color"):
+        np.testing.assert_array_equal(getattr(part, field), getattr(cells, field)[32:122, 100:300])
+    world = ll.World(MAP, solver=SOLVER)
+    errors = ll.compare(world.light(0, 0, *level.shape), SOLVER.solve(cells))
+    assert errors.relative_rmse < 0.02
+    again = pickle.loads(pickle.dumps(level))
+    np.testing.assert_array_equal(again.window(0, 0, 50, 60).opacity, cells.opacity[:50, :60])
+
+
+def test_other_files_are_no_maps(tmp_path):
+    with pytest.raises(ValueError, match=r"\.tmx, \.world and \.ldtk"):
+        ll.Map.load(tmp_path / "cave.toml")
+    with pytest.raises(ValueError, match="cellar.tmx"):
+        ll.World(tmp_path / "cellar.tmx")
+    with pytest.raises(ValueError, match="window"):
+        ll.Map.load(MAP).window(0, 0, 193, 384)
 
 
 def test_ctrl_c_stops_the_reading():

@@ -8,13 +8,16 @@ from typing import Any, Union
 
 import numpy as np
 
-from lamplight2d._core import Cells, FarWorld, Lamps, Light, Scene, Solver
+from lamplight2d._core import Cells, FarWorld, Lamps, Light, Map, Scene, Solver
 
 Window = tuple[int, int, int, int]
 """Row and column of its first cell, its height and its width."""
 
-WorldSource = Union[Scene, Cells, str, "os.PathLike[str]", Mapping[str, Any], Callable[[int, int, int, int], Cells]]
+WorldSource = Union[Scene, Map, Cells, str, "os.PathLike[str]", Mapping[str, Any], Callable[[int, int, int, int], Cells]]
 """What a `World` can be read from."""
+
+Progress = Callable[[int, int, int], object]
+"""Is told how many parts are done, of how many, and of which bounce."""
 
 HALO, COLUMNS = 64, 512
 """The defaults of a `World`."""
@@ -28,12 +31,12 @@ class World:
     have the same bytes in any order, on any machine.
 
     A pickle holds the far field, and the source as that is pickled: arrays in memory with all their values, those of
-    ``zarr`` and a scene that was loaded as their paths.
+    ``zarr``, maps, and a scene that was loaded as their paths.
 
     Parameters
     ----------
-    source : Scene, str or path-like, Cells, dict or callable
-        A scene or the path of its file. Or a dict of arrays, by the names of the fields of `Cells`, of the shapes
+    source : Scene, Map, str or path-like, Cells, dict or callable
+        A scene, a map, or the path of the file of either. Or a dict of arrays, by the names of the fields of `Cells`, of the shapes
         (H, W) or (H, W, 3), that are sliced by ``[y0:y1, x0:x1]``: of numpy, ``zarr``, ``h5py``, a memory map. Or
         ``source(y, x, height, width)``, which returns the `Cells` of a window with the lamps that reach into it, with
         positions relative to the window.
@@ -51,7 +54,8 @@ class World:
     sky, suns : optional
         As for `Cells`. Only for a dict of arrays and a callable; suns are part of the sky.
     progress : callable, optional
-        ``progress(done, parts)`` is called after each part that was read, without those of bounces.
+        ``progress(done, parts, bounce)`` is called after each part that was read, for which ``bounce`` is 0, and then for
+        each bounce after each part of which it was found.
 
     Raises
     ------
@@ -71,11 +75,11 @@ class World:
         lamps: list[dict[str, Any]] | None = None,
         sky: Any = None,
         suns: list[dict[str, Any]] | None = None,
-        progress: Callable[[int, int], object] | None = None,
+        progress: Progress | None = None,
     ) -> None:
         reader, empty = prepare(source, solver, halo, columns, shape, lamps, sky, suns)
         self._reader, self._empty = reader, empty
-        self._far = settled(reader, empty.finished(_read(reader, empty, progress)))
+        self._far = settled(reader, empty.finished(_read(reader, empty, progress)), progress)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -122,19 +126,29 @@ class World:
         return f"<World of shape {self.shape}>"
 
 
-def _read(reader: Reader, empty: FarWorld, progress: Callable[[int, int], object] | None) -> Iterator[bytes]:
+def _read(reader: Reader, empty: FarWorld, progress: Progress | None) -> Iterator[bytes]:
     parts = empty.parts()
     for done, (part, window) in enumerate(parts, 1):
         yield empty.read(part, reader(*window))
         if progress is not None:
-            progress(done, len(parts))
+            progress(done, len(parts), 0)
 
 
-def settled(reader: Reader, far: FarWorld) -> FarWorld:
+def settled(reader: Reader, far: FarWorld, progress: Progress | None = None) -> FarWorld:
     """The far field with all of its bounces."""
+    bounce = 0
     while far.goes_on:
-        far = far.finished(far.bounce(part, reader(*far.around_tile(part))) for part, _ in far.parts())
+        bounce += 1
+        far = far.finished(_bounce(reader, far, bounce, progress))
     return far
+
+
+def _bounce(reader: Reader, far: FarWorld, bounce: int, progress: Progress | None) -> Iterator[bytes]:
+    parts = far.parts()
+    for done, (part, _) in enumerate(parts, 1):
+        yield far.bounce(part, reader(*far.around_tile(part)))
+        if progress is not None:
+            progress(done, len(parts), bounce)
 
 
 Reader = Callable[[int, int, int, int], Cells]
@@ -153,10 +167,10 @@ def prepare(
 ) -> tuple[Reader, FarWorld]:
     """Checks what a world is made of, and returns its reader and its far field, of which nothing has been read."""
     if isinstance(source, (str, os.PathLike)):
-        source = Scene.load(source)
+        source = opened(source)
     given = {"shape": shape, "lamps": lamps, "sky": sky, "suns": suns}
     reader: Reader
-    if isinstance(source, (Scene, Cells)):
+    if isinstance(source, (Scene, Map, Cells)):
         _refuse(given, f"{type(source).__name__} has its own")
         if solver is None and isinstance(source, Scene):
             solver = Solver(**source.settings)
@@ -174,9 +188,14 @@ def prepare(
                 raise ValueError("shape is missing; expected rows and columns, which a callable does not have")
             reader = CallableReader(source)
         else:
-            expected = "a Scene, the path of one, Cells, a dict of arrays, or a callable"
+            expected = "a Scene, a Map, the path of one, Cells, a dict of arrays, or a callable"
             raise TypeError(f"source is a {type(source).__name__}; expected {expected}")
     return reader, FarWorld(shape, around, Solver() if solver is None else solver, halo, columns)
+
+
+def opened(path: str | os.PathLike[str]) -> Scene | Map:
+    """The scene or the map in a file."""
+    return Map.load(path) if Map.reads(path) else Scene.load(path)
 
 
 def _refuse(given: dict[str, Any], reason: str) -> None:

@@ -24,7 +24,7 @@ import numpy as np
 from dask.delayed import Delayed
 
 from lamplight2d._core import Cells, FarWorld, Light, Reference, Scene, Solver, compare, join_parts, trace_part
-from lamplight2d._world import COLUMNS, HALO, ArrayReader, Window, World, WorldSource, cells_of, prepare, settled, tiles
+from lamplight2d._world import COLUMNS, HALO, ArrayReader, Window, World, WorldSource, cells_of, opened, prepare, settled, tiles
 
 __all__ = ["Source", "light_world", "reference", "render_frames", "sweep"]
 
@@ -101,7 +101,7 @@ def light_world(
 
     Parameters
     ----------
-    source : World, Scene, path, Cells, dict of arrays or callable
+    source : World, Scene, Map, path, Cells, dict of arrays or callable
         As for `World`; arrays of Dask are read as tasks of their own. Workers open scenes and arrays of ``zarr`` by
         their paths. Arrays in memory travel to all of them, and so do `Cells`: better is a callable that reads a file.
         Of a `World`, the far field is known.
@@ -126,7 +126,7 @@ def light_world(
         reader, empty, far = source._reader, source._empty, source._far
     else:
         if isinstance(source, (str, os.PathLike)):
-            source = Scene.load(source)
+            source = opened(source)
         if solver is None:
             settings = source.settings if isinstance(source, Scene) else {}
             solver = Solver(threads=1, **settings)
