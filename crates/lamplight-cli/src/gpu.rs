@@ -22,7 +22,10 @@ use std::time::{Duration, Instant};
 
 /// The options of light on the device, also if that is software: the user has chosen it.
 fn on_gpu() -> LightingOptions {
-    LightingOptions { compile_ahead: false, ..LightingOptions::on(lamplight_wgpu::Backend::Gpu) }
+    LightingOptions {
+        compile_ahead: Some(false),
+        ..LightingOptions::on(lamplight_wgpu::Backend::Gpu)
+    }
 }
 
 /// An open device.

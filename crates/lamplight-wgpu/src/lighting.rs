@@ -265,7 +265,7 @@ impl Lighting {
                 plan_ids: PlanIds::default(),
                 waits_before: 0,
                 #[cfg(not(target_arch = "wasm32"))]
-                ahead: options.compile_ahead.then(Ahead::default),
+                ahead: options.compiles_ahead(device).then(Ahead::default),
             })
         })
     }

@@ -53,8 +53,9 @@ pub struct LightingOptions {
     pub fused_levels: Option<u32>,
     /// Pipelines that frames may need after a change of bounces, of inflow, of normals, lamps or viewers are compiled by a
     /// thread in the background, once a frame has been prepared. Otherwise the frame waits that first needs them, on some
-    /// drivers for a second. Not in browsers, which have no such threads.
-    pub compile_ahead: bool,
+    /// drivers for a second. By default on hardware: drivers in software hold megabytes for each pipeline. Not in browsers,
+    /// which have no such threads.
+    pub compile_ahead: Option<bool>,
 }
 
 impl LightingOptions {
@@ -76,6 +77,13 @@ impl LightingOptions {
         }
     }
 
+    /// Returns whether pipelines are compiled in the background on a device.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn compiles_ahead(self, device: &Device) -> bool {
+        let on_hardware = || device.adapter_info().device_type != DeviceType::Cpu;
+        self.compile_ahead.unwrap_or_else(on_hardware)
+    }
+
     /// Returns the levels per dispatch, on a card with memory of its own or on another device.
     pub(crate) fn fused_levels(self, is_card: bool) -> u32 {
         self.fused_levels.unwrap_or(if is_card { 1 } else { Self::MAX_FUSED_LEVELS })
@@ -84,6 +92,6 @@ impl LightingOptions {
 
 impl Default for LightingOptions {
     fn default() -> Self {
-        Self { backend: Backend::default(), fused_levels: None, compile_ahead: true }
+        Self { backend: Backend::default(), fused_levels: None, compile_ahead: None }
     }
 }

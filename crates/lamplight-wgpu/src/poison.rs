@@ -103,8 +103,10 @@ mod tests {
             let mut settings = Settings::direct(Holographic::preset(preset).unwrap());
             settings.bounces = Bounces::Count(1);
             let light = || {
-                let options =
-                    LightingOptions { compile_ahead: false, ..LightingOptions::on(Backend::Gpu) };
+                let options = LightingOptions {
+                    compile_ahead: Some(false),
+                    ..LightingOptions::on(Backend::Gpu)
+                };
                 let mut lighting = Lighting::new(&device, &queue, &options).unwrap();
                 lighting.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
                 let mut encoder = device.create_command_encoder(&Default::default());

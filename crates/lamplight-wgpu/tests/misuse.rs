@@ -354,7 +354,8 @@ fn changes_compiled_ahead_compile_nothing_when_they_come() {
         let frames = [(&direct, &plain)].into_iter().chain(scenes).chain(bounced);
         for (settings, cells) in frames.chain([(&moment, &plain), (&bounces[0], &entering)]) {
             // Each change is the first after a frame without any.
-            let options = LightingOptions::on(Backend::Gpu);
+            let options =
+                LightingOptions { compile_ahead: Some(true), ..LightingOptions::on(Backend::Gpu) };
             let mut lighting = Lighting::new(&device, &queue, &options).unwrap();
             lighting.prepare(&FrameInput::of_cells(&direct, &plain)).unwrap();
             assert!(lighting.compiled() > 0, "the first frame compiles nothing: it is not counted");

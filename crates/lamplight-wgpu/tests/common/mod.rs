@@ -75,7 +75,7 @@ pub fn lighting(device: &Device, queue: &Queue) -> Lighting {
 
 /// The GPU, without threads beside the test.
 pub fn on_gpu() -> LightingOptions {
-    LightingOptions { compile_ahead: false, ..LightingOptions::on(Backend::Gpu) }
+    LightingOptions { compile_ahead: Some(false), ..LightingOptions::on(Backend::Gpu) }
 }
 
 /// Records and submits the frame prepared last, and fetches the light.
