@@ -43,7 +43,7 @@ impl Backend {
 }
 
 /// Creation options of [`crate::Lighting`]; the default is the fastest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LightingOptions {
     /// The finder of light.
     pub backend: Backend,
@@ -87,11 +87,5 @@ impl LightingOptions {
     /// Returns the levels per dispatch, on a card with memory of its own or on another device.
     pub(crate) fn fused_levels(self, is_card: bool) -> u32 {
         self.fused_levels.unwrap_or(if is_card { 1 } else { Self::MAX_FUSED_LEVELS })
-    }
-}
-
-impl Default for LightingOptions {
-    fn default() -> Self {
-        Self { backend: Backend::default(), fused_levels: None, compile_ahead: None }
     }
 }
