@@ -25,22 +25,11 @@ override COMPONENT: u32;
 // Light sinks no deeper, px.
 override MAX_WALL_DEPTH: f32;
 
-// The flags of a solid cell: its open sides (left, right, upper, lower), that it is solid, that it emits. Cells beyond
-// the grid have one of their own.
+// The flags of a solid cell: its open sides (left, right, upper, lower), that it is solid, that it emits.
 const SIDES: u32 = 15u;
 const SOLID: u32 = 16u;
 const EMITS: u32 = 32u;
-const BEYOND: u32 = 64u;
-
-// A workgroup makes a tile of a level, and for it the level between and the cells or the level below, with as many
-// beside the tile as the kernel reads: all are squares with these sides.
-const LANES: u32 = 256u;
-const TILE: u32 = 4u;
-const BETWEEN: u32 = 2u * TILE + 4u;
-// With a cell more to each side, whose flags are needed.
-const CELLS: u32 = 2u * BETWEEN + 6u;
-// Cells of each level that the cells of a workgroup of 8×8 are interpolated from.
-const REGION: u32 = 6u;
+const COARSEST_LANES: u32 = 256u;
 
 // The level of the pyramid; the cells are level 0.
 @group(0) @binding(2) var<uniform> step: u32;
@@ -51,14 +40,6 @@ const REGION: u32 = 6u;
 @group(0) @binding(5) var<storage, read_write> irradiance: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> sunk_emission: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
-
-var<workgroup> held_flags: array<u32, CELLS * CELLS>;
-var<workgroup> held_irradiance: array<vec4f, BETWEEN * BETWEEN>;
-var<workgroup> held_emission: array<vec4f, BETWEEN * BETWEEN>;
-var<workgroup> coarse_irradiance: array<vec4f, REGION * REGION>;
-var<workgroup> coarse_emission: array<vec4f, REGION * REGION>;
-var<workgroup> solids: array<u32, 64>;
-var<workgroup> any_solid: array<u32, 1>;
 
 struct Sums {
     irradiance: vec4f,
@@ -88,6 +69,10 @@ fn level_index(level: Level, at: vec2u) -> u32 {
     return level.start + at.y * level.size.x + at.x;
 }
 
+fn flags_at(at: vec2u) -> u32 {
+    return u32(surface[index(at)].w);
+}
+
 // The place of what sinks in, of a cell.
 fn value_index(i: u32) -> u32 {
     return COMPONENT * frame.size.x * frame.size.y + i;
@@ -101,46 +86,29 @@ fn emission_of(at: vec2u, flags: u32) -> vec3f {
     return textureLoad(emission, at, 0).rgb;
 }
 
-// The flags of a cell that do not depend on others.
-fn own_flags(at: vec2i) -> u32 {
-    if !inside(at) {
-        return BEYOND;
+// The number of sides of a cell inside a wall towards cells that do not emit.
+fn dark_sides(at: vec2u) -> u32 {
+    let offsets = array(vec2i(-1, 0), vec2i(1, 0), vec2i(0, -1), vec2i(0, 1));
+    var count = 0u;
+    for (var side = 0u; side < 4u; side++) {
+        let beside = vec2i(at) + offsets[side];
+        if inside(beside) && (flags_at(vec2u(beside)) & EMITS) == 0u {
+            count++;
+        }
     }
-    if !solid(at) {
-        return 0u;
-    }
-    let emits = COMPONENT == 0u && any(textureLoad(emission, at, 0).rgb != vec3f(0.0));
-    return SOLID | select(0u, EMITS, emits);
+    return count;
 }
 
-// The held flags of the cells beside one.
-fn beside(slot: u32) -> vec4u {
-    return vec4u(
-        held_flags[slot - 1u], held_flags[slot + 1u], held_flags[slot - CELLS], held_flags[slot + CELLS]
-    );
-}
-
-// The flags of a held cell.
-fn flags_of(slot: u32) -> u32 {
-    let own = held_flags[slot];
-    if (own & SOLID) == 0u {
-        return 0u;
-    }
-    return own | dot(vec4u(1u, 2u, 4u, 8u), vec4u(beside(slot) == vec4u(0u)));
-}
-
-// The sums of a held cell of the grid.
-fn sums_of_cell(at: vec2u, slot: u32) -> Sums {
-    let flags = flags_of(slot);
+// The sums of one cell of the grid.
+fn sums_of_cell(at: vec2u) -> Sums {
+    let here = surface[index(at)];
+    let flags = u32(here.w);
     if (flags & SIDES) != 0u {
         let length = sqrt(f32(countOneBits(flags & SIDES)));
-        let arrives = light[value_index(index(at))].rgb;
-        return Sums(length * vec4f(arrives, 1.0), length * vec4f(emission_of(at, flags), 1.0));
+        return Sums(length * vec4f(here.rgb, 1.0), length * vec4f(emission_of(at, flags), 1.0));
     }
     if (flags & EMITS) != 0u {
-        // Emission sinks in from where such cells end.
-        let dark = vec4u((beside(slot) & vec4u(EMITS | BEYOND)) == vec4u(0u));
-        let length = sqrt(f32(dot(dark, vec4u(1u))));
+        let length = sqrt(f32(dark_sides(at)));
         return Sums(vec4f(0.0), length * vec4f(emission_of(at, flags), 1.0));
     }
     return Sums();
@@ -152,26 +120,18 @@ fn weights(x: u32) -> vec3f {
     return select(even, even.zyx, (x & 1u) != 0u);
 }
 
-// The first cell of a level, if it is not clamped, that the workgroup's cells are interpolated from.
-fn region(number: u32, first_cell: vec2u) -> vec2i {
-    var first = vec2i(first_cell);
-    for (var k = 0u; k < number; k++) {
-        first = (first >> vec2u(1u)) - 1;
-    }
-    return first;
-}
-
-// The sums of the region that is held, which begins at `first`, interpolated at a cell of the finer level.
-fn interpolated(first: vec2i, at: vec2i) -> Sums {
-    let columns = weights(u32(at.x));
-    let rows = weights(u32(at.y));
-    let near = vec2u((at >> vec2u(1u)) - 1 - first);
+// The sums of a level, interpolated at a cell of the finer one.
+fn interpolated(level: Level, at: vec2u) -> Sums {
+    let last = vec2i(level.size) - 1;
+    let columns = weights(at.x);
+    let rows = weights(at.y);
     var sum = Sums();
-    for (var y = 0u; y < 3u; y++) {
-        for (var x = 0u; x < 3u; x++) {
-            let i = (near.y + y) * REGION + near.x + x;
-            sum.irradiance += columns[x] * rows[y] * coarse_irradiance[i];
-            sum.emission += columns[x] * rows[y] * coarse_emission[i];
+    for (var y = 0; y < 3; y++) {
+        for (var x = 0; x < 3; x++) {
+            let coarse = clamp(vec2i(at / 2u) + vec2i(x, y) - 1, vec2i(0), last);
+            let i = level_index(level, vec2u(coarse));
+            sum.irradiance += columns[x] * rows[y] * irradiance[i];
+            sum.emission += columns[x] * rows[y] * sunk_emission[i];
         }
     }
     return sum;
@@ -241,6 +201,23 @@ fn turn_faces(@builtin(global_invocation_id) id: vec3u) {
     light[moment_index(1u, i)] = vec4f(arrives * direction.y, 1.0);
 }
 
+@compute @workgroup_size(8, 8)
+fn find_flags(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
+        return;
+    }
+    let at = vec2i(id.xy);
+    let i = index(id.xy);
+    var flags = 0u;
+    if solid(at) {
+        flags = SOLID
+            | select(0u, 1u, open(at - vec2i(1, 0))) | select(0u, 2u, open(at + vec2i(1, 0)))
+            | select(0u, 4u, open(at - vec2i(0, 1))) | select(0u, 8u, open(at + vec2i(0, 1)))
+            | select(0u, EMITS, COMPONENT == 0u && any(textureLoad(emission, id.xy, 0).rgb != vec3f(0.0)));
+    }
+    surface[i] = vec4f(light[value_index(i)].rgb, f32(flags));
+}
+
 // The light of solid cells where nothing sinks in.
 @compute @workgroup_size(8, 8)
 fn show_faces(@builtin(global_invocation_id) id: vec3u) {
@@ -255,10 +232,52 @@ fn show_faces(@builtin(global_invocation_id) id: vec3u) {
     light[i] = vec4f(arrives + emission_of(id.xy, EMITS), 1.0);
 }
 
-// Weights of the fine cells around a coarse one.
-fn kernel(x: u32, y: u32) -> f32 {
-    let along = array(KERNEL_0, KERNEL_1, KERNEL_2, KERNEL_2, KERNEL_1, KERNEL_0);
-    return along[x] * along[y];
+// Makes a cell of a level from the finer one, of the first from the cells.
+fn blur_finer(number: u32, id: vec2u) {
+    let level = find_level(number);
+    let finer = find_level(number - 1u);
+    let last = vec2i(finer.size) - 1;
+    let kernel = array(KERNEL_0, KERNEL_1, KERNEL_2, KERNEL_2, KERNEL_1, KERNEL_0);
+    var sum = Sums();
+    for (var y = 0; y < 6; y++) {
+        for (var x = 0; x < 6; x++) {
+            let at = vec2u(clamp(2 * vec2i(id) + vec2i(x, y) - 2, vec2i(0), last));
+            var there: Sums;
+            if number == 1u {
+                there = sums_of_cell(at);
+            } else {
+                let i = level_index(finer, at);
+                there = Sums(irradiance[i], sunk_emission[i]);
+            }
+            sum.irradiance += kernel[x] * kernel[y] * there.irradiance;
+            sum.emission += kernel[x] * kernel[y] * there.emission;
+        }
+    }
+    let i = level_index(level, id);
+    irradiance[i] = sum.irradiance;
+    sunk_emission[i] = sum.emission;
+}
+
+// Adds the coarser levels to a cell of a level.
+fn add_interpolated(number: u32, id: vec2u) {
+    let coarser = interpolated(find_level(number + 1u), id);
+    let i = level_index(find_level(number), id);
+    irradiance[i] += OCTAVE * coarser.irradiance;
+    sunk_emission[i] += OCTAVE * coarser.emission;
+}
+
+@compute @workgroup_size(8, 8)
+fn blur(@builtin(global_invocation_id) id: vec3u) {
+    if all(id.xy < find_level(step).size) {
+        blur_finer(step, id.xy);
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn add_coarser(@builtin(global_invocation_id) id: vec3u) {
+    if all(id.xy < find_level(step).size) {
+        add_interpolated(step, id.xy);
+    }
 }
 
 // The number of levels, as `octaves` in the library's `walls.rs`.
@@ -270,159 +289,39 @@ fn octaves() -> u32 {
     return doublings + 2u;
 }
 
-// The sums of a cell of a level, from the finer one, which is stored.
-fn blurred(finer: Level, id: vec2i) -> Sums {
-    let last = vec2i(finer.size) - 1;
-    var sum = Sums();
-    for (var y = 0u; y < 6u; y++) {
-        for (var x = 0u; x < 6u; x++) {
-            let at = clamp(2 * id + vec2i(vec2u(x, y)) - 2, vec2i(0), last);
-            let i = level_index(finer, vec2u(at));
-            sum.irradiance += kernel(x, y) * irradiance[i];
-            sum.emission += kernel(x, y) * sunk_emission[i];
+// A small level: makes all coarser ones, and adds them to it. A single workgroup does.
+@compute @workgroup_size(COARSEST_LANES)
+fn add_coarsest(@builtin(local_invocation_index) lane: u32) {
+    let count = octaves();
+    for (var number = step + 1u; number <= count; number++) {
+        let size = find_level(number).size;
+        for (var i = lane; i < size.x * size.y; i += COARSEST_LANES) {
+            blur_finer(number, vec2u(i % size.x, i / size.x));
         }
+        storageBarrier();
     }
-    return sum;
-}
-
-// The sums of a cell of the first level, from the held flags, the first of which is that of `first`.
-fn blurred_cells(first: vec2i, id: vec2i) -> Sums {
-    let last = vec2i(frame.size) - 1;
-    var sum = Sums();
-    for (var y = 0u; y < 6u; y++) {
-        for (var x = 0u; x < 6u; x++) {
-            let at = clamp(2 * id + vec2i(vec2u(x, y)) - 2, vec2i(0), last);
-            let slot = vec2u(at - first);
-            let there = sums_of_cell(vec2u(at), slot.y * CELLS + slot.x);
-            sum.irradiance += kernel(x, y) * there.irradiance;
-            sum.emission += kernel(x, y) * there.emission;
+    for (var number = count - 1u; number >= step; number--) {
+        let size = find_level(number).size;
+        for (var i = lane; i < size.x * size.y; i += COARSEST_LANES) {
+            add_interpolated(number, vec2u(i % size.x, i / size.x));
         }
-    }
-    return sum;
-}
-
-// Makes the tile's cells of a level from the finer one, of the first from the held flags; and of the next level.
-fn make_levels(number: u32, tile: vec2u, lane: u32) {
-    let level = find_level(number);
-    let first = 2 * vec2i(TILE * tile) - 2;
-    let slot = vec2u(lane % BETWEEN, lane / BETWEEN);
-    let id = first + vec2i(slot);
-    if lane < BETWEEN * BETWEEN && all(id >= vec2i(0)) && all(id < vec2i(level.size)) {
-        var sum: Sums;
-        if number == 1u {
-            sum = blurred_cells(2 * first - 3, id);
-        } else {
-            sum = blurred(find_level(number - 1u), id);
-        }
-        held_irradiance[lane] = sum.irradiance;
-        held_emission[lane] = sum.emission;
-        if all(slot >= vec2u(2u)) && all(slot < vec2u(2u + 2u * TILE)) {
-            let i = level_index(level, vec2u(id));
-            irradiance[i] = sum.irradiance;
-            sunk_emission[i] = sum.emission;
-        }
-    }
-    workgroupBarrier();
-    let next = find_level(number + 1u);
-    let next_id = TILE * tile + vec2u(lane % TILE, lane / TILE);
-    if lane < TILE * TILE && all(next_id < next.size) {
-        var sum = Sums();
-        for (var y = 0u; y < 6u; y++) {
-            for (var x = 0u; x < 6u; x++) {
-                let at = 2 * vec2i(next_id) + vec2i(vec2u(x, y)) - 2;
-                let held = vec2u(clamp(at, vec2i(0), vec2i(level.size) - 1) - first);
-                let i = held.y * BETWEEN + held.x;
-                sum.irradiance += kernel(x, y) * held_irradiance[i];
-                sum.emission += kernel(x, y) * held_emission[i];
-            }
-        }
-        let i = level_index(next, next_id);
-        irradiance[i] = sum.irradiance;
-        sunk_emission[i] = sum.emission;
+        storageBarrier();
     }
 }
 
-// Finds the surface, and makes the first two levels.
-@compute @workgroup_size(LANES)
-fn blur_surface(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let first = 4 * vec2i(TILE * tile.xy);
-    for (var i = lane; i < CELLS * CELLS; i += LANES) {
-        held_flags[i] = own_flags(first - 7 + vec2i(vec2u(i % CELLS, i / CELLS)));
-    }
-    workgroupBarrier();
-    let own = vec2u(lane % (4u * TILE), lane / (4u * TILE));
-    let at = vec2u(first) + own;
-    if !outside(at) {
-        let flags = flags_of((own.y + 7u) * CELLS + own.x + 7u);
-        surface[index(at)] = vec4f(light[value_index(index(at))].rgb, f32(flags));
-    }
-    make_levels(1u, tile.xy, lane);
-}
-
-// Makes two levels, the first of which is `step`.
-@compute @workgroup_size(LANES)
-fn blur(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
-    make_levels(step, tile.xy, lane);
-}
-
-// Adds each level to the finer one, around the workgroup's cells, and lets the sum sink into them. If the number of levels
-// is odd, the coarsest is not stored.
 @compute @workgroup_size(8, 8)
-fn sink(
-    @builtin(global_invocation_id) id: vec3u,
-    @builtin(workgroup_id) tile: vec3u,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let i = index(id.xy);
-    var flags = 0u;
-    if !outside(id.xy) {
-        flags = u32(surface[i].w);
-    }
-    solids[lane] = flags;
-    workgroupBarrier();
-    if lane == 0u {
-        var any = 0u;
-        for (var k = 0u; k < 64u; k++) {
-            any |= solids[k];
-        }
-        any_solid[0] = any;
-    }
-    if workgroupUniformLoad(&any_solid[0]) == 0u {
+fn sink(@builtin(global_invocation_id) id: vec3u) {
+    if outside(id.xy) {
         return;
     }
-    let first_cell = 8u * tile.xy;
-    let count = octaves();
-    for (var number = count; number > 0u; number--) {
-        var sums = Sums();
-        if lane < REGION * REGION {
-            let level = find_level(number);
-            let slot = vec2i(vec2u(lane % REGION, lane / REGION));
-            let at = clamp(region(number, first_cell) + slot, vec2i(0), vec2i(level.size) - 1);
-            if number == count && (count & 1u) != 0u {
-                sums = blurred(find_level(number - 1u), at);
-            } else {
-                let own = level_index(level, vec2u(at));
-                sums = Sums(irradiance[own], sunk_emission[own]);
-            }
-            if number < count {
-                let coarser = interpolated(region(number + 1u, first_cell), at);
-                sums.irradiance += OCTAVE * coarser.irradiance;
-                sums.emission += OCTAVE * coarser.emission;
-            }
-        }
-        workgroupBarrier();
-        if lane < REGION * REGION {
-            coarse_irradiance[lane] = sums.irradiance;
-            coarse_emission[lane] = sums.emission;
-        }
-        workgroupBarrier();
-    }
+    let i = index(id.xy);
+    let flags = u32(surface[i].w);
     if flags == 0u {
         return;
     }
     var arrives: vec3f;
     var glow: vec3f;
-    let sum = interpolated(region(1u, first_cell), vec2i(id.xy));
+    let sum = interpolated(find_level(1u), id.xy);
     if (flags & SIDES) == 0u {
         arrives = faded(sum.irradiance);
         glow = faded(sum.emission);

@@ -59,8 +59,7 @@ impl Walls {
         Self(compiler.program(&programs::WALLS, &constants))
     }
 
-    /// Plans the light of solid cells from that of their faces: a dispatch for every two octaves, in which they are blurred,
-    /// and one in which their sum sinks in, and the last octave if it has no other.
+    /// Plans the light of solid cells from that of their faces.
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
         Ok(self.sink(planner, &self.bind(planner, light)?))
     }
@@ -71,7 +70,7 @@ impl Walls {
         let level_cells =
             |level: u32| level_size(planner, level).map(u64::from).iter().product::<u64>();
         let cells = if octaves == 0 { 1 } else { planner.cells() };
-        let sums = (1..=octaves / 2 * 2).map(level_cells).sum::<u64>().max(1);
+        let sums = (1..=octaves).map(level_cells).sum::<u64>().max(1);
         let surface = planner.buffer::<[f32; 4]>("walls: surface", cells)?;
         let irradiance = planner.buffer::<[f32; 4]>("walls: irradiance", sums)?;
         let emission = planner.buffer::<[f32; 4]>("walls: emission", sums)?;
@@ -89,23 +88,27 @@ impl Walls {
 
     /// The dispatches by which light sinks in.
     fn sink(&self, planner: &FramePlanner, bound: &BoundResources) -> Vec<Dispatch> {
-        let over = |entry: usize| {
+        let over = |entry: usize, level: u32| {
             let pipeline = self.0.entry(entry);
-            let traffic = traffic(planner, entry, 0);
-            Dispatch::over(planner.size.into(), pipeline, bound, Some(0)).moving(traffic)
+            let traffic = traffic(planner, entry, level);
+            let size = level_size(planner, level);
+            Dispatch::over(size, pipeline, bound, Some(level)).moving(traffic)
         };
         let octaves = octaves(planner.settings.wall_depth);
         if octaves == 0 {
-            return vec![over(SHOW_FACES)];
+            return vec![over(SHOW_FACES, 0)];
         }
-        let blur = |level: u32| {
-            let entry = if level == 1 { BLUR_SURFACE } else { BLUR };
-            let [columns, rows] = level_size(planner, level + 1).map(|side| side.div_ceil(TILE));
-            let traffic = traffic(planner, entry, level);
-            Dispatch::new(self.0.entry(entry), bound, Some(level), [columns, rows, 1])
-                .moving(traffic)
-        };
-        (1..octaves).step_by(2).map(blur).chain([over(SINK)]).collect()
+        let is_small = |&level: &u32| level_size(planner, level).iter().product::<u32>() <= SMALL;
+        let small = (1..octaves).find(is_small);
+        let blurs = (1..=small.unwrap_or(octaves)).map(|level| over(BLUR, level));
+        let coarsest = small.map(|level| {
+            let pipeline = self.0.entry(ADD_COARSEST);
+            let traffic = traffic(planner, ADD_COARSEST, level);
+            Dispatch::new(pipeline, bound, Some(level), [1; 3]).moving(traffic)
+        });
+        let sums = (1..small.unwrap_or(octaves)).rev().map(|level| over(ADD_COARSER, level));
+        let (flags, sink) = ([over(FIND_FLAGS, 0)], [over(SINK, 0)]);
+        flags.into_iter().chain(blurs).chain(coarsest).chain(sums).chain(sink).collect()
     }
 }
 
@@ -116,8 +119,13 @@ fn traffic(planner: &FramePlanner, entry: usize, level: u32) -> Traffic {
     // Irradiance and emission.
     let sums = |level| 2 * VEC4 * level_size(planner, level).map(u64::from).iter().product::<u64>();
     match entry {
-        BLUR_SURFACE => Traffic { read: 2 * cells, written: cells + sums(level) + sums(level + 1) },
-        BLUR => Traffic { read: sums(level - 1), written: sums(level) + sums(level + 1) },
+        FIND_FLAGS => Traffic { read: 2 * cells, written: cells },
+        BLUR if level == 1 => Traffic { read: cells, written: sums(1) },
+        BLUR => Traffic { read: sums(level - 1), written: sums(level) },
+        // Further levels are a few cells.
+        ADD_COARSER | ADD_COARSEST => {
+            Traffic { read: sums(level) + sums(level + 1), written: sums(level) }
+        }
         _ => Traffic { read: cells, written: 0 },
     }
 }
@@ -129,10 +137,12 @@ fn level_size(planner: &FramePlanner, level: u32) -> [u32; 2] {
 
 /// Entries of [`programs::WALLS`].
 const SHOW_FACES: usize = 0;
-const BLUR_SURFACE: usize = 1;
+const FIND_FLAGS: usize = 1;
 const BLUR: usize = 2;
-const SINK: usize = 3;
-const TURN_FACES: usize = 4;
+const ADD_COARSER: usize = 3;
+const ADD_COARSEST: usize = 4;
+const SINK: usize = 5;
+const TURN_FACES: usize = 6;
 
-/// `TILE` of shaders/stages/walls.wgsl: cells along an axis of the coarser level that a workgroup makes.
-const TILE: u32 = 4;
+/// The most cells of a level whose coarser levels a single workgroup makes: a few for each thread.
+const SMALL: u32 = 1024;
