@@ -1,8 +1,8 @@
 //! The cells around a window, which rays from its border cross one by one before they come to blocks.
 //!
-//! What lies close to a tile looks coarse as blocks: with a margin of 32 px around tiles of 256×256 the largest jump of
-//! light at their seams is 2.6 % of the mean, and 1.4 % if the next 32 px are crossed cell by cell. With a margin of 64 px
-//! that gains nothing more.
+//! Blocks close to a tile look coarse: with a margin of 32 px around tiles of 256×256 the largest jump of light at their
+//! seams is 2.6 % of the mean, and 1.4 % if the next 32 px are crossed cell by cell. With a margin of 64 px that gains
+//! nothing more.
 //!
 //! Rays begin only where a cell at the border is open, as those of blocks do: a light or a wall that the border cuts
 //! through would otherwise be seen from inside.
