@@ -14,6 +14,7 @@
 
 use crate::far_field::{ALIGNMENT, BounceState, FarField, NearCells, PartLight};
 pub use crate::far_field::{FarBlocks, FarPart};
+use crate::grid::class::CellClass;
 use crate::stages::bounce::{CONVERGED, KnownSurfaces, SurfaceLight};
 use crate::stages::glow::Glow;
 use crate::sun_glow::SunGlow;
@@ -156,18 +157,19 @@ impl<'a> World<'a> {
             progress(done, most * parts.len());
             done += 1;
         };
-        for &part in &parts {
+        let around: Vec<_> = parts.iter().map(|&part| far.around_part(part)).collect();
+        read_ahead(source, &around, |number, cells| {
             next();
-            let cells = source.cells(far.around_part(part))?;
-            far.add(far.read(part, cells)?)?;
-        }
+            far.add(far.read(parts[number], cells)?)
+        })?;
         far.finish();
         while far.goes_on() {
             let mut after = far.after();
-            for &part in &parts {
+            let around: Vec<_> = parts.iter().map(|&part| far.around_tile(part)).collect();
+            read_ahead(source, &around, |number, cells| {
                 next();
-                after.add(far.bounce(part, source.cells(far.around_tile(part))?)?)?;
-            }
+                after.add(far.bounce(parts[number], cells)?)
+            })?;
             after.finish();
             far = after;
         }
@@ -406,7 +408,7 @@ impl FarWorld {
     /// # Errors
     /// As [`Inflow::new`].
     pub fn inflow(&self, window: GridWindow) -> Result<Inflow> {
-        self.far_field.inflow(window, self.settings.columns, None)
+        self.far_field.inflow(window, self.settings.columns, &|_| false, None)
     }
 
     /// Returns the light of a tile, from the cells [around](Self::around_tile) it.
@@ -456,16 +458,23 @@ impl FarWorld {
     fn lit_from_afar(&self, tile: GridWindow, mut cells: Cells, columns: usize) -> Result<Cells> {
         let [around, solved] = [self.around_tile(tile), self.solved(tile)];
         check_cells(&cells, around)?;
-        let (mut lit, inflow) = if around == solved {
-            (cells, self.far_field.inflow(solved, columns, None)?)
+        let (mut lit, wide) = if around == solved {
+            (cells, None)
         } else {
             let first = [0, 1].map(|a| solved.first[a] - around.first[a]);
             let lit = WorldSource::cells(&cells, GridWindow { first, ..solved })?;
             self.settings.solver.method.draw_lamps(&mut cells);
             Glow::default().to_media(&mut cells);
-            let near = NearCells::new(&cells, around, &self.surface_light(around));
-            (lit, self.far_field.inflow(solved, columns, Some(&near))?)
+            (lit, Some(cells))
         };
+        let near = wide.as_ref();
+        let near = near.map(|cells| NearCells::new(cells, around, &self.surface_light(around)));
+        let is_solid = |cell: [i32; 2]| {
+            let [x, y] = [0, 1].map(|a| cell[a] as u32 - solved.first[a]);
+            let is_inside = x < lit.width() && y < lit.height();
+            is_inside && CellClass::of(&lit, lit.index(x, y), 0.0) == CellClass::Solid
+        };
+        let inflow = self.far_field.inflow(solved, columns, &is_solid, near.as_ref())?;
         lit.suns_mut().clear();
         lit.set_inflow(Some(inflow))?;
         Ok(lit)
@@ -494,6 +503,24 @@ fn prepare(
     let glowing: Vec<Sun> = suns.iter().map(|sun| Sun { direct: Direct::Glow, ..*sun }).collect();
     let sky = SunGlow::default().draw(settings.solver.method(), sky, &glowing);
     Ok((settings, sky))
+}
+
+/// Calls `work` with the number and the cells of each window in turn, and reads those of the next one meanwhile.
+fn read_ahead(
+    source: &dyn WorldSource,
+    windows: &[GridWindow],
+    mut work: impl FnMut(usize, Cells) -> Result<()>,
+) -> Result<()> {
+    let read = |number: usize| windows.get(number).map(|&window| source.cells(window));
+    let mut ahead = read(0);
+    for number in 0.. {
+        let Some(cells) = ahead.take().transpose()? else { break };
+        rayon::in_place_scope(|scope| {
+            scope.spawn(|_| ahead = read(number + 1));
+            work(number, cells)
+        })?;
+    }
+    Ok(())
 }
 
 /// Rejects cells that are not those of a window.

@@ -8,11 +8,15 @@ use crate::{GridWindow, Inflow, Panorama, Result, Rgb, Sky};
 use rayon::prelude::*;
 use std::f64::consts::{GOLDEN_RATIO, TAU};
 
-/// Blocks that a ray from the border of a tile crosses before they become twice as large: more are sharper shadows,
-/// and take time.
-const RING: i32 = 24;
-/// Rays of a column of inflow, for each block along the border.
+/// Blocks that a ray from the border of a tile crosses before they become twice as large: more are sharper shadows and
+/// less error, and more blocks that travel to the machine that lights a tile.
+const RING: i32 = 48;
+/// Rays of a column of inflow, for each block along the border, and those of one where these see an edge of something
+/// bright.
 const RAYS: usize = 4;
+const FINE_RAYS: usize = 16;
+/// Radiance is said to have an edge where it changes by more than this from ray to ray, relative to its mean.
+const EDGE: f32 = 4.0;
 
 impl Rings {
     /// Finds those of the rays that enter a window, for so many levels.
@@ -22,6 +26,9 @@ impl Rings {
     }
 }
 
+/// Whether a cell of the window, by its place in the world, is solid.
+pub type IsSolid<'a> = &'a (dyn Fn([i32; 2]) -> bool + Sync);
+
 /// Returns the beginning and the end of the blocks of a window, px.
 fn edges(GridWindow { first, size }: GridWindow) -> [[i32; 2]; 2] {
     let first = first.map(|v| v as i32);
@@ -29,7 +36,8 @@ fn edges(GridWindow { first, size }: GridWindow) -> [[i32; 2]; 2] {
 }
 
 /// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions, through the cells near
-/// it if they are known.
+/// it if they are known. Rays begin where cells of the window are open: a light or a wall that the border cuts through
+/// would otherwise be seen from inside.
 ///
 /// # Errors
 /// As [`Inflow::new`].
@@ -38,6 +46,7 @@ pub fn inflow(
     sky: &Sky,
     window: GridWindow,
     columns: usize,
+    is_solid: IsSolid,
     near: Option<&NearCells>,
 ) -> Result<Inflow> {
     let size = window.size;
@@ -45,12 +54,7 @@ pub fn inflow(
     let rings = Rings::around(window, levels.len());
     let blocks = [0, 1].map(|a| (end[a] - first[a]) / SIDE as i32);
     let width = TAU / columns as f64;
-    let rays: Vec<RayDirection> = (0..columns * RAYS)
-        .map(|i| {
-            let spread = ((i % RAYS) as f64 + 0.5) / RAYS as f64 - 0.5;
-            RayDirection::new(Panorama::angle(columns, i / RAYS) + spread * width)
-        })
-        .collect();
+    let rays = Rays::of_columns(columns);
     let seen: Vec<Rgb> = (0..columns)
         .map(|column| {
             let middle = Panorama::angle(columns, column);
@@ -63,7 +67,7 @@ pub fn inflow(
         let across = 1 - along;
         let outward = if side == 0 || side == 3 { -1 } else { 1 };
         let border =
-            Border { levels, rings: &rings, near, rays: &rays, sky: &seen, across, outward };
+            Border { levels, rings: &rings, is_solid, near, rays: &rays, sky: &seen, across, outward };
         let sources = border.sources();
         let strips = (0..blocks[along]).into_par_iter().map(|i| {
             let mut block = first.map(|v| v / SIDE as i32);
@@ -80,9 +84,9 @@ pub fn inflow(
 struct Border<'a> {
     levels: &'a [BlockLevel],
     rings: &'a Rings,
+    is_solid: IsSolid<'a>,
     near: Option<&'a NearCells<'a>>,
-    /// Directions of all rays, column by column.
-    rays: &'a [RayDirection],
+    rays: &'a Rays,
     /// The sky by column.
     sky: &'a [Rgb],
     /// The axis across the side, and the way outward along it: 1 or -1.
@@ -92,8 +96,8 @@ struct Border<'a> {
 
 impl Border<'_> {
     /// Returns the component of a ray's direction that leads outward.
-    fn cosine(&self, ray: usize) -> f64 {
-        self.rays[ray].way[self.across] * f64::from(self.outward)
+    fn cosine(&self, ray: &RayDirection) -> f64 {
+        ray.way[self.across] * f64::from(self.outward)
     }
 
     /// Returns for each column the one whose light it has: its own if its middle leads outward, otherwise the nearest
@@ -101,8 +105,8 @@ impl Border<'_> {
     fn sources(&self) -> Vec<usize> {
         let columns = self.sky.len();
         let leads_out = |column: usize| {
-            let rays = column * RAYS..(column + 1) * RAYS;
-            rays.map(|ray| self.cosine(ray)).sum::<f64>() > 0.0
+            let rays = &self.rays.first[column * RAYS..(column + 1) * RAYS];
+            rays.iter().map(|ray| self.cosine(ray)).sum::<f64>() > 0.0
         };
         let nearest = |column: usize| {
             let mut steps = (0..columns)
@@ -112,18 +116,16 @@ impl Border<'_> {
         (0..columns).map(nearest).collect()
     }
 
-    /// Returns the numbers of the cells along the border at a block that light can reach: all if none can, or if cells are
-    /// not known.
+    /// Returns the numbers of the cells along the border at a block that light can reach, or of all if none can.
     fn open_cells(&self, block: [i32; 2]) -> Vec<i32> {
-        let all = 0..SIDE as i32;
-        let Some(near) = self.near else { return all.collect() };
         let along = 1 - self.across;
         let is_open = |&number: &i32| {
             let mut cell = block.map(|v| v * SIDE as i32);
             cell[along] += number;
             cell[self.across] += if self.outward < 0 { SIDE as i32 } else { -1 };
-            !near.is_solid(cell)
+            !(self.is_solid)(cell)
         };
+        let all = 0..SIDE as i32;
         let open: Vec<i32> = all.clone().filter(is_open).collect();
         if open.is_empty() { all.collect() } else { open }
     }
@@ -148,33 +150,86 @@ impl Border<'_> {
 
     /// Returns the radiance that comes through a block at the border, by column.
     fn strip(&self, block: [i32; 2], sources: &[usize]) -> Vec<Rgb> {
-        let mut strip = vec![[0.0; 3]; sources.len()];
+        let columns = sources.len();
         let along = 1 - self.across;
-        let mut from = [0.0; 2];
         let edge = block[self.across] + i32::from(self.outward < 0);
-        from[self.across] = f64::from(edge * SIDE as i32);
         let open = self.open_cells(block);
-        for column in (0..sources.len()).filter(|&column| sources[column] == column) {
-            // Those of a column that grazes the border may lead inward.
-            let rays = (column * RAYS..(column + 1) * RAYS).filter(|&ray| self.cosine(ray) > 0.0);
-            let mut count = 0.0;
-            for ray in rays {
-                // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
-                let place = (GOLDEN_RATIO * ray as f64).fract();
-                let place = place * open.len() as f64;
-                let cell = f64::from(open[place as usize]);
-                from[along] = f64::from(block[along] * SIDE as i32) + cell + place.fract();
-                let [light, through] = self.seen(from, &self.rays[ray], block);
-                count += 1.0;
-                for c in 0..3 {
-                    strip[column][c] += light[c] + through[c] * self.sky[column][c];
-                }
+        // The radiance along a ray, by its number and its column.
+        let trace = |ray: &RayDirection, number: usize, column: usize| -> Rgb {
+            // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
+            let place = (GOLDEN_RATIO * number as f64).fract() * open.len() as f64;
+            let cell = f64::from(open[place as usize]);
+            let mut from = [0.0; 2];
+            from[self.across] = f64::from(edge * SIDE as i32);
+            from[along] = f64::from(block[along] * SIDE as i32) + cell + place.fract();
+            let [light, through] = self.seen(from, ray, block);
+            std::array::from_fn(|c| light[c] + through[c] * self.sky[column][c])
+        };
+        // The sum of those of a column, and their number. Some of a column that grazes the border lead inward.
+        let of_column = |rays: &[RayDirection], column: usize, seen: &mut dyn FnMut(usize, Rgb)| {
+            let each = rays.len() / columns;
+            let numbers = column * each..(column + 1) * each;
+            for number in numbers.filter(|&number| self.cosine(&rays[number]) > 0.0) {
+                seen(number, trace(&rays[number], number, column));
             }
-            strip[column] = strip[column].map(|v| v / f32::max(count, 1.0));
+        };
+        let own = || (0..columns).filter(|&column| sources[column] == column);
+        let mut sums = vec![RaySum::default(); columns];
+        let mut brightness = vec![0.0; columns * RAYS];
+        for column in own() {
+            of_column(&self.rays.first, column, &mut |number, rgb| {
+                sums[column].add(rgb);
+                brightness[number] = rgb[0].max(rgb[1]).max(rgb[2]);
+            });
         }
-        for column in 0..sources.len() {
-            strip[column] = strip[sources[column]];
+        let least = EDGE * brightness.iter().sum::<f32>() / brightness.len() as f32;
+        let count = brightness.len();
+        for column in own() {
+            // With the nearest ray of each column beside it.
+            let near = (0..RAYS + 2).map(|i| brightness[(column * RAYS + i + count - 1) % count]);
+            let [low, high] = near.fold([f32::MAX, 0.0], |[low, high], v| [v.min(low), v.max(high)]);
+            if high - low > least {
+                of_column(&self.rays.fine, column, &mut |_, rgb| sums[column].add(rgb));
+            }
         }
-        strip
+        sources.iter().map(|&source| sums[source].mean()).collect()
+    }
+}
+
+/// The directions of the rays of all columns, one column after the other.
+struct Rays {
+    first: Vec<RayDirection>,
+    fine: Vec<RayDirection>,
+}
+
+impl Rays {
+    fn of_columns(columns: usize) -> Self {
+        let directions = |each: usize| {
+            let direction = |i: usize| {
+                let spread = ((i % each) as f64 + 0.5) / each as f64 - 0.5;
+                let width = TAU / columns as f64;
+                RayDirection::new(Panorama::angle(columns, i / each) + spread * width)
+            };
+            (0..columns * each).map(direction).collect()
+        };
+        Self { first: directions(RAYS), fine: directions(FINE_RAYS) }
+    }
+}
+
+/// What some rays see.
+#[derive(Clone, Copy, Default)]
+struct RaySum {
+    sum: Rgb,
+    count: f32,
+}
+
+impl RaySum {
+    fn add(&mut self, rgb: Rgb) {
+        (0..3).for_each(|c| self.sum[c] += rgb[c]);
+        self.count += 1.0;
+    }
+
+    fn mean(&self) -> Rgb {
+        self.sum.map(|v| v / self.count.max(1.0))
     }
 }

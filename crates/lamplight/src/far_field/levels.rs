@@ -33,7 +33,13 @@ pub struct BlockLevel {
     /// Numbers of all blocks, row by row.
     pub numbers: Vec<u32>,
     pub blocks: Vec<FarBlock>,
+    /// For each empty block how often the width of blocks doubles in the largest square of empty ones around it, at
+    /// multiples of its width. Found when all blocks are known.
+    pub clear: Vec<u8>,
 }
+
+/// The most that [`BlockLevel::clear_width`] doubles: rays cross few more blocks of a level.
+const MOST_CLEAR: u8 = 4;
 
 impl BlockLevel {
     /// The number of a block; those beyond the world are empty.
@@ -43,6 +49,45 @@ impl BlockLevel {
             return EMPTY;
         }
         self.numbers[(y * self.size[0] + x) as usize]
+    }
+
+    /// Creates a level of these blocks.
+    pub fn new(size: [i32; 2], numbers: Vec<u32>, blocks: Vec<FarBlock>) -> Self {
+        Self { size, numbers, blocks, clear: Vec::new() }
+    }
+
+    /// Finds the squares of empty blocks.
+    pub fn find_clear(&mut self) {
+        let [columns, rows] = self.size.map(|v| v as usize);
+        self.clear = vec![0; self.numbers.len()];
+        let mut is_clear: Vec<bool> = self.numbers.iter().map(|&number| number == EMPTY).collect();
+        let mut finer = columns;
+        for doubled in 1..=MOST_CLEAR {
+            let [across, down] = [columns, rows].map(|v| v.div_ceil(1 << doubled));
+            let finer_rows = is_clear.len() / finer;
+            let all_clear = |at: usize| {
+                let [x, y] = [2 * (at % across), 2 * (at / across)];
+                let rows = y..(y + 2).min(finer_rows);
+                rows.flat_map(|y| (x..(x + 2).min(finer)).map(move |x| [x, y]))
+                    .all(|[x, y]| is_clear[y * finer + x])
+            };
+            let coarser: Vec<bool> = (0..across * down).map(all_clear).collect();
+            for (at, _) in coarser.iter().enumerate().filter(|(_, is_clear)| **is_clear) {
+                let [x, y] = [at % across, at / across].map(|v| v << doubled);
+                for row in y..(y + (1 << doubled)).min(rows) {
+                    let row = row * columns;
+                    self.clear[row + x..row + (x + (1 << doubled)).min(columns)].fill(doubled);
+                }
+            }
+            (is_clear, finer) = (coarser, across);
+        }
+    }
+
+    /// Returns the width, in blocks, of the largest known square of empty blocks around an empty one, by its index. It
+    /// lies at a multiple of its width.
+    #[inline]
+    pub fn clear_width(&self, at: usize) -> i32 {
+        1 << self.clear[at]
     }
 
     /// Adds a record, and returns its number.

@@ -74,6 +74,63 @@ impl Rings {
     }
 }
 
+/// A ray among the blocks of a level.
+struct LevelRay {
+    from: [f64; 2],
+    way: [f64; 2],
+    /// The signs of its way, and the lengths along it per px along each axis.
+    ahead: [i32; 2],
+    inverse: [f64; 2],
+    /// The side of the blocks, px, and blocks per px.
+    side: f64,
+    per_px: f64,
+}
+
+impl LevelRay {
+    /// Returns the length of the ray up to the first edge of a block, along an axis.
+    #[inline]
+    fn length(&self, axis: usize, edge: i32) -> f64 {
+        let distance = f64::from(edge) * self.side - self.from[axis];
+        distance * f64::from(self.ahead[axis]) * self.inverse[axis]
+    }
+
+    /// Returns the edge by which it leaves blocks from `low` to `high`, exclusive, along an axis.
+    #[inline]
+    fn last_edge(&self, axis: usize, low: i32, high: i32) -> i32 {
+        if self.ahead[axis] > 0 { high } else { low }
+    }
+
+    /// Moves from a block to the one behind a rectangle around it, from `low` to `high`, exclusive. Returns the length up
+    /// to there. The block is the one that single steps lead to, to the bit.
+    #[inline]
+    fn leave(&self, cell: &mut [i32; 2], low: [i32; 2], high: [i32; 2]) -> f64 {
+        let lengths = [0, 1].map(|a| self.length(a, self.last_edge(a, low[a], high[a])));
+        let axis = usize::from(lengths[1] < lengths[0]);
+        let (length, other) = (lengths[axis], 1 - axis);
+        let ahead = self.ahead[other];
+        let is_passed = |cell: i32| {
+            let at = self.length(other, self.last_edge(other, cell, cell + 1));
+            if axis == 0 { at < length } else { at <= length }
+        };
+        if high[other] - low[other] > 1 {
+            let along = (self.from[other] + length * self.way[other]) * self.per_px;
+            let guess = (along as i32).clamp(low[other], high[other] - 1);
+            let is_behind = (guess - cell[other]) * ahead < 0;
+            let mut found = if is_behind { cell[other] } else { guess };
+            while found != cell[other] && !is_passed(found - ahead) {
+                found -= ahead;
+            }
+            while is_passed(found) {
+                found += ahead;
+            }
+            cell[other] = found;
+        }
+        let edge = self.last_edge(axis, low[axis], high[axis]);
+        cell[axis] = if self.ahead[axis] > 0 { edge } else { edge - 1 };
+        length
+    }
+}
+
 /// Returns the radiance that blocks send along a ray, and the transmittance of the way to its end, or out of the world.
 pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
     let BlockRay { from, direction, block: mut cell, reach } = ray;
@@ -84,32 +141,37 @@ pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
     let mut state = BlockRayState::START;
     for (number, (level, ring)) in levels.iter().zip(&rings.levels).enumerate() {
         let side = (SIDE << number) as f64;
-        let mut next = [0, 1].map(|a| {
-            let edge = f64::from(cell[a] + i32::from(ahead[a] > 0)) * side;
-            (edge - from[a]) * f64::from(ahead[a]) * inverse[a]
-        });
-        let step = inverse.map(|v| v * side);
+        let ray = LevelRay { from, way: *way, ahead, inverse, side, per_px: 1.0 / side };
         let holds = |cell: [i32; 2]| (0..2).all(|a| ring[0][a] <= cell[a] && cell[a] < ring[1][a]);
         while holds(cell) {
             let inside = (0..2).all(|a| (0..level.size[a]).contains(&cell[a]));
             if !inside {
                 return [state.light, state.through];
             }
-            let crosses = usize::from(next[1] < next[0]);
-            match level.numbers[(cell[1] * level.size[0] + cell[0]) as usize] {
-                EMPTY => {}
+            let at = (cell[1] * level.size[0] + cell[0]) as usize;
+            // The blocks to cross: this one, or the empty ones around it.
+            let [mut low, mut high] = [cell, cell.map(|v| v + 1)];
+            match level.numbers[at] {
+                EMPTY => {
+                    let width = level.clear_width(at);
+                    for a in 0..2 {
+                        let first = cell[a] & !(width - 1);
+                        low[a] = first.max(ring[0][a]);
+                        high[a] = (first + width).min(ring[1][a]);
+                    }
+                }
                 SOLID => state.cross(None),
                 number => {
                     let middle = cell.map(|v| f64::from(v) + 0.5);
                     let entry = across.entry(offset / side - across.offset(middle));
                     let crossed = level.blocks[record(number)].crossed(bearing, entry);
                     state.cross(crossed);
-                    let is_clear = || crossed.is_some_and(|[_, stopped]| stopped == [0.0; 3]);
-                    if number & SHUT != 0 || number & CLIPPED != 0 && !is_clear() {
-                        if number & SHUT == 0 {
-                            // The rest belongs to the wall.
-                            state.cross(None);
-                        }
+                    let is_clear = crossed.is_some_and(|[_, stopped]| stopped == [0.0; 3]);
+                    if !is_clear && number & (SHUT | CLIPPED) != 0 {
+                        // The rest belongs to the wall.
+                        state.cross(None);
+                    }
+                    if number & SHUT != 0 {
                         state.through = [0.0; 3];
                     }
                 }
@@ -117,13 +179,85 @@ pub fn march(levels: &[BlockLevel], rings: &Rings, ray: BlockRay) -> [Rgb; 2] {
             if state.through.iter().all(|v| *v < OPAQUE_TRANSMITTANCE) {
                 return [state.light, [0.0; 3]];
             }
-            if next[crosses] > reach {
+            if ray.leave(&mut cell, low, high) > reach {
                 return [state.light, state.through];
             }
-            cell[crosses] += ahead[crosses];
-            next[crosses] += step[crosses];
         }
         cell = cell.map(|v| v.div_euclid(2));
     }
     [state.light, state.through]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::block::{FarBlock, PackedRgb};
+    use super::super::levels::FIRST;
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// Levels of which about one block in `sparse` has matter: solid, or with light of its own.
+    fn levels(random: &mut fastrand::Rng, sparse: u32) -> Vec<BlockLevel> {
+        let level = |side: i32| {
+            let mut blocks = Vec::new();
+            let mut number = || match random.u32(0..4 * sparse) {
+                0 => SOLID,
+                1..4 => {
+                    let mut block = FarBlock::CLEAR;
+                    block.sent.fill_with(|| PackedRgb::new([0; 3].map(|_| random.f32())));
+                    block.stopped.fill(PackedRgb::new([0.25; 3]));
+                    blocks.push(block);
+                    blocks.len() as u32 - 1 + FIRST
+                }
+                _ => EMPTY,
+            };
+            let numbers = (0..side * side).map(|_| number()).collect();
+            BlockLevel::new([side; 2], numbers, blocks)
+        };
+        [160, 80, 40, 20].map(level).into()
+    }
+
+    #[test]
+    fn rays_cross_empty_squares_as_they_cross_their_blocks() {
+        let seed = fastrand::u64(..);
+        let mut random = fastrand::Rng::with_seed(seed);
+        let (mut lit, mut clear) = (0, 0);
+        for sparse in [2, 20, 200, 2000] {
+            let mut single = levels(&mut random, sparse);
+            let mut squares = levels(&mut random, sparse);
+            for (single, squares) in single.iter_mut().zip(&mut squares) {
+                (single.numbers, single.blocks) = (squares.numbers.clone(), squares.blocks.clone());
+                single.clear = vec![0; single.numbers.len()];
+                squares.find_clear();
+                clear += squares.clear.iter().filter(|doubled| **doubled > 0).count();
+            }
+            let first = [0; 2].map(|_| SIDE as i32 * random.i32(20..120));
+            let rings = Rings::new(4, first, first.map(|v| v + 64), 6);
+            for number in 0..2000 {
+                // Also along the axes, and through corners.
+                let angle = match number % 4 {
+                    0 => TAU / 8.0 * f64::from(random.i32(0..8)),
+                    _ => TAU * random.f64(),
+                };
+                let direction = RayDirection::new(angle);
+                let outside = |a: usize| {
+                    let edge = if direction.way[a] > 0.0 { first[a] + 64 } else { first[a] };
+                    f64::from(edge)
+                };
+                let across = usize::from(direction.way[1].abs() > direction.way[0].abs());
+                let along = 1 - across;
+                let mut from = [0.0; 2];
+                from[across] = outside(across);
+                let places = if number % 8 < 4 { 0.0 } else { random.f64() };
+                from[along] = f64::from(first[along] + random.i32(0..64)) + places;
+                let mut block = from.map(|v| (v / SIDE as f64).floor() as i32);
+                block[across] -= i32::from(direction.way[across] < 0.0);
+                let reach = if random.bool() { f64::INFINITY } else { 500.0 * random.f64() };
+                let ray = BlockRay { from, direction: &direction, block, reach };
+                let [expected, found] = [&single, &squares].map(|levels| march(levels, &rings, ray));
+                assert_eq!(found, expected, "seed {seed}, {sparse}, {angle}: {ray:?}");
+                lit += usize::from(found[0] != [0.0; 3]);
+            }
+        }
+        assert!(lit > 1000 && clear > 1000, "seed {seed}: {lit}, {clear}");
+    }
 }

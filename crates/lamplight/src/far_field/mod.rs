@@ -16,7 +16,7 @@
 //! Surfaces send what they emit and what they send on of the light that they receive. The latter is found tile by tile,
 //! a bounce after the other ([`crate::world`]; [`surfaces`]).
 //!
-//! Cost: a block of matter takes 650 bytes, an empty one four. Time goes with the number of blocks of matter, and for a
+//! Cost: a block of matter takes 650 bytes, an empty one five. Time goes with the number of blocks of matter, and for a
 //! tile with the length of its border, times the logarithm of the world's size.
 //!
 //! Known failures: a thing that borders of blocks part looks wider, by up to a fifth if it is about as large as they are.
@@ -39,6 +39,7 @@ mod sweep;
 use crate::stages::bounce::SurfaceLight;
 use crate::{Cells, GridWindow, Inflow, Lamp, Result, Sky};
 use block::FarBlock;
+pub use inflow::IsSolid;
 use levels::{BlockLevel, EMPTY, SOLID};
 pub use near::NearCells;
 pub use parts::{BounceState, FarBlocks, FarPart};
@@ -73,8 +74,7 @@ impl FarField {
     pub fn new(size: [u32; 2], sky: Sky) -> Self {
         let blocks = size.map(|side| side.div_ceil(2 * SIDE as u32) as i32 * 2);
         let count = (blocks[0] * blocks[1]) as usize;
-        let finest =
-            BlockLevel { size: blocks, numbers: vec![EMPTY; count], ..BlockLevel::default() };
+        let finest = BlockLevel::new(blocks, vec![EMPTY; count], Vec::new());
         Self {
             sky,
             levels: vec![finest],
@@ -162,11 +162,12 @@ impl FarField {
             };
             self.levels.push(coarser);
         }
+        self.levels.par_iter_mut().for_each(BlockLevel::find_clear);
         self.measured.iter_mut().for_each(HashMap::clear);
     }
 
     /// Returns the light that enters a window, which begins at a multiple of 4, in `columns` directions, through the cells
-    /// near it if they are known.
+    /// near it if they are known. `is_solid`: which cells of the window are.
     ///
     /// # Errors
     /// As [`Inflow::new`].
@@ -174,9 +175,10 @@ impl FarField {
         &self,
         window: GridWindow,
         columns: usize,
+        is_solid: IsSolid,
         near: Option<&NearCells>,
     ) -> Result<Inflow> {
-        inflow::inflow(&self.levels, &self.sky, window, columns, near)
+        inflow::inflow(&self.levels, &self.sky, window, columns, is_solid, near)
     }
 
     /// Returns an inflow of a window, which begins at a multiple of 4, with the light of lamps in it. Positions are px of

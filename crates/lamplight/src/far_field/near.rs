@@ -3,11 +3,9 @@
 //! Blocks close to a tile look coarse: with a margin of 32 px around tiles of 256×256 the largest jump of light at their
 //! seams is 2.6 % of the mean, and 1.4 % if the next 32 px are crossed cell by cell. With a margin of 64 px that gains
 //! nothing more.
-//!
-//! Rays begin only where a cell at the border is open, as those of blocks do: a light or a wall that the border cuts
-//! through would otherwise be seen from inside.
 
-use super::read::{BlockReader, SIDE, face};
+use super::paths::face;
+use super::read::{BlockReader, SIDE};
 use crate::grid::class::CellClass;
 use crate::math::transmittance::OPAQUE_TRANSMITTANCE;
 use crate::stages::bounce::SurfaceLight;
@@ -33,12 +31,6 @@ impl<'a> NearCells<'a> {
     /// Creates those of a window, whose surfaces send this on.
     pub fn new(cells: &'a Cells, window: GridWindow, light: &SurfaceLight) -> Self {
         Self { reader: BlockReader::new(cells, light), window }
-    }
-
-    /// Returns whether a cell of the world is solid.
-    pub fn is_solid(&self, cell: [i32; 2]) -> bool {
-        let cell = [0, 1].map(|a| i64::from(cell[a]) - i64::from(self.window.first[a]));
-        self.reader.class(cell) == CellClass::Solid
     }
 
     /// Lets a ray cross the cells from a place, px of the world, at which it enters a cell along an axis.

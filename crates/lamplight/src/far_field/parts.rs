@@ -121,7 +121,9 @@ impl LevelRecord {
     fn level(self) -> Option<BlockLevel> {
         let mut numbers = vec![EMPTY; self.size[0] as usize * self.size[1] as usize];
         self.read(FIRST, |at, number| numbers[at] = number)?;
-        Some(BlockLevel { size: self.size, numbers, blocks: self.blocks })
+        let mut level = BlockLevel::new(self.size, numbers, self.blocks);
+        level.find_clear();
+        Some(level)
     }
 }
 

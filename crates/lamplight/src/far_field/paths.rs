@@ -24,6 +24,11 @@ pub fn direction(number: usize) -> [f64; 2] {
     [cos, sin].map(|v| if v.abs() < 1e-9 { 0.0 } else { v })
 }
 
+/// Returns the face by which a ray enters a cell along an axis: left, right, top, bottom.
+pub fn face(way: [f64; 2], axis: usize) -> usize {
+    2 * axis + usize::from(way[axis] < 0.0)
+}
+
 /// The way in which parallel rays lie across blocks. They enter a block by two sides; a ray passes its middle at an
 /// offset.
 #[derive(Clone, Copy, Debug)]
@@ -110,8 +115,8 @@ impl Strips {
 pub struct PathStep {
     /// The number of the cell in the block with a margin of one cell, row by row.
     pub cell: usize,
-    /// The axis along which the path enters it.
-    pub axis: usize,
+    /// The face by which the path enters it.
+    pub face: usize,
     /// The number of its slot in the direction, if the cell is a block.
     pub number: usize,
     /// Length, in sides of a cell.
@@ -216,7 +221,7 @@ fn path(side: usize, direction: [f64; 2], offset: f64, weight: f32) -> Path {
         let entry = across.entry(offset - across.offset(middle));
         path.steps.push(PathStep {
             cell: number(cell),
-            axis: entered,
+            face: face(direction, entered),
             number: strips.number(entry),
             length: length as f32,
         });
@@ -277,8 +282,8 @@ mod tests {
     fn paths_of_a_slot_enter_by_one_side() {
         for paths in [Paths::through_cells(4), Paths::through_blocks(2)] {
             for (slot, of_slot) in paths.of_slots.iter().enumerate() {
-                let axes: Vec<usize> = of_slot.iter().map(|path| path.steps[0].axis).collect();
-                assert!(axes.windows(2).all(|pair| pair[0] == pair[1]), "{slot}: {axes:?}");
+                let faces: Vec<usize> = of_slot.iter().map(|path| path.steps[0].face).collect();
+                assert!(faces.windows(2).all(|pair| pair[0] == pair[1]), "{slot}: {faces:?}");
             }
         }
     }

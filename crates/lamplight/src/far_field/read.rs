@@ -1,7 +1,7 @@
 //! Blocks read from cells.
 
 use super::block::{FarBlock, PackedRgb};
-use super::paths::{PER_DIRECTION, Paths, direction};
+use super::paths::Paths;
 use super::shut::WallWay;
 use crate::grid::class::CellClass;
 use crate::math::transmittance::{attenuation, extinction};
@@ -116,9 +116,8 @@ impl<'a> BlockReader<'a> {
                     if class == CellClass::Empty {
                         continue;
                     }
-                    let face = face(direction(slot / PER_DIRECTION), step.axis);
                     let [radiance, stopped, passed] =
-                        self.crossed(cell(step.cell), class, face, step.length);
+                        self.crossed(cell(step.cell), class, step.face, step.length);
                     for c in 0..3 {
                         let stopped = through[c] * stopped[c];
                         sum.stopped[c] += stopped;
@@ -159,9 +158,4 @@ struct PathSum {
     hidden: f32,
     sent: Rgb,
     stopped: Rgb,
-}
-
-/// Returns the face by which a ray enters a cell along an axis: left, right, top, bottom.
-pub fn face(way: [f64; 2], axis: usize) -> usize {
-    2 * axis + usize::from(way[axis] < 0.0)
 }

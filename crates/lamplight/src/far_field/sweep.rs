@@ -5,8 +5,8 @@
 //! block on their way, of every size at once, counts what they see and what is stopped between its entry and its exit.
 
 use super::block::{FarBlock, PackedRgb};
-use super::paths::{Across, DIRECTIONS, PER_DIRECTION, Strips, direction, slot};
-use super::read::{BlockReader, HIDDEN_WEIGHT, SIDE, face};
+use super::paths::{Across, DIRECTIONS, PER_DIRECTION, Strips, direction, face, slot};
+use super::read::{BlockReader, HIDDEN_WEIGHT, SIDE};
 use crate::Rgb;
 use crate::grid::class::CellClass;
 use rayon::prelude::*;
@@ -60,8 +60,9 @@ struct LineState {
 struct SweptLine {
     /// The place at which it enters, px.
     from: [f64; 2],
-    /// The unit vector along it, and the signs of its components.
+    /// The unit vector along it, the lengths along it per px along each axis, and the signs of its components.
     way: [f64; 2],
+    inverse: [f64; 2],
     ahead: [i64; 2],
     across: Across,
     strips: Strips,
@@ -70,16 +71,16 @@ struct SweptLine {
 }
 
 impl SweptLine {
-    /// Returns the axis along which it leaves the square of this side around a cell, at a multiple of the side, and the
-    /// length up to there.
+    /// Returns the axis along which it leaves the square of 2^`doubled` cells around a cell, at a multiple of that, and
+    /// the length up to there.
     #[inline]
-    fn leaves(&self, cell: [i64; 2], side: i64) -> (usize, f64) {
+    fn leaves(&self, cell: [i64; 2], doubled: usize) -> (usize, f64) {
         let length = |a: usize| {
             if self.way[a] == 0.0 {
                 return f64::INFINITY;
             }
-            let edge = (cell[a] / side + i64::from(self.ahead[a] > 0)) * side;
-            (edge as f64 - self.from[a]) / self.way[a]
+            let edge = ((cell[a] >> doubled) + i64::from(self.ahead[a] > 0)) << doubled;
+            (edge as f64 - self.from[a]) * self.inverse[a]
         };
         let lengths = [length(0), length(1)];
         let axis = usize::from(lengths[1] < lengths[0]);
@@ -111,12 +112,13 @@ impl Swept<'_> {
         let count = |size: usize| self.side(0, size) * self.side(1, size);
         let counts: Vec<usize> = (1..=sizes).map(count).collect();
         let uniform = self.uniform(sizes);
+        let widths = self.widths(&uniform);
         let sums: Vec<Vec<Vec<[SlotSum; PER_DIRECTION]>>> = (0..DIRECTIONS)
             .into_par_iter()
             .map(|number| {
                 let mut sums: Vec<_> =
                     counts.iter().map(|&n| vec![[SlotSum::default(); PER_DIRECTION]; n]).collect();
-                self.draw_lines(number, &uniform, &mut sums);
+                self.draw_lines(number, &widths, &mut sums);
                 sums
             })
             .collect();
@@ -169,6 +171,21 @@ impl Swept<'_> {
         levels
     }
 
+    /// Returns for each finest block how often its width doubles in the largest block around it, within the window, that
+    /// is all empty or all solid as it is.
+    fn widths(&self, uniform: &[Vec<Content>]) -> Vec<u8> {
+        let width = |at: usize| {
+            let block = [at % self.blocks[0], at / self.blocks[0]];
+            let is_same = |size: &usize| {
+                let [x, y] = block.map(|v| v >> size);
+                let is_whole = (0..2).all(|a| ((block[a] >> size) + 1) << size <= self.blocks[a]);
+                is_whole && uniform[*size][y * self.side(0, *size) + x] == self.contents[at]
+            };
+            (1..uniform.len()).take_while(is_same).count() as u8
+        };
+        (0..self.contents.len()).into_par_iter().map(width).collect()
+    }
+
     /// Returns the place of a cell of the window among those of the reader.
     fn place(&self, cell: [i64; 2]) -> [i64; 2] {
         [0, 1].map(|a| cell[a] + self.origin[a])
@@ -178,7 +195,7 @@ impl Swept<'_> {
     fn draw_lines(
         &self,
         number: usize,
-        uniform: &[Vec<Content>],
+        widths: &[u8],
         sums: &mut [Vec<[SlotSum; PER_DIRECTION]>],
     ) {
         let way = direction(number);
@@ -193,6 +210,7 @@ impl Swept<'_> {
         let per_px = if way[other] == 0.0 { 1.0 } else { PER_PX };
         let [low, high] = [drift.min(0.0), drift.max(0.0)];
         let ahead = way.map(|v| if v > 0.0 { 1 } else { -1 });
+        let inverse = way.map(|v| 1.0 / v);
         let count = ((size[other] + high - low) * per_px) as usize;
         for i in 0..count {
             let place = (i as f64 + 0.5) / per_px - high;
@@ -211,9 +229,9 @@ impl Swept<'_> {
                     continue;
                 }
             }
-            let line =
-                SweptLine { from: at, way, ahead, across, strips, offset: across.offset(at) };
-            self.draw_line(&line, axis, uniform, sums);
+            let offset = across.offset(at);
+            let line = SweptLine { from: at, way, inverse, ahead, across, strips, offset };
+            self.draw_line(&line, axis, widths, sums);
         }
     }
 
@@ -222,7 +240,7 @@ impl Swept<'_> {
         &self,
         line: &SweptLine,
         axis: usize,
-        uniform: &[Vec<Content>],
+        widths: &[u8],
         sums: &mut [Vec<[SlotSum; PER_DIRECTION]>],
     ) {
         let last = self.blocks.map(|side| (side * SIDE) as i64 - 1);
@@ -237,26 +255,20 @@ impl Swept<'_> {
         let mut at = 0.0;
         self.enter(line, cell, entered, crossings);
         loop {
-            // Across the largest block around that is empty or solid, if there is one.
             let block = cell.map(|v| v as usize / SIDE);
-            let content = |size: usize| {
-                let [x, y] = block.map(|v| v >> size);
-                let is_whole = (0..2).all(|a| ((block[a] >> size) + 1) << size <= self.blocks[a]);
-                is_whole.then(|| uniform[size][y * self.side(0, size) + x])
-            };
-            let here = self.contents[block[1] * self.blocks[0] + block[0]];
-            if here == Content::Mixed {
+            let here = block[1] * self.blocks[0] + block[0];
+            if self.contents[here] == Content::Mixed {
                 entered = self.cross_cells(line, &mut cell, &mut at, entered, crossings);
             } else {
-                if here == Content::Solid {
+                // Across the largest block around that is empty or solid.
+                if self.contents[here] == Content::Solid {
                     crossings.iter_mut().for_each(|crossing| crossing.through = [0.0; 3]);
                 }
-                let size =
-                    (1..uniform.len()).take_while(|&size| content(size) == Some(here)).count();
-                let side = (SIDE << size) as i64;
-                (entered, at) = line.leaves(cell, side);
+                let doubled = SIDE.ilog2() as usize + usize::from(widths[here]);
+                let side = 1 << doubled;
+                (entered, at) = line.leaves(cell, doubled);
                 let along = 1 - entered;
-                let first = cell.map(|v| v / side * side);
+                let first = cell.map(|v| v & !(side - 1));
                 let place = line.from[along] + line.way[along] * at;
                 cell[along] = (place as i64).clamp(first[along], first[along] + side - 1);
                 cell[entered] = first[entered] + if line.ahead[entered] > 0 { side - 1 } else { 0 };
@@ -310,7 +322,7 @@ impl Swept<'_> {
         crossings: &mut [LineState],
     ) -> usize {
         loop {
-            let (next, end) = line.leaves(*cell, 1);
+            let (next, end) = line.leaves(*cell, 0);
             self.cross(*cell, face(line.way, axis), (end - *at).max(0.0) as f32, crossings);
             *at = end;
             axis = next;
@@ -325,6 +337,10 @@ impl Swept<'_> {
     /// Crosses a cell.
     #[inline]
     fn cross(&self, cell: [i64; 2], face: usize, length: f32, crossings: &mut [LineState]) {
+        // What stops all light in the smallest block does so in all.
+        if crossings[0].through == [0.0; 3] {
+            return;
+        }
         let at = self.place(cell);
         let class = self.reader.class(at);
         if class == CellClass::Empty {
