@@ -8,7 +8,8 @@ use lamplight::{Cells, Display, GridWindow, Lamp, Matter, Result, Settings, Sky}
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-const TILE: u32 = 1024;
+/// With its margin a multiple of 512.
+const TILE: u32 = 1408;
 const STONE: Matter = Matter { opacity: 1.0, albedo: [0.5, 0.45, 0.4], ..Matter::EMPTY };
 /// Huts stand this far apart, px.
 const HUTS: u32 = 160;

@@ -66,14 +66,31 @@ pub fn inflow(
         let along = side % 2;
         let across = 1 - along;
         let outward = if side == 0 || side == 3 { -1 } else { 1 };
-        let border =
-            Border { levels, rings: &rings, is_solid, near, rays: &rays, sky: &seen, across, outward };
+        let border = Border {
+            levels,
+            rings: &rings,
+            is_solid,
+            near,
+            rays: &rays,
+            sky: &seen,
+            across,
+            outward,
+        };
         let sources = border.sources();
-        let strips = (0..blocks[along]).into_par_iter().map(|i| {
+        let block = |i: i32| {
             let mut block = first.map(|v| v / SIDE as i32);
             block[along] += i;
             block[across] += if outward < 0 { -1 } else { blocks[across] };
-            border.strip(block, &sources)
+            block
+        };
+        let open: Vec<_> = (0..blocks[along]).map(|i| border.open_cells(block(i))).collect();
+        let strips = (0..open.len()).into_par_iter().map(|i| {
+            // Between two strips radiance is linear, so one that no light reaches counts beside one that some does.
+            let beside = i.saturating_sub(1)..(i + 2).min(open.len());
+            if open[beside].iter().all(Vec::is_empty) {
+                return vec![[0.0; 3]; columns];
+            }
+            border.strip(block(i as i32), &open[i], &sources)
         });
         strips.collect::<Vec<_>>()
     });
@@ -116,7 +133,7 @@ impl Border<'_> {
         (0..columns).map(nearest).collect()
     }
 
-    /// Returns the numbers of the cells along the border at a block that light can reach, or of all if none can.
+    /// Returns the numbers of the cells along the border at a block that light can reach.
     fn open_cells(&self, block: [i32; 2]) -> Vec<i32> {
         let along = 1 - self.across;
         let is_open = |&number: &i32| {
@@ -125,9 +142,7 @@ impl Border<'_> {
             cell[self.across] += if self.outward < 0 { SIDE as i32 } else { -1 };
             !(self.is_solid)(cell)
         };
-        let all = 0..SIDE as i32;
-        let open: Vec<i32> = all.clone().filter(is_open).collect();
-        if open.is_empty() { all.collect() } else { open }
+        (0..SIDE as i32).filter(is_open).collect()
     }
 
     /// Returns the radiance along a ray that enters a block at the border, and the transmittance of its way.
@@ -148,12 +163,14 @@ impl Border<'_> {
         ]
     }
 
-    /// Returns the radiance that comes through a block at the border, by column.
-    fn strip(&self, block: [i32; 2], sources: &[usize]) -> Vec<Rgb> {
+    /// Returns the radiance that comes through a block at the border, by column: by the open cells there, or by all if
+    /// none is open.
+    fn strip(&self, block: [i32; 2], open: &[i32], sources: &[usize]) -> Vec<Rgb> {
+        const ALL: [i32; SIDE] = [0, 1, 2, 3];
+        let open = if open.is_empty() { &ALL } else { open };
         let columns = sources.len();
         let along = 1 - self.across;
         let edge = block[self.across] + i32::from(self.outward < 0);
-        let open = self.open_cells(block);
         // The radiance along a ray, by its number and its column.
         let trace = |ray: &RayDirection, number: usize, column: usize| -> Rgb {
             // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
@@ -187,7 +204,8 @@ impl Border<'_> {
         for column in own() {
             // With the nearest ray of each column beside it.
             let near = (0..RAYS + 2).map(|i| brightness[(column * RAYS + i + count - 1) % count]);
-            let [low, high] = near.fold([f32::MAX, 0.0], |[low, high], v| [v.min(low), v.max(high)]);
+            let [low, high] =
+                near.fold([f32::MAX, 0.0], |[low, high], v| [v.min(low), v.max(high)]);
             if high - low > least {
                 of_column(&self.rays.fine, column, &mut |_, rgb| sums[column].add(rgb));
             }

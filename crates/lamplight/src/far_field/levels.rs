@@ -39,7 +39,7 @@ pub struct BlockLevel {
 }
 
 /// The most that [`BlockLevel::clear_width`] doubles: rays cross few more blocks of a level.
-const MOST_CLEAR: u8 = 4;
+const MOST_CLEAR: u8 = 6;
 
 impl BlockLevel {
     /// The number of a block; those beyond the world are empty.

@@ -253,7 +253,8 @@ mod tests {
                 block[across] -= i32::from(direction.way[across] < 0.0);
                 let reach = if random.bool() { f64::INFINITY } else { 500.0 * random.f64() };
                 let ray = BlockRay { from, direction: &direction, block, reach };
-                let [expected, found] = [&single, &squares].map(|levels| march(levels, &rings, ray));
+                let [expected, found] =
+                    [&single, &squares].map(|levels| march(levels, &rings, ray));
                 assert_eq!(found, expected, "seed {seed}, {sparse}, {angle}: {ray:?}");
                 lit += usize::from(found[0] != [0.0; 3]);
             }

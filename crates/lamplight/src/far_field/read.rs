@@ -7,6 +7,7 @@ use crate::grid::class::CellClass;
 use crate::math::transmittance::{attenuation, extinction};
 use crate::stages::bounce::{SurfaceLight, Surfaces};
 use crate::{Cells, Rgb};
+use rayon::prelude::*;
 
 /// Side of the smallest blocks, cells.
 pub const SIDE: usize = 4;
@@ -29,6 +30,7 @@ pub enum Found {
 #[derive(Debug)]
 pub struct BlockReader<'a> {
     cells: &'a Cells,
+    classes: Vec<CellClass>,
     surfaces: Surfaces,
     paths: Paths,
 }
@@ -39,16 +41,19 @@ impl<'a> BlockReader<'a> {
         let mut surfaces = Surfaces::default();
         surfaces.collect(cells, 0.0);
         surfaces.send(light);
-        Self { cells, surfaces, paths: Paths::through_cells(SIDE) }
+        let classes = (0..cells.len()).into_par_iter();
+        let classes = classes.map(|index| CellClass::of(cells, index, 0.0)).collect();
+        Self { cells, classes, surfaces, paths: Paths::through_cells(SIDE) }
     }
 
     /// Returns the class of a cell; what lies outside the grid is empty.
+    #[inline]
     pub fn class(&self, [x, y]: [i64; 2]) -> CellClass {
         let inside = |v: i64, side: u32| (0..i64::from(side)).contains(&v);
         if !(inside(x, self.cells.width()) && inside(y, self.cells.height())) {
             return CellClass::Empty;
         }
-        CellClass::of(self.cells, self.index([x, y]), 0.0)
+        self.classes[self.index([x, y])]
     }
 
     fn index(&self, [x, y]: [i64; 2]) -> usize {

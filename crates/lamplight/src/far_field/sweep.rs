@@ -192,12 +192,7 @@ impl Swept<'_> {
     }
 
     /// Draws all lines of a direction.
-    fn draw_lines(
-        &self,
-        number: usize,
-        widths: &[u8],
-        sums: &mut [Vec<[SlotSum; PER_DIRECTION]>],
-    ) {
+    fn draw_lines(&self, number: usize, widths: &[u8], sums: &mut [Vec<[SlotSum; PER_DIRECTION]>]) {
         let way = direction(number);
         let across = Across::new(way);
         let strips = Strips::new(&across);
