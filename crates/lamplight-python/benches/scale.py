@@ -21,7 +21,7 @@ from lamplight2d._world import COLUMNS, HALO, prepare, tiles
 
 SIDE, LIT, TILE, PART = 4096, 2048, 512, 1024
 """Of the world whose steps are measured, of the one that workers light, of small tiles, and of parts and large tiles, px."""
-WORKERS = [1, 2, 4]
+WORKERS = [1, 2, 4, 8]
 SOLVER = ll.Solver(threads=1)
 BOUNCES: int = SOLVER.settings["bounces"]
 MACHINES, CORES, LIMIT, GOAL = 100, 64, 65_536, 1_000_000
