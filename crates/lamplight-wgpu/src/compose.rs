@@ -3,7 +3,7 @@
 use crate::camera::VisibleRect;
 use crate::error::{CreateError, PrepareError, RecordError, Result};
 use crate::error_scope::with_error_scope;
-use crate::stages::display::{ComposeUniforms, Shading, Target, encodes};
+use crate::stages::display::{ComposeUniforms, Drawn, Shading, Target, encodes, tonemap_number};
 use crate::{Lighting, matter};
 use lamplight::Display;
 use std::collections::HashMap;
@@ -77,7 +77,7 @@ pub struct ComposeParams<'a> {
 /// light, other normalised ones encoded light. Float formats receive linear tone-mapped light: 0 to 1, or
 /// without a tone map the full range, for a host that has its own.
 ///
-/// A pipeline is compiled for each kind of target when it is first used. One `Compose` shows one frame at a
+/// A pipeline is compiled for each kind of target, of parameters and of tone map when it is first used. One `Compose` shows one frame at a
 /// time: a split screen needs one per part.
 ///
 /// ```no_run
@@ -96,7 +96,7 @@ pub struct Compose {
     queue: Queue,
     shading: Shading,
     uniforms: Buffer,
-    pipelines: HashMap<Target, RenderPipeline>,
+    pipelines: HashMap<Drawn, RenderPipeline>,
     pipeline: Option<RenderPipeline>,
     bound: Option<BoundGroup>,
 }
@@ -160,7 +160,7 @@ impl Compose {
     ) -> Result<()> {
         params.display.check()?;
         let target = target.into();
-        let Some(encode) = encodes(target.format) else {
+        let Some(encodes) = encodes(target.format) else {
             let problem =
                 format!("has the format {:?}, which no picture is drawn to", target.format);
             return Err(PrepareError::Texture { name: "target", problem });
@@ -204,28 +204,33 @@ impl Compose {
             let problem = "need the first moment of light: set `Settings::moment`".to_owned();
             return Err(PrepareError::Texture { name: "normals", problem });
         }
-        let mut uniforms = ComposeUniforms::new(&params.display, lit.elevation, lit.size)?;
+        let mut uniforms = ComposeUniforms::new(&params.display, lit.elevation, lit.size);
         if matches!(target.format, TextureFormat::Rgba16Float | TextureFormat::Rg11b10Ufloat) {
             uniforms.keep_finite();
         }
-        uniforms.filter_light = (params.filter == Filter::Linear).into();
-        uniforms.color_from = color_from;
-        uniforms.keep_alpha = (color_from == 3).into();
-        uniforms.color_emits = params.emission.is_some().into();
-        uniforms.more_light = params.more.is_some().into();
-        uniforms.has_shown = lit.shown.is_some().into();
-        uniforms.normals = if normals.is_some() { normals_of } else { 0 };
         if let Some(VisibleRect { corner, right, down }) = params.visible {
             (uniforms.corner, uniforms.right, uniforms.down) = (corner, right, down);
         }
         self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
 
-        if !self.pipelines.contains_key(&target) {
-            let compile = || Ok(self.shading.pipeline(&self.device, target, encode));
+        let drawn = Drawn {
+            target,
+            encodes,
+            tonemap: tonemap_number(params.display.tonemap)?,
+            is_filtered: params.filter == Filter::Linear,
+            color_from,
+            color_emits: params.emission.is_some(),
+            more_light: params.more.is_some(),
+            has_shown: lit.shown.is_some(),
+            normals: if normals.is_some() { normals_of } else { 0 },
+            shines: params.display.relief.specular != 0.0,
+        };
+        if !self.pipelines.contains_key(&drawn) {
+            let compile = || Ok(self.shading.pipeline(&self.device, drawn));
             let compiled = with_error_scope::<_, PrepareError>(&self.device, compile)?;
-            self.pipelines.insert(target, compiled);
+            self.pipelines.insert(drawn, compiled);
         }
-        self.pipeline = self.pipelines.get(&target).cloned();
+        self.pipeline = self.pipelines.get(&drawn).cloned();
         let resources = [
             Resource::Buffer(lit.frame.clone()),
             match lit.light_texture {

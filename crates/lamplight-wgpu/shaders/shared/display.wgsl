@@ -5,8 +5,6 @@
 #import shared/luminance
 #import shared/uniforms
 
-const NEAREST: u32 = 0u;
-
 const WHITE: u32 = 0u;
 const OF_CELLS: u32 = 1u;
 const OVER_VIEW: u32 = 2u;
@@ -28,23 +26,19 @@ struct ComposeUniforms {
     right: vec2f,
     down: vec2f,
     gain: f32,
-    tonemap: u32,
-    filter_light: u32,
-    color_from: u32,
-    // True if the colour has an emission of its own, which replaces that of the cells.
-    color_emits: u32,
-    // True if light is added to the grid's.
-    more_light: u32,
-    luma: vec3f,
     brightest: f32,
+    luma: vec3f,
+    aces_end: f32,
     // Light that arrives everywhere, whatever the normal.
     ambient: vec3f,
-    keep_alpha: u32,
+    aces_white: f32,
     // a, b, c, d of x(ax + b) / (x(cx + d) + e).
     aces: vec4f,
-    aces_end: f32,
-    aces_white: f32,
     stops: vec2f,
+    // Of the elevation of light.
+    cotangent: f32,
+    // Strength and exponent of highlights.
+    specular: f32,
     // Columns.
     inset: mat3x3f,
     outset: mat3x3f,
@@ -52,16 +46,23 @@ struct ComposeUniforms {
     contrast: array<vec4f, 2>,
     // Gain, power and saturation.
     look: vec3f,
-    // True if the emission that is seen is not that of the matter.
-    has_shown: u32,
-    // Of the elevation of light.
-    cotangent: f32,
-    // Strength and exponent of highlights.
-    specular: f32,
     exponent: f32,
-    normals: u32,
 }
 
+// The picture that is drawn, `Drawn` in src/stages/display.rs. These are constants because software GPUs take both sides of a branch.
+override TONEMAP: u32;
+// False: each pixel shows the cell it lies in.
+override FILTERED: bool;
+override COLOR_FROM: u32;
+// True if the colour has an emission of its own, which replaces that of the cells.
+override COLOR_EMITS: bool;
+// True if light is added to the grid's.
+override MORE_LIGHT: bool;
+// True if the emission that is seen is not that of the matter.
+override HAS_SHOWN: bool;
+override NORMALS: u32;
+// True if there are highlights.
+override SHINES: bool;
 // True if the shader encodes, because the target does not.
 override ENCODE: bool;
 override STRAIGHT: f32;
@@ -106,10 +107,10 @@ fn over_view(seen: Seen, picture: texture_2d<f32>) -> vec4f {
 
 // The colour at a pixel, unless it is given per cell.
 fn colored(seen: Seen) -> vec4f {
-    if params.color_from == UNDER_TARGET {
+    if COLOR_FROM == UNDER_TARGET {
         return under_target(seen, color);
     }
-    if params.color_from == OVER_VIEW {
+    if COLOR_FROM == OVER_VIEW {
         return over_view(seen, color);
     }
     return vec4f(1.0);
@@ -132,7 +133,7 @@ fn shade(normal: vec3f, arrives: vec3f, moment: array<vec3f, 2>) -> Shade {
     let received = max(normal.z * arrives + params.cotangent * sides, vec3f(0.0));
     let way = vec2f(luminance(moment[0]), luminance(moment[1]));
     let length = length(way);
-    if params.specular == 0.0 || length == 0.0 {
+    if !SHINES || length == 0.0 {
         return Shade(received, vec3f(0.0));
     }
     let up = clamp(luminance(arrives) / length, LEAST_LIGHT, 1.0);
@@ -169,25 +170,25 @@ fn radiance(near: vec2i) -> Radiance {
     } else {
         seen.emitted *= 1.0 - (1.0 - tint_opacity.a) * tint_opacity.rgb;
     }
-    if params.has_shown != 0u {
+    if HAS_SHOWN {
         seen.emitted = textureLoad(shown, at, 0).rgb;
     }
-    if params.more_light != 0u {
+    if MORE_LIGHT {
         seen.arrives += textureLoad(more, at, 0).rgb;
     }
-    if params.normals != NO_NORMALS {
+    if NORMALS != NO_NORMALS {
         let cells = frame.size.x * frame.size.y;
         seen.moment = array(light_at(cells + i), light_at(2u * cells + i));
     }
-    if params.normals == NORMALS_OF_CELLS {
+    if NORMALS == NORMALS_OF_CELLS {
         let shade = shade(normal_of(textureLoad(normals, at, 0)), seen.arrives, seen.moment);
         seen.arrives = shade.received;
         seen.highlight = shade.highlight;
     }
-    if params.normals != NORMALS_OF_COLOR {
+    if NORMALS != NORMALS_OF_COLOR {
         seen.arrives += params.ambient;
     }
-    if params.color_from == OF_CELLS {
+    if COLOR_FROM == OF_CELLS {
         seen.arrives *= textureLoad(color, at, 0).rgb;
     }
     return seen;
@@ -244,15 +245,15 @@ fn encoded(linear: vec3f) -> vec3f {
 fn show(seen: Seen) -> @location(0) vec4f {
     let place = params.corner + seen.across.x * params.right + seen.across.y * params.down;
     var cell: Radiance;
-    if params.filter_light == NEAREST {
-        cell = radiance(vec2i(floor(place)));
-    } else {
+    if FILTERED {
         cell = between(place);
+    } else {
+        cell = radiance(vec2i(floor(place)));
     }
     let falls_on = colored(seen);
-    if params.normals == NORMALS_OF_COLOR {
+    if NORMALS == NORMALS_OF_COLOR {
         var texel: vec4f;
-        if params.color_from == UNDER_TARGET {
+        if COLOR_FROM == UNDER_TARGET {
             texel = under_target(seen, normals);
         } else {
             texel = over_view(seen, normals);
@@ -263,22 +264,22 @@ fn show(seen: Seen) -> @location(0) vec4f {
         cell.highlight = shade.highlight;
     }
     var rgb: vec3f;
-    if params.color_emits != 0u {
+    if COLOR_EMITS {
         rgb = falls_on.rgb * (cell.arrives + under_target(seen, color_emission).rgb);
     } else {
         rgb = falls_on.rgb * cell.arrives + cell.emitted;
     }
     rgb += cell.highlight;
     rgb = clamp(rgb * params.gain, vec3f(0.0), vec3f(params.brightest));
-    if params.tonemap == REINHARD {
+    if TONEMAP == REINHARD {
         rgb = rgb / (1.0 + rgb);
-    } else if params.tonemap == ACES {
+    } else if TONEMAP == ACES {
         rgb = min(aces(rgb), vec3f(1.0));
-    } else if params.tonemap == AGX {
+    } else if TONEMAP == AGX {
         rgb = min(agx(rgb), vec3f(1.0));
     }
     if ENCODE {
         rgb = encoded(rgb);
     }
-    return vec4f(rgb, select(1.0, falls_on.a, params.keep_alpha != 0u));
+    return vec4f(rgb, select(1.0, falls_on.a, COLOR_FROM == UNDER_TARGET));
 }

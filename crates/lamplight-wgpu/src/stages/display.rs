@@ -1,6 +1,6 @@
 //! From light to the displayed picture: exposure, tone map, encoding.
 
-use crate::error::{Result, unsupported};
+use crate::error::unsupported;
 use crate::gpu_struct::gpu_struct;
 use crate::matter::MAX_HALF;
 use crate::shader_module::shader_module;
@@ -26,84 +26,87 @@ gpu_struct! {
         pub right: [f32; 2],
         pub down: [f32; 2],
         gain: f32,
-        tonemap: u32,
-        pub filter_light: u32,
-        pub color_from: u32,
-        pub color_emits: u32,
-        pub more_light: u32,
-        luma: Rgb,
         brightest: f32,
-        ambient: Rgb,
-        pub keep_alpha: u32,
-        aces: [f32; 4],
+        luma: Rgb,
         aces_end: f32,
+        ambient: Rgb,
         aces_white: f32,
+        aces: [f32; 4],
         stops: [f32; 2],
+        cotangent: f32,
+        specular: f32,
         inset: [[f32; 4]; 3],
         outset: [[f32; 4]; 3],
         contrast: [[f32; 4]; 2],
         look: Rgb,
-        pub has_shown: u32,
-        cotangent: f32,
-        specular: f32,
         exponent: f32,
-        pub normals: u32,
     }
+}
+
+/// The picture that a pipeline draws, and its target. The numbers are those of shaders/shared/display.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Drawn {
+    pub target: Target,
+    pub encodes: bool,
+    pub tonemap: u32,
+    pub is_filtered: bool,
+    pub color_from: u32,
+    pub color_emits: bool,
+    pub more_light: bool,
+    pub has_shown: bool,
+    pub normals: u32,
+    pub shines: bool,
 }
 
 impl ComposeUniforms {
     /// The uniforms that show a whole grid of this size. Without an elevation of its light there are no normals.
-    pub fn new(
-        display: &Display,
-        elevation: Option<f32>,
-        size: [u32; 2],
-    ) -> Result<Self, lamplight::Error> {
+    pub fn new(display: &Display, elevation: Option<f32>, size: [u32; 2]) -> Self {
         let [a, b, c, d, e] = ACES;
-        let (tonemap, luma, look) = match display.tonemap {
-            ToneMap::None => (0, [0.0; 3], AGX_PLAIN),
-            ToneMap::Reinhard => (1, [0.0; 3], AGX_PLAIN),
-            ToneMap::Aces => (2, ACES_LUMA, AGX_PLAIN),
-            ToneMap::Agx => (3, LUMINANCE, AGX_PLAIN),
-            ToneMap::Vivid => (3, LUMINANCE, AGX_VIVID),
-            other => return Err(unsupported("tonemap", other)),
+        let (luma, look) = match display.tonemap {
+            ToneMap::Aces => (ACES_LUMA, AGX_PLAIN),
+            ToneMap::Vivid => (LUMINANCE, AGX_VIVID),
+            _ => (LUMINANCE, AGX_PLAIN),
         };
         let cotangent = elevation.map_or(0.0, |elevation| elevation.cos() / elevation.sin());
         let Relief { specular, .. } = display.relief;
         let [x6, x5, x4, x3, x2, x1, x0] = AGX_CONTRAST;
-        Ok(Self {
+        Self {
             corner: [0.0; 2],
             right: [size[0] as f32, 0.0],
             down: [0.0, size[1] as f32],
             gain: display.gain(),
-            tonemap,
-            filter_light: 0,
-            color_from: 0,
-            color_emits: 0,
-            more_light: 0,
-            luma,
             brightest: BRIGHTEST,
-            ambient: display.ambient,
-            keep_alpha: 0,
-            aces: [a, b, c, d],
+            luma,
             aces_end: e,
+            ambient: display.ambient,
             aces_white: ACES_WHITE,
+            aces: [a, b, c, d],
             stops: AGX_STOPS,
+            cotangent,
+            specular,
             inset: columns(&AGX_INSET),
             outset: columns(&AGX_OUTSET),
             contrast: [[x6, x5, x4, x3], [x2, x1, x0, AGX_GAMMA]],
             look,
-            has_shown: 0,
-            cotangent,
-            specular,
             exponent: display.relief.exponent(),
-            normals: 0,
-        })
+        }
     }
 
     /// Caps radiance at the largest half float, where every tone map is flat.
     pub fn keep_finite(&mut self) {
         self.brightest = MAX_HALF;
     }
+}
+
+/// Returns the number of a tone map in the shader.
+pub fn tonemap_number(tonemap: ToneMap) -> Result<u32, lamplight::Error> {
+    Ok(match tonemap {
+        ToneMap::None => 0,
+        ToneMap::Reinhard => 1,
+        ToneMap::Aces => 2,
+        ToneMap::Agx | ToneMap::Vivid => 3,
+        other => return Err(unsupported("tonemap", other)),
+    })
 }
 
 /// The columns of a matrix given by rows, padded as in uniforms.
@@ -165,8 +168,9 @@ impl Shading {
         Self { module, layout }
     }
 
-    /// Creates the pipeline for a target; `encode`: the shader encodes for it.
-    pub fn pipeline(&self, device: &Device, target: Target, encode: bool) -> RenderPipeline {
+    /// Creates the pipeline that draws this.
+    pub fn pipeline(&self, device: &Device, drawn: Drawn) -> RenderPipeline {
+        let target = drawn.target;
         let label = Some(shaders::label(programs::DISPLAY.shader));
         let layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
             label,
@@ -174,7 +178,15 @@ impl Shading {
             immediate_size: 0,
         });
         let numbers = [
-            ("ENCODE", f64::from(encode)),
+            ("TONEMAP", f64::from(drawn.tonemap)),
+            ("FILTERED", f64::from(drawn.is_filtered)),
+            ("COLOR_FROM", f64::from(drawn.color_from)),
+            ("COLOR_EMITS", f64::from(drawn.color_emits)),
+            ("MORE_LIGHT", f64::from(drawn.more_light)),
+            ("HAS_SHOWN", f64::from(drawn.has_shown)),
+            ("NORMALS", f64::from(drawn.normals)),
+            ("SHINES", f64::from(drawn.shines)),
+            ("ENCODE", f64::from(drawn.encodes)),
             ("STRAIGHT", f64::from(srgb::STRAIGHT)),
             ("SLOPE", f64::from(srgb::SLOPE)),
             ("OFFSET", f64::from(srgb::OFFSET)),
