@@ -234,7 +234,7 @@ impl Rays {
     }
 }
 
-/// What some rays see.
+/// The sum of the radiance along some rays, and their number.
 #[derive(Clone, Copy, Default)]
 struct RaySum {
     sum: Rgb,
