@@ -26,7 +26,7 @@ impl Rings {
     }
 }
 
-/// Whether a cell of the window, by its place in the world, is solid.
+/// A test of a cell of the window, by its place in the world: it is solid.
 pub type IsSolid<'a> = &'a (dyn Fn([i32; 2]) -> bool + Sync);
 
 /// Returns the beginning and the end of the blocks of a window, px.
