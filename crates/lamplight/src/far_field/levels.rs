@@ -33,13 +33,72 @@ pub struct BlockLevel {
     /// Numbers of all blocks, row by row.
     pub numbers: Vec<u32>,
     pub blocks: Vec<FarBlock>,
-    /// For each empty block how often the width of blocks doubles in the largest square of empty ones around it, at
-    /// multiples of its width. Found when all blocks are known.
-    pub clear: Vec<u8>,
+    pub clear: ClearSquares,
 }
 
-/// The most that [`BlockLevel::clear_width`] doubles: rays cross few more blocks of a level.
-const MOST_CLEAR: u8 = 6;
+/// Squares of empty blocks, which rays cross at once. Found when all blocks are known.
+#[derive(Debug, Default)]
+pub struct ClearSquares {
+    /// The first and the last blocks, exclusive, between which all matter is, at multiples of the largest squares.
+    within: [[i32; 2]; 2],
+    /// For each of these blocks, row by row, how often the width of a block doubles in the largest empty square around it,
+    /// at multiples of its width.
+    doubled: Vec<u8>,
+}
+
+impl ClearSquares {
+    /// The most that a width doubles: rays cross few more blocks of a level.
+    const MOST: usize = 6;
+
+    /// Finds those of a level whose matter lies between two blocks, the last exclusive.
+    pub fn of(level: &BlockLevel, [first, last]: [[i32; 2]; 2]) -> Self {
+        let largest = 1 << Self::MOST;
+        let first = first.map(|v| v.div_euclid(largest) * largest);
+        let last = last.map(|v| (v + largest - 1).div_euclid(largest) * largest);
+        let [columns, rows] = [0, 1].map(|a| (last[a] - first[a]).max(0) as usize);
+        let place =
+            |at: usize| [first[0] + (at % columns) as i32, first[1] + (at / columns) as i32];
+        let mut is_clear: Vec<bool> =
+            (0..columns * rows).map(|at| level.number(place(at)) == EMPTY).collect();
+        let mut doubled = vec![0; columns * rows];
+        for count in 1..=Self::MOST {
+            let finer = columns >> (count - 1);
+            let [across, down] = [columns, rows].map(|v| v >> count);
+            let all_clear = |at: usize| {
+                let at = 2 * (at / across) * finer + 2 * (at % across);
+                [at, at + 1, at + finer, at + finer + 1].into_iter().all(|at| is_clear[at])
+            };
+            let coarser: Vec<bool> = (0..across * down).map(all_clear).collect();
+            for (at, _) in coarser.iter().enumerate().filter(|(_, is_clear)| **is_clear) {
+                let [x, y] = [at % across, at / across].map(|v| v << count);
+                for row in y..y + (1 << count) {
+                    doubled[row * columns + x..][..1 << count].fill(count as u8);
+                }
+            }
+            is_clear = coarser;
+        }
+        Self { within: [first, last], doubled }
+    }
+
+    /// Those of a level of which none is known.
+    #[cfg(test)]
+    pub fn none(size: [i32; 2]) -> Self {
+        Self { within: [[0; 2], size], doubled: vec![0; (size[0] * size[1]) as usize] }
+    }
+
+    /// Returns the width, in blocks, of the largest known square of empty blocks around an empty one. It lies at a multiple
+    /// of its width.
+    #[inline]
+    pub fn width(&self, at: [i32; 2]) -> i32 {
+        let [first, last] = self.within;
+        let is_known = (0..2).all(|a| first[a] <= at[a] && at[a] < last[a]);
+        if !is_known {
+            return 1 << Self::MOST;
+        }
+        let [x, y] = [0, 1].map(|a| (at[a] - first[a]) as usize);
+        1 << self.doubled[y * (last[0] - first[0]) as usize + x]
+    }
+}
 
 impl BlockLevel {
     /// The number of a block; those beyond the world are empty.
@@ -49,45 +108,6 @@ impl BlockLevel {
             return EMPTY;
         }
         self.numbers[(y * self.size[0] + x) as usize]
-    }
-
-    /// Creates a level of these blocks.
-    pub fn new(size: [i32; 2], numbers: Vec<u32>, blocks: Vec<FarBlock>) -> Self {
-        Self { size, numbers, blocks, clear: Vec::new() }
-    }
-
-    /// Finds the squares of empty blocks.
-    pub fn find_clear(&mut self) {
-        let [columns, rows] = self.size.map(|v| v as usize);
-        self.clear = vec![0; self.numbers.len()];
-        let mut is_clear: Vec<bool> = self.numbers.iter().map(|&number| number == EMPTY).collect();
-        let mut finer = columns;
-        for doubled in 1..=MOST_CLEAR {
-            let [across, down] = [columns, rows].map(|v| v.div_ceil(1 << doubled));
-            let finer_rows = is_clear.len() / finer;
-            let all_clear = |at: usize| {
-                let [x, y] = [2 * (at % across), 2 * (at / across)];
-                let rows = y..(y + 2).min(finer_rows);
-                rows.flat_map(|y| (x..(x + 2).min(finer)).map(move |x| [x, y]))
-                    .all(|[x, y]| is_clear[y * finer + x])
-            };
-            let coarser: Vec<bool> = (0..across * down).map(all_clear).collect();
-            for (at, _) in coarser.iter().enumerate().filter(|(_, is_clear)| **is_clear) {
-                let [x, y] = [at % across, at / across].map(|v| v << doubled);
-                for row in y..(y + (1 << doubled)).min(rows) {
-                    let row = row * columns;
-                    self.clear[row + x..row + (x + (1 << doubled)).min(columns)].fill(doubled);
-                }
-            }
-            (is_clear, finer) = (coarser, across);
-        }
-    }
-
-    /// Returns the width, in blocks, of the largest known square of empty blocks around an empty one, by its index. It
-    /// lies at a multiple of its width.
-    #[inline]
-    pub fn clear_width(&self, at: usize) -> i32 {
-        1 << self.clear[at]
     }
 
     /// Adds a record, and returns its number.

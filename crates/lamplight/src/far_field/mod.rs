@@ -40,7 +40,7 @@ use crate::stages::bounce::SurfaceLight;
 use crate::{Cells, GridWindow, Inflow, Lamp, Result, Sky};
 use block::FarBlock;
 pub use inflow::IsSolid;
-use levels::{BlockLevel, EMPTY, SOLID};
+use levels::{BlockLevel, ClearSquares, EMPTY, SOLID};
 pub use near::NearCells;
 pub use parts::{BounceState, FarBlocks, FarPart};
 use rayon::prelude::*;
@@ -74,7 +74,8 @@ impl FarField {
     pub fn new(size: [u32; 2], sky: Sky) -> Self {
         let blocks = size.map(|side| side.div_ceil(2 * SIDE as u32) as i32 * 2);
         let count = (blocks[0] * blocks[1]) as usize;
-        let finest = BlockLevel::new(blocks, vec![EMPTY; count], Vec::new());
+        let finest =
+            BlockLevel { size: blocks, numbers: vec![EMPTY; count], ..BlockLevel::default() };
         Self {
             sky,
             levels: vec![finest],
@@ -162,7 +163,9 @@ impl FarField {
             };
             self.levels.push(coarser);
         }
-        self.levels.par_iter_mut().for_each(BlockLevel::find_clear);
+        self.levels.par_iter_mut().for_each(|level| {
+            level.clear = ClearSquares::of(level, [[0; 2], level.size]);
+        });
         self.measured.iter_mut().for_each(HashMap::clear);
     }
 

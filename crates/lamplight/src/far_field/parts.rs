@@ -4,7 +4,7 @@
 //! the blocks that the rays of a tile cross ([`FarBlocks`]), which are few: [`Rings`] of each level around the tile.
 
 use super::block::FarBlock;
-use super::levels::{BlockLevel, CLIPPED, EMPTY, FIRST, SHUT, SOLID, record};
+use super::levels::{BlockLevel, CLIPPED, ClearSquares, EMPTY, FIRST, SHUT, SOLID, record};
 use super::march::Rings;
 use super::read::SIDE;
 use super::shut::WallWay;
@@ -119,10 +119,20 @@ impl LevelRecord {
 
     /// Makes the level again.
     fn level(self) -> Option<BlockLevel> {
-        let mut numbers = vec![EMPTY; self.size[0] as usize * self.size[1] as usize];
-        self.read(FIRST, |at, number| numbers[at] = number)?;
-        let mut level = BlockLevel::new(self.size, numbers, self.blocks);
-        level.find_clear();
+        let columns = self.size[0] as usize;
+        let mut numbers = vec![EMPTY; columns * self.size[1] as usize];
+        let [mut first, mut last] = [self.size, [0; 2]];
+        self.read(FIRST, |at, number| {
+            numbers[at] = number;
+            let at = [at % columns, at / columns].map(|v| v as i32);
+            for a in 0..2 {
+                first[a] = first[a].min(at[a]);
+                last[a] = last[a].max(at[a] + 1);
+            }
+        })?;
+        let Self { size, blocks, .. } = self;
+        let mut level = BlockLevel { size, numbers, blocks, ..BlockLevel::default() };
+        level.clear = ClearSquares::of(&level, [first, last]);
         Some(level)
     }
 }
