@@ -90,7 +90,7 @@ fn frame_time(example: fn(&mut App)) -> f64 {
 
 /// The figures of docs/bevy-performance.md.
 #[test]
-#[ignore = "measures: cargo test -p bevy_lamplight --test headless -- --ignored --nocapture times"]
+#[ignore = "measures: cargo test --release -p bevy_lamplight --test headless -- --ignored --nocapture times"]
 fn times_of_frames() {
     println!("hello: {:.1} ms per frame", frame_time(hello::example));
     println!("dungeon: {:.1} ms per frame", frame_time(dungeon::example));
