@@ -77,8 +77,8 @@ pub struct ComposeParams<'a> {
 /// light, other normalised ones encoded light. Float formats receive linear tone-mapped light: 0 to 1, or
 /// without a tone map the full range, for a host that has its own.
 ///
-/// A pipeline is compiled for each kind of target, of parameters and of tone map when it is first used. One `Compose` shows one frame at a
-/// time: a split screen needs one per part.
+/// A pipeline is compiled for each kind of target, of parameters and of tone map when it is first used. One `Compose`
+/// shows one frame at a time: a split screen needs one per part.
 ///
 /// ```no_run
 /// # use lamplight_wgpu::{Compose, ComposeParams, Error, Lighting, wgpu};
@@ -204,15 +204,6 @@ impl Compose {
             let problem = "need the first moment of light: set `Settings::moment`".to_owned();
             return Err(PrepareError::Texture { name: "normals", problem });
         }
-        let mut uniforms = ComposeUniforms::new(&params.display, lit.elevation, lit.size);
-        if matches!(target.format, TextureFormat::Rgba16Float | TextureFormat::Rg11b10Ufloat) {
-            uniforms.keep_finite();
-        }
-        if let Some(VisibleRect { corner, right, down }) = params.visible {
-            (uniforms.corner, uniforms.right, uniforms.down) = (corner, right, down);
-        }
-        self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
-
         let drawn = Drawn {
             target,
             encodes,
@@ -225,6 +216,15 @@ impl Compose {
             normals: if normals.is_some() { normals_of } else { 0 },
             shines: params.display.relief.specular != 0.0,
         };
+        let mut uniforms = ComposeUniforms::new(&params.display, lit.elevation, lit.size);
+        if matches!(target.format, TextureFormat::Rgba16Float | TextureFormat::Rg11b10Ufloat) {
+            uniforms.keep_finite();
+        }
+        if let Some(VisibleRect { corner, right, down }) = params.visible {
+            (uniforms.corner, uniforms.right, uniforms.down) = (corner, right, down);
+        }
+        self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
+
         if !self.pipelines.contains_key(&drawn) {
             let compile = || Ok(self.shading.pipeline(&self.device, drawn));
             let compiled = with_error_scope::<_, PrepareError>(&self.device, compile)?;

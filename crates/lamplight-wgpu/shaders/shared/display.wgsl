@@ -49,7 +49,8 @@ struct ComposeUniforms {
     exponent: f32,
 }
 
-// The picture that is drawn, `Drawn` in src/stages/display.rs. These are constants because software GPUs take both sides of a branch.
+// The picture that is drawn, `Drawn` in src/stages/display.rs. These are constants because software GPUs take both
+// sides of a branch.
 override TONEMAP: u32;
 // False: each pixel shows the cell it lies in.
 override FILTERED: bool;

@@ -222,10 +222,10 @@ struct Rays {
 
 impl Rays {
     fn of_columns(columns: usize) -> Self {
+        let width = TAU / columns as f64;
         let directions = |each: usize| {
             let direction = |i: usize| {
                 let spread = ((i % each) as f64 + 0.5) / each as f64 - 0.5;
-                let width = TAU / columns as f64;
                 RayDirection::new(Panorama::angle(columns, i / each) + spread * width)
             };
             (0..columns * each).map(direction).collect()

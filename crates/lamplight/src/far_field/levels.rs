@@ -3,6 +3,7 @@
 use super::block::{BlockRayState, FarBlock, PackedRgb};
 use super::paths::{PER_DIRECTION, PathStep, Paths, slot};
 use super::shut::WallWay;
+use super::squares;
 use rayon::prelude::*;
 
 /// Blocks of a row of a larger one with its margin.
@@ -41,8 +42,7 @@ pub struct BlockLevel {
 pub struct ClearSquares {
     /// The first and the last blocks, exclusive, between which all matter is, at multiples of the largest squares.
     within: [[i32; 2]; 2],
-    /// For each of these blocks, row by row, how often the width of a block doubles in the largest empty square around it,
-    /// at multiples of its width.
+    /// For each of these blocks, row by row, its [`squares::widths`].
     doubled: Vec<u8>,
 }
 
@@ -58,25 +58,12 @@ impl ClearSquares {
         let [columns, rows] = [0, 1].map(|a| (last[a] - first[a]).max(0) as usize);
         let place =
             |at: usize| [first[0] + (at % columns) as i32, first[1] + (at / columns) as i32];
-        let mut is_clear: Vec<bool> =
-            (0..columns * rows).map(|at| level.number(place(at)) == EMPTY).collect();
-        let mut doubled = vec![0; columns * rows];
-        for count in 1..=Self::MOST {
-            let finer = columns >> (count - 1);
-            let [across, down] = [columns, rows].map(|v| v >> count);
-            let all_clear = |at: usize| {
-                let at = 2 * (at / across) * finer + 2 * (at % across);
-                [at, at + 1, at + finer, at + finer + 1].into_iter().all(|at| is_clear[at])
-            };
-            let coarser: Vec<bool> = (0..across * down).map(all_clear).collect();
-            for (at, _) in coarser.iter().enumerate().filter(|(_, is_clear)| **is_clear) {
-                let [x, y] = [at % across, at / across].map(|v| v << count);
-                for row in y..y + (1 << count) {
-                    doubled[row * columns + x..][..1 << count].fill(count as u8);
-                }
-            }
-            is_clear = coarser;
-        }
+        let is_clear = (0..columns * rows).map(|at| level.number(place(at)) == EMPTY).collect();
+        let blocks = [columns, rows];
+        let doubled = match columns * rows {
+            0 => Vec::new(),
+            _ => squares::widths(blocks, &squares::uniform(blocks, is_clear, false, Self::MOST)),
+        };
         Self { within: [first, last], doubled }
     }
 

@@ -33,6 +33,7 @@ mod parts;
 mod paths;
 mod read;
 mod shut;
+mod squares;
 mod surfaces;
 mod sweep;
 

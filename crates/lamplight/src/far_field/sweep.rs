@@ -7,6 +7,7 @@
 use super::block::{FarBlock, PackedRgb};
 use super::paths::{Across, DIRECTIONS, PER_DIRECTION, Strips, direction, face, slot};
 use super::read::{BlockReader, HIDDEN_WEIGHT, SIDE};
+use super::squares;
 use crate::Rgb;
 use crate::grid::class::CellClass;
 use rayon::prelude::*;
@@ -111,8 +112,8 @@ impl Swept<'_> {
         let sizes = sizes.min(MOST);
         let count = |size: usize| self.side(0, size) * self.side(1, size);
         let counts: Vec<usize> = (1..=sizes).map(count).collect();
-        let uniform = self.uniform(sizes);
-        let widths = self.widths(&uniform);
+        let uniform = squares::uniform(self.blocks, self.contents.clone(), Content::Mixed, sizes);
+        let widths = squares::widths(self.blocks, &uniform);
         let sums: Vec<Vec<Vec<[SlotSum; PER_DIRECTION]>>> = (0..DIRECTIONS)
             .into_par_iter()
             .map(|number| {
@@ -147,43 +148,7 @@ impl Swept<'_> {
 
     /// The number of blocks of a size along an axis.
     pub fn side(&self, axis: usize, size: usize) -> usize {
-        ((self.blocks[axis] - 1) >> size) + 1
-    }
-
-    /// Returns what is in each block of every size, the finest first: one thing in all of it, or a mixture.
-    fn uniform(&self, sizes: usize) -> Vec<Vec<Content>> {
-        let mut levels = vec![self.contents.clone()];
-        for size in 1..=sizes {
-            let finer = &levels[size - 1];
-            let [finer_columns, finer_rows] = [0, 1].map(|axis| self.side(axis, size - 1));
-            let [columns, rows] = [0, 1].map(|axis| self.side(axis, size));
-            let content = |at: usize| {
-                let [x, y] = [2 * (at % columns), 2 * (at / columns)];
-                let first = finer[y * finer_columns + x];
-                let others = [[x + 1, y], [x, y + 1], [x + 1, y + 1]];
-                let same = others.into_iter().all(|[x, y]| {
-                    x >= finer_columns || y >= finer_rows || finer[y * finer_columns + x] == first
-                });
-                if same { first } else { Content::Mixed }
-            };
-            levels.push((0..columns * rows).map(content).collect());
-        }
-        levels
-    }
-
-    /// Returns for each finest block how often its width doubles in the largest block around it, within the window, that
-    /// is all empty or all solid as it is.
-    fn widths(&self, uniform: &[Vec<Content>]) -> Vec<u8> {
-        let width = |at: usize| {
-            let block = [at % self.blocks[0], at / self.blocks[0]];
-            let is_same = |size: &usize| {
-                let [x, y] = block.map(|v| v >> size);
-                let is_whole = (0..2).all(|a| ((block[a] >> size) + 1) << size <= self.blocks[a]);
-                is_whole && uniform[*size][y * self.side(0, *size) + x] == self.contents[at]
-            };
-            (1..uniform.len()).take_while(is_same).count() as u8
-        };
-        (0..self.contents.len()).into_par_iter().map(width).collect()
+        squares::side(self.blocks[axis], size)
     }
 
     /// Returns the place of a cell of the window among those of the reader.
