@@ -52,10 +52,10 @@ fn on_grid(quad: Quad, normal: vec3f) -> vec3f {
 @fragment
 fn tilted(in: VertexOut) -> @location(0) vec4f {
     let coverage = color_at(in).a;
-    let quad = quads[in.index];
+    let quad = quad_of(in);
     let at = quad.texels_origin + in.unit.x * quad.texels_x + in.unit.y * quad.texels_y;
     let texel = textureSampleLevel(normal_map, normal_sampler, at, quad.layer, 0.0).rgb;
-    let normal = on_grid(quad, decoded(texel, materials[quad.material].bits));
+    let normal = on_grid(quad, decoded(texel, material_of(in).bits));
     return vec4f(normal * coverage, coverage);
 }
 

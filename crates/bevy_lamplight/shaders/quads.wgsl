@@ -18,7 +18,28 @@ struct TargetTransform {
     cell: f32,
 }
 
-// `Quad` in src/quads/quad.rs, on the grid: cells, y down.
+// Attributes of an instance: `Quad` in src/quads/quad.rs, on the grid (cells, y down), and its `QuadMaterial` in
+// src/quads/material.rs.
+struct QuadIn {
+    // The x axis and the y axis.
+    @location(0) axes: vec4f,
+    // The origin, and the x axis of the texels.
+    @location(1) origin_texels: vec4f,
+    // The y axis and the origin of the texels.
+    @location(2) texels: vec4f,
+    @location(3) color: vec4f,
+    // The shape and the layer of the image.
+    @location(4) numbers: vec2u,
+    @location(5) param: f32,
+    // The emission and the opacity.
+    @location(6) emission: vec4f,
+    // The tint and the glow.
+    @location(7) tint: vec4f,
+    @location(8) albedo: vec3f,
+    // The encoding of a normal map, or light layers.
+    @location(9) bits: u32,
+}
+
 struct Quad {
     x_axis: vec2f,
     y_axis: vec2f,
@@ -27,26 +48,21 @@ struct Quad {
     texels_y: vec2f,
     texels_origin: vec2f,
     color: vec4f,
-    material: u32,
     shape: u32,
     layer: u32,
     param: f32,
 }
 
-// `QuadMaterial` in src/quads/material.rs.
 struct Material {
     emission: vec3f,
     opacity: f32,
     tint: vec3f,
     glow: f32,
     albedo: vec3f,
-    // The encoding of a normal map, or light layers.
     bits: u32,
 }
 
 @group(0) @binding(0) var<uniform> target_transform: TargetTransform;
-@group(0) @binding(1) var<storage, read> quads: array<Quad>;
-@group(0) @binding(2) var<storage, read> materials: array<Material>;
 @group(1) @binding(0) var image: texture_2d_array<f32>;
 @group(1) @binding(1) var image_sampler: sampler;
 
@@ -54,17 +70,36 @@ struct VertexOut {
     @builtin(position) position: vec4f,
     // Place in the unit square.
     @location(0) unit: vec2f,
-    @location(1) @interpolate(flat) index: u32,
-    // Centre and radius of a lamp, in pixels of the target.
-    @location(2) @interpolate(flat) disc: vec3f,
+    // The quad, as in `QuadIn`.
+    @location(1) @interpolate(flat) axes: vec4f,
+    @location(2) @interpolate(flat) origin_texels: vec4f,
+    @location(3) @interpolate(flat) texels: vec4f,
+    @location(4) @interpolate(flat) color: vec4f,
+    @location(5) @interpolate(flat) numbers: vec3u,
+    @location(6) @interpolate(flat) emission: vec4f,
+    @location(7) @interpolate(flat) tint: vec4f,
+    @location(8) @interpolate(flat) albedo: vec3f,
+    // Centre and radius of a lamp, in pixels of the target, and the parameter of the shape.
+    @location(9) @interpolate(flat) disc: vec4f,
+}
+
+fn quad_of(in: VertexOut) -> Quad {
+    return Quad(
+        in.axes.xy, in.axes.zw, in.origin_texels.xy, in.origin_texels.zw, in.texels.xy, in.texels.zw,
+        in.color, in.numbers.x, in.numbers.y, in.disc.w,
+    );
+}
+
+fn material_of(in: VertexOut) -> Material {
+    return Material(in.emission.rgb, in.emission.a, in.tint.rgb, in.tint.a, in.albedo, in.numbers.z);
 }
 
 fn shape_of(quad: Quad) -> u32 {
     return quad.shape & (BY_AREA - 1u);
 }
 
-fn is_by_area(quad: Quad) -> bool {
-    return (quad.shape & BY_AREA) != 0u && materials[quad.material].opacity < 1.0;
+fn is_by_area(quad: Quad, opacity: f32) -> bool {
+    return (quad.shape & BY_AREA) != 0u && opacity < 1.0;
 }
 
 fn clip(cell: vec2f) -> vec2f {
@@ -78,32 +113,44 @@ fn pixel(cell: vec2f) -> vec2f {
 
 // Two triangles that cover the unit square. For a triangle, the second one is degenerate.
 @vertex
-fn place(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u32) -> VertexOut {
+fn place(@builtin(vertex_index) vertex: u32, in: QuadIn) -> VertexOut {
     let corners = array(
         vec2f(0.0, 0.0), vec2f(1.0, 0.0), vec2f(0.0, 1.0),
         vec2f(1.0, 0.0), vec2f(1.0, 1.0), vec2f(0.0, 1.0),
     );
-    let quad = quads[index];
+    var out = VertexOut();
+    out.axes = in.axes;
+    out.origin_texels = in.origin_texels;
+    out.texels = in.texels;
+    out.color = in.color;
+    out.numbers = vec3u(in.numbers, in.bits);
+    out.emission = in.emission;
+    out.tint = in.tint;
+    out.albedo = in.albedo;
+    out.disc.w = in.param;
+    let quad = quad_of(out);
     var unit = corners[vertex];
-    var disc = vec3f(0.0);
     let shape = shape_of(quad);
     if shape == TRIANGLE && vertex >= 3u {
         unit = vec2f(0.0);
     }
     if shape == LAMP {
         let middle = pixel(quad.origin + 0.5 * (quad.x_axis + quad.y_axis));
-        disc = vec3f(middle, 0.5 * distance(pixel(quad.origin), pixel(quad.origin + quad.x_axis)));
+        let radius = 0.5 * distance(pixel(quad.origin), pixel(quad.origin + quad.x_axis));
+        out.disc = vec4f(middle, radius, in.param);
         // Covers every pixel that the disc touches, not only those whose centre it contains.
-        unit += (unit - 0.5) * 1.5 / max(disc.z, 1e-3);
+        unit += (unit - 0.5) * 1.5 / max(radius, 1e-3);
     }
-    if is_by_area(quad) {
+    if is_by_area(quad, in.emission.a) {
         let ends = mat2x2f(pixel(quad.x_axis) - pixel(vec2f(0.0)), pixel(quad.y_axis) - pixel(vec2f(0.0)));
         // The distance between opposite sides; their pixels reach a px farther.
         let area = abs(determinant(ends));
         unit += (unit - 0.5) * 2.0 * vec2f(length(ends[1]), length(ends[0])) / max(area, 1e-3);
     }
     let at = quad.origin + unit.x * quad.x_axis + unit.y * quad.y_axis;
-    return VertexOut(vec4f(clip(at), 0.0, 1.0), unit, index, disc);
+    out.position = vec4f(clip(at), 0.0, 1.0);
+    out.unit = unit;
+    return out;
 }
 
 // The half chord of a disc, integrated from its centre: ∫₀ᵗ √(r² − s²) ds.
@@ -171,10 +218,10 @@ fn area(quad: Quad, unit: vec2f, right: vec2f, down: vec2f) -> f32 {
 
 // The colour of a quad; alpha is the fraction of the pixel that it covers.
 fn color_at(in: VertexOut) -> vec4f {
-    let quad = quads[in.index];
+    let quad = quad_of(in);
     let right = dpdx(in.unit);
     let down = dpdy(in.unit);
-    let by_area = is_by_area(quad);
+    let by_area = is_by_area(quad, in.emission.a);
     // Beyond the edge its nearest texel counts.
     let unit = select(in.unit, clamp(in.unit, vec2f(0.0), vec2f(LAST)), by_area);
     let texel = quad.texels_origin + unit.x * quad.texels_x + unit.y * quad.texels_y;
@@ -182,7 +229,7 @@ fn color_at(in: VertexOut) -> vec4f {
     if shape_of(quad) == CIRCLE || shape_of(quad) == CAPSULE {
         color.a *= f32(by_area || depth(quad, in.unit) >= 0.0);
     } else if shape_of(quad) == LAMP {
-        color.a *= disc_coverage(in.disc, in.position.xy);
+        color.a *= disc_coverage(in.disc.xyz, in.position.xy);
     } else if quad.param < 0.0 {
         color.a = 1.0;
     } else if quad.param > 0.0 {
@@ -206,7 +253,7 @@ struct Matter {
 @fragment
 fn matter(in: VertexOut) -> Matter {
     let color = color_at(in);
-    let material = materials[quads[in.index].material];
+    let material = material_of(in);
     let coverage = color.a;
     if coverage <= 0.0 {
         discard;
@@ -228,7 +275,7 @@ fn matter(in: VertexOut) -> Matter {
 // of `lamp_discs.rs` in `lamplight`.
 @fragment
 fn lamp(in: VertexOut) -> @location(0) vec4f {
-    let material = materials[quads[in.index].material];
+    let material = material_of(in);
     return vec4f(material.emission * (color_at(in).a * 0.6366197724 / in.disc.z), 0.0);
 }
 
@@ -236,7 +283,7 @@ fn lamp(in: VertexOut) -> @location(0) vec4f {
 @fragment
 fn glow(in: VertexOut) -> @location(0) vec4f {
     let coverage = color_at(in).a;
-    let material = materials[quads[in.index].material];
+    let material = material_of(in);
     return vec4f(material.emission * (material.glow * coverage), coverage);
 }
 
@@ -246,5 +293,5 @@ fn layers(in: VertexOut) -> @location(0) f32 {
     if color_at(in).a < 0.5 {
         discard;
     }
-    return f32(materials[quads[in.index].material].bits) / 255.0;
+    return f32(material_of(in).bits) / 255.0;
 }

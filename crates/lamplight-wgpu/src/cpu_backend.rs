@@ -1,32 +1,119 @@
-//! Light found on the CPU, for devices that are software themselves.
+//! Light found on the CPU, for devices that are software themselves, or have no compute shaders.
 
 use crate::error::Result;
 use crate::frame_input::{FrameInput, Lights, SceneInput};
+use crate::matter::Textures;
 use crate::planner::FramePlanner;
-use crate::stages::matter_values::{CellValues, MatterValues};
+use crate::stages::matter_values::{GridValues, MatterValues};
 use lamplight::{ALL_LAYERS, Cells, Light, Rgb, Settings, Solver};
 
 /// The solver, and what it reads.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct CpuBackend {
     solver: Option<Solver>,
+    /// True if a frame waits for the matter of the host's textures. Otherwise it shows the light of that which has arrived,
+    /// as in browsers, where nothing can wait.
+    waits: bool,
     /// Compiled when a host's textures are first lit.
     values: Option<MatterValues>,
-    /// The cells of the host's textures.
-    cells: Option<Cells>,
+    /// The cells of the host's textures, with the lights of the frame that requested them, and its grid's place.
+    cells: Option<(Cells, [i32; 2])>,
+    /// The place of the grid whose light was found last.
+    solved: Option<[i32; 2]>,
     /// The light as the GPU lays it out: of all cells, then both components of its first moment.
     light: Vec<[f32; 4]>,
 }
 
+impl Default for CpuBackend {
+    fn default() -> Self {
+        Self {
+            solver: None,
+            waits: cfg!(not(target_arch = "wasm32")),
+            values: None,
+            cells: None,
+            solved: None,
+            light: Vec::new(),
+        }
+    }
+}
+
 impl CpuBackend {
-    /// Finds the light of a frame whose grid has `moved` since the one before.
-    pub fn solve(
+    /// Finds the light of a frame.
+    pub fn solve(&mut self, planner: &FramePlanner, input: &FrameInput) -> Result<()> {
+        match input.scene {
+            SceneInput::Cells(cells) => self.find(input.settings, cells, input.origin)?,
+            SceneInput::Textures { textures, lights } => {
+                let mut values = match self.values.take() {
+                    Some(values) => values,
+                    None => MatterValues::new(planner)?,
+                };
+                let found = self.of_textures(planner, input, &mut values, (textures, lights));
+                self.values = Some(values);
+                found?;
+            }
+        }
+        let light = self.solver.as_ref().zip(self.solved).map(|(solver, origin)| {
+            let moved = [0, 1].map(|a| input.origin[a].saturating_sub(origin[a]));
+            (solver.light(), moved)
+        });
+        lay_out(light, planner.size.into(), &mut self.light);
+        self.light.resize(planner.light_values() as usize, [0.0; 4]);
+        Ok(())
+    }
+
+    /// Finds the light of a host's textures.
+    fn of_textures(
         &mut self,
         planner: &FramePlanner,
         input: &FrameInput,
-        moved: [i32; 2],
+        values: &mut MatterValues,
+        (textures, lights): (&Textures, Lights),
     ) -> Result<()> {
-        let settings = input.settings;
+        if self.waits {
+            self.request(planner, input, values, (textures, lights))?;
+        }
+        if let Some(arrived) = values.arrived(self.waits)?
+            && let Some((mut cells, origin)) = self.cells.take()
+        {
+            fill(&mut cells, &arrived);
+            let found = self.find(input.settings, &cells, origin);
+            self.cells = Some((cells, origin));
+            found?;
+        }
+        if !self.waits && !values.is_requested() {
+            self.request(planner, input, values, (textures, lights))?;
+        }
+        Ok(())
+    }
+
+    /// Requests the matter of textures, and keeps the lights of their frame.
+    fn request(
+        &mut self,
+        planner: &FramePlanner,
+        input: &FrameInput,
+        values: &mut MatterValues,
+        (textures, lights): (&Textures, Lights),
+    ) -> Result<()> {
+        let [width, height] = planner.size.into();
+        let fits = |(cells, _): &(Cells, _)| [cells.width(), cells.height()] == [width, height];
+        let mut cells = match self.cells.take().filter(fits) {
+            Some((cells, _)) => cells,
+            None => Cells::new(width, height)?,
+        };
+        cells.clear();
+        if textures.glow.is_some() {
+            cells.glow_mut();
+        }
+        if textures.masks.is_some() {
+            cells.masks_mut();
+        }
+        shine(&mut cells, input.settings, lights)?;
+        self.cells = Some((cells, input.origin));
+        values.request(planner, textures)
+    }
+
+    /// Finds the light of cells, whose grid lies at `origin`.
+    fn find(&mut self, settings: &Settings, cells: &Cells, origin: [i32; 2]) -> Result<()> {
         let solver = match &mut self.solver {
             Some(solver) => {
                 solver.set_settings(settings.clone())?;
@@ -34,32 +121,15 @@ impl CpuBackend {
             }
             none => none.insert(Solver::new(settings.clone())?),
         };
-        solver.shift(moved);
-        let cells = match input.scene {
-            SceneInput::Cells(cells) => cells,
-            SceneInput::Textures { textures, lights } => {
-                let values = match &mut self.values {
-                    Some(values) => values,
-                    none => none.insert(MatterValues::new(planner)?),
-                };
-                let values = values.read(planner, textures)?;
-                let [width, height] = planner.size.into();
-                let fits = |cells: &Cells| [cells.width(), cells.height()] == [width, height];
-                let mut cells = match self.cells.take().filter(fits) {
-                    Some(cells) => cells,
-                    None => Cells::new(width, height)?,
-                };
-                let [glows, masked] = [textures.glow.is_some(), textures.masks.is_some()];
-                fill(&mut cells, &values, glows, masked);
-                shine(&mut cells, settings, lights)?;
-                self.cells.insert(cells)
-            }
-        };
-        lay_out(solver.solve(cells)?, &mut self.light);
+        if let Some(before) = self.solved {
+            solver.shift([0, 1].map(|a| origin[a].saturating_sub(before[a])));
+        }
+        solver.solve(cells)?;
+        self.solved = Some(origin);
         Ok(())
     }
 
-    /// The light of the frame that was solved last.
+    /// The light of the frame that was prepared last.
     pub fn light(&self) -> &[[f32; 4]] {
         &self.light
     }
@@ -73,27 +143,29 @@ impl CpuBackend {
 }
 
 /// Fills cells with matter. Values out of their range, which shaders do not mind, are brought into it.
-fn fill(cells: &mut Cells, values: &[CellValues], glows: bool, masked: bool) {
-    cells.clear();
+fn fill(cells: &mut Cells, values: &GridValues) {
     let [rgb, share]: [fn(f32) -> f32; 2] = [|v| within(v, f32::MAX), |v| within(v, 1.0)];
-    let write = |to: &mut [Rgb], from: fn(&CellValues) -> [f32; 4], within: fn(f32) -> f32| {
-        for (to, value) in to.iter_mut().zip(values) {
-            let [r, g, b, _] = from(value).map(within);
+    let write = |to: &mut [Rgb], part: usize, within: fn(f32) -> f32| {
+        for (to, value) in to.iter_mut().zip(values.part(part)) {
+            let [r, g, b, _] = value.map(within);
             *to = [r, g, b];
         }
     };
-    write(cells.emission_mut(), |value| value.emission, rgb);
-    write(cells.tint_mut(), |value| value.tint_opacity, share);
-    write(cells.albedo_mut(), |value| value.albedo_layers, share);
-    if glows {
-        write(cells.glow_mut(), |value| value.glow, rgb);
+    write(cells.emission_mut(), GridValues::EMISSION, rgb);
+    write(cells.tint_mut(), GridValues::TINT_OPACITY, share);
+    write(cells.albedo_mut(), GridValues::ALBEDO_LAYERS, share);
+    if cells.glow().is_some() {
+        write(cells.glow_mut(), GridValues::GLOW, rgb);
     }
-    for (to, value) in cells.opacity_mut().iter_mut().zip(values) {
-        *to = share(value.tint_opacity[3]);
+    for (to, [.., opacity]) in
+        cells.opacity_mut().iter_mut().zip(values.part(GridValues::TINT_OPACITY))
+    {
+        *to = share(opacity);
     }
-    if masked {
-        for (to, value) in cells.masks_mut().iter_mut().zip(values) {
-            let layers = (share(value.albedo_layers[3]) * 255.0).round() as u8;
+    if cells.masks().is_some() {
+        let of_cells = values.part(GridValues::ALBEDO_LAYERS);
+        for (to, [.., layers]) in cells.masks_mut().iter_mut().zip(of_cells) {
+            let layers = (share(layers) * 255.0).round() as u8;
             // Cells cannot be in no layer, as a texture of the host's may have it.
             *to = if layers == 0 { ALL_LAYERS } else { layers };
         }
@@ -117,12 +189,101 @@ fn shine(cells: &mut Cells, settings: &Settings, lights: Lights) -> lamplight::R
     cells.set_inflow(inflow.cloned())
 }
 
-/// Lays light out as the GPU does.
-fn lay_out(light: &Light, to: &mut Vec<[f32; 4]>) {
-    let value = |&[r, g, b]: &Rgb| [r, g, b, 1.0];
+/// Lays light out as the GPU does, for a grid of this size that has moved by so many cells since; cells beyond the border of
+/// that light show what it is there. Without light they are dark.
+fn lay_out(light: Option<(&Light, [i32; 2])>, size: [u32; 2], to: &mut Vec<[f32; 4]>) {
     to.clear();
-    to.extend(light.pixels().iter().map(value));
-    for a in 0..2 {
-        to.extend(light.moment().into_iter().flatten().map(|moment| value(&moment[a])));
+    let Some((light, moved)) = light else { return };
+    let value = |&[r, g, b]: &Rgb| [r, g, b, 1.0];
+    let found = [light.width(), light.height()];
+    if found == size && moved == [0; 2] {
+        to.extend(light.pixels().iter().map(value));
+        for a in 0..2 {
+            to.extend(light.moment().into_iter().flatten().map(|moment| value(&moment[a])));
+        }
+        return;
+    }
+    let place = |at: u32, a: usize| {
+        (i64::from(at) + i64::from(moved[a])).clamp(0, i64::from(found[a]) - 1) as usize
+    };
+    let columns: Vec<usize> = (0..size[0]).map(|x| place(x, 0)).collect();
+    let rows = (0..size[1]).map(|y| place(y, 1) * found[0] as usize);
+    let cells = || rows.clone().flat_map(|row| columns.iter().map(move |column| row + column));
+    to.extend(cells().map(|cell| value(&light.pixels()[cell])));
+    if let Some(moment) = light.moment() {
+        for a in 0..2 {
+            to.extend(cells().map(|cell| value(&moment[cell][a])));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid_size::GridSize;
+    use crate::hints::SceneHints;
+    use crate::matter::Upload;
+    use crate::options::LightingOptions;
+    use crate::planner::Grid;
+    use crate::shared::Shared;
+    use lamplight::{Matter, Method};
+    use wgpu::{Instance, InstanceDescriptor, PollType};
+
+    const SIZE: [u32; 2] = [37, 23];
+
+    #[test]
+    fn light_that_is_late_is_shown_where_it_belongs() {
+        let instance = Instance::new(InstanceDescriptor::new_without_display_handle());
+        let adapter = pollster::block_on(instance.request_adapter(&Default::default()))
+            .expect("no GPU; on Debian: apt-get install mesa-vulkan-drivers");
+        let device = adapter.request_device(&Default::default());
+        let (device, queue) = pollster::block_on(device).unwrap();
+        let settings = Settings { moment: true, ..Settings::new(Method::Holographic) };
+        let mut cells = Cells::new(SIZE[0], SIZE[1]).unwrap();
+        let lamp = Matter { emission: [4.0, 2.0, 1.0], opacity: 1.0, ..Matter::EMPTY };
+        cells.set(9, 7, lamp);
+        let size = GridSize::new(&device, SIZE).unwrap();
+        let mut upload = Upload::new(&device, size).unwrap();
+        upload.write(&device, &queue, &cells, &settings.method);
+        let shared = Shared::new(&device, &queue);
+        let grid = Grid { size, textures: &upload.textures, hints: SceneHints::UNKNOWN };
+        let planner = FramePlanner::new(&shared, &settings, LightingOptions::default(), grid);
+        let input = FrameInput::of_textures(&settings, &upload.textures, Lights::default());
+
+        let mut prompt = CpuBackend::default();
+        prompt.solve(&planner, &input).unwrap();
+        let right = prompt.light;
+        assert!(right[0][0] > 0.0, "it is dark");
+        let mut late = CpuBackend { waits: false, ..CpuBackend::default() };
+        late.solve(&planner, &input).unwrap();
+        assert!(late.light == vec![[0.0; 4]; right.len()], "nothing has arrived");
+        device.poll(PollType::wait_indefinitely()).unwrap();
+        late.solve(&planner, &input).unwrap();
+        assert!(late.light == right);
+        // The grid moves, and what arrives is still that of the place before.
+        for (moved, arrives) in [([3, -2], false), ([5, -4], true)] {
+            if arrives {
+                device.poll(PollType::wait_indefinitely()).unwrap();
+            }
+            late.solve(&planner, &FrameInput { origin: moved, ..input }).unwrap();
+            for (i, found) in late.light.iter().enumerate() {
+                let [columns, rows] = SIZE.map(|side| side as i32);
+                let (part, at) = (i as i32 / (columns * rows), i as i32 % (columns * rows));
+                let x = (at % columns + moved[0]).clamp(0, columns - 1);
+                let y = (at / columns + moved[1]).clamp(0, rows - 1);
+                let expected = right[((part * rows + y) * columns + x) as usize];
+                assert_eq!(*found, expected, "{moved:?}, {part}, {x}, {y}");
+            }
+        }
+        // A grid of another size is dark at no time.
+        let other = GridSize::new(&device, [20, 30]).unwrap();
+        let mut upload = Upload::new(&device, other).unwrap();
+        upload.write(&device, &queue, &Cells::new(20, 30).unwrap(), &settings.method);
+        let grid = Grid { size: other, textures: &upload.textures, hints: SceneHints::UNKNOWN };
+        let planner = FramePlanner::new(&shared, &settings, LightingOptions::default(), grid);
+        let input = FrameInput::of_textures(&settings, &upload.textures, Lights::default());
+        late.solve(&planner, &input).unwrap();
+        assert_eq!(late.light.len(), 3 * 600);
+        assert!(late.light[0] == right[0], "it has lost its light");
     }
 }

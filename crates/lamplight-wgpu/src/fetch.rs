@@ -4,6 +4,7 @@ use crate::error::ReadBackError;
 use crate::error_scope::with_error_scope;
 use bytemuck::Pod;
 use std::marker::PhantomData;
+use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use wgpu::{
     Buffer, BufferAsyncError, BufferDescriptor, BufferUsages, Device, MapMode, PollType, Queue,
@@ -26,7 +27,8 @@ pub fn read_back<T: Pod>(
 pub struct Fetch<T> {
     device: Device,
     copy: Buffer,
-    mapped: Receiver<Result<(), BufferAsyncError>>,
+    /// Behind a lock, so that hosts can share what holds it.
+    mapped: Mutex<Receiver<Result<(), BufferAsyncError>>>,
     values: PhantomData<T>,
 }
 
@@ -54,13 +56,13 @@ impl<T: Pod> Fetch<T> {
             // The receiver is gone if the fetch was dropped.
             let _ = sender.send(result);
         });
-        Self { device: device.clone(), copy, mapped, values: PhantomData }
+        Self { device: device.clone(), copy, mapped: Mutex::new(mapped), values: PhantomData }
     }
 
     /// Returns the values if they have arrived; `None` while the transfer is in progress. Does not wait.
     pub fn take(&self) -> Result<Option<Vec<T>>, ReadBackError> {
         self.device.poll(PollType::Poll).map_err(failed)?;
-        match self.mapped.try_recv() {
+        match self.mapped.lock().map_err(failed)?.try_recv() {
             Ok(mapped) => {
                 mapped.map_err(failed)?;
                 self.values().map(Some)
@@ -73,7 +75,7 @@ impl<T: Pod> Fetch<T> {
     /// Waits for the values.
     pub fn wait(self) -> Result<Vec<T>, ReadBackError> {
         self.device.poll(PollType::wait_indefinitely()).map_err(failed)?;
-        self.mapped.recv().map_err(failed)?.map_err(failed)?;
+        self.mapped.lock().map_err(failed)?.recv().map_err(failed)?.map_err(failed)?;
         self.values()
     }
 

@@ -374,10 +374,10 @@ impl Lighting {
         let inflow = inflow.filter(|_| self.cpu.is_none());
         let lights = Lights { lamps, suns, sky, inflow };
         let (history, moved) = self.history(input, grid.size, sky);
-        self.try_backends(input, *grid, moved);
+        self.try_backends(input, *grid);
         if let Some(cpu) = &mut self.cpu {
             let planner = FramePlanner::new(&self.shared, input.settings, self.options, *grid);
-            cpu.solve(&planner, input, moved)?;
+            cpu.solve(&planner, input)?;
         }
         self.keep_panorama(if inflow.is_some() { &Sky::BLACK } else { sky })?;
         self.keep_inflow(inflow)?;
@@ -500,7 +500,7 @@ impl Lighting {
     }
 
     /// Goes on with the trial of both backends, if there is one: finds a frame on the CPU too, or chooses.
-    fn try_backends(&mut self, input: &FrameInput, grid: Grid, moved: [i32; 2]) {
+    fn try_backends(&mut self, input: &FrameInput, grid: Grid) {
         // Browsers have no trials, and their page no room for one.
         if cfg!(target_arch = "wasm32") {
             return;
@@ -512,7 +512,7 @@ impl Lighting {
                 let start = Instant::now();
                 let planner = FramePlanner::new(&self.shared, input.settings, self.options, grid);
                 // Frames that the CPU cannot light stay with the GPU.
-                if trial.cpu.solve(&planner, input, moved).is_err() {
+                if trial.cpu.solve(&planner, input).is_err() {
                     return;
                 }
                 trial.add_cpu(start.elapsed());
@@ -901,12 +901,8 @@ impl Lighting {
 
 /// Rejects what a device without compute shaders cannot do.
 fn check_without_compute(input: &FrameInput) -> Result<()> {
-    let textures = matches!(input.scene, SceneInput::Textures { .. });
-    let wanted = [
-        (textures, "light from textures"),
-        (input.distance_field, "the distance field"),
-        (!input.sights.is_empty(), "sight"),
-    ];
+    let wanted =
+        [(input.distance_field, "the distance field"), (!input.sights.is_empty(), "sight")];
     match wanted.into_iter().find(|(is_wanted, _)| *is_wanted) {
         Some((_, what)) => Err(PrepareError::NoCompute { what }),
         None => Ok(()),

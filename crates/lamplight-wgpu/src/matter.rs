@@ -280,7 +280,7 @@ pub fn write_masks(queue: &Queue, view: &TextureView, masks: &[u8]) {
     write_bytes(queue, view.texture(), masks, 1);
 }
 
-fn texture_of(
+pub fn texture_of(
     device: &Device,
     label: &str,
     [width, height]: [u32; 2],

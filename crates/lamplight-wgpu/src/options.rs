@@ -20,10 +20,11 @@ pub enum Backend {
     Gpu,
     /// [`lamplight::Solver`], in [`crate::Lighting::prepare`], which then takes the whole time. It submits and waits for
     /// a copy of the host's textures, as they are at that moment: draw and submit them before, or light is a frame
-    /// late. In browsers, where nothing can wait, only cells are lit.
+    /// late. In browsers nothing can wait: the light of textures is that of the last copy that has arrived, moved along
+    /// with the grid, a few frames late; it is dark before the first.
     ///
-    /// Every backend is this one on a device without compute shaders or storage buffers, as under WebGL 2. Only cells are
-    /// lit there, and [`crate::Compose`] shows them, without storage buffers; [`crate::FrameInput::output`] needs the
+    /// Every backend is this one on a device without compute shaders or storage buffers, as under WebGL 2.
+    /// [`crate::Compose`] needs no storage buffers there; [`crate::FrameInput::output`] needs the
     /// usage `COPY_DST` in place of `STORAGE_BINDING`; there is no distance field, and no sight.
     Cpu,
 }

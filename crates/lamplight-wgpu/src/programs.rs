@@ -106,9 +106,8 @@ programs! {
         emission: Texture, matter: Texture, source: Write, extinction: Write, scattered: Read,
         albedo: Texture,
     }
-    MATTER_VALUES: "stages/matter_values", ["main"], {
+    MATTER_VALUES: "stages/matter_values", ["cover", "values"], {
         emission: Texture, matter: Texture, albedo: Texture, glow: Texture, masks: Texture,
-        values: Write,
     }
     CLASS: "stages/class", ["main"], { matter: Texture, classes: Write, used: Write }
     DIRECT: "stages/direct", ["shine_lamps", "shine_suns"], {

@@ -37,7 +37,7 @@ pub fn required_features(tier: Tier, adapter: &Adapter) -> Features {
 }
 
 /// Returns the limits to request of an adapter. On one without compute shaders, as under WebGL 2, the CPU finds the light
-/// of cells ([`crate::Backend::Cpu`]).
+/// ([`crate::Backend::Cpu`]).
 pub fn required_limits(tier: Tier, adapter: &Adapter) -> Limits {
     let granted = Limits::default();
     let most = adapter.limits();

@@ -5,13 +5,13 @@ mod common;
 mod textures;
 
 use common::{adapter, cells};
-use lamplight::{Cells, Display, Method, Relief, Settings, Sight, Solver};
+use lamplight::{Cells, Direct, Display, Lamp, Method, Relief, Settings, Sight, Solver};
 use lamplight_wgpu::error::PrepareError;
 use lamplight_wgpu::{
-    Backend, Compose, ComposeParams, FrameInput, Lighting, LightingOptions, Lights, Tier,
-    read_back, required_limits,
+    Backend, Compose, ComposeParams, FrameInput, Lighting, LightingOptions, Lights, Stage,
+    Textures, Tier, read_back, required_limits,
 };
-use textures::{fetch, float, texture, view};
+use textures::{fetch, filled, float, texture, view};
 use wgpu::{
     Adapter, Backends, Device, DeviceDescriptor, DownlevelFlags, Instance, InstanceDescriptor,
     Limits, Queue, RequestDeviceError, TextureFormat, TextureUsages,
@@ -118,24 +118,58 @@ fn opengl_shows_the_cpus_light() {
     }
 }
 
+/// The light of a host's textures on a device.
+fn light_of_textures((device, queue): &(Device, Queue)) -> Vec<[f32; 4]> {
+    let [mut emission, mut tint_opacity, mut albedo, mut masks] = [(); 4].map(|()| Vec::new());
+    for i in 0..SIZE[0] * SIZE[1] {
+        let [x, y] = [i % SIZE[0], i / SIZE[0]];
+        let is_lamp = x.abs_diff(20) < 3 && y.abs_diff(12) < 3;
+        let is_wall = x == 40 && y > 5;
+        emission.extend(if is_lamp { [255u8, 128, 0, 0] } else { [0; 4] });
+        tint_opacity.extend(match (is_lamp || is_wall, x > 50) {
+            (true, _) => [255u8; 4],
+            (_, true) => [255, 250, 240, 3],
+            _ => [255, 255, 255, 0],
+        });
+        albedo.extend([200u8, 100, 50, 255]);
+        masks.push(if y < 20 { 1u8 } else { 2 });
+    }
+    let rgba = |bytes: &[u8]| filled(device, queue, SIZE, TextureFormat::Rgba8Unorm, bytes);
+    let textures = Textures {
+        emission: rgba(&emission),
+        tint_opacity: rgba(&tint_opacity),
+        albedo: rgba(&albedo),
+        // Glows everywhere a little.
+        glow: Some(rgba(&[3; 4 * (SIZE[0] * SIZE[1]) as usize])),
+        masks: Some(filled(device, queue, SIZE, TextureFormat::R8Unorm, &masks)),
+    };
+    let settings = Settings { moment: true, ..Settings::new(Method::Holographic) };
+    let exact = Lamp { position: [8.0, 30.0], direct: Direct::Exact, mask: 1, ..Lamp::default() };
+    let lights = Lights { lamps: &[exact], ..Lights::default() };
+    let mut lighting = Lighting::new(device, queue, &LightingOptions::on(Backend::Cpu)).unwrap();
+    lighting.prepare(&FrameInput::of_textures(&settings, &textures, lights)).unwrap();
+    read_back::read_back(device, queue, lighting.stage(Stage::Light).unwrap()).unwrap()
+}
+
+#[test]
+fn a_hosts_textures_are_lit_without_compute_shaders() {
+    let whole = pollster::block_on(adapter().request_device(&DeviceDescriptor::default())).unwrap();
+    let right = light_of_textures(&whole);
+    assert!(right.iter().any(|light| light[0] > 0.1), "it is dark");
+    assert!(light_of_textures(&limited()) == right);
+    match opengl() {
+        Some(gpu) => assert!(light_of_textures(&gpu) == right),
+        None => println!("no OpenGL here; on Debian: apt-get install libegl1"),
+    }
+}
+
 #[test]
 fn what_needs_compute_shaders_is_rejected() {
     let (device, queue) = limited();
     let mut lighting = Lighting::new(&device, &queue, &LightingOptions::default()).unwrap();
     let (settings, cells) = (settings(), cells(SIZE[0], SIZE[1], 17));
     let input = FrameInput::of_cells(&settings, &cells);
-    let matter =
-        view(&texture(&device, SIZE, TextureFormat::Rgba8Unorm, TextureUsages::TEXTURE_BINDING));
-    let textures = lamplight_wgpu::Textures {
-        emission: matter.clone(),
-        tint_opacity: matter.clone(),
-        albedo: matter.clone(),
-        glow: None,
-        masks: None,
-    };
-    let of_textures = FrameInput::of_textures(&settings, &textures, Lights::default());
     for (input, wanted) in [
-        (of_textures, "light from textures"),
         (FrameInput { distance_field: true, ..input }, "the distance field"),
         (FrameInput { sights: &[Sight::default()], ..input }, "sight"),
     ] {

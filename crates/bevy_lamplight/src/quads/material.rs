@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use lamplight_wgpu::wgpu::TextureFormat;
 use lamplight_wgpu::wgpu::TextureSampleType::Float;
 
-/// A [`Matter2d`] with every value brought into its range; `Material` of shaders/quads.wgsl.
+/// A [`Matter2d`] with every value brought into its range; on the GPU part of an instance of shaders/quads.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct QuadMaterial {

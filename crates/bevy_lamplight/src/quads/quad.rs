@@ -115,7 +115,7 @@ impl QuadMap {
     }
 }
 
-/// A flat piece of matter: part of an image, or a shape. `Quad` of shaders/quads.wgsl.
+/// A flat piece of matter: part of an image, or a shape. On the GPU an instance of shaders/quads.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Quad {

@@ -15,12 +15,14 @@ use lamplight_wgpu::Backend;
 #[non_exhaustive]
 pub enum LightBackend {
     /// The CPU where the GPU is software, as in virtual machines. Else the GPU, unless the first frames take it more than
-    /// 8 ms and the CPU less than half as long. In browsers the GPU.
+    /// 8 ms and the CPU less than half as long. In browsers the GPU. Without compute shaders, as under WebGL 2, always the
+    /// CPU.
     #[default]
     Auto,
     /// The GPU, whatever it is.
     Gpu,
-    /// The CPU. Every frame waits until matter is drawn, and for the light. Not in browsers.
+    /// The CPU. Every frame waits until matter is drawn, and for the light. In browsers, where nothing can wait, light is a
+    /// few frames late.
     Cpu,
 }
 

@@ -16,6 +16,7 @@ use std::ops::Range;
 #[derive(Debug, Default)]
 pub struct DrawList {
     pub quads: Vec<Quad>,
+    /// The material of each quad.
     pub materials: Vec<QuadMaterial>,
     pub batches: Vec<QuadBatch>,
     /// The batches of lamps that glow, which block nothing.
@@ -88,16 +89,13 @@ impl DrawList {
     ) -> Vec<QuadBatch> {
         batches.clear();
         let placement = &view.placement;
-        let first = self.materials.len() as u32;
-        self.materials.extend_from_slice(&scene.materials);
         for group in scene.groups.iter().filter(|group| is_seen(group, view)) {
             let quads = scene.quads_of(group);
             let begin = self.quads.len() as u32;
-            let on_grid = |quad: &Quad| {
-                let (world, material) = (placement.on_grid(&quad.world), first + quad.material);
-                Quad { world, material, ..*quad }
-            };
+            let on_grid = |quad: &Quad| Quad { world: placement.on_grid(&quad.world), ..*quad };
             self.quads.extend(quads.iter().map(on_grid));
+            let materials = quads.iter().map(|quad| scene.materials[quad.material as usize]);
+            self.materials.extend(materials);
             self.glows |= group.is_drawn && scene.materials[quads[0].material as usize].glows();
             let end = self.quads.len() as u32;
             let QuadGroup { image, normals, is_drawn, .. } = *group;
@@ -154,7 +152,6 @@ impl DrawList {
     /// Lists the quad of a lamp's disc.
     fn add_disc(&mut self, lamp: &Lamp, is_solid: bool, is_drawn: bool) {
         let gain = if is_solid { self.normalization.of(lamp.position, lamp.size) } else { 1.0 };
-        let material = self.materials.len() as u32;
         self.materials.push(QuadMaterial::lamp(lamp.color.map(|c| c * lamp.intensity * gain)));
         let size = Vec2::splat(2.0 * lamp.size);
         let map = QuadMap {
@@ -163,7 +160,7 @@ impl DrawList {
             origin: (Vec2::from(lamp.position) - 0.5 * size).to_array(),
         };
         let begin = self.quads.len() as u32;
-        self.quads.push(Quad { material, ..Quad::shape(map, QuadShape::Lamp) });
+        self.quads.push(Quad::shape(map, QuadShape::Lamp));
         self.glows |= is_drawn;
         let batches = if is_solid { &mut self.batches } else { &mut self.lamp_batches };
         let image = AssetId::default();

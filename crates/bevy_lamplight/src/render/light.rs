@@ -40,9 +40,6 @@ pub struct ViewLightTexture {
     pub corner: bevy::math::Vec2,
 }
 
-/// Storage buffers per stage that every device with compute shaders has.
-const STORAGE_BUFFERS: u32 = 8;
-
 /// The resources of Bevy that drawing needs.
 #[derive(SystemParam)]
 pub struct RenderResources<'w> {
@@ -74,12 +71,6 @@ pub fn prepare(
         log.error(camera, error);
     }
     if extracted.views.is_empty() {
-        return;
-    }
-    if device.limits().max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
-        for view in &extracted.views {
-            log.error(view.camera, "this device has no compute shaders, as under WebGL 2");
-        }
         return;
     }
     let Some(pipelines) = pipelines else {

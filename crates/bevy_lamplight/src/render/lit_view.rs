@@ -284,7 +284,11 @@ fn keep(
 }
 
 fn light_texture(device: &Device, size: [u32; 2]) -> TextureView {
-    let usage = TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING;
+    let written = match device.limits().max_storage_textures_per_shader_stage {
+        0 => TextureUsages::COPY_DST,
+        _ => TextureUsages::STORAGE_BINDING,
+    };
+    let usage = written | TextureUsages::TEXTURE_BINDING;
     texture(device, "lamplight light", size, TextureFormat::Rgba16Float, usage)
 }
 

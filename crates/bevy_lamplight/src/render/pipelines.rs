@@ -1,5 +1,6 @@
 //! The render pipelines: matter and light layers on the grid, and what glows or has normals on the screen.
 
+use crate::quads::{Quad, QuadMaterial};
 use bevy::prelude::Resource;
 use bytemuck::{Pod, Zeroable};
 use lamplight::srgb;
@@ -10,9 +11,11 @@ use lamplight_wgpu::wgpu::{
     FragmentState, PipelineCompilationOptions, PipelineLayoutDescriptor, RenderPipeline,
     RenderPipelineDescriptor, Sampler, SamplerBindingType, ShaderModule, ShaderModuleDescriptor,
     ShaderSource, ShaderStages, TextureFormat, TextureSampleType, TextureView,
-    TextureViewDimension, VertexState,
+    TextureViewDimension, VertexAttribute, VertexBufferLayout, VertexFormat, VertexState,
+    VertexStepMode,
 };
 use std::borrow::Cow;
+use std::mem::offset_of;
 use std::sync::OnceLock;
 
 /// The map from cells to a render target; `TargetTransform` of shaders/quads.wgsl.
@@ -49,6 +52,40 @@ pub const NORMALS: TextureFormat = TextureFormat::Rgba16Float;
 /// Format of the light layers of cells.
 pub const MASKS: TextureFormat = TextureFormat::R8Unorm;
 
+/// The entry point of the vertices of quads.
+const PLACE: &str = "place";
+
+/// The attributes of quads and of their materials, instance by instance: `QuadIn` of shaders/quads.wgsl. Vertex buffers,
+/// because under WebGL 2 shaders read no others.
+const INSTANCES: [Option<VertexBufferLayout>; 2] = [
+    Some(VertexBufferLayout {
+        array_stride: size_of::<Quad>() as u64,
+        step_mode: VertexStepMode::Instance,
+        attributes: &[
+            attribute(0, offset_of!(Quad, world), VertexFormat::Float32x4),
+            attribute(1, offset_of!(Quad, world) + 16, VertexFormat::Float32x4),
+            attribute(2, offset_of!(Quad, world) + 32, VertexFormat::Float32x4),
+            attribute(3, offset_of!(Quad, color), VertexFormat::Float32x4),
+            attribute(4, offset_of!(Quad, shape), VertexFormat::Uint32x2),
+            attribute(5, offset_of!(Quad, param), VertexFormat::Float32),
+        ],
+    }),
+    Some(VertexBufferLayout {
+        array_stride: size_of::<QuadMaterial>() as u64,
+        step_mode: VertexStepMode::Instance,
+        attributes: &[
+            attribute(6, offset_of!(QuadMaterial, emission), VertexFormat::Float32x4),
+            attribute(7, offset_of!(QuadMaterial, tint), VertexFormat::Float32x4),
+            attribute(8, offset_of!(QuadMaterial, albedo), VertexFormat::Float32x3),
+            attribute(9, offset_of!(QuadMaterial, bits), VertexFormat::Uint32),
+        ],
+    }),
+];
+
+const fn attribute(shader_location: u32, offset: usize, format: VertexFormat) -> VertexAttribute {
+    VertexAttribute { format, offset: offset as u64, shader_location }
+}
+
 /// Pipelines and bind group layouts, compiled once.
 #[derive(Resource)]
 pub struct Pipelines {
@@ -74,19 +111,20 @@ pub struct NormalPipelines {
 impl Pipelines {
     /// Compiles everything.
     pub fn new(device: &Device) -> Self {
-        let buffer =
-            |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
         let texture = |filterable, view_dimension| BindingType::Texture {
             sample_type: TextureSampleType::Float { filterable },
             view_dimension,
             multisampled: false,
         };
-        let list = buffer(BufferBindingType::Storage { read_only: true });
         let quads_layout = layout(
             device,
             "lamplight quads",
             ShaderStages::VERTEX_FRAGMENT,
-            &[buffer(BufferBindingType::Uniform), list, list],
+            &[BindingType::Buffer {
+                ty: BufferBindingType::Uniform,
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            }],
         );
         let image_layout = layout(
             device,
@@ -111,9 +149,9 @@ impl Pipelines {
             pipeline(device, label, layouts, module, entries, &[], targets)
         };
         Self {
-            matter: pipeline("lamplight matter", &of_quads, &quads, ["place", "matter"], &sums),
-            lamps: pipeline("lamplight lamps", &of_quads, &quads, ["place", "lamp"], &lamps),
-            glow: pipeline("lamplight glow", &of_quads, &quads, ["place", "glow"], &glow),
+            matter: pipeline("lamplight matter", &of_quads, &quads, [PLACE, "matter"], &sums),
+            lamps: pipeline("lamplight lamps", &of_quads, &quads, [PLACE, "lamp"], &lamps),
+            glow: pipeline("lamplight glow", &of_quads, &quads, [PLACE, "glow"], &glow),
             resolve: pipeline(
                 "lamplight resolve",
                 &[&sums_layout],
@@ -146,7 +184,7 @@ impl Pipelines {
             let target = [color_target(NORMALS, Some(OVER))];
             let (quads, image) = (&self.quads_layout, &self.image_layout);
             let pipeline = |layouts: &[&BindGroupLayout], fragment, constants: &[_]| {
-                let entries = ["place", fragment];
+                let entries = [PLACE, fragment];
                 pipeline(device, "lamplight normals", layouts, &module, entries, constants, &target)
             };
             NormalPipelines {
@@ -162,7 +200,7 @@ impl Pipelines {
             let quads = module(device, "quads", include_str!("../../shaders/quads.wgsl"));
             let layouts = [&self.quads_layout, &self.image_layout];
             let target = [color_target(MASKS, None)];
-            pipeline(device, "lamplight masks", &layouts, &quads, ["place", "layers"], &[], &target)
+            pipeline(device, "lamplight masks", &layouts, &quads, [PLACE, "layers"], &[], &target)
         })
     }
 
@@ -254,7 +292,7 @@ fn pipeline(
             module,
             entry_point: Some(vertex),
             compilation_options: Default::default(),
-            buffers: &[],
+            buffers: if vertex == PLACE { &INSTANCES } else { &[] },
         },
         primitive: Default::default(),
         depth_stencil: None,

@@ -9,7 +9,7 @@ use lamplight_wgpu::wgpu::{
     BindGroup, Buffer, BufferDescriptor, BufferUsages, Device, Queue, RenderPass, RenderPipeline,
 };
 
-/// Quads and materials in buffers, bound for both render targets.
+/// Quads and materials in buffers, and the transforms to both render targets.
 #[derive(Default)]
 pub struct QuadBuffers {
     lists: Option<QuadLists>,
@@ -36,7 +36,7 @@ impl QuadBuffers {
     /// by half and never shrink.
     ///
     /// # Errors
-    /// If the device cannot bind a buffer of the size needed.
+    /// If the device has no buffer of the size needed.
     pub fn write(
         &mut self,
         device: &Device,
@@ -53,21 +53,19 @@ impl QuadBuffers {
                 .all(|(buffer, list)| buffer.size() >= list.len() as u64)
         };
         if !self.lists.as_ref().is_some_and(fits) {
-            let limits = device.limits();
-            let max = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+            let max = device.limits().max_buffer_size;
             let list = |label, bytes: &[u8]| {
                 let needed = bytes.len() as u64;
                 let size = buffer_size(needed, max).ok_or_else(|| {
-                    let reason = format!("{label} take {needed} bytes, and it binds {max}");
+                    let reason = format!("{label} take {needed} bytes, and its buffers {max}");
                     Error::Device(DeviceError(reason))
                 })?;
-                Ok::<_, Error>(buffer(device, label, size, BufferUsages::STORAGE))
+                Ok::<_, Error>(buffer(device, label, size, BufferUsages::VERTEX))
             };
             self.lists = Some(QuadLists {
                 quads: list("lamplight quads", lists[0])?,
                 materials: list("lamplight materials", lists[1])?,
             });
-            self.groups = [None, None];
         }
         let Some(buffers) = &self.lists else { return Ok(()) };
         queue.write_buffer(&buffers.quads, 0, lists[0]);
@@ -80,12 +78,20 @@ impl QuadBuffers {
             });
             queue.write_buffer(own, 0, bytemuck::bytes_of(&transform));
             group.get_or_insert_with(|| {
-                let list = [&*own, &buffers.quads, &buffers.materials];
-                let list = list.map(|buffer| buffer.as_entire_binding());
-                bind(device, "lamplight quads", &pipelines.quads_layout, list)
+                let transform = [own.as_entire_binding()];
+                bind(device, "lamplight quads", &pipelines.quads_layout, transform)
             });
         }
         Ok(())
+    }
+
+    /// Binds the quads and the transform to a target; `None` before they are written.
+    fn bind(&self, pass: &mut RenderPass, target: QuadTarget) -> Option<()> {
+        let lists = self.lists.as_ref()?;
+        pass.set_bind_group(0, self.groups[target as usize].as_ref()?, &[]);
+        pass.set_vertex_buffer(0, lists.quads.slice(..));
+        pass.set_vertex_buffer(1, lists.materials.slice(..));
+        Some(())
     }
 
     /// Draws batches whose image is loaded; on the screen only what Bevy draws there.
@@ -97,9 +103,10 @@ impl QuadBuffers {
         images: &ImageBindings,
         target: QuadTarget,
     ) {
-        let Some(group) = &self.groups[target as usize] else { return };
+        if self.bind(pass, target).is_none() {
+            return;
+        }
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, group, &[]);
         let is_on_grid = matches!(target, QuadTarget::Grid);
         for batch in batches.iter().filter(|batch| batch.is_drawn || is_on_grid) {
             let Some(image) = images.get(batch.image) else { continue };
@@ -116,8 +123,9 @@ impl QuadBuffers {
         batches: &[QuadBatch],
         images: &ImageBindings,
     ) {
-        let Some(group) = &self.groups[QuadTarget::Screen as usize] else { return };
-        pass.set_bind_group(0, group, &[]);
+        if self.bind(pass, QuadTarget::Screen).is_none() {
+            return;
+        }
         for batch in batches.iter().filter(|batch| batch.is_drawn) {
             let Some(image) = images.get(batch.image) else { continue };
             if let Some(normals) = batch.normals.and_then(|normals| images.get(normals)) {

@@ -10,6 +10,7 @@ use bevy::render::RenderPlugin;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
+use bevy::render::settings::{WgpuLimits, WgpuSettings};
 use bevy::render::view::Msaa;
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
@@ -56,9 +57,23 @@ pub fn headless() -> App {
 
 /// Adds Bevy's plugins, without a window.
 pub fn add_bevy(app: &mut App) {
+    add_bevy_with(app, WgpuSettings::default());
+}
+
+/// Adds Bevy's plugins, without a window, on a device that grants no more than these limits.
+pub fn add_bevy_within(app: &mut App, limits: WgpuLimits) {
+    let constrained_limits = Some(limits.clone());
+    add_bevy_with(app, WgpuSettings { limits, constrained_limits, ..default() });
+}
+
+fn add_bevy_with(app: &mut App, settings: WgpuSettings) {
     let window =
         WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
-    let render = RenderPlugin { synchronous_pipeline_compilation: true, ..default() };
+    let render = RenderPlugin {
+        synchronous_pipeline_compilation: true,
+        render_creation: settings.into(),
+        ..default()
+    };
     app.add_plugins(
         DefaultPlugins
             .set(window)

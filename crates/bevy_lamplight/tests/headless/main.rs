@@ -9,6 +9,7 @@ mod lamps;
 mod lifecycle;
 mod masks;
 mod matter;
+mod no_compute;
 mod normals;
 mod parity;
 mod query;

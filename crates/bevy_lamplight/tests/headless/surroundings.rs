@@ -6,8 +6,8 @@ use bevy_lamplight::prelude::*;
 
 const SIZE: [u32; 2] = [96, 64];
 /// The largest jump of light in a frame while a lamp drifts in, relative to the mean light of the picture. Measured at
-/// 0.014.
-const JUMP: f32 = 0.02;
+/// 0.008.
+const JUMP: f32 = 0.01;
 
 /// Settings with rings around a grid with a border of 32 cells.
 fn with_rings(method: LightMethod, surroundings: u32) -> Lighting2d {
