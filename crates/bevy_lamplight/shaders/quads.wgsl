@@ -16,6 +16,8 @@ struct TargetTransform {
     size: vec2f,
     // World units per cell.
     cell: f32,
+    unused_0: f32,
+    unused_1: vec2f,
 }
 
 // Attributes of an instance: `Quad` in src/quads/quad.rs, on the grid (cells, y down), and its `QuadMaterial` in

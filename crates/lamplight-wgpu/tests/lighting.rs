@@ -13,10 +13,10 @@ use lamplight::{
 use lamplight_wgpu::error::{PrepareError, RecordError};
 use lamplight_wgpu::read_back::light;
 use lamplight_wgpu::{
-    Backend, FrameInput, Lighting, LightingOptions, Lights, Stage, Textures, Tier,
+    Backend, FrameInput, Lighting, LightingOptions, Lights, Stage, Textures, Tier, Timer,
 };
 use textures::{fetch, filled, float, texture, view};
-use wgpu::{Device, DeviceType, Queue, TextureFormat, TextureUsages};
+use wgpu::{Device, DeviceType, PollType, Queue, TextureFormat, TextureUsages};
 
 fn raymarch() -> Settings {
     Settings::direct(Method::Raymarch)
@@ -73,9 +73,19 @@ fn the_faster_backend_goes_on_with_the_same_light() {
             assert!((one - other).abs() <= TOLERANCE * other.max(mean), "light flickers");
         }
     }
+    // Also if the host times its frames itself.
+    let mut timed = Lighting::new(&device, &queue, &LightingOptions::on(Backend::Fastest)).unwrap();
+    let mut timer = Timer::new(&device, &queue).expect("the adapter has timestamps");
+    for _ in 0..20 {
+        timed.prepare(&FrameInput::of_cells(&settings, &cells)).unwrap();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        timed.record_timed(&mut encoder, &mut timer).unwrap();
+        queue.submit([encoder.finish()]);
+        device.poll(PollType::wait_indefinitely()).unwrap();
+    }
     // Only on a software GPU it is known which is faster.
     if device.adapter_info().device_type == DeviceType::Cpu {
-        assert_eq!(lighting.backend(), Backend::Cpu);
+        assert_eq!([lighting.backend(), timed.backend()], [Backend::Cpu; 2]);
     }
     let (device, queue) = device_of(Tier::Web);
     let mut untimed =

@@ -136,6 +136,9 @@ pub enum LightMethod {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum LightQuality {
+    /// `Default`, unless the light of a camera takes longer than 8 ms, half of a frame at 60 Hz: then `Fast`, until
+    /// another quality is set. Pictures differ a little from device to device.
+    Auto,
     /// For weak GPUs: half the time, slightly softer shadows, and faint rays around small lights.
     Fast,
     /// For games.
@@ -151,7 +154,8 @@ impl From<LightQuality> for Quality {
     fn from(quality: LightQuality) -> Self {
         match quality {
             LightQuality::Fast => Self::Fast,
-            LightQuality::Default => Self::Default,
+            // Cameras make it `Fast` if they have to.
+            LightQuality::Auto | LightQuality::Default => Self::Default,
             LightQuality::High => Self::High,
             LightQuality::Paper => Self::Paper,
         }

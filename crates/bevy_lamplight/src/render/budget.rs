@@ -1,5 +1,6 @@
-//! Samples the GPU time of lighting and warns if it exceeds the frame budget.
+//! Samples the time of lighting, chooses the quality by it ([`LightQuality::Auto`]), and warns if it exceeds the frame budget.
 
+use crate::components::LightQuality;
 use bevy::log::warn;
 use lamplight_wgpu::Timer;
 use lamplight_wgpu::error::RecordError;
@@ -8,8 +9,9 @@ use std::time::Duration;
 
 /// The frame budget: 60 frames per second.
 const FRAME: Duration = Duration::from_nanos(16_666_667);
-/// Frames per timed frame. Timing makes a frame slightly slower.
+/// Frames per timed frame on the GPU, and while the quality may change. Timing makes a frame slightly slower.
 const EVERY: u64 = 64;
+const EVERY_AT_FIRST: u64 = 16;
 /// Consecutive timed frames over the budget that cause a warning.
 const PATIENCE: u32 = 3;
 
@@ -19,12 +21,32 @@ pub struct Budget {
     timer: Option<Timer>,
     frame: u64,
     late: LateFrames,
+    quality: AutoQuality,
 }
 
 impl Budget {
     /// A budget of which nothing is spent.
     pub fn new(device: &Device, queue: &Queue) -> Self {
-        Self { timer: Timer::new(device, queue), frame: 0, late: LateFrames::default() }
+        Self {
+            timer: Timer::new(device, queue),
+            frame: 0,
+            late: LateFrames::default(),
+            quality: AutoQuality::default(),
+        }
+    }
+
+    /// Returns the quality that is wanted, chosen if it is `Auto`.
+    pub fn quality(&mut self, wanted: LightQuality) -> LightQuality {
+        if wanted != LightQuality::Auto {
+            self.quality = AutoQuality::default();
+            return wanted;
+        }
+        if self.quality.is_fast { LightQuality::Fast } else { LightQuality::Default }
+    }
+
+    /// Takes account of the time of a frame on the CPU.
+    pub fn spend(&mut self, time: Duration) {
+        self.quality.observe(time, FRAMES_ON_CPU);
     }
 
     /// Records lighting, in some frames with timestamps. Warns once if it is over the budget.
@@ -34,14 +56,38 @@ impl Budget {
         encoder: &mut CommandEncoder,
     ) -> Result<(), RecordError> {
         self.frame += 1;
-        let is_timed = self.frame.is_multiple_of(EVERY) && !self.late.has_warned;
+        let every = if self.quality.is_fast { EVERY } else { EVERY_AT_FIRST };
+        let is_timed = self.frame.is_multiple_of(every) && !self.late.has_warned;
         let Some(timer) = self.timer.as_mut().filter(|_| is_timed) else {
             return lighting.record(encoder);
         };
-        if let Some(warning) = self.late.observe(timer.read()) {
+        let stages = timer.read();
+        if let Some(warning) = self.late.observe(stages) {
             warn!("{warning}");
         }
+        self.quality.observe(stages.iter().map(|(_, time)| *time).sum(), PATIENCE);
         lighting.record_timed(encoder, timer)
+    }
+}
+
+/// The time from which on light is slow: half of a frame.
+const SLOW: Duration = Duration::from_millis(8);
+/// Consecutive slow frames on the CPU, where every frame is timed and the first allocate memory, that change the quality.
+const FRAMES_ON_CPU: u32 = 12;
+
+/// The choice of a quality.
+#[derive(Default)]
+struct AutoQuality {
+    /// Consecutive slow frames.
+    slow: u32,
+    is_fast: bool,
+}
+
+impl AutoQuality {
+    /// Takes account of a frame. So many slow ones in a row change the quality, once.
+    fn observe(&mut self, time: Duration, patience: u32) {
+        self.slow = if time > SLOW { self.slow + 1 } else { 0 };
+        self.is_fast |= self.slow >= patience;
     }
 }
 
@@ -95,6 +141,19 @@ mod tests {
         assert_eq!(warnings(&[&late, &late]), 0);
         assert_eq!(warnings(&[&late]), 1);
         assert_eq!(warnings(&[&late, &late, &late, &late]), 0);
+    }
+
+    #[test]
+    fn slow_frames_in_a_row_change_the_quality_for_good() {
+        let mut quality = AutoQuality::default();
+        let mut is_fast = |slow: &[bool]| {
+            let time = |slow: bool| if slow { SLOW * 2 } else { SLOW };
+            slow.iter().for_each(|&slow| quality.observe(time(slow), 3));
+            quality.is_fast
+        };
+        assert!(!is_fast(&[true, true, false, true, true, false]));
+        assert!(is_fast(&[true, true, true]));
+        assert!(is_fast(&[false; 100]));
     }
 
     #[test]

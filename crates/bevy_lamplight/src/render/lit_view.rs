@@ -9,6 +9,7 @@ use super::quad_buffers::QuadBuffers;
 use crate::components::Lighting2d;
 use bevy::log::{error, warn};
 use bevy::platform::collections::{HashMap, HashSet};
+use bevy::platform::time::Instant;
 use bevy::prelude::{Entity, Resource};
 use lamplight::Settings;
 use lamplight_wgpu::wgpu::util::TextureBlitter;
@@ -17,7 +18,7 @@ use lamplight_wgpu::wgpu::{
     TextureUsages, TextureView,
 };
 use lamplight_wgpu::{
-    Compose, Error, FrameInput, Lighting, LightingOptions, Lights, Textures, VisibleRect,
+    Backend, Compose, Error, FrameInput, Lighting, LightingOptions, Lights, Textures, VisibleRect,
 };
 use std::fmt::Display;
 
@@ -88,9 +89,10 @@ struct Configuration {
 }
 
 impl Configuration {
-    fn of(view: &LitCameraView) -> Self {
+    fn of(view: &LitCameraView, budget: &mut Budget) -> Self {
         let LitCameraView { lighting, placement, has_normals, relief, .. } = view;
-        let (lighting, cell) = (lighting.clone(), placement.cell);
+        let quality = budget.quality(lighting.quality);
+        let (lighting, cell) = (Lighting2d { quality, ..lighting.clone() }, placement.cell);
         Self { lighting, cell, has_normals: *has_normals, elevation: relief.elevation }
     }
 
@@ -159,10 +161,11 @@ impl LitView {
         pipelines: &Pipelines,
         view: &LitCameraView,
     ) -> Result<Self, Error> {
-        let configured = Configuration::of(view);
+        let mut budget = Budget::new(device, queue);
+        let configured = Configuration::of(view, &mut budget);
         Ok(Self {
             lighting: Lighting::new(device, queue, &LightingOptions::on(backend.into()))?,
-            budget: Budget::new(device, queue),
+            budget,
             compose: Compose::new(device, queue)?,
             neighbours: None,
             draw: DrawList::default(),
@@ -187,7 +190,7 @@ impl LitView {
         target: CameraTarget,
     ) -> Result<(), Error> {
         let placement = &view.placement;
-        let wanted = Configuration::of(view);
+        let wanted = Configuration::of(view, &mut self.budget);
         if wanted != self.configured {
             if wanted.cell != self.configured.cell {
                 // History has cells of another size.
@@ -214,7 +217,7 @@ impl LitView {
             origin: [-1.0, 1.0],
             size: [width, height],
             cell: placement.cell,
-            unused: 0.0,
+            unused: [0.0; 3],
         };
         let screen = on_screen(&placed.visible, placement.cell, target.viewport);
         self.quads.write(device, queue, pipelines, &self.draw, [grid, screen])?;
@@ -241,7 +244,12 @@ impl LitView {
         let lights = Lights { lamps, suns, sky: &view.sky, inflow: view.inflow.as_ref() };
         let input = FrameInput::of_textures(&self.settings, &textures, lights);
         let (origin, output) = (placed.origin, self.texture.as_ref());
-        Ok(self.lighting.prepare(&FrameInput { origin, output, ..input })?)
+        let start = Instant::now();
+        self.lighting.prepare(&FrameInput { origin, output, ..input })?;
+        if self.lighting.backend() == Backend::Cpu {
+            self.budget.spend(start.elapsed());
+        }
+        Ok(())
     }
 }
 
@@ -268,7 +276,7 @@ fn on_screen(visible: &VisibleRect, cell: f32, viewport: [u32; 2]) -> TargetTran
         origin: [origin[0] - 1.0, origin[1] + 1.0],
         size: viewport.map(|v| v as f32),
         cell,
-        unused: 0.0,
+        unused: [0.0; 3],
     }
 }
 

@@ -29,8 +29,8 @@ pub struct TargetTransform {
     pub size: [f32; 2],
     /// World units per cell.
     pub cell: f32,
-    /// Padding to WGSL's alignment.
-    pub unused: f32,
+    /// Padding to 16 bytes, which WebGL 2 needs.
+    pub unused: [f32; 3],
 }
 
 /// Formats of the sums over everything in a cell: emission, albedo, tint, opacity.

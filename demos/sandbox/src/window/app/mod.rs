@@ -82,7 +82,7 @@ impl App {
         let subject = Subject::new(start.world, size, start.seed)?;
         let look = subject.look();
         let mut settings = look.settings();
-        let lit = Lit::new(&context.egui_ctx, gpu, &settings)?;
+        let lit = Lit::new(&context.egui_ctx, gpu, start.backend, &settings)?;
         if !lit.is_gpu() {
             // The default preset is too slow on the CPU.
             settings.set_quality(lamplight::Quality::Fast)?;

@@ -19,6 +19,7 @@ use std::time::Duration;
 /// Light computed on the device of the window.
 pub struct OnGpu {
     name: String,
+    options: LightingOptions,
     device: Device,
     queue: Queue,
     target: TextureFormat,
@@ -78,17 +79,24 @@ impl CallbackTrait for Draw {
 }
 
 impl OnGpu {
-    pub fn new(state: &RenderState, settings: &Settings) -> Result<Self> {
+    pub fn new(state: &RenderState, backend: super::Backend, settings: &Settings) -> Result<Self> {
         // Browsers keep the name to themselves.
         let name = Some(state.adapter.get_info().name).filter(|name| !name.is_empty());
         let name = name.unwrap_or_else(|| "the GPU".to_owned());
-        Self::on(name, (state.device.clone(), state.queue.clone()), state.target_format, settings)
+        // The window has a backend for the CPU of its own, for devices that are slower for certain.
+        let options = LightingOptions::on(match backend {
+            super::Backend::Auto => Backend::Fastest,
+            _ => Backend::Gpu,
+        });
+        let host = (state.device.clone(), state.queue.clone());
+        Self::on(name, options, host, state.target_format, settings)
     }
 
     /// Another one on the same device.
     pub fn beside(&self, settings: &Settings) -> Result<Self> {
         Self::on(
             self.name.clone(),
+            self.options,
             (self.device.clone(), self.queue.clone()),
             self.target,
             settings,
@@ -97,16 +105,16 @@ impl OnGpu {
 
     fn on(
         name: String,
+        options: LightingOptions,
         (device, queue): (Device, Queue),
         target: TextureFormat,
         settings: &Settings,
     ) -> Result<Self> {
-        // The window has a backend for the CPU of its own.
-        let options = LightingOptions::on(Backend::Gpu);
         let mut lighting = Lighting::new(&device, &queue, &options)?;
         lighting.precompile(settings)?;
         Ok(Self {
             name,
+            options,
             target,
             lighting,
             compose: Arc::new(Mutex::new(Compose::new(&device, &queue)?)),
@@ -118,8 +126,9 @@ impl OnGpu {
         })
     }
 
+    /// The name of what finds the light.
     pub fn name(&self) -> &str {
-        &self.name
+        if self.lighting.backend() == Backend::Cpu { "CPU" } else { &self.name }
     }
 
     pub fn find(

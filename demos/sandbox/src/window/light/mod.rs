@@ -17,7 +17,7 @@ use lamplight::{Cells, Light, Settings};
 use lamplight_wgpu::read_back::FetchLight;
 use std::time::Duration;
 
-/// The backend of lighting.
+/// The backend of lighting. `Auto` is the faster one, as the first frames show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Backend {
     #[default]
@@ -51,9 +51,14 @@ pub fn gpu<'a>(context: &'a CreationContext, backend: Backend) -> Option<&'a Ren
 
 impl Lit {
     /// Uses the GPU of the window, or the CPU.
-    pub fn new(context: &Context, gpu: Option<&RenderState>, settings: &Settings) -> Result<Self> {
+    pub fn new(
+        context: &Context,
+        gpu: Option<&RenderState>,
+        backend: Backend,
+        settings: &Settings,
+    ) -> Result<Self> {
         match gpu {
-            Some(gpu) => Ok(Self::Gpu(Box::new(OnGpu::new(gpu, settings)?))),
+            Some(gpu) => Ok(Self::Gpu(Box::new(OnGpu::new(gpu, backend, settings)?))),
             None => Self::on_cpu(context, settings),
         }
     }
