@@ -5,8 +5,7 @@ const Y_DOWN: u32 = 1u;
 const SRGB: u32 = 2u;
 const TWO_CHANNELS: u32 = 4u;
 
-@group(2) @binding(0) var normal_map: texture_2d_array<f32>;
-@group(2) @binding(1) var normal_sampler: sampler;
+// `normal_map_at` samples the normal map of a quad; it is written by src/render/pipelines.rs.
 
 override STRAIGHT: f32;
 override SLOPE: f32;
@@ -54,7 +53,7 @@ fn tilted(in: VertexOut) -> @location(0) vec4f {
     let coverage = color_at(in).a;
     let quad = quad_of(in);
     let at = quad.texels_origin + in.unit.x * quad.texels_x + in.unit.y * quad.texels_y;
-    let texel = textureSampleLevel(normal_map, normal_sampler, at, quad.layer, 0.0).rgb;
+    let texel = normal_map_at(at, quad.layer).rgb;
     let normal = on_grid(quad, decoded(texel, material_of(in).bits));
     return vec4f(normal * coverage, coverage);
 }

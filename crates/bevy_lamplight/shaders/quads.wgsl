@@ -65,8 +65,7 @@ struct Material {
 }
 
 @group(0) @binding(0) var<uniform> target_transform: TargetTransform;
-@group(1) @binding(0) var image: texture_2d_array<f32>;
-@group(1) @binding(1) var image_sampler: sampler;
+// `image_at` samples the image of a quad; it is written by src/render/pipelines.rs.
 
 struct VertexOut {
     @builtin(position) position: vec4f,
@@ -227,7 +226,7 @@ fn color_at(in: VertexOut) -> vec4f {
     // Beyond the edge its nearest texel counts.
     let unit = select(in.unit, clamp(in.unit, vec2f(0.0), vec2f(LAST)), by_area);
     let texel = quad.texels_origin + unit.x * quad.texels_x + unit.y * quad.texels_y;
-    var color = textureSampleLevel(image, image_sampler, texel, quad.layer, 0.0) * quad.color;
+    var color = image_at(texel, quad.layer) * quad.color;
     if shape_of(quad) == CIRCLE || shape_of(quad) == CAPSULE {
         color.a *= f32(by_area || depth(quad, in.unit) >= 0.0);
     } else if shape_of(quad) == LAMP {

@@ -1,5 +1,4 @@
-//! Images bound for shaders. Every image is bound as an array of layers, so that sprites and tilesets
-//! share a pipeline.
+//! Images bound for shaders.
 
 use super::pipelines::Pipelines;
 use bevy::asset::AssetId;
@@ -20,7 +19,14 @@ pub struct ImageBindings(HashMap<AssetId<Image>, BoundImage>);
 struct BoundImage {
     texture: TextureId,
     /// `None` if shaders cannot read it.
-    group: Option<BindGroup>,
+    group: Option<ImageGroup>,
+}
+
+/// An image, bound.
+pub struct ImageGroup {
+    pub group: BindGroup,
+    /// True if it has several layers, as tilesets do.
+    pub layered: bool,
 }
 
 impl ImageBindings {
@@ -43,17 +49,20 @@ impl ImageBindings {
         self.0.entry(id).or_insert_with(|| BoundImage {
             texture: image.texture.id(),
             group: is_filterable(device, image).then(|| {
+                let layered = image.texture.depth_or_array_layers() > 1;
+                let of_layers = TextureViewDimension::D2Array;
                 let view = image.texture.create_view(&TextureViewDescriptor {
-                    dimension: Some(TextureViewDimension::D2Array),
+                    dimension: layered.then_some(of_layers),
                     ..TextureViewDescriptor::default()
                 });
-                pipelines.bind_image(device, &view, &image.sampler)
+                let group = pipelines.bind_image(device, &view, layered, &image.sampler);
+                ImageGroup { group, layered }
             }),
         });
     }
 
-    /// The bind group of an image.
-    pub fn get(&self, id: AssetId<Image>) -> Option<&BindGroup> {
+    /// An image that is bound.
+    pub fn get(&self, id: AssetId<Image>) -> Option<&ImageGroup> {
         self.0.get(&id)?.group.as_ref()
     }
 }

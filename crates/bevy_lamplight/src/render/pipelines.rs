@@ -90,22 +90,25 @@ const fn attribute(shader_location: u32, offset: usize, format: VertexFormat) ->
 #[derive(Resource)]
 pub struct Pipelines {
     pub quads_layout: BindGroupLayout,
-    image_layout: BindGroupLayout,
+    image_layouts: ByLayers<BindGroupLayout>,
     sums_layout: BindGroupLayout,
-    pub matter: RenderPipeline,
-    pub lamps: RenderPipeline,
-    pub glow: RenderPipeline,
+    pub matter: ByLayers<RenderPipeline>,
+    pub lamps: ByLayers<RenderPipeline>,
+    pub glow: ByLayers<RenderPipeline>,
     pub resolve: RenderPipeline,
     normals: OnceLock<NormalPipelines>,
-    masks: OnceLock<RenderPipeline>,
+    masks: OnceLock<ByLayers<RenderPipeline>>,
 }
+
+/// One for images of a single layer, and one for those of several, as of tilesets. Under WebGL 2 no texture is read as both.
+pub type ByLayers<T> = [T; 2];
 
 /// Pipelines of normals on the screen.
 pub struct NormalPipelines {
-    /// The pipeline of quads with a normal map, which is the third bind group.
-    pub tilted: RenderPipeline,
-    /// The pipeline of quads without one.
-    pub untilted: RenderPipeline,
+    /// The pipelines of quads with a normal map, which is the third bind group: by their image, and then by that.
+    pub tilted: ByLayers<ByLayers<RenderPipeline>>,
+    /// The pipelines of quads without one.
+    pub untilted: ByLayers<RenderPipeline>,
 }
 
 impl Pipelines {
@@ -126,43 +129,47 @@ impl Pipelines {
                 min_binding_size: None,
             }],
         );
-        let image_layout = layout(
-            device,
-            "lamplight image",
-            ShaderStages::FRAGMENT,
-            &[
-                texture(true, TextureViewDimension::D2Array),
-                BindingType::Sampler(SamplerBindingType::Filtering),
-            ],
-        );
+        let image_layouts = [TextureViewDimension::D2, TextureViewDimension::D2Array].map(|of| {
+            let sampler = BindingType::Sampler(SamplerBindingType::Filtering);
+            let image = [texture(true, of), sampler];
+            layout(device, "lamplight image", ShaderStages::FRAGMENT, &image)
+        });
         let sums = [texture(false, TextureViewDimension::D2); 4];
         let sums_layout = layout(device, "lamplight sums", ShaderStages::FRAGMENT, &sums);
 
-        let quads = module(device, "quads", include_str!("../../shaders/quads.wgsl"));
-        let resolve = module(device, "resolve", include_str!("../../shaders/resolve.wgsl"));
-        let of_quads = [&quads_layout, &image_layout];
+        let modules = [false, true].map(|layered| module(device, "quads", quads(layered)));
+        let resolve = include_str!("../../shaders/resolve.wgsl").to_owned();
+        let resolve = module(device, "resolve", resolve);
         let sums = SUMS.map(|format| color_target(format, Some(OVER)));
         let matter = MATTER.map(|format| color_target(format, None));
         let lamps = [color_target(LAMPS, Some(ADD))];
         let glow = [color_target(GLOW, Some(OVER))];
-        let pipeline = |label, layouts: &[&BindGroupLayout], module, entries, targets: &[_]| {
-            pipeline(device, label, layouts, module, entries, &[], targets)
+        let pipelines = |label, fragment, targets: &[_]| {
+            let pipeline = |layered: usize| {
+                let (layouts, module) =
+                    ([&quads_layout, &image_layouts[layered]], &modules[layered]);
+                pipeline(device, label, &layouts, module, [PLACE, fragment], &[], targets)
+            };
+            [0, 1].map(pipeline)
         };
+        let to_matter = ["cover", "resolve"];
         Self {
-            matter: pipeline("lamplight matter", &of_quads, &quads, [PLACE, "matter"], &sums),
-            lamps: pipeline("lamplight lamps", &of_quads, &quads, [PLACE, "lamp"], &lamps),
-            glow: pipeline("lamplight glow", &of_quads, &quads, [PLACE, "glow"], &glow),
+            matter: pipelines("lamplight matter", "matter", &sums),
+            lamps: pipelines("lamplight lamps", "lamp", &lamps),
+            glow: pipelines("lamplight glow", "glow", &glow),
             resolve: pipeline(
+                device,
                 "lamplight resolve",
                 &[&sums_layout],
                 &resolve,
-                ["cover", "resolve"],
+                to_matter,
+                &[],
                 &matter,
             ),
             normals: OnceLock::new(),
             masks: OnceLock::new(),
             quads_layout,
-            image_layout,
+            image_layouts,
             sums_layout,
         }
     }
@@ -170,11 +177,6 @@ impl Pipelines {
     /// The pipelines of normals, compiled when they are first needed.
     pub fn normals(&self, device: &Device) -> &NormalPipelines {
         self.normals.get_or_init(|| {
-            let text = concat!(
-                include_str!("../../shaders/quads.wgsl"),
-                include_str!("../../shaders/normals.wgsl")
-            );
-            let module = module(device, "normals", text);
             let srgb = [
                 ("STRAIGHT", f64::from(srgb::STRAIGHT)),
                 ("SLOPE", f64::from(srgb::SLOPE)),
@@ -182,25 +184,39 @@ impl Pipelines {
                 ("GAMMA", f64::from(srgb::GAMMA)),
             ];
             let target = [color_target(NORMALS, Some(OVER))];
-            let (quads, image) = (&self.quads_layout, &self.image_layout);
-            let pipeline = |layouts: &[&BindGroupLayout], fragment, constants: &[_]| {
-                let entries = [PLACE, fragment];
-                pipeline(device, "lamplight normals", layouts, &module, entries, constants, &target)
+            let label = "lamplight normals";
+            let of_images = |[image, map]: [usize; 2], fragment, constants: &[_]| {
+                let text = [
+                    &quads(image == 1)[..],
+                    include_str!("../../shaders/normals.wgsl"),
+                    &sampling(2, "normal_map", map == 1),
+                ];
+                let module = module(device, "normals", text.concat());
+                let [image, map] = [image, map].map(|layered| &self.image_layouts[layered]);
+                // Without constants it has no normal map.
+                let layouts = [&self.quads_layout, image, map];
+                let layouts = if constants.is_empty() { &layouts[..2] } else { &layouts };
+                pipeline(device, label, layouts, &module, [PLACE, fragment], constants, &target)
             };
             NormalPipelines {
-                tilted: pipeline(&[quads, image, image], "tilted", &srgb),
-                untilted: pipeline(&[quads, image], "untilted", &[]),
+                tilted: [0, 1]
+                    .map(|image| [0, 1].map(|map| of_images([image, map], "tilted", &srgb))),
+                untilted: [0, 1].map(|image| of_images([image, 0], "untilted", &[])),
             }
         })
     }
 
-    /// The pipeline of light layers, compiled when it is first needed.
-    pub fn masks(&self, device: &Device) -> &RenderPipeline {
+    /// The pipelines of light layers, compiled when they are first needed.
+    pub fn masks(&self, device: &Device) -> &ByLayers<RenderPipeline> {
         self.masks.get_or_init(|| {
-            let quads = module(device, "quads", include_str!("../../shaders/quads.wgsl"));
-            let layouts = [&self.quads_layout, &self.image_layout];
             let target = [color_target(MASKS, None)];
-            pipeline(device, "lamplight masks", &layouts, &quads, [PLACE, "layers"], &[], &target)
+            let pipeline = |layered: usize| {
+                let module = module(device, "quads", quads(layered == 1));
+                let layouts = [&self.quads_layout, &self.image_layouts[layered]];
+                let entries = [PLACE, "layers"];
+                pipeline(device, "lamplight masks", &layouts, &module, entries, &[], &target)
+            };
+            [0, 1].map(pipeline)
         })
     }
 
@@ -210,10 +226,16 @@ impl Pipelines {
         bind(device, "lamplight sums", &self.sums_layout, sums)
     }
 
-    /// Binds an image.
-    pub fn bind_image(&self, device: &Device, view: &TextureView, sampler: &Sampler) -> BindGroup {
+    /// Binds an image, with a view of all of its layers if it is `layered`.
+    pub fn bind_image(
+        &self,
+        device: &Device,
+        view: &TextureView,
+        layered: bool,
+        sampler: &Sampler,
+    ) -> BindGroup {
         let image = [BindingResource::TextureView(view), BindingResource::Sampler(sampler)];
-        bind(device, "lamplight image", &self.image_layout, image)
+        bind(device, "lamplight image", &self.image_layouts[usize::from(layered)], image)
     }
 }
 
@@ -247,10 +269,27 @@ fn color_target(format: TextureFormat, blend: Option<BlendState>) -> Option<Colo
     Some(ColorTargetState { format, blend, write_mask: ColorWrites::ALL })
 }
 
-fn module(device: &Device, label: &str, text: &'static str) -> ShaderModule {
+/// Returns the shader of quads whose images have a single layer, or several.
+fn quads(layered: bool) -> String {
+    include_str!("../../shaders/quads.wgsl").to_owned() + &sampling(1, "image", layered)
+}
+
+/// Returns the declarations of an image in a bind group, and of the function by which shaders sample it.
+fn sampling(group: u32, name: &str, layered: bool) -> String {
+    let (kind, layer) = if layered { ("texture_2d_array", "layer, ") } else { ("texture_2d", "") };
+    format!(
+        "@group({group}) @binding(0) var {name}: {kind}<f32>;
+        @group({group}) @binding(1) var {name}_sampler: sampler;
+        fn {name}_at(at: vec2f, layer: u32) -> vec4f {{
+            return textureSampleLevel({name}, {name}_sampler, at, {layer}0.0);
+        }}"
+    )
+}
+
+fn module(device: &Device, label: &str, text: String) -> ShaderModule {
     device.create_shader_module(ShaderModuleDescriptor {
         label: Some(label),
-        source: ShaderSource::Wgsl(Cow::Borrowed(text)),
+        source: ShaderSource::Wgsl(Cow::Owned(text)),
     })
 }
 

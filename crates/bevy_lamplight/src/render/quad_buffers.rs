@@ -2,7 +2,7 @@
 
 use super::draw::{DrawList, QuadBatch};
 use super::image_bindings::ImageBindings;
-use super::pipelines::{NormalPipelines, Pipelines, TargetTransform, bind};
+use super::pipelines::{ByLayers, NormalPipelines, Pipelines, TargetTransform, bind};
 use lamplight_wgpu::Error;
 use lamplight_wgpu::error::DeviceError;
 use lamplight_wgpu::wgpu::{
@@ -98,7 +98,7 @@ impl QuadBuffers {
     pub fn draw(
         &self,
         pass: &mut RenderPass,
-        pipeline: &RenderPipeline,
+        pipelines: &ByLayers<RenderPipeline>,
         batches: &[QuadBatch],
         images: &ImageBindings,
         target: QuadTarget,
@@ -106,11 +106,11 @@ impl QuadBuffers {
         if self.bind(pass, target).is_none() {
             return;
         }
-        pass.set_pipeline(pipeline);
         let is_on_grid = matches!(target, QuadTarget::Grid);
         for batch in batches.iter().filter(|batch| batch.is_drawn || is_on_grid) {
             let Some(image) = images.get(batch.image) else { continue };
-            pass.set_bind_group(1, image, &[]);
+            pass.set_pipeline(&pipelines[usize::from(image.layered)]);
+            pass.set_bind_group(1, &image.group, &[]);
             pass.draw(0..6, batch.quads.clone());
         }
     }
@@ -128,13 +128,14 @@ impl QuadBuffers {
         }
         for batch in batches.iter().filter(|batch| batch.is_drawn) {
             let Some(image) = images.get(batch.image) else { continue };
+            let layered = usize::from(image.layered);
             if let Some(normals) = batch.normals.and_then(|normals| images.get(normals)) {
-                pass.set_pipeline(&pipelines.tilted);
-                pass.set_bind_group(2, normals, &[]);
+                pass.set_pipeline(&pipelines.tilted[layered][usize::from(normals.layered)]);
+                pass.set_bind_group(2, &normals.group, &[]);
             } else {
-                pass.set_pipeline(&pipelines.untilted);
+                pass.set_pipeline(&pipelines.untilted[layered]);
             }
-            pass.set_bind_group(1, image, &[]);
+            pass.set_bind_group(1, &image.group, &[]);
             pass.draw(0..6, batch.quads.clone());
         }
     }

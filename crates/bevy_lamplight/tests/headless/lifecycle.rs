@@ -230,3 +230,28 @@ fn nothing_panics_without_a_camera_with_two_plugins_or_with_invalid_values() {
     app.world_mut().entity_mut(eye).despawn();
     (0..2).for_each(|_| app.update());
 }
+
+#[test]
+fn the_quality_auto_is_fast_where_light_takes_long() {
+    // Some hundred milliseconds on two cores.
+    const LARGE: [u32; 2] = [1600, 1200];
+    let seen = |quality: LightQuality, size: [u32; 2], frames: usize| {
+        let mut app = app();
+        app.insert_resource(LightBackend::Cpu);
+        let image = target(&mut app, size);
+        let lighting = Lighting2d { method: LightMethod::Holographic, ..plain() };
+        let eye = camera(&mut app, &image, lighting.clone().with_quality(quality));
+        let sprite = Sprite::from_color(Color::WHITE, Vec2::splat(9.0));
+        app.world_mut().spawn((sprite, Matter2d::glow(6.0)));
+        begin(&mut app);
+        let first = picture(&mut app, &image, frames).texels;
+        // Another quality holds at once.
+        app.world_mut().entity_mut(eye).insert(lighting);
+        (first, picture(&mut app, &image, 1).texels)
+    };
+    let ((fast, _), (default, _)) =
+        (seen(LightQuality::Fast, LARGE, 2), seen(LightQuality::Default, LARGE, 2));
+    assert!(fast != default);
+    let (auto, then) = seen(LightQuality::Auto, LARGE, 16);
+    assert!(auto == fast && then == default);
+}

@@ -79,15 +79,10 @@ impl CallbackTrait for Draw {
 }
 
 impl OnGpu {
-    pub fn new(state: &RenderState, backend: super::Backend, settings: &Settings) -> Result<Self> {
+    pub fn new(state: &RenderState, options: LightingOptions, settings: &Settings) -> Result<Self> {
         // Browsers keep the name to themselves.
         let name = Some(state.adapter.get_info().name).filter(|name| !name.is_empty());
         let name = name.unwrap_or_else(|| "the GPU".to_owned());
-        // The window has a backend for the CPU of its own, for devices that are slower for certain.
-        let options = LightingOptions::on(match backend {
-            super::Backend::Auto => Backend::Fastest,
-            _ => Backend::Gpu,
-        });
         let host = (state.device.clone(), state.queue.clone());
         Self::on(name, options, host, state.target_format, settings)
     }

@@ -14,6 +14,7 @@ use eframe::egui_wgpu::RenderState;
 use eframe::wgpu::DeviceType;
 use gpu::OnGpu;
 use lamplight::{Cells, Light, Settings};
+use lamplight_wgpu::LightingOptions;
 use lamplight_wgpu::read_back::FetchLight;
 use std::time::Duration;
 
@@ -58,7 +59,14 @@ impl Lit {
         settings: &Settings,
     ) -> Result<Self> {
         match gpu {
-            Some(gpu) => Ok(Self::Gpu(Box::new(OnGpu::new(gpu, backend, settings)?))),
+            Some(gpu) => {
+                // The CPU as a backend of the window's own is for devices that are slower for certain.
+                let options = LightingOptions::on(match backend {
+                    Backend::Auto => lamplight_wgpu::Backend::Fastest,
+                    _ => lamplight_wgpu::Backend::Gpu,
+                });
+                Ok(Self::Gpu(Box::new(OnGpu::new(gpu, options, settings)?)))
+            }
             None => Self::on_cpu(context, settings),
         }
     }
