@@ -234,7 +234,7 @@ fn nothing_panics_without_a_camera_with_two_plugins_or_with_invalid_values() {
 #[test]
 fn the_quality_auto_is_fast_where_light_takes_long() {
     // Some hundred milliseconds on two cores.
-    const LARGE: [u32; 2] = [1600, 1200];
+    const LARGE: [u32; 2] = [1280, 960];
     let seen = |quality: LightQuality, size: [u32; 2], frames: usize| {
         let mut app = app();
         app.insert_resource(LightBackend::Cpu);
