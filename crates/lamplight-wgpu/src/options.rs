@@ -8,7 +8,7 @@ use wgpu::{Device, DeviceType};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Backend {
-    /// The CPU if the device is software, such as llvmpipe or WARP; else [`Self::Fastest`]. In browsers the GPU.
+    /// The CPU if the device is software, such as llvmpipe, SwiftShader or WARP; else [`Self::Fastest`].
     #[default]
     Auto,
     /// The GPU at first, and then the faster one. If the first frames take the GPU more than 8 ms, six frames are found on
@@ -35,8 +35,8 @@ impl Backend {
         let software = || device.adapter_info().device_type == DeviceType::Cpu;
         match self {
             _ if !has_compute(device) => Self::Cpu,
-            Self::Auto | Self::Fastest if cfg!(target_arch = "wasm32") => Self::Gpu,
             Self::Auto if software() => Self::Cpu,
+            Self::Auto | Self::Fastest if cfg!(target_arch = "wasm32") => Self::Gpu,
             Self::Auto => Self::Fastest,
             chosen => chosen,
         }
