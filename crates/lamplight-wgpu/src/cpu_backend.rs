@@ -2,10 +2,12 @@
 
 use crate::error::Result;
 use crate::frame_input::{FrameInput, Lights, SceneInput};
+use crate::grid_size::GridSize;
 use crate::matter::Textures;
 use crate::planner::FramePlanner;
 use crate::stages::matter_values::{GridValues, MatterValues};
 use lamplight::{ALL_LAYERS, Cells, Light, Rgb, Settings, Solver};
+use std::time::Duration;
 
 /// The solver, and what it reads.
 #[derive(Debug)]
@@ -16,12 +18,22 @@ pub struct CpuBackend {
     waits: bool,
     /// Compiled when a host's textures are first lit.
     values: Option<MatterValues>,
-    /// The cells of the host's textures, with the lights of the frame that requested them, and its grid's place.
-    cells: Option<(Cells, [i32; 2])>,
-    /// The place of the grid whose light was found last.
+    request: Option<Request>,
+    /// The place of the grid whose light was found last, if that is known.
     solved: Option<[i32; 2]>,
+    /// True if the last frame found light of its own.
+    has_found: bool,
     /// The light as the GPU lays it out: of all cells, then both components of its first moment.
     light: Vec<[f32; 4]>,
+}
+
+/// The frame whose matter was requested.
+#[derive(Debug)]
+struct Request {
+    /// Its cells, with its lights.
+    cells: Cells,
+    settings: Settings,
+    origin: [i32; 2],
 }
 
 impl Default for CpuBackend {
@@ -30,8 +42,9 @@ impl Default for CpuBackend {
             solver: None,
             waits: cfg!(not(target_arch = "wasm32")),
             values: None,
-            cells: None,
+            request: None,
             solved: None,
+            has_found: false,
             light: Vec::new(),
         }
     }
@@ -40,6 +53,7 @@ impl Default for CpuBackend {
 impl CpuBackend {
     /// Finds the light of a frame.
     pub fn solve(&mut self, planner: &FramePlanner, input: &FrameInput) -> Result<()> {
+        self.has_found = false;
         match input.scene {
             SceneInput::Cells(cells) => self.find(input.settings, cells, input.origin)?,
             SceneInput::Textures { textures, lights } => {
@@ -47,57 +61,61 @@ impl CpuBackend {
                     Some(values) => values,
                     None => MatterValues::new(planner)?,
                 };
-                let found = self.of_textures(planner, input, &mut values, (textures, lights));
+                let found = self.light_textures(planner, input, &mut values, (textures, lights));
                 self.values = Some(values);
                 found?;
             }
         }
-        let light = self.solver.as_ref().zip(self.solved).map(|(solver, origin)| {
-            let moved = [0, 1].map(|a| input.origin[a].saturating_sub(origin[a]));
-            (solver.light(), moved)
-        });
-        lay_out(light, planner.size.into(), &mut self.light);
+        let light = self.solver.as_ref().map(Solver::light).filter(|light| light.width() > 0);
+        let place = self.solved.unwrap_or(input.origin);
+        let moved = [0, 1].map(|a| input.origin[a].saturating_sub(place[a]));
+        lay_out(light, moved, planner.size.into(), &mut self.light);
         self.light.resize(planner.light_values() as usize, [0.0; 4]);
         Ok(())
     }
 
     /// Finds the light of a host's textures.
-    fn of_textures(
+    fn light_textures(
         &mut self,
         planner: &FramePlanner,
         input: &FrameInput,
         values: &mut MatterValues,
         (textures, lights): (&Textures, Lights),
     ) -> Result<()> {
+        let request = |backend: &mut Self, values: &mut MatterValues| -> Result<()> {
+            backend.request = Some(backend.prepare(planner.size, input, textures, lights)?);
+            values.request(planner, textures)
+        };
         if self.waits {
-            self.request(planner, input, values, (textures, lights))?;
+            request(self, values)?;
         }
         if let Some(arrived) = values.arrived(self.waits)?
-            && let Some((mut cells, origin)) = self.cells.take()
+            && let Some(mut request) = self.request.take()
         {
-            fill(&mut cells, &arrived);
-            let found = self.find(input.settings, &cells, origin);
-            self.cells = Some((cells, origin));
+            fill(&mut request.cells, &arrived);
+            let found = self.find(&request.settings, &request.cells, request.origin);
+            self.request = Some(request);
             found?;
         }
         if !self.waits && !values.is_requested() {
-            self.request(planner, input, values, (textures, lights))?;
+            request(self, values)?;
         }
         Ok(())
     }
 
-    /// Requests the matter of textures, and keeps the lights of their frame.
-    fn request(
+    /// Prepares the cells of a frame, without their matter.
+    fn prepare(
         &mut self,
-        planner: &FramePlanner,
+        size: GridSize,
         input: &FrameInput,
-        values: &mut MatterValues,
-        (textures, lights): (&Textures, Lights),
-    ) -> Result<()> {
-        let [width, height] = planner.size.into();
-        let fits = |(cells, _): &(Cells, _)| [cells.width(), cells.height()] == [width, height];
-        let mut cells = match self.cells.take().filter(fits) {
-            Some((cells, _)) => cells,
+        textures: &Textures,
+        lights: Lights,
+    ) -> Result<Request> {
+        let [width, height] = size.into();
+        let known = self.request.take().map(|request| request.cells);
+        let known = known.filter(|cells| [cells.width(), cells.height()] == [width, height]);
+        let mut cells = match known {
+            Some(cells) => cells,
             None => Cells::new(width, height)?,
         };
         cells.clear();
@@ -108,8 +126,8 @@ impl CpuBackend {
             cells.masks_mut();
         }
         shine(&mut cells, input.settings, lights)?;
-        self.cells = Some((cells, input.origin));
-        values.request(planner, textures)
+        input.settings.method().suits(&cells)?;
+        Ok(Request { cells, settings: input.settings.clone(), origin: input.origin })
     }
 
     /// Finds the light of cells, whose grid lies at `origin`.
@@ -121,11 +139,15 @@ impl CpuBackend {
             }
             none => none.insert(Solver::new(settings.clone())?),
         };
-        if let Some(before) = self.solved {
-            solver.shift([0, 1].map(|a| origin[a].saturating_sub(before[a])));
+        let before = self.solved.unwrap_or(origin);
+        let moved = [0, 1].map(|a| origin[a].saturating_sub(before[a]));
+        solver.shift(moved);
+        if let Err(error) = solver.solve(cells) {
+            solver.shift(moved.map(i32::saturating_neg));
+            return Err(error.into());
         }
-        solver.solve(cells)?;
         self.solved = Some(origin);
+        self.has_found = true;
         Ok(())
     }
 
@@ -134,11 +156,21 @@ impl CpuBackend {
         &self.light
     }
 
-    /// Drops history.
+    /// The times of the stages of the last frame; none if it found no light of its own.
+    pub fn timings(&self) -> &[(&'static str, Duration)] {
+        let solver = self.solver.as_ref().filter(|_| self.has_found);
+        solver.map_or(&[], Solver::timings)
+    }
+
+    /// Drops history. Until matter arrives, the light that was found last stays where it is.
     pub fn reset(&mut self) {
         if let Some(solver) = &mut self.solver {
             solver.reset();
         }
+        if let Some(values) = &mut self.values {
+            values.forget();
+        }
+        self.solved = None;
     }
 }
 
@@ -191,9 +223,9 @@ fn shine(cells: &mut Cells, settings: &Settings, lights: Lights) -> lamplight::R
 
 /// Lays light out as the GPU does, for a grid of this size that has moved by so many cells since; cells beyond the border of
 /// that light show what it is there. Without light they are dark.
-fn lay_out(light: Option<(&Light, [i32; 2])>, size: [u32; 2], to: &mut Vec<[f32; 4]>) {
+fn lay_out(light: Option<&Light>, moved: [i32; 2], size: [u32; 2], to: &mut Vec<[f32; 4]>) {
     to.clear();
-    let Some((light, moved)) = light else { return };
+    let Some(light) = light else { return };
     let value = |&[r, g, b]: &Rgb| [r, g, b, 1.0];
     let found = [light.width(), light.height()];
     if found == size && moved == [0; 2] {
@@ -220,7 +252,6 @@ fn lay_out(light: Option<(&Light, [i32; 2])>, size: [u32; 2], to: &mut Vec<[f32;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid_size::GridSize;
     use crate::hints::SceneHints;
     use crate::matter::Upload;
     use crate::options::LightingOptions;
@@ -260,12 +291,13 @@ mod tests {
         device.poll(PollType::wait_indefinitely()).unwrap();
         late.solve(&planner, &input).unwrap();
         assert!(late.light == right);
-        // The grid moves, and what arrives is still that of the place before.
-        for (moved, arrives) in [([3, -2], false), ([5, -4], true)] {
-            if arrives {
-                device.poll(PollType::wait_indefinitely()).unwrap();
-            }
-            late.solve(&planner, &FrameInput { origin: moved, ..input }).unwrap();
+        assert!(!late.timings().is_empty());
+        // The grid moves, and what arrives is still that of a place before.
+        for origin in [[3, -2], [5, -4], [-7, 9]] {
+            late.solve(&planner, &FrameInput { origin, ..input }).unwrap();
+            let solved = late.solved.unwrap();
+            assert_ne!(solved, origin, "it has not been late");
+            let moved = [0, 1].map(|a| origin[a] - solved[a]);
             for (i, found) in late.light.iter().enumerate() {
                 let [columns, rows] = SIZE.map(|side| side as i32);
                 let (part, at) = (i as i32 / (columns * rows), i as i32 % (columns * rows));
@@ -275,6 +307,11 @@ mod tests {
                 assert_eq!(*found, expected, "{moved:?}, {part}, {x}, {y}");
             }
         }
+        // After a cut the light stays, as it is, and what was requested before is not found any more.
+        late.reset();
+        device.poll(PollType::wait_indefinitely()).unwrap();
+        late.solve(&planner, &FrameInput { origin: [900, 900], ..input }).unwrap();
+        assert!(late.light == right && late.timings().is_empty());
         // A grid of another size is dark at no time.
         let other = GridSize::new(&device, [20, 30]).unwrap();
         let mut upload = Upload::new(&device, other).unwrap();

@@ -99,7 +99,7 @@ pub enum PrepareError {
     #[error("the matter is lit by the CPU: {0}")]
     ReadBack(#[from] ReadBackError),
     /// The device has no compute shaders or storage buffers, as under WebGL 2.
-    #[error("this device has no compute shaders, which {what} needs: it only lights")]
+    #[error("this device has no compute shaders, which {what} needs")]
     NoCompute {
         /// The part of the frame that needs them.
         what: &'static str,

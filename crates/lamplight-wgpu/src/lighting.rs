@@ -37,7 +37,7 @@ use crate::uniforms::{FrameUniforms, GridPosition, History};
 use lamplight::internals::sky::SunGlow;
 use lamplight::{ALL_LAYERS, Inflow, Settings, Sky};
 use std::sync::PoisonError;
-use std::time::Instant;
+use std::time::Duration;
 use wgpu::{
     Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, TextureUsages, TextureView,
 };
@@ -509,13 +509,12 @@ impl Lighting {
         match trial.next() {
             TrialStep::TimeGpu => {}
             TrialStep::TimeCpu => {
-                let start = Instant::now();
                 let planner = FramePlanner::new(&self.shared, input.settings, self.options, grid);
                 // Frames that the CPU cannot light stay with the GPU.
                 if trial.cpu.solve(&planner, input).is_err() {
                     return;
                 }
-                trial.add_cpu(start.elapsed());
+                trial.add_cpu(trial.cpu.timings().iter().map(|(_, time)| *time).sum());
             }
             TrialStep::Choose(Backend::Cpu) => {
                 self.cpu = Some(trial.cpu);
@@ -749,9 +748,8 @@ impl Lighting {
     pub fn reset(&mut self) {
         self.number = 0;
         self.before = None;
-        if let Some(cpu) = &mut self.cpu {
-            cpu.reset();
-        }
+        let trial = self.trial.as_mut().map(|trial| &mut trial.cpu);
+        self.cpu.iter_mut().chain(trial).for_each(CpuBackend::reset);
     }
 
     /// The number of pipelines that [`Self::prepare`] had to compile last: none in the steady state, nor after a change
@@ -772,6 +770,11 @@ impl Lighting {
     /// Returns what finds the light: `Gpu` or `Cpu`. With [`Backend::Fastest`] it may change in the first frames.
     pub fn backend(&self) -> Backend {
         if self.cpu.is_some() { Backend::Cpu } else { Backend::Gpu }
+    }
+
+    /// The time that each stage of the frame prepared last took on the CPU, in order; empty if the CPU found no light in it.
+    pub fn timings_on_cpu(&self) -> &[(&'static str, Duration)] {
+        self.cpu.as_ref().map_or(&[], CpuBackend::timings)
     }
 
     /// Records the frame that was prepared last into `encoder`. Does not submit or wait.

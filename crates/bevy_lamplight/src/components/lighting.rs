@@ -137,7 +137,7 @@ pub enum LightMethod {
 #[non_exhaustive]
 pub enum LightQuality {
     /// `Default`, unless the light of a camera takes longer than 8 ms, half of a frame at 60 Hz: then `Fast`, until
-    /// another quality is set. Pictures differ a little from device to device.
+    /// another quality is set or the camera goes. Pictures differ a little from device to device.
     Auto,
     /// For weak GPUs: half the time, slightly softer shadows, and faint rays around small lights.
     Fast,

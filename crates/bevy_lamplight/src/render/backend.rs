@@ -15,8 +15,8 @@ use lamplight_wgpu::Backend;
 #[non_exhaustive]
 pub enum LightBackend {
     /// The CPU where the GPU is software, as in virtual machines. Else the GPU, unless the first frames take it more than
-    /// 8 ms and the CPU less than half as long. In browsers a GPU that is none in software stays. Without compute
-    /// shaders, as under WebGL 2, always the CPU.
+    /// 8 ms and the CPU less than half as long. In browsers a GPU of hardware always finds it. Without compute
+    /// shaders, as under WebGL 2, the CPU does.
     #[default]
     Auto,
     /// The GPU, whatever it is.

@@ -2,16 +2,16 @@
 
 use crate::components::LightQuality;
 use bevy::log::warn;
-use lamplight_wgpu::Timer;
 use lamplight_wgpu::error::RecordError;
 use lamplight_wgpu::wgpu::{CommandEncoder, Device, Queue};
+use lamplight_wgpu::{Backend, Timer};
 use std::time::Duration;
 
 /// The frame budget: 60 frames per second.
 const FRAME: Duration = Duration::from_nanos(16_666_667);
-/// Frames per timed frame on the GPU, and while the quality may change. Timing makes a frame slightly slower.
+/// Frames per timed frame on the GPU, and while a quality is chosen. Timing makes a frame slightly slower.
 const EVERY: u64 = 64;
-const EVERY_AT_FIRST: u64 = 16;
+const EVERY_OF_CHOICE: u64 = 16;
 /// Consecutive timed frames over the budget that cause a warning.
 const PATIENCE: u32 = 3;
 
@@ -21,7 +21,8 @@ pub struct Budget {
     timer: Option<Timer>,
     frame: u64,
     late: LateFrames,
-    quality: AutoQuality,
+    /// If a quality has to be chosen, or was.
+    quality: Option<AutoQuality>,
 }
 
 impl Budget {
@@ -31,22 +32,25 @@ impl Budget {
             timer: Timer::new(device, queue),
             frame: 0,
             late: LateFrames::default(),
-            quality: AutoQuality::default(),
+            quality: None,
         }
     }
 
     /// Returns the quality that is wanted, chosen if it is `Auto`.
     pub fn quality(&mut self, wanted: LightQuality) -> LightQuality {
         if wanted != LightQuality::Auto {
-            self.quality = AutoQuality::default();
+            self.quality = None;
             return wanted;
         }
-        if self.quality.is_fast { LightQuality::Fast } else { LightQuality::Default }
+        let AutoQuality { is_fast, .. } = self.quality.get_or_insert_default();
+        if *is_fast { LightQuality::Fast } else { LightQuality::Default }
     }
 
-    /// Takes account of the time of a frame on the CPU.
-    pub fn spend(&mut self, time: Duration) {
-        self.quality.observe(time, FRAMES_ON_CPU);
+    /// Takes account of the stages of a frame on the CPU, if it found light in it.
+    pub fn spend(&mut self, stages: &[(&str, Duration)]) {
+        if let Some(quality) = self.quality.as_mut().filter(|_| !stages.is_empty()) {
+            quality.observe(total(stages), FRAMES_ON_CPU);
+        }
     }
 
     /// Records lighting, in some frames with timestamps. Warns once if it is over the budget.
@@ -56,16 +60,22 @@ impl Budget {
         encoder: &mut CommandEncoder,
     ) -> Result<(), RecordError> {
         self.frame += 1;
-        let every = if self.quality.is_fast { EVERY } else { EVERY_AT_FIRST };
-        let is_timed = self.frame.is_multiple_of(every) && !self.late.has_warned;
+        let choice = self.quality.as_mut().filter(|quality| !quality.is_fast);
+        let (every, has_use) = match choice {
+            Some(_) => (EVERY_OF_CHOICE, true),
+            None => (EVERY, !self.late.has_warned),
+        };
+        let on_gpu = lighting.backend() != Backend::Cpu;
+        let is_timed = on_gpu && has_use && self.frame.is_multiple_of(every);
         let Some(timer) = self.timer.as_mut().filter(|_| is_timed) else {
             return lighting.record(encoder);
         };
         let stages = timer.read();
-        if let Some(warning) = self.late.observe(stages) {
+        if let Some(quality) = choice {
+            quality.observe(total(stages), PATIENCE);
+        } else if let Some(warning) = self.late.observe(stages) {
             warn!("{warning}");
         }
-        self.quality.observe(stages.iter().map(|(_, time)| *time).sum(), PATIENCE);
         lighting.record_timed(encoder, timer)
     }
 }
@@ -102,7 +112,7 @@ struct LateFrames {
 impl LateFrames {
     /// Counts a timed frame. Returns the warning when enough frames in a row were late, once.
     fn observe(&mut self, stages: &[(&str, Duration)]) -> Option<String> {
-        let total: Duration = stages.iter().map(|(_, time)| *time).sum();
+        let total = total(stages);
         self.count = if total > FRAME { self.count + 1 } else { 0 };
         if self.has_warned || self.count < PATIENCE {
             return None;
@@ -110,6 +120,10 @@ impl LateFrames {
         self.has_warned = true;
         Some(warning(total, stages))
     }
+}
+
+fn total(stages: &[(&str, Duration)]) -> Duration {
+    stages.iter().map(|(_, time)| *time).sum()
 }
 
 fn warning(total: Duration, stages: &[(&str, Duration)]) -> String {

@@ -52,7 +52,7 @@ pub fn prepare(
     if let Some(normals) = &lit.normals {
         let mut pass = screen_pass(context.command_encoder(), camera, "lamplight normals", normals);
         let batches = &lit.draw.surface_batches;
-        lit.quads.draw_normals(&mut pass, pipelines.normals(device), batches, &images);
+        lit.quads.draw_normals(&mut pass, (device, &pipelines), batches, &images);
     }
     let params = ComposeParams {
         display: Display {

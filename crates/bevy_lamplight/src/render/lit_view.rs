@@ -9,7 +9,6 @@ use super::quad_buffers::QuadBuffers;
 use crate::components::Lighting2d;
 use bevy::log::{error, warn};
 use bevy::platform::collections::{HashMap, HashSet};
-use bevy::platform::time::Instant;
 use bevy::prelude::{Entity, Resource};
 use lamplight::Settings;
 use lamplight_wgpu::wgpu::util::TextureBlitter;
@@ -18,7 +17,7 @@ use lamplight_wgpu::wgpu::{
     TextureUsages, TextureView,
 };
 use lamplight_wgpu::{
-    Backend, Compose, Error, FrameInput, Lighting, LightingOptions, Lights, Textures, VisibleRect,
+    Compose, Error, FrameInput, Lighting, LightingOptions, Lights, Textures, VisibleRect,
 };
 use std::fmt::Display;
 
@@ -244,11 +243,8 @@ impl LitView {
         let lights = Lights { lamps, suns, sky: &view.sky, inflow: view.inflow.as_ref() };
         let input = FrameInput::of_textures(&self.settings, &textures, lights);
         let (origin, output) = (placed.origin, self.texture.as_ref());
-        let start = Instant::now();
         self.lighting.prepare(&FrameInput { origin, output, ..input })?;
-        if self.lighting.backend() == Backend::Cpu {
-            self.budget.spend(start.elapsed());
-        }
+        self.budget.spend(self.lighting.timings_on_cpu());
         Ok(())
     }
 }
@@ -293,10 +289,10 @@ fn keep(
 
 fn light_texture(device: &Device, size: [u32; 2]) -> TextureView {
     let written = match device.limits().max_storage_textures_per_shader_stage {
-        0 => TextureUsages::COPY_DST,
+        0 => TextureUsages::empty(),
         _ => TextureUsages::STORAGE_BINDING,
     };
-    let usage = written | TextureUsages::TEXTURE_BINDING;
+    let usage = written | TextureUsages::COPY_DST | TextureUsages::TEXTURE_BINDING;
     texture(device, "lamplight light", size, TextureFormat::Rgba16Float, usage)
 }
 

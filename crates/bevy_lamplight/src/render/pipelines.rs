@@ -96,20 +96,13 @@ pub struct Pipelines {
     pub lamps: ByLayers<RenderPipeline>,
     pub glow: ByLayers<RenderPipeline>,
     pub resolve: RenderPipeline,
-    normals: OnceLock<NormalPipelines>,
+    /// By the layers of the image, and by those of its normal map, after the one without.
+    normals: ByLayers<[OnceLock<RenderPipeline>; 3]>,
     masks: OnceLock<ByLayers<RenderPipeline>>,
 }
 
 /// One for images of a single layer, and one for those of several, as of tilesets. Under WebGL 2 no texture is read as both.
 pub type ByLayers<T> = [T; 2];
-
-/// Pipelines of normals on the screen.
-pub struct NormalPipelines {
-    /// The pipelines of quads with a normal map, which is the third bind group: by their image, and then by that.
-    pub tilted: ByLayers<ByLayers<RenderPipeline>>,
-    /// The pipelines of quads without one.
-    pub untilted: ByLayers<RenderPipeline>,
-}
 
 impl Pipelines {
     /// Compiles everything.
@@ -166,7 +159,7 @@ impl Pipelines {
                 &[],
                 &matter,
             ),
-            normals: OnceLock::new(),
+            normals: Default::default(),
             masks: OnceLock::new(),
             quads_layout,
             image_layouts,
@@ -174,9 +167,23 @@ impl Pipelines {
         }
     }
 
-    /// The pipelines of normals, compiled when they are first needed.
-    pub fn normals(&self, device: &Device) -> &NormalPipelines {
-        self.normals.get_or_init(|| {
+    /// The pipeline of normals for quads whose image, and whose normal map if they have one, is layered or not. The normal map
+    /// is the third bind group. Compiled when it is first needed.
+    pub fn normals(
+        &self,
+        device: &Device,
+        image_layered: bool,
+        map_layered: Option<bool>,
+    ) -> &RenderPipeline {
+        let number = map_layered.map_or(0, |layered| 1 + usize::from(layered));
+        self.normals[usize::from(image_layered)][number].get_or_init(|| {
+            let map = map_layered.unwrap_or(false);
+            let text = [
+                &quads(image_layered)[..],
+                include_str!("../../shaders/normals.wgsl"),
+                &sampling(2, "normal_map", map),
+            ];
+            let module = module(device, "normals", text.concat());
             let srgb = [
                 ("STRAIGHT", f64::from(srgb::STRAIGHT)),
                 ("SLOPE", f64::from(srgb::SLOPE)),
@@ -184,25 +191,15 @@ impl Pipelines {
                 ("GAMMA", f64::from(srgb::GAMMA)),
             ];
             let target = [color_target(NORMALS, Some(OVER))];
-            let label = "lamplight normals";
-            let of_images = |[image, map]: [usize; 2], fragment, constants: &[_]| {
-                let text = [
-                    &quads(image == 1)[..],
-                    include_str!("../../shaders/normals.wgsl"),
-                    &sampling(2, "normal_map", map == 1),
-                ];
-                let module = module(device, "normals", text.concat());
-                let [image, map] = [image, map].map(|layered| &self.image_layouts[layered]);
-                // Without constants it has no normal map.
-                let layouts = [&self.quads_layout, image, map];
-                let layouts = if constants.is_empty() { &layouts[..2] } else { &layouts };
-                pipeline(device, label, layouts, &module, [PLACE, fragment], constants, &target)
+            let [image, map] = [image_layered, map].map(|of| &self.image_layouts[usize::from(of)]);
+            let layouts = [&self.quads_layout, image, map];
+            let (fragment, groups, constants) = match map_layered {
+                Some(_) => ("tilted", 3, &srgb[..]),
+                None => ("untilted", 2, &[][..]),
             };
-            NormalPipelines {
-                tilted: [0, 1]
-                    .map(|image| [0, 1].map(|map| of_images([image, map], "tilted", &srgb))),
-                untilted: [0, 1].map(|image| of_images([image, 0], "untilted", &[])),
-            }
+            let entries = [PLACE, fragment];
+            let label = "lamplight normals";
+            pipeline(device, label, &layouts[..groups], &module, entries, constants, &target)
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::draw::{DrawList, QuadBatch};
 use super::image_bindings::ImageBindings;
-use super::pipelines::{ByLayers, NormalPipelines, Pipelines, TargetTransform, bind};
+use super::pipelines::{ByLayers, Pipelines, TargetTransform, bind};
 use lamplight_wgpu::Error;
 use lamplight_wgpu::error::DeviceError;
 use lamplight_wgpu::wgpu::{
@@ -119,7 +119,7 @@ impl QuadBuffers {
     pub fn draw_normals(
         &self,
         pass: &mut RenderPass,
-        pipelines: &NormalPipelines,
+        (device, pipelines): (&Device, &Pipelines),
         batches: &[QuadBatch],
         images: &ImageBindings,
     ) {
@@ -128,12 +128,11 @@ impl QuadBuffers {
         }
         for batch in batches.iter().filter(|batch| batch.is_drawn) {
             let Some(image) = images.get(batch.image) else { continue };
-            let layered = usize::from(image.layered);
-            if let Some(normals) = batch.normals.and_then(|normals| images.get(normals)) {
-                pass.set_pipeline(&pipelines.tilted[layered][usize::from(normals.layered)]);
+            let normals = batch.normals.and_then(|normals| images.get(normals));
+            let map_layered = normals.map(|normals| normals.layered);
+            pass.set_pipeline(pipelines.normals(device, image.layered, map_layered));
+            if let Some(normals) = normals {
                 pass.set_bind_group(2, &normals.group, &[]);
-            } else {
-                pass.set_pipeline(&pipelines.untilted[layered]);
             }
             pass.set_bind_group(1, &image.group, &[]);
             pass.draw(0..6, batch.quads.clone());

@@ -124,6 +124,11 @@ impl MatterValues {
         self.requested.is_some()
     }
 
+    /// Forgets the values that are on their way.
+    pub fn forget(&mut self) {
+        self.requested = None;
+    }
+
     /// Returns the values that were requested; none if they have not arrived, unless it `waits` for them.
     pub fn arrived(&mut self, waits: bool) -> Result<Option<GridValues>> {
         let Some((size, fetch)) = self.requested.take() else { return Ok(None) };

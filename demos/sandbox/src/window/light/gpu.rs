@@ -188,6 +188,9 @@ impl OnGpu {
     }
 
     pub fn stages(&mut self) -> &[(&'static str, Duration)] {
+        if self.lighting.backend() == Backend::Cpu {
+            return self.lighting.timings_on_cpu();
+        }
         self.timer.as_mut().map_or(&[], Timer::read)
     }
 
