@@ -36,11 +36,15 @@ struct Request {
     origin: [i32; 2],
 }
 
-impl Default for CpuBackend {
-    fn default() -> Self {
+/// True where a frame can wait for the GPU.
+pub const CAN_WAIT: bool = cfg!(not(target_arch = "wasm32"));
+
+impl CpuBackend {
+    /// Creates one that waits for the matter of the host's textures, or not.
+    pub fn new(waits: bool) -> Self {
         Self {
             solver: None,
-            waits: cfg!(not(target_arch = "wasm32")),
+            waits,
             values: None,
             request: None,
             solved: None,
@@ -48,9 +52,7 @@ impl Default for CpuBackend {
             light: Vec::new(),
         }
     }
-}
 
-impl CpuBackend {
     /// Finds the light of a frame.
     pub fn solve(&mut self, planner: &FramePlanner, input: &FrameInput) -> Result<()> {
         self.has_found = false;
@@ -281,11 +283,11 @@ mod tests {
         let planner = FramePlanner::new(&shared, &settings, LightingOptions::default(), grid);
         let input = FrameInput::of_textures(&settings, &upload.textures, Lights::default());
 
-        let mut prompt = CpuBackend::default();
+        let mut prompt = CpuBackend::new(true);
         prompt.solve(&planner, &input).unwrap();
         let right = prompt.light;
         assert!(right[0][0] > 0.0, "it is dark");
-        let mut late = CpuBackend { waits: false, ..CpuBackend::default() };
+        let mut late = CpuBackend::new(false);
         late.solve(&planner, &input).unwrap();
         assert!(late.light == vec![[0.0; 4]; right.len()], "nothing has arrived");
         device.poll(PollType::wait_indefinitely()).unwrap();

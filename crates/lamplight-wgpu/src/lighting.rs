@@ -4,7 +4,7 @@
 use crate::ahead::Ahead;
 use crate::cookies::CookieAtlas;
 use crate::cost::Cost;
-use crate::cpu_backend::CpuBackend;
+use crate::cpu_backend::{CAN_WAIT, CpuBackend};
 use crate::error::{CreateError, PrepareError, ReadBackError, RecordError, Result};
 use crate::error_scope::with_error_scope;
 use crate::frame_input::{FrameInput, Lights, SceneInput};
@@ -239,7 +239,7 @@ impl Lighting {
             let fastest = backend == Backend::Fastest;
             Ok(Self {
                 options: *options,
-                cpu: (backend == Backend::Cpu).then(CpuBackend::default),
+                cpu: (backend == Backend::Cpu).then(|| CpuBackend::new(CAN_WAIT)),
                 trial: fastest.then(|| Trial::new(device, queue)).flatten(),
                 pipelines: PipelineCache::default(),
                 glow: Glow::new(&shared.compiler),

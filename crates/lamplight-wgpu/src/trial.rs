@@ -3,7 +3,7 @@
 //! Some frames of light are timed on the GPU. If it is quick, it stays. Otherwise a few frames are found on the CPU too,
 //! while those of the GPU are still shown, and the faster one stays. Both find the same light, so nobody sees the change.
 
-use crate::cpu_backend::CpuBackend;
+use crate::cpu_backend::{CAN_WAIT, CpuBackend};
 use crate::options::Backend;
 use crate::timing::Timer;
 use std::sync::{Mutex, PoisonError};
@@ -70,7 +70,7 @@ impl Trial {
     /// Begins a trial; none on a device without timestamps, where the GPU's light cannot be timed.
     pub fn new(device: &Device, queue: &Queue) -> Option<Self> {
         let timer = Mutex::new(Timer::new(device, queue)?);
-        Some(Self { times: FrameTimes::default(), timer, read: 0, cpu: CpuBackend::default() })
+        Some(Self { times: FrameTimes::default(), timer, read: 0, cpu: CpuBackend::new(CAN_WAIT) })
     }
 
     /// Reads the time of a frame that the GPU has finished since, and returns the next step.
