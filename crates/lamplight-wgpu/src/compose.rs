@@ -1,17 +1,17 @@
 //! Drawing light × colour, exposed and tone mapped, on the host's target.
 
 use crate::camera::VisibleRect;
+use crate::draw_program::Target;
 use crate::error::{CreateError, PrepareError, RecordError, Result};
 use crate::error_scope::with_error_scope;
-use crate::stages::display::{ComposeUniforms, Drawn, Shading, Target, encodes, tonemap_number};
+use crate::stages::display::{ComposeUniforms, Drawn, Shading, encodes, tonemap_number};
 use crate::{Lighting, matter};
 use lamplight::Display;
 use std::collections::HashMap;
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor,
-    BufferUsages, Color as Clear, CommandEncoder, Device, LoadOp, Operations, Queue, RenderPass,
-    RenderPassColorAttachment, RenderPassDescriptor, RenderPipeline, StoreOp, TextureFormat,
-    TextureView,
+    BindGroup, BindingResource, Buffer, BufferDescriptor, BufferUsages, Color as Clear,
+    CommandEncoder, Device, LoadOp, Operations, Queue, RenderPass, RenderPassColorAttachment,
+    RenderPassDescriptor, RenderPipeline, StoreOp, TextureFormat, TextureView,
 };
 
 /// The filter for a target whose pixels are smaller than the grid's cells, or lie between them.
@@ -256,15 +256,7 @@ impl Compose {
     fn bind(&self, [frame, rest @ ..]: &[Resource; 9]) -> BindGroup {
         let uniforms = self.uniforms.as_entire_binding();
         let all = [frame.binding(), uniforms].into_iter().chain(rest.iter().map(Resource::binding));
-        let entries: Vec<_> = (0..)
-            .zip(all)
-            .map(|(binding, resource)| BindGroupEntry { binding, resource })
-            .collect();
-        self.device.create_bind_group(&BindGroupDescriptor {
-            label: Some("display"),
-            layout: &self.shading.layout,
-            entries: &entries,
-        })
+        self.shading.bind(&self.device, all)
     }
 
     /// Draws over the viewport of the host's pass.

@@ -142,15 +142,7 @@ impl ComputePipelines {
             _ => None,
         }));
         debug_assert_eq!(twice, None, "{label}: slots that are written share a buffer");
-        let entries: Vec<_> = (0..)
-            .zip(resources)
-            .map(|(binding, resource)| BindGroupEntry { binding, resource: resource.clone() })
-            .collect();
-        let group = device.create_bind_group(&BindGroupDescriptor {
-            label: Some(label),
-            layout: &self.0.layouts().group,
-            entries: &entries,
-        });
+        let group = bind(device, program, &self.0.layouts().group, resources.iter().cloned());
         let traffic = slots.map(|((_, binding), resource)| traffic(*binding, resource)).sum();
         let resources = resources.iter().filter_map(BoundResource::new).collect();
         BoundResources { group, traffic, resources }
@@ -163,17 +155,10 @@ impl Compiled {
     }
 
     fn layouts(&self) -> &Layouts {
-        let label = Some(shaders::label(self.program.shader));
         self.layouts.get_or_init(|| {
-            let slots = (0..).zip(self.program.bindings);
-            let slots =
-                slots.map(|(slot, (_, binding))| binding.entry(slot, ShaderStages::COMPUTE));
-            let group = self.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-                label,
-                entries: &slots.collect::<Vec<_>>(),
-            });
+            let group = layout_of(&self.device, &self.program, ShaderStages::COMPUTE);
             let pipeline = self.device.create_pipeline_layout(&PipelineLayoutDescriptor {
-                label,
+                label: Some(shaders::label(self.program.shader)),
                 bind_group_layouts: &[Some(&group)],
                 immediate_size: 0,
             });
@@ -213,6 +198,32 @@ impl Compiled {
         }
         pipeline
     }
+}
+
+/// Creates the layout of a program's slots.
+pub fn layout_of(device: &Device, program: &Program, visibility: ShaderStages) -> BindGroupLayout {
+    let slots = (0..).zip(program.bindings);
+    let slots = slots.map(|(slot, (_, binding))| binding.entry(slot, visibility));
+    device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+        label: Some(shaders::label(program.shader)),
+        entries: &slots.collect::<Vec<_>>(),
+    })
+}
+
+/// Binds resources to a program's slots, in the order of its declaration.
+pub fn bind<'a>(
+    device: &Device,
+    program: &Program,
+    layout: &BindGroupLayout,
+    resources: impl IntoIterator<Item = BindingResource<'a>>,
+) -> BindGroup {
+    let entries = (0..).zip(resources);
+    let entries = entries.map(|(binding, resource)| BindGroupEntry { binding, resource });
+    device.create_bind_group(&BindGroupDescriptor {
+        label: Some(shaders::label(program.shader)),
+        layout,
+        entries: &entries.collect::<Vec<_>>(),
+    })
 }
 
 /// A resource in a slot.

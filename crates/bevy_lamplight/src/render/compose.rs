@@ -5,8 +5,7 @@ use super::extract::ExtractedLighting;
 use super::image_bindings::ImageBindings;
 use super::light::attachment;
 use super::lit_view::LitViews;
-use super::pipelines::Pipelines;
-use super::quad_buffers::QuadTarget;
+use super::pipelines::{Pipelines, QuadPass};
 use super::unlit::UnlitPhases;
 use crate::components::LightFilter;
 use bevy::core_pipeline::core_2d::CORE_2D_DEPTH_FORMAT;
@@ -46,7 +45,7 @@ pub fn prepare(
     if let Some(glow) = &lit.glow {
         let mut pass = screen_pass(context.command_encoder(), camera, "lamplight glow", glow);
         for batches in [&lit.draw.batches, &lit.draw.lamp_batches] {
-            lit.quads.draw(&mut pass, &pipelines.glow, batches, &images, QuadTarget::Screen);
+            lit.quads.draw(&mut pass, (device, &pipelines), QuadPass::Glow, batches, &images);
         }
     }
     if let Some(normals) = &lit.normals {

@@ -6,8 +6,7 @@ use super::draw::DrawList;
 use super::extract::ExtractedLighting;
 use super::image_bindings::ImageBindings;
 use super::lit_view::{CameraTarget, LitView, LitViews};
-use super::pipelines::Pipelines;
-use super::quad_buffers::QuadTarget;
+use super::pipelines::{Pipelines, QuadPass};
 use crate::placement::{MAX_CELLS, Placement};
 use bevy::ecs::system::SystemParam;
 use bevy::log::error_once;
@@ -172,6 +171,7 @@ fn draw_matter(
     encoder: &mut CommandEncoder,
 ) {
     let grid = &lit.grid;
+    let with = (device, pipelines);
     // Empty space: nothing emits, scatters or absorbs.
     let [emission, albedo, tint, opacity] = &grid.sums;
     let sums = [
@@ -186,7 +186,7 @@ fn draw_matter(
         color_attachments: &sums,
         ..RenderPassDescriptor::default()
     });
-    lit.quads.draw(&mut pass, &pipelines.matter, &lit.draw.batches, images, QuadTarget::Grid);
+    lit.quads.draw(&mut pass, with, QuadPass::Matter, &lit.draw.batches, images);
     drop(pass);
     if let Some(lamps) = &grid.lamps {
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
@@ -195,7 +195,7 @@ fn draw_matter(
             ..RenderPassDescriptor::default()
         });
         let batches = &lit.draw.lamp_batches;
-        lit.quads.draw(&mut pass, &pipelines.lamps, batches, images, QuadTarget::Grid);
+        lit.quads.draw(&mut pass, with, QuadPass::Lamps, batches, images);
     }
     let matter = grid
         .matter
@@ -228,7 +228,7 @@ fn draw_masks(
         ..RenderPassDescriptor::default()
     });
     let batches = &lit.draw.mask_batches;
-    lit.quads.draw(&mut pass, pipelines.masks(device), batches, images, QuadTarget::Grid);
+    lit.quads.draw(&mut pass, (device, pipelines), QuadPass::Masks, batches, images);
 }
 
 /// A colour attachment that is stored.

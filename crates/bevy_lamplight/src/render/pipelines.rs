@@ -92,20 +92,47 @@ pub struct Pipelines {
     pub quads_layout: BindGroupLayout,
     image_layouts: ByLayers<BindGroupLayout>,
     sums_layout: BindGroupLayout,
-    pub matter: ByLayers<RenderPipeline>,
-    pub lamps: ByLayers<RenderPipeline>,
-    pub glow: ByLayers<RenderPipeline>,
+    /// The shader of quads.
+    modules: ByLayers<OnceLock<ShaderModule>>,
+    /// By [`QuadPass`]. Those of most scenes are compiled at once, others when they are first needed.
+    quads: [ByLayers<OnceLock<RenderPipeline>>; 4],
     pub resolve: RenderPipeline,
     /// By the layers of the image, and by those of its normal map, after the one without.
     normals: ByLayers<[OnceLock<RenderPipeline>; 3]>,
-    masks: OnceLock<ByLayers<RenderPipeline>>,
 }
 
 /// One for images of a single layer, and one for those of several, as of tilesets. Under WebGL 2 no texture is read as both.
-pub type ByLayers<T> = [T; 2];
+type ByLayers<T> = [T; 2];
+
+/// A pass that draws quads with their images alone.
+#[derive(Clone, Copy, Debug)]
+pub enum QuadPass {
+    /// Sums over everything in a cell.
+    Matter = 0,
+    /// Lamps that glow.
+    Lamps = 1,
+    /// Emitted light on the screen.
+    Glow = 2,
+    /// Light layers.
+    Masks = 3,
+}
+
+impl QuadPass {
+    /// The label of its pipelines, the entry point of its fragments, and its targets.
+    fn parts(self) -> (&'static str, &'static str, Vec<Option<ColorTargetState>>) {
+        match self {
+            Self::Matter => {
+                ("lamplight matter", "matter", SUMS.map(|of| color_target(of, Some(OVER))).into())
+            }
+            Self::Lamps => ("lamplight lamps", "lamp", vec![color_target(LAMPS, Some(ADD))]),
+            Self::Glow => ("lamplight glow", "glow", vec![color_target(GLOW, Some(OVER))]),
+            Self::Masks => ("lamplight masks", "layers", vec![color_target(MASKS, None)]),
+        }
+    }
+}
 
 impl Pipelines {
-    /// Compiles everything.
+    /// Compiles what every scene needs.
     pub fn new(device: &Device) -> Self {
         let texture = |filterable, view_dimension| BindingType::Texture {
             sample_type: TextureSampleType::Float { filterable },
@@ -129,46 +156,40 @@ impl Pipelines {
         });
         let sums = [texture(false, TextureViewDimension::D2); 4];
         let sums_layout = layout(device, "lamplight sums", ShaderStages::FRAGMENT, &sums);
-
-        let modules = [false, true].map(|layered| module(device, "quads", quads(layered)));
         let resolve = include_str!("../../shaders/resolve.wgsl").to_owned();
         let resolve = module(device, "resolve", resolve);
-        let sums = SUMS.map(|format| color_target(format, Some(OVER)));
         let matter = MATTER.map(|format| color_target(format, None));
-        let lamps = [color_target(LAMPS, Some(ADD))];
-        let glow = [color_target(GLOW, Some(OVER))];
-        let pipelines = |label, fragment, targets: &[_]| {
-            let pipeline = |layered: usize| {
-                let (layouts, module) =
-                    ([&quads_layout, &image_layouts[layered]], &modules[layered]);
-                pipeline(device, label, &layouts, module, [PLACE, fragment], &[], targets)
-            };
-            [0, 1].map(pipeline)
-        };
-        let to_matter = ["cover", "resolve"];
-        Self {
-            matter: pipelines("lamplight matter", "matter", &sums),
-            lamps: pipelines("lamplight lamps", "lamp", &lamps),
-            glow: pipelines("lamplight glow", "glow", &glow),
-            resolve: pipeline(
-                device,
-                "lamplight resolve",
-                &[&sums_layout],
-                &resolve,
-                to_matter,
-                &[],
-                &matter,
-            ),
+        let (label, entries) = ("lamplight resolve", ["cover", "resolve"]);
+        let compiled = Self {
+            resolve: pipeline(device, label, &[&sums_layout], &resolve, entries, &[], &matter),
+            modules: Default::default(),
+            quads: Default::default(),
             normals: Default::default(),
-            masks: OnceLock::new(),
             quads_layout,
             image_layouts,
             sums_layout,
+        };
+        // Nobody waits for these when the first lamp or sign comes into view.
+        for pass in [QuadPass::Matter, QuadPass::Lamps, QuadPass::Glow] {
+            compiled.quads(device, pass, false);
         }
+        compiled
+    }
+
+    /// The pipeline of a pass for quads whose image is `layered` or not.
+    pub fn quads(&self, device: &Device, pass: QuadPass, layered: bool) -> &RenderPipeline {
+        let of_image = usize::from(layered);
+        self.quads[pass as usize][of_image].get_or_init(|| {
+            let module =
+                self.modules[of_image].get_or_init(|| module(device, "quads", quads(layered)));
+            let layouts = [&self.quads_layout, &self.image_layouts[of_image]];
+            let (label, fragment, targets) = pass.parts();
+            pipeline(device, label, &layouts, module, [PLACE, fragment], &[], &targets)
+        })
     }
 
     /// The pipeline of normals for quads whose image, and whose normal map if they have one, is layered or not. The normal map
-    /// is the third bind group. Compiled when it is first needed.
+    /// is the third bind group.
     pub fn normals(
         &self,
         device: &Device,
@@ -200,20 +221,6 @@ impl Pipelines {
             let entries = [PLACE, fragment];
             let label = "lamplight normals";
             pipeline(device, label, &layouts[..groups], &module, entries, constants, &target)
-        })
-    }
-
-    /// The pipelines of light layers, compiled when they are first needed.
-    pub fn masks(&self, device: &Device) -> &ByLayers<RenderPipeline> {
-        self.masks.get_or_init(|| {
-            let target = [color_target(MASKS, None)];
-            let pipeline = |layered: usize| {
-                let module = module(device, "quads", quads(layered == 1));
-                let layouts = [&self.quads_layout, &self.image_layouts[layered]];
-                let entries = [PLACE, "layers"];
-                pipeline(device, "lamplight masks", &layouts, &module, entries, &[], &target)
-            };
-            [0, 1].map(pipeline)
         })
     }
 

@@ -2,11 +2,11 @@
 
 use super::draw::{DrawList, QuadBatch};
 use super::image_bindings::ImageBindings;
-use super::pipelines::{ByLayers, Pipelines, TargetTransform, bind};
+use super::pipelines::{Pipelines, QuadPass, TargetTransform, bind};
 use lamplight_wgpu::Error;
 use lamplight_wgpu::error::DeviceError;
 use lamplight_wgpu::wgpu::{
-    BindGroup, Buffer, BufferDescriptor, BufferUsages, Device, Queue, RenderPass, RenderPipeline,
+    BindGroup, Buffer, BufferDescriptor, BufferUsages, Device, Queue, RenderPass,
 };
 
 /// Quads and materials in buffers, and the transforms to both render targets.
@@ -24,7 +24,7 @@ struct QuadLists {
 
 /// A render target of quads.
 #[derive(Clone, Copy)]
-pub enum QuadTarget {
+enum QuadTarget {
     /// The lit grid.
     Grid = 0,
     /// The camera's part of the screen.
@@ -98,18 +98,22 @@ impl QuadBuffers {
     pub fn draw(
         &self,
         pass: &mut RenderPass,
-        pipelines: &ByLayers<RenderPipeline>,
+        (device, pipelines): (&Device, &Pipelines),
+        quad_pass: QuadPass,
         batches: &[QuadBatch],
         images: &ImageBindings,
-        target: QuadTarget,
     ) {
+        let target = match quad_pass {
+            QuadPass::Matter | QuadPass::Lamps | QuadPass::Masks => QuadTarget::Grid,
+            QuadPass::Glow => QuadTarget::Screen,
+        };
         if self.bind(pass, target).is_none() {
             return;
         }
         let is_on_grid = matches!(target, QuadTarget::Grid);
         for batch in batches.iter().filter(|batch| batch.is_drawn || is_on_grid) {
             let Some(image) = images.get(batch.image) else { continue };
-            pass.set_pipeline(&pipelines[usize::from(image.layered)]);
+            pass.set_pipeline(pipelines.quads(device, quad_pass, image.layered));
             pass.set_bind_group(1, &image.group, &[]);
             pass.draw(0..6, batch.quads.clone());
         }

@@ -1,9 +1,9 @@
 //! From light to the displayed picture: exposure, tone map, encoding.
 
+use crate::draw_program::{DrawProgram, Target};
 use crate::error::unsupported;
 use crate::gpu_struct::gpu_struct;
 use crate::matter::MAX_HALF;
-use crate::shader_module::shader_module;
 use crate::tier::has_compute;
 use crate::{programs, shaders};
 use lamplight::internals::display::{
@@ -12,12 +12,7 @@ use lamplight::internals::display::{
 };
 use lamplight::srgb::LUMINANCE;
 use lamplight::{Display, Relief, Rgb, ToneMap, srgb};
-use wgpu::{
-    BindGroupLayout, BindGroupLayoutDescriptor, CompareFunction, DepthStencilState, Device,
-    FragmentState, MultisampleState, PipelineCompilationOptions, PipelineLayoutDescriptor,
-    RenderPipeline, RenderPipelineDescriptor, ShaderModule, ShaderStages, TextureFormat,
-    VertexState,
-};
+use wgpu::{BindGroup, BindingResource, Device, RenderPipeline, TextureFormat};
 
 gpu_struct! {
     /// `ComposeUniforms` of shaders/stages/display.wgsl, where the fields are explained.
@@ -114,24 +109,6 @@ fn columns(rows: &[Rgb; 3]) -> [[f32; 4]; 3] {
     std::array::from_fn(|c| [rows[0][c], rows[1][c], rows[2][c], 0.0])
 }
 
-/// The attachments of a render pass, as far as they affect pipelines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Target {
-    /// Format of the colour attachment's view.
-    pub format: TextureFormat,
-    /// Samples per pixel, 1 without multisampling.
-    pub samples: u32,
-    /// Format of the depth attachment, if the pass has one; it is neither read nor written.
-    pub depth: Option<TextureFormat>,
-}
-
-impl From<TextureFormat> for Target {
-    /// A target with one sample per pixel and no depth.
-    fn from(format: TextureFormat) -> Self {
-        Self { format, samples: 1, depth: None }
-    }
-}
-
 /// Returns whether shaders have to encode for a format, because it stores display values and does not encode
 /// itself. `None`: a format that pictures cannot be drawn to.
 pub fn encodes(format: TextureFormat) -> Option<bool> {
@@ -146,37 +123,28 @@ pub fn encodes(format: TextureFormat) -> Option<bool> {
     }
 }
 
-/// The compiled shader and its bindings.
+/// The program that draws pictures.
 #[derive(Debug)]
-pub struct Shading {
-    module: ShaderModule,
-    pub layout: BindGroupLayout,
-}
+pub struct Shading(DrawProgram);
 
 impl Shading {
     pub fn new(device: &Device) -> Self {
-        let program =
-            if has_compute(device) { programs::DISPLAY } else { programs::DISPLAY_TEXTURE };
-        let label = shaders::label(program.shader);
-        let module = shader_module(device, label, shaders::text(program.shader));
-        let slots = (0..).zip(program.bindings);
-        let slots = slots.map(|(slot, (_, binding))| binding.entry(slot, ShaderStages::FRAGMENT));
-        let layout = device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some(label),
-            entries: &slots.collect::<Vec<_>>(),
-        });
-        Self { module, layout }
+        let with_buffers = has_compute(device);
+        let program = if with_buffers { programs::DISPLAY } else { programs::DISPLAY_TEXTURE };
+        Self(DrawProgram::new(device, program))
+    }
+
+    /// Binds resources to its slots.
+    pub fn bind<'a>(
+        &self,
+        device: &Device,
+        resources: impl IntoIterator<Item = BindingResource<'a>>,
+    ) -> BindGroup {
+        self.0.bind(device, resources)
     }
 
     /// Creates the pipeline that draws this.
     pub fn pipeline(&self, device: &Device, drawn: Drawn) -> RenderPipeline {
-        let target = drawn.target;
-        let label = Some(shaders::label(programs::DISPLAY.shader));
-        let layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
-            label,
-            bind_group_layouts: &[Some(&self.layout)],
-            immediate_size: 0,
-        });
         let numbers = [
             ("TONEMAP", f64::from(drawn.tonemap)),
             ("FILTERED", f64::from(drawn.is_filtered)),
@@ -194,35 +162,6 @@ impl Shading {
             ("LEAST_LIGHT", f64::from(LEAST_LIGHT)),
         ];
         let constants = [&numbers[..], &shaders::LUMINANCE].concat();
-        device.create_render_pipeline(&RenderPipelineDescriptor {
-            label,
-            layout: Some(&layout),
-            vertex: VertexState {
-                module: &self.module,
-                entry_point: Some("cover"),
-                compilation_options: PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: target.depth.map(|format| DepthStencilState {
-                format,
-                depth_write_enabled: Some(false),
-                depth_compare: Some(CompareFunction::Always),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: MultisampleState { count: target.samples, ..MultisampleState::default() },
-            fragment: Some(FragmentState {
-                module: &self.module,
-                entry_point: Some("show"),
-                compilation_options: PipelineCompilationOptions {
-                    constants: &constants,
-                    ..PipelineCompilationOptions::default()
-                },
-                targets: &[Some(target.format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+        self.0.pipeline(device, drawn.target, &constants)
     }
 }

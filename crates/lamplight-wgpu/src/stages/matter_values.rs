@@ -1,20 +1,18 @@
 //! The matter of the host's textures as numbers, for the CPU.
 
-use crate::error::Result;
+use crate::draw_program::DrawProgram;
+use crate::error::{PrepareError, Result};
 use crate::error_scope::with_error_scope;
 use crate::fetch::Fetch;
 use crate::grid_size::GridSize;
 use crate::matter::{Textures, texture_of};
 use crate::planner::{FramePlanner, view};
-use crate::shader_module::shader_module;
-use crate::{programs, shaders};
+use crate::programs;
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
-    Buffer, BufferDescriptor, BufferUsages, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, Device,
-    FragmentState, LoadOp, Operations, PipelineCompilationOptions, PipelineLayoutDescriptor,
-    RenderPassColorAttachment, RenderPassDescriptor, RenderPipeline, RenderPipelineDescriptor,
-    ShaderStages, StoreOp, TexelCopyBufferInfo, TexelCopyBufferLayout, TextureFormat,
-    TextureUsages, TextureView, VertexState,
+    BindGroup, BindingResource, Buffer, BufferDescriptor, BufferUsages,
+    COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, LoadOp, Operations, RenderPassColorAttachment,
+    RenderPassDescriptor, RenderPipeline, StoreOp, TexelCopyBufferInfo, TexelCopyBufferLayout,
+    TextureFormat, TextureUsages, TextureView,
 };
 
 /// Parts of the values, as the shader numbers them; the last is only read if lamps are drawn on a texture of their own.
@@ -26,9 +24,9 @@ const FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 /// The pipelines, the resources of the last grid, and the values on their way.
 #[derive(Debug)]
 pub struct MatterValues {
-    layout: BindGroupLayout,
-    /// By part.
-    pipelines: [RenderPipeline; PARTS],
+    program: DrawProgram,
+    /// By part; compiled when the part is first read.
+    pipelines: [Option<RenderPipeline>; PARTS],
     kept: Option<Kept>,
     requested: Option<(GridSize, Fetch<[f32; 4]>)>,
 }
@@ -45,7 +43,7 @@ struct Kept {
 /// The values of a grid.
 #[derive(Debug)]
 pub struct GridValues {
-    pub size: [u32; 2],
+    size: [u32; 2],
     /// Part by part, row by row, each row with its padding.
     texels: Vec<[f32; 4]>,
 }
@@ -80,17 +78,8 @@ impl MatterValues {
     pub fn new(planner: &FramePlanner) -> Result<Self> {
         let device = planner.device;
         with_error_scope(device, || {
-            let program = programs::MATTER_VALUES;
-            let label = Some(shaders::label(program.shader));
-            let slots = (0..).zip(program.bindings);
-            let slots =
-                slots.map(|(slot, (_, binding))| binding.entry(slot, ShaderStages::FRAGMENT));
-            let layout = device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-                label,
-                entries: &slots.collect::<Vec<_>>(),
-            });
-            let pipelines = pipelines(device, &layout);
-            Ok(Self { layout, pipelines, kept: None, requested: None })
+            let program = DrawProgram::new(device, programs::MATTER_VALUES);
+            Ok(Self { program, pipelines: Default::default(), kept: None, requested: None })
         })
     }
 
@@ -103,17 +92,23 @@ impl MatterValues {
             Some(kept) => kept,
             None => with_error_scope(device, || Kept::new(planner, parts))?,
         };
+        let Self { program, pipelines, .. } = self;
         let record = || -> Result<()> {
-            let bound = self.bind(planner, textures);
+            let bound = program.bind(device, resources(planner, textures));
             let mut encoder = device.create_command_encoder(&Default::default());
-            for (part, pipeline) in self.pipelines.iter().enumerate().take(parts) {
-                kept.draw(&mut encoder, pipeline, &bound);
+            for (part, pipeline) in pipelines.iter_mut().enumerate().take(parts) {
+                let compile = || program.pipeline(device, FORMAT.into(), &[("PART", part as f64)]);
+                kept.draw(&mut encoder, pipeline.get_or_insert_with(compile), &bound);
                 kept.copy(&mut encoder, part);
             }
             shared.queue.submit([encoder.finish()]);
             Ok(())
         };
-        with_error_scope(device, record)?;
+        if let Err(error) = with_error_scope::<_, PrepareError>(device, record) {
+            // They may be invalid.
+            self.pipelines = Default::default();
+            return Err(error);
+        }
         self.requested = Some((size, Fetch::new(device, &shared.queue, &kept.buffer)?));
         self.kept = Some(kept);
         Ok(())
@@ -142,25 +137,19 @@ impl MatterValues {
         };
         Ok(Some(GridValues { size: size.into(), texels }))
     }
+}
 
-    fn bind(&self, planner: &FramePlanner, textures: &Textures) -> BindGroup {
-        let shared = planner.shared;
-        let resources = [
-            shared.frame.as_entire_binding(),
-            view(&textures.emission),
-            view(&textures.tint_opacity),
-            view(&textures.albedo),
-            view(textures.glow.as_ref().unwrap_or(&shared.no_cookies)),
-            planner.masks(),
-        ];
-        let entries = (0..).zip(resources);
-        let entries = entries.map(|(binding, resource)| BindGroupEntry { binding, resource });
-        planner.device.create_bind_group(&BindGroupDescriptor {
-            label: Some(shaders::label(programs::MATTER_VALUES.shader)),
-            layout: &self.layout,
-            entries: &entries.collect::<Vec<_>>(),
-        })
-    }
+/// The resources of the program's slots.
+fn resources<'a>(planner: &'a FramePlanner, textures: &'a Textures) -> [BindingResource<'a>; 6] {
+    let shared = planner.shared;
+    [
+        shared.frame.as_entire_binding(),
+        view(&textures.emission),
+        view(&textures.tint_opacity),
+        view(&textures.albedo),
+        view(textures.glow.as_ref().unwrap_or(&shared.no_cookies)),
+        planner.masks(),
+    ]
 }
 
 impl Kept {
@@ -210,42 +199,4 @@ impl Kept {
         let to = TexelCopyBufferInfo { buffer: &self.buffer, layout };
         encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
     }
-}
-
-/// Compiles the pipeline of each part.
-fn pipelines(device: &Device, layout: &BindGroupLayout) -> [RenderPipeline; PARTS] {
-    let shader = programs::MATTER_VALUES.shader;
-    let label = Some(shaders::label(shader));
-    let module = shader_module(device, shaders::label(shader), shaders::text(shader));
-    let layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
-        label,
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    std::array::from_fn(|part| {
-        device.create_render_pipeline(&RenderPipelineDescriptor {
-            label,
-            layout: Some(&layout),
-            vertex: VertexState {
-                module: &module,
-                entry_point: Some("cover"),
-                compilation_options: PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(FragmentState {
-                module: &module,
-                entry_point: Some("values"),
-                compilation_options: PipelineCompilationOptions {
-                    constants: &[("PART", part as f64)],
-                    ..PipelineCompilationOptions::default()
-                },
-                targets: &[Some(FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
-    })
 }
