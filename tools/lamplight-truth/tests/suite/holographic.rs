@@ -262,6 +262,44 @@ fn the_light_of_a_lone_lamp_has_no_bricks() {
     assert!(published[0] > rms && published[1] > worst, "bricks pass: {published:?}");
 }
 
+/// The largest difference between a cell on the border and the mean of its neighbours there, relative to their light,
+/// at least 24 px from a lamp.
+fn ticks([width, height]: [u32; 2], light: impl Fn(u32, u32) -> f64) -> f64 {
+    let columns = (1..width - 1).flat_map(|x| [0, height - 1].map(|y| ([x, y], [1, 0])));
+    let rows = (1..height - 1).flat_map(|y| [0, width - 1].map(|x| ([x, y], [0, 1])));
+    let [x, y] = LAMP;
+    let far = |[at, _]: &[[u32; 2]; 2]| (f64::from(at[0]) - x).hypot(f64::from(at[1]) - y) > 24.0;
+    let tick = |[[x, y], [dx, dy]]: [[u32; 2]; 2]| {
+        let mean = 0.5 * (light(x - dx, y - dy) + light(x + dx, y + dy));
+        (light(x, y) / mean - 1.0).abs()
+    };
+    let border = columns.chain(rows).map(|(at, along)| [at, along]);
+    border.filter(far).map(tick).fold(0.0, f64::max)
+}
+
+/// The place of that lamp.
+const LAMP: [f64; 2] = [80.5, 40.5];
+/// The bound for ticks.
+const TICKS: f64 = 0.03;
+
+#[test]
+fn the_light_of_a_lone_lamp_has_no_ticks_along_the_border() {
+    for size in [[160, 100], [161, 101], [162, 103]] {
+        for preset in ["default", "fast", "quality"] {
+            let mut cells = Cells::new(size[0], size[1]).unwrap();
+            let position = LAMP.map(|side| side as f32);
+            cells.lamps_mut().push(Lamp { position, size: 3.0, ..Lamp::default() });
+            let light = solve(&cells, settings(preset));
+            let luminance = |x, y| f64::from(light.at(x, y)[0]);
+            let found = ticks(size, luminance);
+            println!("{preset}, {size:?}: {:.2} %", 100.0 * found);
+            assert!(found < TICKS, "{preset}, {size:?}: {found}");
+            let every_fourth = |x, y| if x % 4 == 3 { 0.96 } else { 1.0 } * luminance(x, y);
+            assert!(ticks(size, every_fourth) > TICKS, "{preset}, {size:?}: ticks pass");
+        }
+    }
+}
+
 /// The cell that emits light in the middle of a grid.
 const FIREFLY: [u32; 2] = [80, 60];
 

@@ -87,9 +87,9 @@ impl FineRows {
         let [first, second] = &mut self.shares;
         for (i, (first, second)) in first.iter_mut().zip(&mut *second).enumerate() {
             let point = i as isize - (pad / 2) as isize;
-            // Nothing comes back into the grid.
-            *first = share(is_shut(2 * point - 1) || point == count);
-            *second = share(is_shut(2 * point + 2) || point == -1);
+            // Nothing comes back into the grid, and light within it is not mixed with that beyond.
+            *first = share(is_shut(2 * point - 1) || [0, count].contains(&point));
+            *second = share(is_shut(2 * point + 2) || [-1, count - 1].contains(&point));
         }
         if cells.len() % 2 == 1 {
             // The second row of the last point is beyond the grid.
