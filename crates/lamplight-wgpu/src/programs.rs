@@ -152,7 +152,7 @@ programs! {
     WALLS: "stages/walls",
     ["show_faces", "find_flags", "blur", "add_coarser", "add_coarsest", "sink", "turn_faces"], {
         matter: Texture, step: Step, emission: Texture, surface: Write, irradiance: Write,
-        sunk_emission: Write, light: Write,
+        sunk_emission: Write, light: Write, cell_flags: Write,
     }
     REPROJECT: "stages/reproject", ["aside", "back"], { words: Step, before: Read, after: Write }
     OUTPUT: "stages/output", ["main"], { light: Read, picture: Output }
@@ -233,11 +233,11 @@ programs! {
     }
     HOLOGRAPHIC_FACES: "methods/holographic/faces", ["scatter", "show"], {
         matter: Texture, albedo: Texture, irradiance: Read, direct: Read, scattered: Write,
-        light: Write,
+        light: Write, cell_bits: Read,
     }
     HOLOGRAPHIC_FACES_COMPARED: "methods/holographic/faces", ["scatter_compared"], {
         matter: Texture, albedo: Texture, irradiance: Read, direct: Read, scattered: Write,
-        light: Write, changes: Write, step: Step,
+        light: Write, cell_bits: Read, changes: Write, step: Step,
     }
     HOLOGRAPHIC_FEEDBACK: "methods/holographic/feedback", ["main"], {
         matter: Texture, albedo: Texture, scattered: Write,

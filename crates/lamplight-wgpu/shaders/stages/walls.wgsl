@@ -34,12 +34,14 @@ const COARSEST_LANES: u32 = 256u;
 // The level of the pyramid; the cells are level 0.
 @group(0) @binding(2) var<uniform> step: u32;
 @group(0) @binding(3) var emission: texture_2d<f32>;
-// The light of faces, and the flags of solid cells; 0 in other cells.
+// The light of cells with a face towards an open one.
 @group(0) @binding(4) var<storage, read_write> surface: array<vec4f>;
 // All levels from 1 on: irradiance and its weight.
 @group(0) @binding(5) var<storage, read_write> irradiance: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> sunk_emission: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
+// The flags of solid cells, and 0 of others: four cells of a row per word.
+@group(0) @binding(8) var<storage, read_write> cell_flags: array<u32>;
 
 struct Sums {
     irradiance: vec4f,
@@ -69,8 +71,13 @@ fn level_index(level: Level, at: vec2u) -> u32 {
     return level.start + at.y * level.size.x + at.x;
 }
 
+// Words of flags from a row to the next.
+fn flag_words() -> u32 {
+    return (frame.size.x + 3u) / 4u;
+}
+
 fn flags_at(at: vec2u) -> u32 {
-    return u32(surface[index(at)].w);
+    return (cell_flags[at.y * flag_words() + at.x / 4u] >> (8u * (at.x % 4u))) & 255u;
 }
 
 // The place of what sinks in, of a cell.
@@ -101,11 +108,10 @@ fn dark_sides(at: vec2u) -> u32 {
 
 // The sums of one cell of the grid.
 fn sums_of_cell(at: vec2u) -> Sums {
-    let here = surface[index(at)];
-    let flags = u32(here.w);
+    let flags = flags_at(at);
     if (flags & SIDES) != 0u {
         let length = sqrt(f32(countOneBits(flags & SIDES)));
-        return Sums(length * vec4f(here.rgb, 1.0), length * vec4f(emission_of(at, flags), 1.0));
+        return Sums(length * vec4f(surface[index(at)].rgb, 1.0), length * vec4f(emission_of(at, flags), 1.0));
     }
     if (flags & EMITS) != 0u {
         let length = sqrt(f32(dark_sides(at)));
@@ -164,13 +170,12 @@ fn along_surface(at: vec2u, flags: u32) -> vec3f {
             if !inside(other) {
                 continue;
             }
-            let there = surface[index(vec2u(other))];
-            let other_flags = u32(there.w);
+            let other_flags = flags_at(vec2u(other));
             if (flags & other_flags & SIDES) != 0u {
                 let share = select(shared_by_faces(), 1.0, x == 0 && y == 0);
                 let sides = f32(countOneBits(other_flags & SIDES));
                 let weight = sides * along[abs(x)] * along[abs(y)] * share;
-                sum += weight * vec4f(there.rgb, 1.0);
+                sum += weight * vec4f(surface[index(vec2u(other))].rgb, 1.0);
             }
         }
     }
@@ -201,21 +206,29 @@ fn turn_faces(@builtin(global_invocation_id) id: vec3u) {
     light[moment_index(1u, i)] = vec4f(arrives * direction.y, 1.0);
 }
 
+// Finds the flags of four cells, and keeps the light of those with a face.
 @compute @workgroup_size(8, 8)
 fn find_flags(@builtin(global_invocation_id) id: vec3u) {
-    if outside(id.xy) {
+    if id.x >= flag_words() || id.y >= frame.size.y {
         return;
     }
-    let at = vec2i(id.xy);
-    let i = index(id.xy);
-    var flags = 0u;
-    if solid(at) {
-        flags = SOLID
-            | select(0u, 1u, open(at - vec2i(1, 0))) | select(0u, 2u, open(at + vec2i(1, 0)))
-            | select(0u, 4u, open(at - vec2i(0, 1))) | select(0u, 8u, open(at + vec2i(0, 1)))
-            | select(0u, EMITS, COMPONENT == 0u && any(textureLoad(emission, id.xy, 0).rgb != vec3f(0.0)));
+    var word = 0u;
+    for (var k = 0u; k < 4u && 4u * id.x + k < frame.size.x; k++) {
+        let cell = vec2u(4u * id.x + k, id.y);
+        let at = vec2i(cell);
+        if !solid(at) {
+            continue;
+        }
+        let sides = select(0u, 1u, open(at - vec2i(1, 0))) | select(0u, 2u, open(at + vec2i(1, 0)))
+            | select(0u, 4u, open(at - vec2i(0, 1))) | select(0u, 8u, open(at + vec2i(0, 1)));
+        let emits = COMPONENT == 0u && any(textureLoad(emission, cell, 0).rgb != vec3f(0.0));
+        word |= (SOLID | sides | select(0u, EMITS, emits)) << (8u * k);
+        if sides != 0u {
+            let i = index(cell);
+            surface[i] = light[value_index(i)];
+        }
     }
-    surface[i] = vec4f(light[value_index(i)].rgb, f32(flags));
+    cell_flags[id.y * flag_words() + id.x] = word;
 }
 
 // The light of solid cells where nothing sinks in.
@@ -315,7 +328,7 @@ fn sink(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let i = index(id.xy);
-    let flags = u32(surface[i].w);
+    let flags = flags_at(id.xy);
     if flags == 0u {
         return;
     }

@@ -69,11 +69,13 @@ impl Walls {
         let octaves = octaves(planner.settings.wall_depth);
         let level_cells =
             |level: u32| level_size(planner, level).map(u64::from).iter().product::<u64>();
-        let cells = if octaves == 0 { 1 } else { planner.cells() };
+        let [cells, words] =
+            if octaves == 0 { [1; 2] } else { [planner.cells(), flag_words(planner)] };
         let sums = (1..=octaves).map(level_cells).sum::<u64>().max(1);
         let surface = planner.buffer::<[f32; 4]>("walls: surface", cells)?;
         let irradiance = planner.buffer::<[f32; 4]>("walls: irradiance", sums)?;
         let emission = planner.buffer::<[f32; 4]>("walls: emission", sums)?;
+        let flags = planner.buffer::<u32>("walls: flags", words)?;
         let resources = [
             view(&planner.textures.tint_opacity),
             planner.shared.step(),
@@ -82,6 +84,7 @@ impl Walls {
             whole(&irradiance),
             whole(&emission),
             whole(light),
+            whole(&flags),
         ];
         Ok(planner.bind(&self.0, &resources))
     }
@@ -107,7 +110,11 @@ impl Walls {
             Dispatch::new(pipeline, bound, Some(level), [1; 3]).moving(traffic)
         });
         let sums = (1..small.unwrap_or(octaves)).rev().map(|level| over(ADD_COARSER, level));
-        let (flags, sink) = ([over(FIND_FLAGS, 0)], [over(SINK, 0)]);
+        let [width, height] = <[u32; 2]>::from(planner.size);
+        let words = [width.div_ceil(CELLS_PER_WORD), height];
+        let flags = Dispatch::over(words, self.0.entry(FIND_FLAGS), bound, Some(0));
+        let flags = [flags.moving(traffic(planner, FIND_FLAGS, 0))];
+        let sink = [over(SINK, 0)];
         flags.into_iter().chain(blurs).chain(coarsest).chain(sums).chain(sink).collect()
     }
 }
@@ -116,24 +123,35 @@ impl Walls {
 fn traffic(planner: &FramePlanner, entry: usize, level: u32) -> Traffic {
     const VEC4: u64 = size_of::<[f32; 4]>() as u64;
     let cells = planner.cells() * VEC4;
+    let flags = flag_words(planner) * size_of::<u32>() as u64;
     // Irradiance and emission.
     let sums = |level| 2 * VEC4 * level_size(planner, level).map(u64::from).iter().product::<u64>();
     match entry {
-        FIND_FLAGS => Traffic { read: 2 * cells, written: cells },
-        BLUR if level == 1 => Traffic { read: cells, written: sums(1) },
+        FIND_FLAGS => Traffic { read: cells, written: flags },
+        BLUR if level == 1 => Traffic { read: flags, written: sums(1) },
         BLUR => Traffic { read: sums(level - 1), written: sums(level) },
         // Further levels are a few cells.
         ADD_COARSER | ADD_COARSEST => {
             Traffic { read: sums(level) + sums(level + 1), written: sums(level) }
         }
+        SINK => Traffic { read: flags, written: 0 },
         _ => Traffic { read: cells, written: 0 },
     }
+}
+
+/// Words of the flags of all cells.
+fn flag_words(planner: &FramePlanner) -> u64 {
+    let [width, height] = <[u32; 2]>::from(planner.size);
+    u64::from(width.div_ceil(CELLS_PER_WORD)) * u64::from(height)
 }
 
 /// Columns and rows of a level of the pyramid; the cells are level 0.
 fn level_size(planner: &FramePlanner, level: u32) -> [u32; 2] {
     <[u32; 2]>::from(planner.size).map(|side| side.div_ceil(1 << level))
 }
+
+/// Cells of a row whose flags share a word.
+const CELLS_PER_WORD: u32 = 4;
 
 /// Entries of [`programs::WALLS`].
 const SHOW_FACES: usize = 0;

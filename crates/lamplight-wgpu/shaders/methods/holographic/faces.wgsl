@@ -6,6 +6,9 @@
 #import shared/solid
 #import shared/uniforms
 
+// Bits of cells, as slabs.wgsl makes them.
+override OCCUPIED: u32;
+override MEDIUM: u32;
 // True if the scattered radiance is kept for the next frame, with a mark of each medium.
 override MARKS: bool = false;
 
@@ -15,9 +18,11 @@ override MARKS: bool = false;
 @group(0) @binding(4) var<storage, read> direct: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> scattered: array<vec2u>;
 @group(0) @binding(6) var<storage, read_write> light: array<vec4f>;
+// The bits of cells, column by column at first.
+@group(0) @binding(7) var<storage, read> cell_bits: array<u32>;
 // Bound if light bounces until it has converged.
-@group(0) @binding(7) var<storage, read_write> changes: array<Change>;
-@group(0) @binding(8) var<uniform> step: u32;
+@group(0) @binding(8) var<storage, read_write> changes: array<Change>;
+@group(0) @binding(9) var<uniform> step: u32;
 
 // The light that a face scatters, E/2, or a medium with its first face; in `w` 1 if it exists.
 fn incoming(at: vec2u, face: u32, tint_opacity: vec4f) -> vec4f {
@@ -86,9 +91,15 @@ fn scatter_compared(thread: TileThread) {
     }
 }
 
+// Returns whether a cell has a bit, 32 of which take less to read than a texel.
+fn is(bit: u32, at: vec2u) -> bool {
+    let words = (frame.size.y + 31u) / 32u;
+    return ((cell_bits[(bit * frame.size.x + at.x) * words + at.y / 32u] >> (at.y % 32u)) & 1u) == 1u;
+}
+
 @compute @workgroup_size(8, 8)
 fn show(@builtin(global_invocation_id) id: vec3u) {
-    if outside(id.xy) || !solid(vec2i(id.xy)) {
+    if outside(id.xy) || !is(OCCUPIED, id.xy) || is(MEDIUM, id.xy) {
         return;
     }
     var sum = vec4f(0.0);

@@ -96,28 +96,55 @@ fn shifted(words: vec4u, rows: u32) -> vec2u {
     return (from_word.xy >> vec2u(shift)) | rest;
 }
 
-// The rows of the slab `begin` of a workgroup from which any cell of a mask has one of two bits: the rows of the first
-// bit, which every cell with the second has too, then those of the second. The mask begins at `mask`, with an entry per
-// slab: rows from −32 to −1, and from 0 to 31.
-fn meeting(first: u32, second: u32, mask: u32, begin: u32, slabs: u32) -> vec4u {
-    var met = vec4u(0u);
+// Returns whether any cell with a bit lies near a tile, from the slab behind it to the one `ahead`.
+fn is_any_near(bit: u32, ahead: u32) -> bool {
+    var any_near = vec4u(0u);
+    for (var away = 0u; away < ahead + 2u; away++) {
+        any_near |= near[bit * SLABS + away];
+    }
+    return any(any_near != vec4u(0u));
+}
+
+// The rows of the slab `begin` of a workgroup from which any cell of a mask has a bit. The mask begins at `mask`, with an
+// entry per slab: rows from −32 to −1, and from 0 to 31.
+fn meeting(bit: u32, mask: u32, begin: u32, slabs: u32) -> vec2u {
+    var met = vec2u(0u);
     for (var slab = 0u; slab < slabs; slab++) {
-        let ones = near[first * SLABS + begin + slab + 1u];
+        let ones = near[bit * SLABS + begin + slab + 1u];
         if all(ones == vec4u(0u)) {
             continue;
         }
-        let others = near[second * SLABS + begin + slab + 1u];
         let cells = footprints[mask + slab];
         for (var side = 0u; side < 2u; side++) {
             var left = select(cells.x, cells.y, side == 1u);
             while left != 0u {
-                let rows = 32u * side + firstTrailingBit(left);
-                met |= vec4u(shifted(ones, rows), shifted(others, rows));
+                met |= shifted(ones, 32u * side + firstTrailingBit(left));
                 left &= left - 1u;
             }
         }
     }
     return met;
+}
+
+// The rows of the slab `begin` of a workgroup, among `rows`, from which a ray is stopped by a dark wall, and those from
+// which it has to be traced, since it meets light or a medium first. From the others it passes.
+fn first_met(crossings: vec2u, begin: u32, rows: vec2u) -> vec4u {
+    var stopped = vec2u(0u);
+    var traced = vec2u(0u);
+    var open = rows;
+    for (var i = crossings.x; i < crossings.x + crossings.y && any(open != vec2u(0u)); i++) {
+        let crossing = footprints[i].x;
+        let at = begin + slabs_to(crossing) + 1u;
+        let away = u32(rows_to(crossing) + ASIDE);
+        let hit = open & shifted(near[OCCUPIED * SLABS + at], away);
+        if any(hit != vec2u(0u)) {
+            let dark = ~shifted(near[MEDIUM * SLABS + at] | near[EMITTING * SLABS + at], away);
+            stopped |= hit & dark;
+            traced |= hit & ~dark;
+            open &= ~hit;
+        }
+    }
+    return vec4u(stopped, traced);
 }
 
 // The radiance that leaves a cell by the face that a ray meets: 0 ahead, 1 from lower rows, 2 from higher

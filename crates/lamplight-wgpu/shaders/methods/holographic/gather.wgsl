@@ -2,9 +2,9 @@
 // each cone or, if the cone contains an emitter, several, and take the light of the plane where those end.
 //
 // A workgroup takes some slabs that look at the same plane, whose light it unpacks once for all, some cones at a time.
-// Most rays meet nothing, and are summed first. A lane per slab and cone finds the rows of the tile from which its rays
-// meet matter, and what the ray along its middle meets: most of these are stopped by dark walls or only pass beside them.
-// Each pixel traces what it has left afterwards, so that none waits for the cones of another.
+// Most rays meet nothing, and are summed first. A lane per slab and cone finds what they meet from all rows of the tile:
+// most others are stopped by dark walls. Each pixel traces what it has left afterwards, so that none waits for the cones of
+// another.
 //
 // The same light is the irradiance of faces, and without PIXELS only that is found. Faces are shaded by the
 // steps of their own wall: of light that comes down s px along the face for each px that it comes nearer, a
@@ -45,7 +45,7 @@ const TAU: f32 = 6.2831855;
 
 // By slab and cone, three masks of the rows of the tile: MET and after it.
 var<workgroup> meets: array<vec2u, 3u * CONES * DEPTH>;
-// The rows from which rays meet matter.
+// The rows from which rays meet matter, or end beside it.
 const MET: u32 = 0u;
 // Those from which the ray along the middle is stopped by a dark wall.
 const STOPPED: u32 = 1u;
@@ -109,12 +109,14 @@ fn light_at(on: PlaneLight, cone: u32, point: i32) -> vec3f {
 // The share of the next point's light at a row of the plane: ¼ (Chaikin 1974) if the row that touches it is open, on the
 // `side` of it.
 fn share_of_next(pixel: Pixel, row: i32, side: i32) -> f32 {
-    // Nothing comes back into the grid, and the second row of its last point may lie beyond.
-    if row == -1 || row == 2 * i32(sweep.rows) {
-        return 0.0;
-    }
-    if row == i32(sweep.cell_rows) {
+    let end = 2 * i32(sweep.rows);
+    // The second row of the last point may lie beyond the grid.
+    if row == i32(sweep.cell_rows) && row < end {
         return 1.0;
+    }
+    // Nothing comes back into the grid, and light within it is not mixed with that beyond.
+    if row == -1 || row == 0 || row == end - 1 || row == end {
+        return 0.0;
     }
     return select(0.25, 0.0, is_solid(0u, i32(pixel.ahead), row + side - i32(pixel.first_row)));
 }
@@ -299,36 +301,20 @@ fn find_met(ahead: u32, lane: u32) {
         let view = view_of(ahead - slab);
         let entry = view.x + (i % CONES) * view.y;
         // Solid cells gather nothing.
+        let rows = ~solid_rows(slab);
         let mask = entry + RAYS + 2u * (sweep.rays + 1u);
-        let met = meeting(OCCUPIED, LAST, mask, slab, ahead - slab + 1u) & ~solid_rows(slab).xyxy;
+        let several = rows & meeting(LAST, mask, slab, ahead - slab + 1u);
         // The ray along the middle, from the rows that need no other.
-        var stopped = met.zw;
-        var traced = met.zw;
-        var open = met.xy & ~met.zw;
-        let crossings = footprints[entry + RAYS];
-        for (var k = 0u; k < crossings.y && any(open != vec2u(0u)); k++) {
-            let crossing = footprints[crossings.x + k].x;
-            let at = slab + slabs_to(crossing) + 1u;
-            let rows = u32(rows_to(crossing) + ASIDE);
-            let hit = open & shifted(near[OCCUPIED * SLABS + at], rows);
-            let dark = ~shifted(near[MEDIUM * SLABS + at] | near[EMITTING * SLABS + at], rows);
-            stopped |= hit & dark;
-            traced |= hit & ~dark;
-            open &= ~hit;
-        }
-        meets[3u * i + MET] = met.xy;
+        let met = first_met(footprints[entry + RAYS], slab, rows & ~several);
+        let stopped = several | met.xy;
+        let traced = several | met.zw;
+        let end = u32(bitcast<i32>(footprints[entry + RAYS + 1u].x) + ASIDE);
+        let ends = near[OCCUPIED * SLABS + ahead + 1u];
+        let beside = shifted(ends, end - 1u) | shifted(ends, end) | shifted(ends, end + 1u);
+        meets[3u * i + MET] = stopped | traced | (rows & beside);
         meets[3u * i + STOPPED] = stopped;
         meets[3u * i + TRACED] = traced;
     }
-}
-
-// Returns whether there is matter in or beside the slabs of the workgroup, which may have faces or scatter.
-fn is_any_near() -> bool {
-    var any_near = vec4u(0u);
-    for (var away = 0u; away < DEPTH + 2u; away++) {
-        any_near |= near[OCCUPIED * SLABS + away];
-    }
-    return any(any_near != vec4u(0u));
 }
 
 @compute @workgroup_size(64, DEPTH)
@@ -353,13 +339,16 @@ fn main(
     workgroupBarrier();
     if !PIXELS {
         if index_in_group == 0u {
-            needed[0] = u32(is_any_near());
+            needed[0] = u32(is_any_near(OCCUPIED, DEPTH));
         }
         if workgroupUniformLoad(&needed[0]) == 0u {
             return;
         }
     }
-    find_met(farthest, index_in_group);
+    let empty = !is_any_near(OCCUPIED, farthest);
+    if !empty {
+        find_met(farthest, index_in_group);
+    }
     let inside = pixel.row < sweep.cell_rows && pixel.slab < sweep.cell_depth;
     let solid = is_solid(lane, 0, 0);
     let faces = is_solid(lane, -1, 0) || is_solid(lane, 0, -1) || is_solid(lane, 0, 1);
@@ -376,15 +365,17 @@ fn main(
         steps.below = step(pixel, 0, -1, 1u, 2u);
     }
     for (var first = 0u; first < CONES; first += HELD_CONES) {
-        // All have read the cones before, and `meets` is found.
-        workgroupBarrier();
+        if first > 0u {
+            // All have read the cones before.
+            workgroupBarrier();
+        }
         hold(pixel, plane, first, index_in_group);
         workgroupBarrier();
         if gathers {
             var left = 0u;
             for (var cone = first; cone < min(first + HELD_CONES, CONES); cone++) {
                 let at = 3u * (local.y * CONES + cone);
-                if !has(meets[at + MET], lane) {
+                if empty || !has(meets[at + MET], lane) {
                     add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
                 } else if has(meets[at + TRACED], lane) || !has(meets[at + STOPPED], lane) {
                     left |= 1u << (cone - first);

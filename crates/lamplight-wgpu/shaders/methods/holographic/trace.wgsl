@@ -11,14 +11,17 @@
 override SPACING: u32;
 // Rows that a workgroup stores. It traces those of one more point to each side.
 override STORED: u32 = TILE - 2u * SPACING;
-// Bundles from a row.
+// Bundles from a row, and rays of each.
 override BUNDLES: u32;
+override RAYS: u32;
 
 @group(0) @binding(7) var<storage, read_write> made: array<vec2u>;
 @group(0) @binding(8) var<storage, read_write> made_tints: array<u32>;
 
-// Rows of the tile from which each bundle meets matter, and a small source.
+// Rows of the tile from which each bundle may meet matter, and a small source.
 var<workgroup> meets: array<vec4u, BUNDLES>;
+// Rows from which each ray of each bundle is stopped, and those from which it has to be traced.
+var<workgroup> rays: array<vec4u, RAYS * BUNDLES>;
 // The light of a bundle from each row: of even bundles, and of odd ones.
 var<workgroup> traced: array<vec2u, 2u * TILE>;
 // The light and the transmittance of the bundles of all rows of cells, where two share a point.
@@ -26,14 +29,19 @@ var<workgroup> halves: array<vec3u, 2u * TILE>;
 
 // The interval of a bundle from a lane's row. Its footprint is a mask with an entry per slab, then the crossings
 // of each ray.
-fn bundle_of(bundle: u32, slab: u32, row: u32, lane: u32, length: u32) -> Interval {
+fn bundle_of(bundle: u32, entry: u32, slab: u32, row: u32, lane: u32) -> Interval {
     var sum = Interval(vec3f(0.0), vec3f(0.0));
-    for (var i = 0u; i < sweep.rays; i++) {
-        let one = march(slab, row, lane, footprints[bundle + length + 1u + i]);
-        sum.light += one.light;
-        sum.transmittance += one.transmittance;
+    for (var i = 0u; i < RAYS; i++) {
+        let met = rays[bundle * RAYS + i];
+        if has(met.zw, lane) {
+            let one = march(slab, row, lane, footprints[entry + i]);
+            sum.light += one.light;
+            sum.transmittance += one.transmittance;
+        } else if !has(met.xy, lane) {
+            sum.transmittance += 1.0;
+        }
     }
-    return Interval(sum.light / f32(sweep.rays), sum.transmittance / f32(sweep.rays));
+    return Interval(sum.light / f32(RAYS), sum.transmittance / f32(RAYS));
 }
 
 // Returns whether light from a lane's row of cells counts: it is open, and its ray does not end beyond the last row
@@ -65,9 +73,19 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let first_row = i32(STORED * group.x) - i32(SPACING);
     fetch(lane, TILE, slab, first_row, length);
     workgroupBarrier();
-    let size = length + 1u + sweep.rays;
-    for (var ray = lane; ray < BUNDLES; ray += TILE) {
-        meets[ray] = meeting(OCCUPIED, LAST, sweep.footprints + ray * size, 0u, length + 1u);
+    let size = length + 1u + RAYS;
+    for (var bundle = lane; bundle < BUNDLES; bundle += TILE) {
+        let mask = sweep.footprints + bundle * size;
+        let met = meeting(OCCUPIED, mask, 0u, length + 1u);
+        meets[bundle] = vec4u(met, meeting(LAST, mask, 0u, length + 1u));
+    }
+    workgroupBarrier();
+    for (var ray = lane; ray < RAYS * BUNDLES; ray += TILE) {
+        let bundle = ray / RAYS;
+        let entry = sweep.footprints + bundle * size + length + 1u + ray % RAYS;
+        if any(meets[bundle].xy != vec2u(0u)) {
+            rays[ray] = first_met(footprints[entry], 0u, meets[bundle].xy);
+        }
     }
     let row = first_row + i32(lane);
     let inside = row >= 0 && row < i32(sweep.cell_rows);
@@ -78,20 +96,20 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let place = plane / 2u - sweep.stored;
     let base = select(sweep.even, sweep.odd, odd);
     workgroupBarrier();
-    for (var ray = 0u; ray < BUNDLES; ray++) {
-        let met = meets[ray];
+    for (var number = 0u; number < BUNDLES; number++) {
         var bundle = nothing();
+        let met = meets[number];
         if inside && has(met.xy, lane) {
-            bundle = bundle_of(sweep.footprints + ray * size, slab, u32(row), lane, length);
+            bundle = bundle_of(number, sweep.footprints + number * size + length + 1u, slab, u32(row), lane);
         }
         if SPACING == 2u {
             halves[2u * lane] = bitcast<vec3u>(bundle.light);
             halves[2u * lane + 1u] = bitcast<vec3u>(bundle.transmittance);
             workgroupBarrier();
-            bundle = mean_of_pair(lane, row, 2 * i32(ray) - i32(length));
+            bundle = mean_of_pair(lane, row, 2 * i32(number) - i32(length));
         }
         var words = pack(bundle);
-        let side = TILE * (ray % 2u);
+        let side = TILE * (number % 2u);
         traced[side + lane] = words.xy;
         workgroupBarrier();
         if stores {
@@ -110,7 +128,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
                 interval.light += light;
                 words = pack(interval);
             }
-            store_words(base + (place * BUNDLES + ray) * sweep.rows + u32(point), words);
+            store_words(base + (place * BUNDLES + number) * sweep.rows + u32(point), words);
         }
     }
 }

@@ -75,12 +75,19 @@ struct IntervalPipelines {
 }
 
 impl IntervalPipelines {
-    fn new(compiler: &Compiler, geometry: GatherGeometry, words: u32, inflow: bool) -> Self {
+    fn new(
+        compiler: &Compiler,
+        geometry: GatherGeometry,
+        width: u32,
+        words: u32,
+        inflow: bool,
+    ) -> Self {
         let level = geometry.first();
         let stored = ("WORDS", f64::from(words));
         let exchanged = ("EXCHANGED", EXCHANGED.into());
         let bundles = ("BUNDLES", rays(level) as f64);
-        let own = [("FOURTH", SMALL_BIT), stored, exchanged, bundles, spacing(geometry)];
+        let width = ("RAYS", width.into());
+        let own = [("FOURTH", SMALL_BIT), stored, exchanged, bundles, width, spacing(geometry)];
         let trace = [CELLS, MARCH, &own].concat();
         let bent = ("BENT", BENT.into());
         let extend = |levels: u32| {
@@ -272,7 +279,7 @@ impl Holographic {
             let constants = [CELLS, MARCH, &own, &shaders::inflow(inflow)].concat();
             compiler.program(&programs::HOLOGRAPHIC_GATHER, &constants)
         };
-        let compared = || compiler.program(&programs::HOLOGRAPHIC_FACES_COMPARED, &[]);
+        let compared = || compiler.program(&programs::HOLOGRAPHIC_FACES_COMPARED, SOLID);
         let feedback = || compiler.program(&programs::HOLOGRAPHIC_FEEDBACK, &[]);
         let bounce = Bounce::new(compiler, bounces, compared, feedback);
         let marks = ("MARKS", f64::from(bounces == Bounces::Feedback));
@@ -282,11 +289,12 @@ impl Holographic {
                 &programs::HOLOGRAPHIC_SLABS,
                 &[CELLS, &[("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
             ),
-            intervals: [2, 3]
-                .map(|words| IntervalPipelines::new(compiler, geometry, words, inflow)),
+            intervals: [2, 3].map(|words| {
+                IntervalPipelines::new(compiler, geometry, bundle_width(settings), words, inflow)
+            }),
             gather: gather(true),
             gather_faces: gather(false),
-            faces: compiler.program(&programs::HOLOGRAPHIC_FACES, &[marks]),
+            faces: compiler.program(&programs::HOLOGRAPHIC_FACES, &[SOLID, &[marks]].concat()),
             bounce,
         }
     }
@@ -309,8 +317,7 @@ impl Holographic {
         };
         let shown = [shown(layout.hosts[0])?, shown(layout.hosts[1])?];
 
-        // Rows of cells that share a point share the rays of its bundles.
-        let width = settings.bundle_rays.div_ceil(settings.lattice_spacing);
+        let width = bundle_width(settings);
         let footprints = Footprints::new(geometry, width);
         let ends = layout.lattices.each_ref().map(|lattice| lattice.end);
         let cones = ConeTable::of_bundles(geometry.first(), ends);
@@ -372,6 +379,7 @@ impl Holographic {
             whole(&direct),
             whole(&buffers.scattered),
             whole(light),
+            whole(&buffers.cell_bits),
         ];
         let faces = planner.bind(&self.faces, &resources);
         let scatter = planner.over_cells(&self.faces, SCATTER, &faces, None);
@@ -506,6 +514,11 @@ impl Holographic {
 const SCATTER: usize = 0;
 const SHOW: usize = 1;
 
+/// The rays of a bundle from a row of cells: rows that share a point share those of its bundles.
+fn bundle_width(settings: &Settings) -> u32 {
+    settings.bundle_rays.div_ceil(settings.lattice_spacing)
+}
+
 /// The constant of rows of cells to a point of the lattice.
 fn spacing(geometry: GatherGeometry) -> (&'static str, f64) {
     ("SPACING", f64::from(1u32 << geometry.spacing_level))
@@ -517,6 +530,8 @@ const CELLS: &[(&str, f64)] = &[
     ("MEDIUM", MEDIUM.trailing_zeros() as f64),
     ("EMITTING", EMISSIVE.trailing_zeros() as f64),
 ];
+/// Those that tell solid cells.
+const SOLID: &[(&str, f64)] = CELLS.split_at(2).0;
 const SMALL_BIT: f64 = SMALL.trailing_zeros() as f64;
 const PRIMARY_BIT: f64 = PRIMARY.trailing_zeros() as f64;
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.
