@@ -124,7 +124,8 @@ fn share_of_next(pixel: Pixel, row: i32, side: i32) -> f32 {
 // Holds the light of some cones, from one on, on the plane ahead.
 fn hold(pixel: Pixel, plane: u32, first_cone: u32, lane: u32) {
     let on = plane_light(plane);
-    for (var i = lane; i < min(HELD_CONES, CONES - first_cone) * HELD_ROWS; i += TILE * DEPTH) {
+    let count = min(HELD_CONES, CONES - first_cone) * HELD_ROWS;
+    for (var i = lane; i < count; i += TILE * DEPTH) {
         let cone = first_cone + i / HELD_ROWS;
         let row = i32(pixel.first_row + i % HELD_ROWS) - i32(ROWS_BEFORE);
         // Rounded down, below 0 too.
@@ -372,10 +373,16 @@ fn main(
         hold(pixel, plane, first, index_in_group);
         workgroupBarrier();
         if gathers {
+            let end = min(first + HELD_CONES, CONES);
+            if empty {
+                for (var cone = first; cone < end; cone++) {
+                    add(&gathered, pixel, cone, through_nothing(pixel, cone), false, steps);
+                }
+            } else {
             var left = 0u;
-            for (var cone = first; cone < min(first + HELD_CONES, CONES); cone++) {
+            for (var cone = first; cone < end; cone++) {
                 let at = 3u * (local.y * CONES + cone);
-                if empty || !has(meets[at + MET], lane) {
+                if !has(meets[at + MET], lane) {
                     add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
                 } else if has(meets[at + TRACED], lane) || !has(meets[at + STOPPED], lane) {
                     left |= 1u << (cone - first);
@@ -391,6 +398,7 @@ fn main(
                 let several = traced && has(meets[at + STOPPED], lane);
                 add(&gathered, pixel, cone, through(pixel, cone, traced, several), faces, steps);
                 left &= left - 1u;
+            }
             }
         }
     }
