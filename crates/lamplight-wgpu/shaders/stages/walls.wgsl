@@ -24,6 +24,8 @@ override ALONG_2: f32;
 override COMPONENT: u32;
 // Light sinks no deeper, px.
 override MAX_WALL_DEPTH: f32;
+// Cells of a row whose flags share a word.
+override CELLS_PER_WORD: u32;
 
 // The flags of a solid cell: its open sides (left, right, upper, lower), that it is solid, that it emits.
 const SIDES: u32 = 15u;
@@ -40,7 +42,7 @@ const COARSEST_LANES: u32 = 256u;
 @group(0) @binding(5) var<storage, read_write> irradiance: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> sunk_emission: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
-// The flags of solid cells, and 0 of others: four cells of a row per word.
+// The flags of solid cells, and 0 of others.
 @group(0) @binding(8) var<storage, read_write> cell_flags: array<u32>;
 
 struct Sums {
@@ -73,11 +75,17 @@ fn level_index(level: Level, at: vec2u) -> u32 {
 
 // Words of flags from a row to the next.
 fn flag_words() -> u32 {
-    return (frame.size.x + 3u) / 4u;
+    return (frame.size.x + CELLS_PER_WORD - 1u) / CELLS_PER_WORD;
+}
+
+// The first bit of the flags of a cell in their word.
+fn flag_shift(column: u32) -> u32 {
+    return 32u / CELLS_PER_WORD * (column % CELLS_PER_WORD);
 }
 
 fn flags_at(at: vec2u) -> u32 {
-    return (cell_flags[at.y * flag_words() + at.x / 4u] >> (8u * (at.x % 4u))) & 255u;
+    let word = cell_flags[at.y * flag_words() + at.x / CELLS_PER_WORD];
+    return (word >> flag_shift(at.x)) & (SIDES | SOLID | EMITS);
 }
 
 // The place of what sinks in, of a cell.
@@ -206,15 +214,17 @@ fn turn_faces(@builtin(global_invocation_id) id: vec3u) {
     light[moment_index(1u, i)] = vec4f(arrives * direction.y, 1.0);
 }
 
-// Finds the flags of four cells, and keeps the light of those with a face.
+// Finds the flags of the cells of a word, and keeps the light of those with a face.
 @compute @workgroup_size(8, 8)
 fn find_flags(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= flag_words() || id.y >= frame.size.y {
         return;
     }
     var word = 0u;
-    for (var k = 0u; k < 4u && 4u * id.x + k < frame.size.x; k++) {
-        let cell = vec2u(4u * id.x + k, id.y);
+    let first = CELLS_PER_WORD * id.x;
+    let end = min(first + CELLS_PER_WORD, frame.size.x);
+    for (var x = first; x < end; x++) {
+        let cell = vec2u(x, id.y);
         let at = vec2i(cell);
         if !solid(at) {
             continue;
@@ -222,7 +232,7 @@ fn find_flags(@builtin(global_invocation_id) id: vec3u) {
         let sides = select(0u, 1u, open(at - vec2i(1, 0))) | select(0u, 2u, open(at + vec2i(1, 0)))
             | select(0u, 4u, open(at - vec2i(0, 1))) | select(0u, 8u, open(at + vec2i(0, 1)));
         let emits = COMPONENT == 0u && any(textureLoad(emission, cell, 0).rgb != vec3f(0.0));
-        word |= (SOLID | sides | select(0u, EMITS, emits)) << (8u * k);
+        word |= (SOLID | sides | select(0u, EMITS, emits)) << flag_shift(x);
         if sides != 0u {
             let i = index(cell);
             surface[i] = light[value_index(i)];

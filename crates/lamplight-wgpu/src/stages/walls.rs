@@ -54,6 +54,7 @@ impl Walls {
             ("ALONG_2", f64::from(ALONG[2])),
             ("COMPONENT", f64::from(component)),
             ("MAX_WALL_DEPTH", f64::from(Settings::MAX_WALL_DEPTH)),
+            ("CELLS_PER_WORD", CELLS_PER_WORD.into()),
         ];
         let constants = [&constants[..], &shaders::LUMINANCE].concat();
         Self(compiler.program(&programs::WALLS, &constants))
@@ -67,10 +68,9 @@ impl Walls {
     /// Binds the light, and buffers for what sinks in. Where nothing does, they are bound, but not used.
     fn bind(&self, planner: &FramePlanner, light: &Buffer) -> Result<BoundResources> {
         let octaves = octaves(planner.settings.wall_depth);
-        let level_cells =
-            |level: u32| level_size(planner, level).map(u64::from).iter().product::<u64>();
+        let level_cells = |level: u32| product(level_size(planner, level));
         let [cells, words] =
-            if octaves == 0 { [1; 2] } else { [planner.cells(), flag_words(planner)] };
+            if octaves == 0 { [1; 2] } else { [planner.cells(), product(flag_words(planner))] };
         let sums = (1..=octaves).map(level_cells).sum::<u64>().max(1);
         let surface = planner.buffer::<[f32; 4]>("walls: surface", cells)?;
         let irradiance = planner.buffer::<[f32; 4]>("walls: irradiance", sums)?;
@@ -101,7 +101,7 @@ impl Walls {
         if octaves == 0 {
             return vec![over(SHOW_FACES, 0)];
         }
-        let is_small = |&level: &u32| level_size(planner, level).iter().product::<u32>() <= SMALL;
+        let is_small = |&level: &u32| product(level_size(planner, level)) <= SMALL;
         let small = (1..octaves).find(is_small);
         let blurs = (1..=small.unwrap_or(octaves)).map(|level| over(BLUR, level));
         let coarsest = small.map(|level| {
@@ -110,8 +110,7 @@ impl Walls {
             Dispatch::new(pipeline, bound, Some(level), [1; 3]).moving(traffic)
         });
         let sums = (1..small.unwrap_or(octaves)).rev().map(|level| over(ADD_COARSER, level));
-        let [width, height] = <[u32; 2]>::from(planner.size);
-        let words = [width.div_ceil(CELLS_PER_WORD), height];
+        let words = flag_words(planner);
         let flags = Dispatch::over(words, self.0.entry(FIND_FLAGS), bound, Some(0));
         let flags = [flags.moving(traffic(planner, FIND_FLAGS, 0))];
         let sink = [over(SINK, 0)];
@@ -123,9 +122,9 @@ impl Walls {
 fn traffic(planner: &FramePlanner, entry: usize, level: u32) -> Traffic {
     const VEC4: u64 = size_of::<[f32; 4]>() as u64;
     let cells = planner.cells() * VEC4;
-    let flags = flag_words(planner) * size_of::<u32>() as u64;
+    let flags = product(flag_words(planner)) * size_of::<u32>() as u64;
     // Irradiance and emission.
-    let sums = |level| 2 * VEC4 * level_size(planner, level).map(u64::from).iter().product::<u64>();
+    let sums = |level| 2 * VEC4 * product(level_size(planner, level));
     match entry {
         FIND_FLAGS => Traffic { read: cells, written: flags },
         BLUR if level == 1 => Traffic { read: flags, written: sums(1) },
@@ -139,10 +138,15 @@ fn traffic(planner: &FramePlanner, entry: usize, level: u32) -> Traffic {
     }
 }
 
-/// Words of the flags of all cells.
-fn flag_words(planner: &FramePlanner) -> u64 {
+/// Words of flags in a row of cells, and rows.
+fn flag_words(planner: &FramePlanner) -> [u32; 2] {
     let [width, height] = <[u32; 2]>::from(planner.size);
-    u64::from(width.div_ceil(CELLS_PER_WORD)) * u64::from(height)
+    [width.div_ceil(CELLS_PER_WORD), height]
+}
+
+/// The number of cells, or words, of a rectangle.
+fn product(sides: [u32; 2]) -> u64 {
+    sides.map(u64::from).iter().product()
 }
 
 /// Columns and rows of a level of the pyramid; the cells are level 0.
@@ -163,4 +167,4 @@ const SINK: usize = 5;
 const TURN_FACES: usize = 6;
 
 /// The most cells of a level whose coarser levels a single workgroup makes: a few for each thread.
-const SMALL: u32 = 1024;
+const SMALL: u64 = 1024;

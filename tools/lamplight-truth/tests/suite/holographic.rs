@@ -262,8 +262,13 @@ fn the_light_of_a_lone_lamp_has_no_bricks() {
     assert!(published[0] > rms && published[1] > worst, "bricks pass: {published:?}");
 }
 
+/// The place of a lone lamp.
+const LAMP: [f64; 2] = [80.5, 40.5];
+/// The bound for [`ticks`].
+const TICKS: f64 = 0.03;
+
 /// The largest difference between a cell on the border and the mean of its neighbours there, relative to their light,
-/// at least 24 px from a lamp.
+/// at least 24 px from the lamp.
 fn ticks([width, height]: [u32; 2], light: impl Fn(u32, u32) -> f64) -> f64 {
     let columns = (1..width - 1).flat_map(|x| [0, height - 1].map(|y| ([x, y], [1, 0])));
     let rows = (1..height - 1).flat_map(|y| [0, width - 1].map(|x| ([x, y], [0, 1])));
@@ -276,11 +281,6 @@ fn ticks([width, height]: [u32; 2], light: impl Fn(u32, u32) -> f64) -> f64 {
     let border = columns.chain(rows).map(|(at, along)| [at, along]);
     border.filter(far).map(tick).fold(0.0, f64::max)
 }
-
-/// The place of that lamp.
-const LAMP: [f64; 2] = [80.5, 40.5];
-/// The bound for ticks.
-const TICKS: f64 = 0.03;
 
 #[test]
 fn the_light_of_a_lone_lamp_has_no_ticks_along_the_border() {

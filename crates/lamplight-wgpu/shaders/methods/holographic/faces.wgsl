@@ -18,7 +18,7 @@ override MARKS: bool = false;
 @group(0) @binding(4) var<storage, read> direct: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> scattered: array<vec2u>;
 @group(0) @binding(6) var<storage, read_write> light: array<vec4f>;
-// The bits of cells, column by column at first.
+// The bits of cells; those of the axis along x, column by column, come first.
 @group(0) @binding(7) var<storage, read> cell_bits: array<u32>;
 // Bound if light bounces until it has converged.
 @group(0) @binding(8) var<storage, read_write> changes: array<Change>;

@@ -96,15 +96,6 @@ fn shifted(words: vec4u, rows: u32) -> vec2u {
     return (from_word.xy >> vec2u(shift)) | rest;
 }
 
-// Returns whether any cell with a bit lies near a tile, from the slab behind it to the one `ahead`.
-fn is_any_near(bit: u32, ahead: u32) -> bool {
-    var any_near = vec4u(0u);
-    for (var away = 0u; away < ahead + 2u; away++) {
-        any_near |= near[bit * SLABS + away];
-    }
-    return any(any_near != vec4u(0u));
-}
-
 // The rows of the slab `begin` of a workgroup from which any cell of a mask has a bit. The mask begins at `mask`, with an
 // entry per slab: rows from −32 to −1, and from 0 to 31.
 fn meeting(bit: u32, mask: u32, begin: u32, slabs: u32) -> vec2u {

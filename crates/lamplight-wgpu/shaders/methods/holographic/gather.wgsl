@@ -2,8 +2,8 @@
 // each cone or, if the cone contains an emitter, several, and take the light of the plane where those end.
 //
 // A workgroup takes some slabs that look at the same plane, whose light it unpacks once for all, some cones at a time.
-// Most rays meet nothing, and are summed first. A lane per slab and cone finds what they meet from all rows of the tile:
-// most others are stopped by dark walls. Each pixel traces what it has left afterwards, so that none waits for the cones of
+// A lane per slab and cone finds what rays meet, from all rows of the tile. Most meet nothing, and are summed first; most
+// others are stopped by dark walls. Each pixel traces what it has left afterwards, so that none waits for the cones of
 // another.
 //
 // The same light is the irradiance of faces, and without PIXELS only that is found. Faces are shaded by the
@@ -45,7 +45,7 @@ const TAU: f32 = 6.2831855;
 
 // By slab and cone, three masks of the rows of the tile: MET and after it.
 var<workgroup> meets: array<vec2u, 3u * CONES * DEPTH>;
-// The rows from which rays meet matter, or end beside it.
+// The rows from which the ray along the middle meets matter or ends beside it, or several rays are needed.
 const MET: u32 = 0u;
 // Those from which the ray along the middle is stopped by a dark wall.
 const STOPPED: u32 = 1u;
@@ -72,7 +72,7 @@ struct Pixel {
 // The table of cones as seen from `ahead` slabs before the plane: its first entry, and the entries of each.
 fn view_of(ahead: u32) -> vec2u {
     let first = footprints[sweep.footprints + ahead - sweep.gather_length].x;
-    return vec2u(first, RAYS + 2u * (sweep.rays + 1u) + ahead + 1u);
+    return vec2u(first, FIRST_RAY + 2u * (sweep.rays + 1u) + ahead + 1u);
 }
 
 // A plane that is gathered from: the first entry of its light, and whether it is one of the lattice's.
@@ -107,7 +107,7 @@ fn light_at(on: PlaneLight, cone: u32, point: i32) -> vec3f {
 }
 
 // The share of the next point's light at a row of the plane: ¼ (Chaikin 1974) if the row that touches it is open, on the
-// `side` of it.
+// `side` of it, and no border lies between them.
 fn share_of_next(pixel: Pixel, row: i32, side: i32) -> f32 {
     let end = 2 * i32(sweep.rows);
     // The second row of the last point may lie beyond the grid.
@@ -185,11 +185,11 @@ fn weights_behind(pixel: Pixel, rows: i32, past: f32) -> vec3f {
 
 // The entry of a cone: its cosines to the axis and to higher rows; its angle; rays of two entries: crossings;
 // the row nearest to the end, and how far past its middle that is; a mask with an entry per slab.
-const RAYS: u32 = 2u;
+const FIRST_RAY: u32 = 2u;
 
 // The light through a cone in which there is nothing.
 fn through_nothing(pixel: Pixel, cone: u32) -> vec3f {
-    let end_past = footprints[pixel.view + cone * pixel.size + RAYS + 1u];
+    let end_past = footprints[pixel.view + cone * pixel.size + FIRST_RAY + 1u];
     let end = i32(pixel.row) + bitcast<i32>(end_past.x);
     let weights = weights_at(end, bitcast<f32>(end_past.y));
     return far(pixel, cone, end, weights) / (WEIGHT_EPSILON + weights.x + weights.y + weights.z);
@@ -203,8 +203,8 @@ fn through(pixel: Pixel, cone: u32, traced: bool, several: bool) -> vec3f {
     let count = select(1u, sweep.rays, several);
     var sum = vec3f(0.0);
     for (var ray = first; ray < first + count; ray++) {
-        let crossings = footprints[entry + RAYS + 2u * ray];
-        let end_past = footprints[entry + RAYS + 2u * ray + 1u];
+        let crossings = footprints[entry + FIRST_RAY + 2u * ray];
+        let end_past = footprints[entry + FIRST_RAY + 2u * ray + 1u];
         let row = bitcast<i32>(end_past.x);
         var near = nothing();
         if traced {
@@ -295,7 +295,7 @@ fn add(gathered: ptr<function, Gathered>, pixel: Pixel, cone: u32, found: vec3f,
     }
 }
 
-// Finds the cones whose rays meet matter: a lane per slab and cone, for all rows of the tile.
+// Finds the masks of cones: a lane per slab and cone, for all rows of the tile.
 fn find_met(ahead: u32, lane: u32) {
     for (var i = lane; i < CONES * DEPTH; i += TILE * DEPTH) {
         let slab = i / CONES;
@@ -303,19 +303,28 @@ fn find_met(ahead: u32, lane: u32) {
         let entry = view.x + (i % CONES) * view.y;
         // Solid cells gather nothing.
         let rows = ~solid_rows(slab);
-        let mask = entry + RAYS + 2u * (sweep.rays + 1u);
+        let mask = entry + FIRST_RAY + 2u * (sweep.rays + 1u);
         let several = rows & meeting(LAST, mask, slab, ahead - slab + 1u);
         // The ray along the middle, from the rows that need no other.
-        let met = first_met(footprints[entry + RAYS], slab, rows & ~several);
+        let met = first_met(footprints[entry + FIRST_RAY], slab, rows & ~several);
         let stopped = several | met.xy;
         let traced = several | met.zw;
-        let end = u32(bitcast<i32>(footprints[entry + RAYS + 1u].x) + ASIDE);
+        let end = u32(bitcast<i32>(footprints[entry + FIRST_RAY + 1u].x) + ASIDE);
         let ends = near[OCCUPIED * SLABS + ahead + 1u];
         let beside = shifted(ends, end - 1u) | shifted(ends, end) | shifted(ends, end + 1u);
         meets[3u * i + MET] = stopped | traced | (rows & beside);
         meets[3u * i + STOPPED] = stopped;
         meets[3u * i + TRACED] = traced;
     }
+}
+
+// Returns whether there is matter near the tile, from the slab behind it to the one `ahead` of its first.
+fn is_any_near(ahead: u32) -> bool {
+    var any_near = vec4u(0u);
+    for (var away = 0u; away < ahead + 2u; away++) {
+        any_near |= near[OCCUPIED * SLABS + away];
+    }
+    return any(any_near != vec4u(0u));
 }
 
 @compute @workgroup_size(64, DEPTH)
@@ -340,13 +349,14 @@ fn main(
     workgroupBarrier();
     if !PIXELS {
         if index_in_group == 0u {
-            needed[0] = u32(is_any_near(OCCUPIED, DEPTH));
+            // Matter beside the slabs may have faces there.
+            needed[0] = u32(is_any_near(DEPTH));
         }
         if workgroupUniformLoad(&needed[0]) == 0u {
             return;
         }
     }
-    let empty = !is_any_near(OCCUPIED, farthest);
+    let empty = !is_any_near(farthest);
     if !empty {
         find_met(farthest, index_in_group);
     }
@@ -379,26 +389,26 @@ fn main(
                     add(&gathered, pixel, cone, through_nothing(pixel, cone), false, steps);
                 }
             } else {
-            var left = 0u;
-            for (var cone = first; cone < end; cone++) {
-                let at = 3u * (local.y * CONES + cone);
-                if !has(meets[at + MET], lane) {
-                    add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
-                } else if has(meets[at + TRACED], lane) || !has(meets[at + STOPPED], lane) {
-                    left |= 1u << (cone - first);
-                } else if faces {
-                    // Steps may shine on them through it.
-                    add(&gathered, pixel, cone, vec3f(0.0), faces, steps);
+                var left = 0u;
+                for (var cone = first; cone < end; cone++) {
+                    let at = 3u * (local.y * CONES + cone);
+                    if !has(meets[at + MET], lane) {
+                        add(&gathered, pixel, cone, through_nothing(pixel, cone), faces, steps);
+                    } else if has(meets[at + TRACED], lane) || !has(meets[at + STOPPED], lane) {
+                        left |= 1u << (cone - first);
+                    } else if faces {
+                        // Steps may shine on them through it.
+                        add(&gathered, pixel, cone, vec3f(0.0), faces, steps);
+                    }
                 }
-            }
-            while left != 0u {
-                let cone = first + firstTrailingBit(left);
-                let at = 3u * (local.y * CONES + cone);
-                let traced = has(meets[at + TRACED], lane);
-                let several = traced && has(meets[at + STOPPED], lane);
-                add(&gathered, pixel, cone, through(pixel, cone, traced, several), faces, steps);
-                left &= left - 1u;
-            }
+                while left != 0u {
+                    let cone = first + firstTrailingBit(left);
+                    let at = 3u * (local.y * CONES + cone);
+                    let traced = has(meets[at + TRACED], lane);
+                    let several = traced && has(meets[at + STOPPED], lane);
+                    add(&gathered, pixel, cone, through(pixel, cone, traced, several), faces, steps);
+                    left &= left - 1u;
+                }
             }
         }
     }

@@ -20,16 +20,21 @@ override RAYS: u32;
 
 // Rows of the tile from which each bundle may meet matter, and a small source.
 var<workgroup> meets: array<vec4u, BUNDLES>;
-// Rows from which each ray of each bundle is stopped, and those from which it has to be traced.
+// Rows from which each ray of each bundle that may meet matter is stopped, and those from which it has to be traced.
 var<workgroup> rays: array<vec4u, RAYS * BUNDLES>;
 // The light of a bundle from each row: of even bundles, and of odd ones.
 var<workgroup> traced: array<vec2u, 2u * TILE>;
 // The light and the transmittance of the bundles of all rows of cells, where two share a point.
 var<workgroup> halves: array<vec3u, 2u * TILE>;
 
-// The interval of a bundle from a lane's row. Its footprint is a mask with an entry per slab, then the crossings
-// of each ray.
-fn bundle_of(bundle: u32, entry: u32, slab: u32, row: u32, lane: u32) -> Interval {
+// The first entry of a bundle: a mask with an entry per slab, then the crossings of each ray.
+fn entry_of(bundle: u32, slabs: u32) -> u32 {
+    return sweep.footprints + bundle * (slabs + RAYS);
+}
+
+// The mean interval of the rays of a bundle from a lane's row.
+fn mean_of_rays(bundle: u32, slabs: u32, slab: u32, row: u32, lane: u32) -> Interval {
+    let entry = entry_of(bundle, slabs) + slabs;
     var sum = Interval(vec3f(0.0), vec3f(0.0));
     for (var i = 0u; i < RAYS; i++) {
         let met = rays[bundle * RAYS + i];
@@ -73,17 +78,16 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let first_row = i32(STORED * group.x) - i32(SPACING);
     fetch(lane, TILE, slab, first_row, length);
     workgroupBarrier();
-    let size = length + 1u + RAYS;
+    let slabs = length + 1u;
     for (var bundle = lane; bundle < BUNDLES; bundle += TILE) {
-        let mask = sweep.footprints + bundle * size;
-        let met = meeting(OCCUPIED, mask, 0u, length + 1u);
-        meets[bundle] = vec4u(met, meeting(LAST, mask, 0u, length + 1u));
+        let mask = entry_of(bundle, slabs);
+        meets[bundle] = vec4u(meeting(OCCUPIED, mask, 0u, slabs), meeting(LAST, mask, 0u, slabs));
     }
     workgroupBarrier();
     for (var ray = lane; ray < RAYS * BUNDLES; ray += TILE) {
         let bundle = ray / RAYS;
-        let entry = sweep.footprints + bundle * size + length + 1u + ray % RAYS;
         if any(meets[bundle].xy != vec2u(0u)) {
+            let entry = entry_of(bundle, slabs) + slabs + ray % RAYS;
             rays[ray] = first_met(footprints[entry], 0u, meets[bundle].xy);
         }
     }
@@ -96,20 +100,20 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let place = plane / 2u - sweep.stored;
     let base = select(sweep.even, sweep.odd, odd);
     workgroupBarrier();
-    for (var number = 0u; number < BUNDLES; number++) {
-        var bundle = nothing();
-        let met = meets[number];
+    for (var bundle = 0u; bundle < BUNDLES; bundle++) {
+        var interval = nothing();
+        let met = meets[bundle];
         if inside && has(met.xy, lane) {
-            bundle = bundle_of(number, sweep.footprints + number * size + length + 1u, slab, u32(row), lane);
+            interval = mean_of_rays(bundle, slabs, slab, u32(row), lane);
         }
         if SPACING == 2u {
-            halves[2u * lane] = bitcast<vec3u>(bundle.light);
-            halves[2u * lane + 1u] = bitcast<vec3u>(bundle.transmittance);
+            halves[2u * lane] = bitcast<vec3u>(interval.light);
+            halves[2u * lane + 1u] = bitcast<vec3u>(interval.transmittance);
             workgroupBarrier();
-            bundle = mean_of_pair(lane, row, 2 * i32(number) - i32(length));
+            interval = mean_of_pair(lane, row, 2 * i32(bundle) - i32(length));
         }
-        var words = pack(bundle);
-        let side = TILE * (number % 2u);
+        var words = pack(interval);
+        let side = TILE * (bundle % 2u);
         traced[side + lane] = words.xy;
         workgroupBarrier();
         if stores {
@@ -124,11 +128,11 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
                 light += gained(words.xy, traced[side + lane + SPACING]);
             }
             if any(light != vec3f(0.0)) {
-                var interval = unpack(words);
-                interval.light += light;
-                words = pack(interval);
+                var gaining = unpack(words);
+                gaining.light += light;
+                words = pack(gaining);
             }
-            store_words(base + (place * BUNDLES + number) * sweep.rows + u32(point), words);
+            store_words(base + (place * BUNDLES + bundle) * sweep.rows + u32(point), words);
         }
     }
 }

@@ -86,9 +86,9 @@ impl IntervalPipelines {
         let stored = ("WORDS", f64::from(words));
         let exchanged = ("EXCHANGED", EXCHANGED.into());
         let bundles = ("BUNDLES", rays(level) as f64);
-        let width = ("RAYS", width.into());
-        let own = [("FOURTH", SMALL_BIT), stored, exchanged, bundles, width, spacing(geometry)];
-        let trace = [CELLS, MARCH, &own].concat();
+        let in_each = ("RAYS", width.into());
+        let own = [("FOURTH", SMALL_BIT), stored, exchanged, bundles, in_each, spacing(geometry)];
+        let trace = [SOLID, &[EMITTING], MARCH, &own].concat();
         let bent = ("BENT", BENT.into());
         let extend = |levels: u32| {
             let (rows, before, pairs) = match levels {
@@ -276,7 +276,7 @@ impl Holographic {
                 spacing(geometry),
                 shaders::moment(moment && pixels),
             ];
-            let constants = [CELLS, MARCH, &own, &shaders::inflow(inflow)].concat();
+            let constants = [SOLID, &[EMITTING], MARCH, &own, &shaders::inflow(inflow)].concat();
             compiler.program(&programs::HOLOGRAPHIC_GATHER, &constants)
         };
         let compared = || compiler.program(&programs::HOLOGRAPHIC_FACES_COMPARED, SOLID);
@@ -287,7 +287,7 @@ impl Holographic {
             settings: settings.clone(),
             slabs: compiler.program(
                 &programs::HOLOGRAPHIC_SLABS,
-                &[CELLS, &[("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
+                &[SOLID, &[EMITTING, ("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
             ),
             intervals: [2, 3].map(|words| {
                 IntervalPipelines::new(compiler, geometry, bundle_width(settings), words, inflow)
@@ -317,8 +317,7 @@ impl Holographic {
         };
         let shown = [shown(layout.hosts[0])?, shown(layout.hosts[1])?];
 
-        let width = bundle_width(settings);
-        let footprints = Footprints::new(geometry, width);
+        let footprints = Footprints::new(geometry, bundle_width(settings));
         let ends = layout.lattices.each_ref().map(|lattice| lattice.end);
         let cones = ConeTable::of_bundles(geometry.first(), ends);
         let mut axes = Vec::new();
@@ -347,8 +346,7 @@ impl Holographic {
             scattered: self.bounce.kept_buffer::<Packed>(planner, faces)?,
         };
 
-        let mut quadrant =
-            Quadrant::new(geometry, &footprints, &cones, width, intervals.words, together);
+        let mut quadrant = Quadrant::new(geometry, &footprints, &cones, intervals.words, together);
         let sky = planner.has_panorama().then(|| ConeSky::new(cones, buffers.cones.clone()));
         // Bounces after the first are all the same.
         let within_a_frame = match self.bounce {
@@ -524,14 +522,11 @@ fn spacing(geometry: GatherGeometry) -> (&'static str, f64) {
     ("SPACING", f64::from(1u32 << geometry.spacing_level))
 }
 
-/// The bits of cells.
-const CELLS: &[(&str, f64)] = &[
-    ("OCCUPIED", MATTER.trailing_zeros() as f64),
-    ("MEDIUM", MEDIUM.trailing_zeros() as f64),
-    ("EMITTING", EMISSIVE.trailing_zeros() as f64),
-];
-/// Those that tell solid cells.
-const SOLID: &[(&str, f64)] = CELLS.split_at(2).0;
+/// The bits of cells that tell solid ones.
+const SOLID: &[(&str, f64)] =
+    &[("OCCUPIED", MATTER.trailing_zeros() as f64), ("MEDIUM", MEDIUM.trailing_zeros() as f64)];
+/// The bit of those that emit.
+const EMITTING: (&str, f64) = ("EMITTING", EMISSIVE.trailing_zeros() as f64);
 const SMALL_BIT: f64 = SMALL.trailing_zeros() as f64;
 const PRIMARY_BIT: f64 = PRIMARY.trailing_zeros() as f64;
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.

@@ -66,8 +66,6 @@ pub struct Quadrant {
     views: u32,
     /// Entries of the table of cones.
     cones: u32,
-    /// Rays of a bundle.
-    width: u32,
     /// Words of an interval.
     words: u32,
     /// Quadrants that share dispatches.
@@ -82,13 +80,12 @@ impl Quadrant {
         geometry: GatherGeometry,
         footprints: &Footprints,
         cones: &ConeTable,
-        width: u32,
         words: u32,
         together: usize,
     ) -> Self {
         let Footprints { bundles, views, .. } = *footprints;
         let (cones, sweeps, parts) = (cones.entries(), Vec::new(), Vec::new());
-        Self { geometry, bundles, views, cones, width, words, together, sweeps, parts }
+        Self { geometry, bundles, views, cones, words, together, sweeps, parts }
     }
 
     /// The sweeps of all dispatches planned so far.
@@ -224,7 +221,6 @@ impl Quadrant {
             even: lattice.even(level),
             stored: lattice.first_of(level, chunk),
             footprints: self.bundles,
-            rays: self.width,
             ..sweep
         };
         let traced = traced(1 << self.geometry.spacing_level) as usize;

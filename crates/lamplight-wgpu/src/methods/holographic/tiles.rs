@@ -131,6 +131,18 @@ mod tests {
     }
 
     #[test]
+    fn what_rays_of_bundles_meet_fits_into_the_memory_of_workgroups() {
+        let most = wgpu::Limits::default().max_compute_workgroup_storage_size;
+        // Arrays of trace.wgsl: the bits of cells, what bundles and rays meet, light, and the halves of points.
+        let others = GatherTile::NEAR + TILE * (2 * 8 + 2 * 16) + 5 * 16;
+        for [level, rays] in [[1, 16], [4, 12], [4, 16]] {
+            let bundles = lamplight::internals::holographic::lattice::rays(level) as u32;
+            let bytes = others + 16 * bundles * (1 + rays);
+            assert!(bytes <= most, "level {level}, {rays} rays: {bytes} bytes");
+        }
+    }
+
+    #[test]
     fn tiles_fit_into_the_memory_of_workgroups() {
         let most = wgpu::Limits::default().max_compute_workgroup_storage_size;
         let pair = size_of::<[u32; 2]>() as u32;

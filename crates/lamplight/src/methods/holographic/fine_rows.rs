@@ -5,7 +5,8 @@
 //! pixels gather as from any plane.
 //!
 //! The neighbour's light counts only if the row that touches it is open: it lies in the same room then, and
-//! otherwise perhaps behind a wall.
+//! otherwise perhaps behind a wall. Beyond the border of the grid it does not count: most of the light there is that of the
+//! sky, and a border would have dark ticks.
 
 use super::interval::LANES;
 use super::slabs::{Slabs, is_open};
