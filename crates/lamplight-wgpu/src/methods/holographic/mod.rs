@@ -88,7 +88,7 @@ impl IntervalPipelines {
         let bundles = ("BUNDLES", rays(level) as f64);
         let in_each = ("RAYS", width.into());
         let own = [("FOURTH", SMALL_BIT), stored, exchanged, bundles, in_each, spacing(geometry)];
-        let trace = [SOLID, &[EMITTING], MARCH, &own].concat();
+        let trace = [CELLS, MARCH, &own].concat();
         let bent = ("BENT", BENT.into());
         let extend = |levels: u32| {
             let (rows, before, pairs) = match levels {
@@ -276,7 +276,7 @@ impl Holographic {
                 spacing(geometry),
                 shaders::moment(moment && pixels),
             ];
-            let constants = [SOLID, &[EMITTING], MARCH, &own, &shaders::inflow(inflow)].concat();
+            let constants = [CELLS, MARCH, &own, &shaders::inflow(inflow)].concat();
             compiler.program(&programs::HOLOGRAPHIC_GATHER, &constants)
         };
         let compared = || compiler.program(&programs::HOLOGRAPHIC_FACES_COMPARED, SOLID);
@@ -287,7 +287,7 @@ impl Holographic {
             settings: settings.clone(),
             slabs: compiler.program(
                 &programs::HOLOGRAPHIC_SLABS,
-                &[SOLID, &[EMITTING, ("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
+                &[CELLS, &[("SMALL", SMALL_BIT), ("PRIMARY", PRIMARY_BIT)]].concat(),
             ),
             intervals: [2, 3].map(|words| {
                 IntervalPipelines::new(compiler, geometry, bundle_width(settings), words, inflow)
@@ -525,8 +525,8 @@ fn spacing(geometry: GatherGeometry) -> (&'static str, f64) {
 /// The bits of cells that tell solid ones.
 const SOLID: &[(&str, f64)] =
     &[("OCCUPIED", MATTER.trailing_zeros() as f64), ("MEDIUM", MEDIUM.trailing_zeros() as f64)];
-/// The bit of those that emit.
-const EMITTING: (&str, f64) = ("EMITTING", EMISSIVE.trailing_zeros() as f64);
+/// With that of those that emit.
+const CELLS: &[(&str, f64)] = &[SOLID[0], SOLID[1], ("EMITTING", EMISSIVE.trailing_zeros() as f64)];
 const SMALL_BIT: f64 = SMALL.trailing_zeros() as f64;
 const PRIMARY_BIT: f64 = PRIMARY.trailing_zeros() as f64;
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.
