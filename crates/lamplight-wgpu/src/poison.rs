@@ -22,27 +22,34 @@ pub fn text(program: &Program) -> String {
     if POISONED.get() && program.writes_first() { poison(&text) } else { text }
 }
 
-/// Fills arrays of unsigned words in workgroup memory at the beginning of each entry point.
+/// Fills arrays in workgroup memory at the beginning of each entry point that has an index in its workgroup: others use
+/// none.
 fn poison(wgsl: &str) -> String {
     let fill = |line: &str| {
         let (name, array) = line.strip_prefix("var<workgroup> ")?.split_once(": array<")?;
         let (element, length) = array.strip_suffix(">;")?.split_once(", ")?;
-        Some(format!(
-            "for (var i = 0u; i < {length}; i++) {{ {name}[i] = {element}(0xffffffffu); }}\n"
-        ))
+        let garbage = if element == "vec4f" {
+            "vec4f(f32(0xffffffffu))"
+        } else {
+            &format!("{element}(0xffffffffu)")
+        };
+        Some(format!("for (var i = 0u; i < {length}; i++) {{ {name}[i] = {garbage}; }}\n"))
     };
     let fills: String = wgsl.lines().filter_map(fill).collect();
-    let named = |builtin: &str| {
-        let (_, rest) = wgsl.split_once(&format!("@builtin({builtin}) "))?;
-        Some(rest.split_once(':')?.0)
+    let first = |signature: &str| {
+        let named = |builtin: &str| {
+            let (_, rest) = signature.split_once(&format!("@builtin({builtin}) "))?;
+            Some(rest.split_once(':')?.0)
+        };
+        let index = named("local_invocation_index").map(|name| format!("{name} == 0u"));
+        index.or_else(|| {
+            named("local_invocation_id").map(|name| format!("all({name} == vec3u(0u))"))
+        })
     };
-    let first = named("local_invocation_index").map(|name| format!("{name} == 0u"));
-    let first = first
-        .or_else(|| named("local_invocation_id").map(|name| format!("all({name} == vec3u(0u))")));
-    let first = first.expect("an index of the invocation");
     let (shared, entries) = wgsl.split_at(wgsl.find("@compute").unwrap());
     let entries = entries.split_inclusive("@compute").map(|entry| {
         let Some((signature, body)) = entry.split_once(") {\n") else { return entry.to_owned() };
+        let Some(first) = first(signature) else { return entry.to_owned() };
         format!("{signature}) {{\nif {first} {{\n{fills}}}\nworkgroupBarrier();\n{body}")
     });
     shared.to_owned() + &entries.collect::<String>()
@@ -117,13 +124,15 @@ mod tests {
     fn the_memory_of_every_shader_that_is_not_cleared_is_poisoned() {
         let uncleared: Vec<_> =
             programs::ALL.iter().filter(|program| program.writes_first()).collect();
-        assert_eq!(uncleared.len(), 5);
+        assert_eq!(uncleared.len(), 6);
         for program in uncleared {
             let text = shaders::text(program.shader);
             let arrays = text.matches("var<workgroup>").count();
             assert!(arrays > 0);
             let filled = poison(&text).matches("(0xffffffffu)").count();
-            assert_eq!(filled, arrays * text.matches("@compute").count());
+            let entries = text.split("@compute").skip(1);
+            let indexed = entries.filter(|entry| entry.contains("@builtin(local_invocation_"));
+            assert_eq!(filled, arrays * indexed.count(), "{}", program.shader);
         }
     }
 }

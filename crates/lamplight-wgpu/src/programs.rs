@@ -75,7 +75,7 @@ impl Program {
     /// Returns whether the program writes all workgroup memory before it reads it (a test poisons it), so that it
     /// need not be cleared. On Metal and DirectX a single thread of each workgroup would do that.
     pub fn writes_first(&self) -> bool {
-        [&HOLOGRAPHIC_TRACE, &HOLOGRAPHIC_EXTEND, &HOLOGRAPHIC_MERGE, &HOLOGRAPHIC_GATHER]
+        [&HOLOGRAPHIC_TRACE, &HOLOGRAPHIC_EXTEND, &HOLOGRAPHIC_MERGE, &HOLOGRAPHIC_GATHER, &WALLS]
             .iter()
             .any(|program| program.shader == self.shader)
     }
@@ -150,7 +150,7 @@ programs! {
         light: Write,
     }
     WALLS: "stages/walls",
-    ["show_faces", "find_flags", "blur", "add_coarser", "add_coarsest", "sink", "turn_faces"], {
+    ["show_faces", "blur_surface", "blur", "sink", "turn_faces"], {
         matter: Texture, step: Step, emission: Texture, surface: Write, irradiance: Write,
         sunk_emission: Write, light: Write, cell_flags: Write,
     }

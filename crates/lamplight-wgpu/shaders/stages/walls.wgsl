@@ -27,11 +27,25 @@ override MAX_WALL_DEPTH: f32;
 // Cells of a row whose flags share a word.
 override CELLS_PER_WORD: u32;
 
-// The flags of a solid cell: its open sides (left, right, upper, lower), that it is solid, that it emits.
+// The flags of a solid cell: its open sides (left, right, upper, lower), that it is solid, that it emits. Cells beyond
+// the grid have one of their own while a workgroup holds them.
 const SIDES: u32 = 15u;
 const SOLID: u32 = 16u;
 const EMITS: u32 = 32u;
-const COARSEST_LANES: u32 = 256u;
+const BEYOND: u32 = 64u;
+
+// A workgroup of a blur makes a tile of a level, and for it the level between and the cells or the level below, with as
+// many beside the tile as the kernel reads: all are squares with these sides.
+const LANES: u32 = 256u;
+const TILE: u32 = 6u;
+const BETWEEN: u32 = 2u * TILE + 4u;
+// With a cell more to each side, whose flags are needed.
+const CELLS: u32 = 2u * BETWEEN + 6u;
+// Cells along a side of what the tile covers.
+const COVERED: u32 = 4u * TILE;
+// Cells along a side of a workgroup in which light sinks in, and of the first level that they are interpolated from.
+const SUNK: u32 = 16u;
+const REGION: u32 = SUNK / 2u + 2u;
 
 // The level of the pyramid; the cells are level 0.
 @group(0) @binding(2) var<uniform> step: u32;
@@ -44,6 +58,14 @@ const COARSEST_LANES: u32 = 256u;
 @group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
 // The flags of solid cells, and 0 of others.
 @group(0) @binding(8) var<storage, read_write> cell_flags: array<u32>;
+
+var<workgroup> held_flags: array<u32, CELLS * CELLS>;
+var<workgroup> held_irradiance: array<vec4f, BETWEEN * BETWEEN>;
+var<workgroup> held_emission: array<vec4f, BETWEEN * BETWEEN>;
+var<workgroup> coarse_irradiance: array<vec4f, REGION * REGION>;
+var<workgroup> coarse_emission: array<vec4f, REGION * REGION>;
+var<workgroup> row_flags: array<u32, SUNK>;
+var<workgroup> any_flags: array<u32, 1>;
 
 struct Sums {
     irradiance: vec4f,
@@ -101,28 +123,46 @@ fn emission_of(at: vec2u, flags: u32) -> vec3f {
     return textureLoad(emission, at, 0).rgb;
 }
 
-// The number of sides of a cell inside a wall towards cells that do not emit.
-fn dark_sides(at: vec2u) -> u32 {
-    let offsets = array(vec2i(-1, 0), vec2i(1, 0), vec2i(0, -1), vec2i(0, 1));
-    var count = 0u;
-    for (var side = 0u; side < 4u; side++) {
-        let beside = vec2i(at) + offsets[side];
-        if inside(beside) && (flags_at(vec2u(beside)) & EMITS) == 0u {
-            count++;
-        }
+// The flags of a cell that do not depend on others.
+fn own_flags(at: vec2i) -> u32 {
+    if !inside(at) {
+        return BEYOND;
     }
-    return count;
+    if !solid(at) {
+        return 0u;
+    }
+    let emits = COMPONENT == 0u && any(textureLoad(emission, at, 0).rgb != vec3f(0.0));
+    return SOLID | select(0u, EMITS, emits);
 }
 
-// The sums of one cell of the grid.
-fn sums_of_cell(at: vec2u) -> Sums {
-    let flags = flags_at(at);
+// The flags of the cells beside a held one.
+fn beside(slot: u32) -> vec4u {
+    return vec4u(
+        held_flags[slot - 1u], held_flags[slot + 1u], held_flags[slot - CELLS], held_flags[slot + CELLS]
+    );
+}
+
+// The flags of a held cell with its open sides.
+fn flags_of(slot: u32) -> u32 {
+    let own = held_flags[slot];
+    if (own & SOLID) == 0u {
+        return 0u;
+    }
+    return own | dot(vec4u(1u, 2u, 4u, 8u), vec4u(beside(slot) == vec4u(0u)));
+}
+
+// The sums of a held cell of the grid.
+fn sums_of_cell(at: vec2u, slot: u32) -> Sums {
+    let flags = flags_of(slot);
     if (flags & SIDES) != 0u {
         let length = sqrt(f32(countOneBits(flags & SIDES)));
-        return Sums(length * vec4f(surface[index(at)].rgb, 1.0), length * vec4f(emission_of(at, flags), 1.0));
+        let arrives = light[value_index(index(at))].rgb;
+        return Sums(length * vec4f(arrives, 1.0), length * vec4f(emission_of(at, flags), 1.0));
     }
     if (flags & EMITS) != 0u {
-        let length = sqrt(f32(dark_sides(at)));
+        // Emission sinks in from where such cells end.
+        let dark = vec4u((beside(slot) & vec4u(EMITS | BEYOND)) == vec4u(0u));
+        let length = sqrt(f32(dot(dark, vec4u(1u))));
         return Sums(vec4f(0.0), length * vec4f(emission_of(at, flags), 1.0));
     }
     return Sums();
@@ -134,18 +174,36 @@ fn weights(x: u32) -> vec3f {
     return select(even, even.zyx, (x & 1u) != 0u);
 }
 
-// The sums of a level, interpolated at a cell of the finer one.
-fn interpolated(level: Level, at: vec2u) -> Sums {
-    let last = vec2i(level.size) - 1;
-    let columns = weights(at.x);
-    let rows = weights(at.y);
+// The first cell of a level, if it is not clamped, that the workgroup's cells are interpolated from.
+fn region(number: u32, first_cell: vec2u) -> vec2i {
+    var first = vec2i(first_cell);
+    for (var k = 0u; k < number; k++) {
+        first = (first >> vec2u(1u)) - 1;
+    }
+    return first;
+}
+
+// Cells along a side of the region of a level.
+fn region_side(number: u32) -> u32 {
+    var side = REGION;
+    for (var k = 1u; k < number; k++) {
+        side = side / 2u + 3u;
+    }
+    return side;
+}
+
+// The sums of a level, whose region is held, interpolated at a cell of the finer one.
+fn interpolated(number: u32, first_cell: vec2u, at: vec2i) -> Sums {
+    let columns = weights(u32(at.x));
+    let rows = weights(u32(at.y));
+    let side = region_side(number);
+    let near = vec2u((at >> vec2u(1u)) - 1 - region(number, first_cell));
     var sum = Sums();
-    for (var y = 0; y < 3; y++) {
-        for (var x = 0; x < 3; x++) {
-            let coarse = clamp(vec2i(at / 2u) + vec2i(x, y) - 1, vec2i(0), last);
-            let i = level_index(level, vec2u(coarse));
-            sum.irradiance += columns[x] * rows[y] * irradiance[i];
-            sum.emission += columns[x] * rows[y] * sunk_emission[i];
+    for (var y = 0u; y < 3u; y++) {
+        for (var x = 0u; x < 3u; x++) {
+            let i = (near.y + y) * side + near.x + x;
+            sum.irradiance += columns[x] * rows[y] * coarse_irradiance[i];
+            sum.emission += columns[x] * rows[y] * coarse_emission[i];
         }
     }
     return sum;
@@ -214,33 +272,6 @@ fn turn_faces(@builtin(global_invocation_id) id: vec3u) {
     light[moment_index(1u, i)] = vec4f(arrives * direction.y, 1.0);
 }
 
-// Finds the flags of the cells of a word, and keeps the light of those with a face.
-@compute @workgroup_size(8, 8)
-fn find_flags(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= flag_words() || id.y >= frame.size.y {
-        return;
-    }
-    var word = 0u;
-    let first = CELLS_PER_WORD * id.x;
-    let end = min(first + CELLS_PER_WORD, frame.size.x);
-    for (var x = first; x < end; x++) {
-        let cell = vec2u(x, id.y);
-        let at = vec2i(cell);
-        if !solid(at) {
-            continue;
-        }
-        let sides = select(0u, 1u, open(at - vec2i(1, 0))) | select(0u, 2u, open(at + vec2i(1, 0)))
-            | select(0u, 4u, open(at - vec2i(0, 1))) | select(0u, 8u, open(at + vec2i(0, 1)));
-        let emits = COMPONENT == 0u && any(textureLoad(emission, cell, 0).rgb != vec3f(0.0));
-        word |= (SOLID | sides | select(0u, EMITS, emits)) << flag_shift(x);
-        if sides != 0u {
-            let i = index(cell);
-            surface[i] = light[value_index(i)];
-        }
-    }
-    cell_flags[id.y * flag_words() + id.x] = word;
-}
-
 // The light of solid cells where nothing sinks in.
 @compute @workgroup_size(8, 8)
 fn show_faces(@builtin(global_invocation_id) id: vec3u) {
@@ -255,52 +286,10 @@ fn show_faces(@builtin(global_invocation_id) id: vec3u) {
     light[i] = vec4f(arrives + emission_of(id.xy, EMITS), 1.0);
 }
 
-// Makes a cell of a level from the finer one, of the first from the cells.
-fn blur_finer(number: u32, id: vec2u) {
-    let level = find_level(number);
-    let finer = find_level(number - 1u);
-    let last = vec2i(finer.size) - 1;
-    let kernel = array(KERNEL_0, KERNEL_1, KERNEL_2, KERNEL_2, KERNEL_1, KERNEL_0);
-    var sum = Sums();
-    for (var y = 0; y < 6; y++) {
-        for (var x = 0; x < 6; x++) {
-            let at = vec2u(clamp(2 * vec2i(id) + vec2i(x, y) - 2, vec2i(0), last));
-            var there: Sums;
-            if number == 1u {
-                there = sums_of_cell(at);
-            } else {
-                let i = level_index(finer, at);
-                there = Sums(irradiance[i], sunk_emission[i]);
-            }
-            sum.irradiance += kernel[x] * kernel[y] * there.irradiance;
-            sum.emission += kernel[x] * kernel[y] * there.emission;
-        }
-    }
-    let i = level_index(level, id);
-    irradiance[i] = sum.irradiance;
-    sunk_emission[i] = sum.emission;
-}
-
-// Adds the coarser levels to a cell of a level.
-fn add_interpolated(number: u32, id: vec2u) {
-    let coarser = interpolated(find_level(number + 1u), id);
-    let i = level_index(find_level(number), id);
-    irradiance[i] += OCTAVE * coarser.irradiance;
-    sunk_emission[i] += OCTAVE * coarser.emission;
-}
-
-@compute @workgroup_size(8, 8)
-fn blur(@builtin(global_invocation_id) id: vec3u) {
-    if all(id.xy < find_level(step).size) {
-        blur_finer(step, id.xy);
-    }
-}
-
-@compute @workgroup_size(8, 8)
-fn add_coarser(@builtin(global_invocation_id) id: vec3u) {
-    if all(id.xy < find_level(step).size) {
-        add_interpolated(step, id.xy);
-    }
+// Weights of the fine cells around a coarse one.
+fn kernel(x: u32, y: u32) -> f32 {
+    let along = array(KERNEL_0, KERNEL_1, KERNEL_2, KERNEL_2, KERNEL_1, KERNEL_0);
+    return along[x] * along[y];
 }
 
 // The number of levels, as `octaves` in the library's `walls.rs`.
@@ -312,39 +301,216 @@ fn octaves() -> u32 {
     return doublings + 2u;
 }
 
-// A small level: makes all coarser ones, and adds them to it. A single workgroup does.
-@compute @workgroup_size(COARSEST_LANES)
-fn add_coarsest(@builtin(local_invocation_index) lane: u32) {
-    let count = octaves();
-    for (var number = step + 1u; number <= count; number++) {
-        let size = find_level(number).size;
-        for (var i = lane; i < size.x * size.y; i += COARSEST_LANES) {
-            blur_finer(number, vec2u(i % size.x, i / size.x));
+// The sums of a cell of a level, from the finer one, which is stored.
+fn blurred(finer: Level, id: vec2i) -> Sums {
+    let last = vec2i(finer.size) - 1;
+    var sum = Sums();
+    for (var y = 0u; y < 6u; y++) {
+        for (var x = 0u; x < 6u; x++) {
+            let at = clamp(2 * id + vec2i(vec2u(x, y)) - 2, vec2i(0), last);
+            let i = level_index(finer, vec2u(at));
+            sum.irradiance += kernel(x, y) * irradiance[i];
+            sum.emission += kernel(x, y) * sunk_emission[i];
         }
-        storageBarrier();
     }
-    for (var number = count - 1u; number >= step; number--) {
-        let size = find_level(number).size;
-        for (var i = lane; i < size.x * size.y; i += COARSEST_LANES) {
-            add_interpolated(number, vec2u(i % size.x, i / size.x));
+    return sum;
+}
+
+// The sums of a cell of the first level, from the held flags, the first of which is that of `first`.
+fn blurred_cells(first: vec2i, id: vec2i) -> Sums {
+    let near = vec2u(2 * id - 2 - first);
+    var any_near = 0u;
+    for (var y = 0u; y < 6u; y++) {
+        for (var x = 0u; x < 6u; x++) {
+            any_near |= held_flags[(near.y + y) * CELLS + near.x + x];
         }
-        storageBarrier();
+    }
+    // Away from walls there is nothing to add.
+    let rows = select(0u, 6u, (any_near & SOLID) != 0u);
+    let last = vec2i(frame.size) - 1;
+    var sum = Sums();
+    for (var y = 0u; y < rows; y++) {
+        for (var x = 0u; x < 6u; x++) {
+            let at = clamp(2 * id + vec2i(vec2u(x, y)) - 2, vec2i(0), last);
+            let slot = vec2u(at - first);
+            let there = sums_of_cell(vec2u(at), slot.y * CELLS + slot.x);
+            sum.irradiance += kernel(x, y) * there.irradiance;
+            sum.emission += kernel(x, y) * there.emission;
+        }
+    }
+    return sum;
+}
+
+// The first cell of the level between that a workgroup holds.
+fn first_between(tile: vec2u) -> vec2i {
+    return 2 * vec2i(TILE * tile) - 2;
+}
+
+// The cell of the level between that is held at a slot. It may lie beyond the level.
+fn cell_between(tile: vec2u, slot: u32) -> vec2i {
+    return first_between(tile) + vec2i(vec2u(slot % BETWEEN, slot / BETWEEN));
+}
+
+// Holds the sums of a cell of the level between, and stores them if the tile covers it.
+fn keep_between(level: Level, tile: vec2u, slot: u32, sums: Sums) {
+    held_irradiance[slot] = sums.irradiance;
+    held_emission[slot] = sums.emission;
+    let id = vec2u(cell_between(tile, slot));
+    if all(id / (2u * TILE) == tile) && all(id < level.size) {
+        let i = level_index(level, id);
+        irradiance[i] = sums.irradiance;
+        sunk_emission[i] = sums.emission;
     }
 }
 
-@compute @workgroup_size(8, 8)
-fn sink(@builtin(global_invocation_id) id: vec3u) {
-    if outside(id.xy) {
+// Makes the tile of a level from the one between.
+fn make_tile(between: Level, level: Level, tile: vec2u, lane: u32) {
+    for (var slot = lane; slot < TILE * TILE; slot += LANES) {
+        let id = TILE * tile + vec2u(slot % TILE, slot / TILE);
+        if any(id >= level.size) {
+            continue;
+        }
+        var sum = Sums();
+        for (var y = 0u; y < 6u; y++) {
+            for (var x = 0u; x < 6u; x++) {
+                let at = 2 * vec2i(id) + vec2i(vec2u(x, y)) - 2;
+                let held = vec2u(clamp(at, vec2i(0), vec2i(between.size) - 1) - first_between(tile));
+                let i = held.y * BETWEEN + held.x;
+                sum.irradiance += kernel(x, y) * held_irradiance[i];
+                sum.emission += kernel(x, y) * held_emission[i];
+            }
+        }
+        let i = level_index(level, id);
+        irradiance[i] = sum.irradiance;
+        sunk_emission[i] = sum.emission;
+    }
+}
+
+// Keeps the flags of the cells that the tile covers, and the light of those with a face.
+fn keep_surface(first: vec2u, lane: u32) {
+    let words = COVERED / CELLS_PER_WORD;
+    for (var i = lane; i < words * COVERED; i += LANES) {
+        let own = vec2u(CELLS_PER_WORD * (i % words), i / words);
+        let at = first + own;
+        if outside(at) {
+            continue;
+        }
+        var word = 0u;
+        for (var k = 0u; k < CELLS_PER_WORD; k++) {
+            let flags = flags_of((own.y + 7u) * CELLS + own.x + k + 7u);
+            word |= flags << flag_shift(k);
+            if (flags & SIDES) != 0u {
+                let cell = index(at + vec2u(k, 0u));
+                surface[cell] = light[value_index(cell)];
+            }
+        }
+        cell_flags[at.y * flag_words() + at.x / CELLS_PER_WORD] = word;
+    }
+}
+
+// Finds the surface, and makes the first two levels.
+@compute @workgroup_size(LANES)
+fn blur_surface(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let first = COVERED * tile.xy;
+    for (var i = lane; i < CELLS * CELLS; i += LANES) {
+        held_flags[i] = own_flags(vec2i(first) - 7 + vec2i(vec2u(i % CELLS, i / CELLS)));
+    }
+    workgroupBarrier();
+    keep_surface(first, lane);
+    let level = find_level(1u);
+    let first_held = 2 * first_between(tile.xy) - 3;
+    for (var slot = lane; slot < BETWEEN * BETWEEN; slot += LANES) {
+        keep_between(level, tile.xy, slot, blurred_cells(first_held, cell_between(tile.xy, slot)));
+    }
+    workgroupBarrier();
+    make_tile(level, find_level(2u), tile.xy, lane);
+}
+
+// Makes two levels, the first of which is `step`, from the finer one.
+@compute @workgroup_size(LANES)
+fn blur(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let level = find_level(step);
+    let finer = find_level(step - 1u);
+    for (var slot = lane; slot < BETWEEN * BETWEEN; slot += LANES) {
+        keep_between(level, tile.xy, slot, blurred(finer, cell_between(tile.xy, slot)));
+    }
+    workgroupBarrier();
+    make_tile(level, find_level(step + 1u), tile.xy, lane);
+}
+
+// The flags of all cells in a row of a workgroup in which light sinks in, and 0 beyond the grid.
+fn flags_of_row(first: vec2u) -> u32 {
+    var flags = 0u;
+    for (var x = 0u; x < SUNK; x += CELLS_PER_WORD) {
+        let at = first + vec2u(x, 0u);
+        if !outside(at) {
+            flags |= cell_flags[at.y * flag_words() + at.x / CELLS_PER_WORD];
+        }
+    }
+    return flags;
+}
+
+// Adds each level to the finer one, around the workgroup's cells, and lets the sum sink into them. If the number of
+// levels is odd, the coarsest is not stored.
+@compute @workgroup_size(SUNK, SUNK)
+fn sink(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(workgroup_id) tile: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let first_cell = SUNK * tile.xy;
+    if lane < SUNK {
+        row_flags[lane] = flags_of_row(first_cell + vec2u(0u, lane));
+    }
+    workgroupBarrier();
+    if lane == 0u {
+        var flags = 0u;
+        for (var row = 0u; row < SUNK; row++) {
+            flags |= row_flags[row];
+        }
+        any_flags[0] = flags;
+    }
+    if workgroupUniformLoad(&any_flags[0]) == 0u {
         return;
     }
-    let i = index(id.xy);
+    let count = octaves();
+    for (var number = count; number > 0u; number--) {
+        let level = find_level(number);
+        let side = region_side(number);
+        // Lanes make at most one cell each. Loops let a software GPU pass over idle lanes.
+        let cells = side * side;
+        var sums = Sums();
+        for (var slot = lane; slot < cells; slot += SUNK * SUNK) {
+            let unclamped = region(number, first_cell) + vec2i(vec2u(slot % side, slot / side));
+            let at = clamp(unclamped, vec2i(0), vec2i(level.size) - 1);
+            if number == count && (count & 1u) != 0u {
+                sums = blurred(find_level(number - 1u), at);
+            } else {
+                let own = level_index(level, vec2u(at));
+                sums = Sums(irradiance[own], sunk_emission[own]);
+            }
+            if number < count {
+                let coarser = interpolated(number + 1u, first_cell, at);
+                sums.irradiance += OCTAVE * coarser.irradiance;
+                sums.emission += OCTAVE * coarser.emission;
+            }
+        }
+        workgroupBarrier();
+        if lane < cells {
+            coarse_irradiance[lane] = sums.irradiance;
+            coarse_emission[lane] = sums.emission;
+        }
+        workgroupBarrier();
+    }
+    // This asks the matter, not the flags: where a shader reads `emission` but not the matter, which is bound before it,
+    // Mesa's software GPU (22.3) keeps a new variant of it in every frame.
+    if outside(id.xy) || !solid(vec2i(id.xy)) {
+        return;
+    }
     let flags = flags_at(id.xy);
-    if flags == 0u {
-        return;
-    }
     var arrives: vec3f;
     var glow: vec3f;
-    let sum = interpolated(find_level(1u), id.xy);
+    let sum = interpolated(1u, first_cell, vec2i(id.xy));
     if (flags & SIDES) == 0u {
         arrives = faded(sum.irradiance);
         glow = faded(sum.emission);
@@ -352,5 +518,5 @@ fn sink(@builtin(global_invocation_id) id: vec3u) {
         arrives = along_surface(id.xy, flags);
         glow = shared_by_faces() * sum.emission.rgb / sum.emission.w;
     }
-    light[value_index(i)] = vec4f(arrives + max(emission_of(id.xy, flags), glow), 1.0);
+    light[value_index(index(id.xy))] = vec4f(arrives + max(emission_of(id.xy, flags), glow), 1.0);
 }

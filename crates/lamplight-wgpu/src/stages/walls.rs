@@ -60,7 +60,8 @@ impl Walls {
         Self(compiler.program(&programs::WALLS, &constants))
     }
 
-    /// Plans the light of solid cells from that of their faces.
+    /// Plans the light of solid cells from that of their faces: a dispatch for every two octaves, in which they are
+    /// blurred, and one in which their sum sinks in, and the last octave if it has no other.
     pub fn plan(&self, planner: &FramePlanner, light: &Buffer) -> Result<Vec<Dispatch>> {
         Ok(self.sink(planner, &self.bind(planner, light)?))
     }
@@ -71,7 +72,7 @@ impl Walls {
         let level_cells = |level: u32| product(level_size(planner, level));
         let [cells, words] =
             if octaves == 0 { [1; 2] } else { [planner.cells(), product(flag_words(planner))] };
-        let sums = (1..=octaves).map(level_cells).sum::<u64>().max(1);
+        let sums = (1..=octaves / 2 * 2).map(level_cells).sum::<u64>().max(1);
         let surface = planner.buffer::<[f32; 4]>("walls: surface", cells)?;
         let irradiance = planner.buffer::<[f32; 4]>("walls: irradiance", sums)?;
         let emission = planner.buffer::<[f32; 4]>("walls: emission", sums)?;
@@ -91,30 +92,23 @@ impl Walls {
 
     /// The dispatches by which light sinks in.
     fn sink(&self, planner: &FramePlanner, bound: &BoundResources) -> Vec<Dispatch> {
-        let over = |entry: usize, level: u32| {
-            let pipeline = self.0.entry(entry);
-            let traffic = traffic(planner, entry, level);
-            let size = level_size(planner, level);
-            Dispatch::over(size, pipeline, bound, Some(level)).moving(traffic)
-        };
         let octaves = octaves(planner.settings.wall_depth);
         if octaves == 0 {
-            return vec![over(SHOW_FACES, 0)];
+            let show = self.0.entry(SHOW_FACES);
+            let show = Dispatch::over(planner.size.into(), show, bound, Some(0));
+            return vec![show.moving(traffic(planner, SHOW_FACES, 0))];
         }
-        let is_small = |&level: &u32| product(level_size(planner, level)) <= SMALL;
-        let small = (1..octaves).find(is_small);
-        let blurs = (1..=small.unwrap_or(octaves)).map(|level| over(BLUR, level));
-        let coarsest = small.map(|level| {
-            let pipeline = self.0.entry(ADD_COARSEST);
-            let traffic = traffic(planner, ADD_COARSEST, level);
-            Dispatch::new(pipeline, bound, Some(level), [1; 3]).moving(traffic)
-        });
-        let sums = (1..small.unwrap_or(octaves)).rev().map(|level| over(ADD_COARSER, level));
-        let words = flag_words(planner);
-        let flags = Dispatch::over(words, self.0.entry(FIND_FLAGS), bound, Some(0));
-        let flags = [flags.moving(traffic(planner, FIND_FLAGS, 0))];
-        let sink = [over(SINK, 0)];
-        flags.into_iter().chain(blurs).chain(coarsest).chain(sums).chain(sink).collect()
+        // Over the tiles of a level, from another one.
+        let tiled = |entry: usize, step: u32, level: u32, tile: u32| {
+            let [columns, rows] = level_size(planner, level).map(|side| side.div_ceil(tile));
+            Dispatch::new(self.0.entry(entry), bound, Some(step), [columns, rows, 1])
+                .moving(traffic(planner, entry, step))
+        };
+        let blur = |level: u32| {
+            let entry = if level == 1 { BLUR_SURFACE } else { BLUR };
+            tiled(entry, level, level + 1, TILE)
+        };
+        (1..octaves).step_by(2).map(blur).chain([tiled(SINK, 0, 0, SUNK)]).collect()
     }
 }
 
@@ -126,13 +120,8 @@ fn traffic(planner: &FramePlanner, entry: usize, level: u32) -> Traffic {
     // Irradiance and emission.
     let sums = |level| 2 * VEC4 * product(level_size(planner, level));
     match entry {
-        FIND_FLAGS => Traffic { read: cells, written: flags },
-        BLUR if level == 1 => Traffic { read: flags, written: sums(1) },
-        BLUR => Traffic { read: sums(level - 1), written: sums(level) },
-        // Further levels are a few cells.
-        ADD_COARSER | ADD_COARSEST => {
-            Traffic { read: sums(level) + sums(level + 1), written: sums(level) }
-        }
+        BLUR_SURFACE => Traffic { read: cells, written: flags + sums(level) + sums(level + 1) },
+        BLUR => Traffic { read: sums(level - 1), written: sums(level) + sums(level + 1) },
         SINK => Traffic { read: flags, written: 0 },
         _ => Traffic { read: cells, written: 0 },
     }
@@ -157,14 +146,14 @@ fn level_size(planner: &FramePlanner, level: u32) -> [u32; 2] {
 /// Cells of a row whose flags share a word.
 const CELLS_PER_WORD: u32 = 4;
 
+/// `TILE` of shaders/stages/walls.wgsl: cells along an axis of the coarser level that a workgroup makes.
+const TILE: u32 = 6;
+/// `SUNK` there: cells along an axis of a workgroup in which light sinks in.
+const SUNK: u32 = 16;
+
 /// Entries of [`programs::WALLS`].
 const SHOW_FACES: usize = 0;
-const FIND_FLAGS: usize = 1;
+const BLUR_SURFACE: usize = 1;
 const BLUR: usize = 2;
-const ADD_COARSER: usize = 3;
-const ADD_COARSEST: usize = 4;
-const SINK: usize = 5;
-const TURN_FACES: usize = 6;
-
-/// The most cells of a level whose coarser levels a single workgroup makes: a few for each thread.
-const SMALL: u64 = 1024;
+const SINK: usize = 3;
+const TURN_FACES: usize = 4;

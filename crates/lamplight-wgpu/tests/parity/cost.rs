@@ -72,9 +72,9 @@ fn holographic_fuses_levels_and_takes_little_memory() {
 }
 
 /// Dispatches and megabytes at 1920×1080, with light that sinks into walls: each quadrant is one chunk.
-const LARGE: (usize, u64) = (60, 425);
+const LARGE: (usize, u64) = (50, 425);
 /// Megabytes that `fast` may move there; `default` moves 3700.
-const FAST: f64 = 1330.0;
+const FAST: f64 = 1260.0;
 
 #[test]
 fn a_large_grid_takes_few_dispatches() {
