@@ -98,7 +98,7 @@ impl Walls {
             let show = Dispatch::over(planner.size.into(), show, bound, Some(0));
             return vec![show.moving(traffic(planner, SHOW_FACES, 0))];
         }
-        // Over the tiles of a level, from another one.
+        // A dispatch over the tiles of a level. `step` is what the shader is told.
         let tiled = |entry: usize, step: u32, level: u32, tile: u32| {
             let [columns, rows] = level_size(planner, level).map(|side| side.div_ceil(tile));
             Dispatch::new(self.0.entry(entry), bound, Some(step), [columns, rows, 1])
