@@ -43,6 +43,8 @@ const BETWEEN: u32 = 2u * TILE + 4u;
 const CELLS: u32 = 2u * BETWEEN + 6u;
 // Cells along a side of what the tile covers.
 const COVERED: u32 = 4u * TILE;
+// Held cells to each side of them.
+const BESIDE: u32 = (CELLS - COVERED) / 2u;
 // Cells along a side of a workgroup in which light sinks in, and of the first level that they are interpolated from.
 const SUNK: u32 = 16u;
 const REGION: u32 = SUNK / 2u + 2u;
@@ -341,6 +343,12 @@ fn blurred_cells(first: vec2i, id: vec2i) -> Sums {
     return sum;
 }
 
+fn store(level: Level, id: vec2u, sums: Sums) {
+    let i = level_index(level, id);
+    irradiance[i] = sums.irradiance;
+    sunk_emission[i] = sums.emission;
+}
+
 // The first cell of the level between that a workgroup holds.
 fn first_between(tile: vec2u) -> vec2i {
     return 2 * vec2i(TILE * tile) - 2;
@@ -357,9 +365,7 @@ fn keep_between(level: Level, tile: vec2u, slot: u32, sums: Sums) {
     held_emission[slot] = sums.emission;
     let id = vec2u(cell_between(tile, slot));
     if all(id / (2u * TILE) == tile) && all(id < level.size) {
-        let i = level_index(level, id);
-        irradiance[i] = sums.irradiance;
-        sunk_emission[i] = sums.emission;
+        store(level, id, sums);
     }
 }
 
@@ -380,9 +386,7 @@ fn make_tile(between: Level, level: Level, tile: vec2u, lane: u32) {
                 sum.emission += kernel(x, y) * held_emission[i];
             }
         }
-        let i = level_index(level, id);
-        irradiance[i] = sum.irradiance;
-        sunk_emission[i] = sum.emission;
+        store(level, id, sum);
     }
 }
 
@@ -397,7 +401,7 @@ fn keep_surface(first: vec2u, lane: u32) {
         }
         var word = 0u;
         for (var k = 0u; k < CELLS_PER_WORD; k++) {
-            let flags = flags_of((own.y + 7u) * CELLS + own.x + k + 7u);
+            let flags = flags_of((own.y + BESIDE) * CELLS + own.x + k + BESIDE);
             word |= flags << flag_shift(k);
             if (flags & SIDES) != 0u {
                 let cell = index(at + vec2u(k, 0u));
@@ -412,13 +416,13 @@ fn keep_surface(first: vec2u, lane: u32) {
 @compute @workgroup_size(LANES)
 fn blur_surface(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
     let first = COVERED * tile.xy;
+    let first_held = vec2i(first) - vec2i(vec2u(BESIDE));
     for (var i = lane; i < CELLS * CELLS; i += LANES) {
-        held_flags[i] = own_flags(vec2i(first) - 7 + vec2i(vec2u(i % CELLS, i / CELLS)));
+        held_flags[i] = own_flags(first_held + vec2i(vec2u(i % CELLS, i / CELLS)));
     }
     workgroupBarrier();
     keep_surface(first, lane);
     let level = find_level(1u);
-    let first_held = 2 * first_between(tile.xy) - 3;
     for (var slot = lane; slot < BETWEEN * BETWEEN; slot += LANES) {
         keep_between(level, tile.xy, slot, blurred_cells(first_held, cell_between(tile.xy, slot)));
     }
