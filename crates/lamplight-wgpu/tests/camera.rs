@@ -5,7 +5,7 @@ mod common;
 mod textures;
 
 use common::{device, lighting, raymarch_of, recorded, seeded};
-use lamplight::settings::{Noise, Temporal};
+use lamplight::settings::{MethodSettings, Noise, Temporal};
 use lamplight::{Bounces, Cells, Display, Matter, Method, Settings, ToneMap};
 use lamplight_wgpu::{
     Backend, Camera2dView, Compose, ComposeParams, Filter, FrameInput, GridPlacement, Lighting,
@@ -53,6 +53,7 @@ fn settings(noise: Noise) -> Settings {
     let mut settings = Settings::direct(Method::Raymarch);
     settings.bounces = Bounces::Count(1);
     raymarch_of(&mut settings).noise = noise;
+    raymarch_of(&mut settings).rays = 16;
     settings
 }
 
@@ -201,11 +202,11 @@ fn feedback_stays_in_the_world_when_the_grid_moves_and_grows() {
     let growing = |x: u32| {
         camera([0.0; 2]).place([320, 240].map(|side| side - 4 * (FRAMES - 1 - x))).unwrap()
     };
-    let methods = [Method::Cascades, Method::Holographic];
-    let both =
-        methods.into_iter().flat_map(|method| [(method, Backend::Gpu), (method, Backend::Cpu)]);
-    for (method, backend) in both {
-        let settings = Settings { bounces: Bounces::Feedback, ..Settings::direct(method) };
+    let methods = [(Method::Cascades, "default"), (Method::Holographic, "fast")]
+        .map(|(method, preset)| (method, MethodSettings::preset(method, preset).unwrap()));
+    let both = methods.iter().flat_map(|method| [(method, Backend::Gpu), (method, Backend::Cpu)]);
+    for ((method, preset), backend) in both {
+        let settings = Settings { bounces: Bounces::Feedback, ..Settings::direct(preset.clone()) };
         for (name, place) in
             [("moving", &moving as &dyn Fn(u32) -> GridPlacement), ("growing", &growing)]
         {

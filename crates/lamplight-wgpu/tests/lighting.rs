@@ -61,7 +61,7 @@ const TOLERANCE: f32 = 1e-3;
 fn the_faster_backend_goes_on_with_the_same_light() {
     let (device, queue) = device_of(Tier::Native);
     let settings = Settings::direct(Method::Holographic);
-    let cells = cells(160, 90, 11);
+    let cells = cells(96, 54, 11);
     let mut lighting =
         Lighting::new(&device, &queue, &LightingOptions::on(Backend::Fastest)).unwrap();
     assert_eq!(lighting.backend(), Backend::Gpu);

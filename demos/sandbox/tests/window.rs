@@ -8,9 +8,9 @@ use std::process::{Child, Command, Stdio};
 
 /// Settings with few rays, for software GPUs.
 const LIGHT: &str = "set method=raymarch\nset raymarch.rays=6\nset bounces=1\n";
-/// The largest growth of a process over 200 frames, bytes. It allows for the allocator, but not for a leak of
+/// The largest growth of a process over 100 frames, bytes. It allows for the allocator, but not for a leak of
 /// the cells (0.3 MB) every few frames.
-const GROWTH: u64 = 12 << 20;
+const GROWTH: u64 = 6 << 20;
 
 /// A virtual display, which ends when it is dropped.
 struct Display {
@@ -109,7 +109,7 @@ fn on_the_gpu_every_world_runs_without_growing() {
     for world in ["paint", "bodies", "sand", "room"] {
         let shot = folder.path().join(format!("{world}.png"));
         let script = format!(
-            "{LIGHT}frames 100\nsay settled\nframes 200\nsay done\nshot {}\n",
+            "{LIGHT}frames 50\nsay settled\nframes 100\nsay done\nshot {}\n",
             shot.display()
         );
         let mut bytes = Vec::new();

@@ -29,6 +29,8 @@ const BENCH: &str = "bevy_lamplight_bench";
 const OF_THE_GPU: [&str; 2] = ["lamplight-wgpu", "bevy_lamplight"];
 /// Beginning of the names of the other tests that need one.
 const ON_THE_GPU: &str = "on_the_gpu";
+/// Beginning of the names of tests that only measure times.
+const TIMES: &str = "times_of";
 
 /// Runs the first tier, or everything; without a GPU, what needs none.
 pub fn run(all: bool, with_gpu: bool) -> Result<()> {
@@ -45,6 +47,9 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     }
     let mut tests = vec!["test"];
     tests.extend(packages(all, with_gpu));
+    let documentation = [&tests[..], &["--doc", "--quiet"]].concat();
+    // Examples are compiled by the lints, and linking them takes minutes.
+    tests.extend(["--lib", "--bins", "--tests"]);
     let compile = [&tests[..], &["--no-run"]].concat();
     steps.step("compiling the tests", || cargo(&compile))?;
     if with_gpu {
@@ -57,10 +62,12 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     tests.extend(all.then_some("--no-fail-fast"));
     tests.extend(["--quiet", "--"]);
     tests.extend(all.then_some("--include-ignored"));
+    tests.extend(["--skip", TIMES]);
     if !with_gpu {
         tests.extend(["--skip", ON_THE_GPU]);
     }
     steps.step("tests", || cargo(&tests))?;
+    steps.step("examples in the documentation", || cargo(&documentation))?;
     steps.step("the README's first command", readme::first_command)?;
     if all {
         page(&mut steps)?;

@@ -26,7 +26,7 @@ fn cascades(change: impl FnOnce(&mut Cascades)) -> Settings {
 fn cascades_agree_at_every_size() {
     let gpu = device();
     for [w, h] in SIZES {
-        let is_large = w * h > 100_000;
+        let is_large = w * h > 1 << 15;
         let ties = if is_large { TIES_OF_LARGE_GRIDS } else { 0.0 };
         // The largest takes seconds a gather.
         let bounces: &[u32] = if is_large { &[1] } else { &[0, 2] };
@@ -110,7 +110,7 @@ fn cascades_agree_on_every_example_scene() {
     for (name, scene) in scenes() {
         let wall_depth = scene.resolve_settings().unwrap().wall_depth;
         // Finer cascades take more time, and so fewer cells.
-        for (preset, step) in [("plain", 1), ("default", 3), ("quality", 5)] {
+        for (preset, step) in [("plain", 2), ("default", 4), ("quality", 7)] {
             let cells = sampled(&scene, step);
             for bounces in [0, 2].map(Bounces::Count) {
                 let settings = cascades(|c| *c = Cascades::preset(preset).unwrap());

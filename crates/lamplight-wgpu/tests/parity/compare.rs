@@ -2,14 +2,14 @@
 
 use crate::common::{adapter, cells, device, frame, lighting};
 use lamplight::settings::{Hit, MethodSettings};
-use lamplight::{Cells, Method, Rgb, Scene, Settings, Solver};
+use lamplight::{Cells, GridWindow, Method, Rgb, Scene, Settings, Solver};
 use lamplight_wgpu::Lighting;
 use std::sync::LazyLock;
 use wgpu::{Device, DeviceType, Queue};
 
 /// One cell, lines, primes, a power of two, not square, larger than a word of columns.
 pub const SIZES: [[u32; 2]; 8] =
-    [[1, 1], [1, 37], [41, 1], [31, 17], [64, 64], [97, 61], [127, 131], [512, 288]];
+    [[1, 1], [1, 37], [41, 1], [31, 17], [64, 64], [97, 61], [127, 131], [320, 180]];
 
 /// The example scenes with their names.
 pub fn scenes() -> Vec<(String, Scene)> {
@@ -21,6 +21,15 @@ pub fn scenes() -> Vec<(String, Scene)> {
         .collect();
     assert!(scenes.len() >= 9);
     scenes
+}
+
+/// The middle of a scene, half as wide and half as high, under all of its lamps: a software GPU lights whole scenes for
+/// minutes, and finds nothing more in them.
+pub fn middle(scene: &Scene) -> Cells {
+    let cells = scene.cells().unwrap();
+    let size = [cells.width(), cells.height()];
+    let first = size.map(|side| side / 4);
+    cells.window(GridWindow { first, size: size.map(|side| side / 2) }).unwrap()
 }
 
 /// The tolerance, relative to a pixel's light or to the mean, whichever is larger: rounding, and occasionally a

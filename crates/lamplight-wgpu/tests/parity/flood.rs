@@ -1,7 +1,7 @@
 //! `flood`: every setting, scenes, and frame after frame.
 
 use crate::common::{cells, device};
-use crate::compare::{Both, SIZES, scenes};
+use crate::compare::{Both, SIZES, middle, scenes};
 use crate::lamps::lamps;
 use lamplight::settings::{Fade, Flood, Sweeps};
 use lamplight::{Gradient, Settings, Sky};
@@ -62,7 +62,7 @@ fn flood_agrees_on_every_example_scene() {
     let gpu = device();
     let mut both = Both::new(&gpu, flood(Flood::default()));
     for (name, scene) in scenes() {
-        let cells = scene.cells().unwrap();
+        let cells = middle(&scene);
         for number in 0..FRAMES {
             both.agree(&gpu, &format!("{name}, frame {number}"), &cells);
         }

@@ -1,7 +1,7 @@
 //! `holographic`, every preset.
 
 use crate::common::{cells, device, device_of, device_with, frame, lighting, on_gpu};
-use crate::compare::{Both, SIZES, agree, differences, scenes};
+use crate::compare::{Both, SIZES, agree, differences, middle, scenes};
 use crate::inflow::entered;
 use lamplight::settings::{Holographic, Variant};
 use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Settings, Sky};
@@ -91,7 +91,7 @@ fn every_example_scene_agrees() {
         let Settings { wall_depth, .. } = scene.resolve_settings().unwrap();
         let settings =
             Settings { bounces: Bounces::Count(1), wall_depth, ..holographic("default") };
-        agree(&gpu, &name, &scene.cells().unwrap(), settings);
+        agree(&gpu, &name, &middle(&scene), settings);
     }
 }
 
@@ -188,7 +188,7 @@ fn the_published_cascades_agree_in_example_scenes() {
             let Settings { wall_depth, .. } = scene.resolve_settings().unwrap();
             let settings =
                 Settings { bounces: Bounces::Count(1), wall_depth, ..holographic("paper") };
-            agree(&gpu, &format!("paper, {name}"), &scene.cells().unwrap(), settings);
+            agree(&gpu, &format!("paper, {name}"), &middle(&scene), settings);
         }
     }
 }

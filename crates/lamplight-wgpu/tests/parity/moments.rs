@@ -75,7 +75,7 @@ fn all() -> Vec<(&'static str, MethodSettings)> {
 #[test]
 fn moments_agree_with_every_method() {
     let gpu = device();
-    for ([w, h], seed) in [([1, 1], 300), ([41, 1], 310), ([97, 61], 320)] {
+    for ([w, h], seed) in [([1, 1], 300), ([41, 1], 310), ([61, 43], 320)] {
         let cells = lit(w, h, seed);
         for (name, method) in all() {
             for bounces in [0, 1] {

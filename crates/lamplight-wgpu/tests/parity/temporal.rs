@@ -1,7 +1,7 @@
 //! The mean over frames.
 
 use crate::common::{device, raymarch_of};
-use crate::compare::scenes;
+use crate::compare::{middle, scenes};
 use crate::frames::{FRAMES, frames_agree, moving};
 use lamplight::settings::{Denoise, Hit, Raymarch, Temporal};
 use lamplight::{Bounces, Settings};
@@ -55,7 +55,7 @@ fn means_agree_on_every_example_scene() {
         };
         raymarch_of(&mut settings).denoise = Denoise { passes: 2, strength: 1.0 };
         settings.bounces = if number % 2 == 1 { Bounces::Feedback } else { Bounces::Count(1) };
-        let still = scene.cells().unwrap();
+        let still = middle(&scene);
         let frames = (0..3).map(|n| {
             let mut cells = still.clone();
             cells.lamps_mut().iter_mut().for_each(|lamp| lamp.position[0] += n as f32);

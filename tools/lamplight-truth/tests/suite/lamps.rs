@@ -22,7 +22,7 @@ const RING: f64 = 40.0;
 fn methods() -> [(&'static str, MethodSettings, f64); 4] {
     let holographic = |preset| Holographic::preset(preset).unwrap().into();
     [
-        ("raymarch", Raymarch { rays: 4096, ..Raymarch::default() }.into(), 0.01),
+        ("raymarch", Raymarch { rays: 1024, ..Raymarch::default() }.into(), 0.01),
         ("cascades", Cascades::default().into(), 0.025),
         ("holographic", holographic("default"), 0.015),
         ("holographic, quality", holographic("quality"), 0.01),
@@ -56,9 +56,9 @@ fn against_closed_form(method: &MethodSettings, lone: Lamp, lamp: Lamp) -> f64 {
 
 /// Returns the least and the most light of a lamp over its positions in an octant of a cell.
 fn over_positions(method: &MethodSettings, lamp: Lamp) -> [f64; 2] {
-    let positions = (0..5).flat_map(|i| (0..=i).map(move |j| [i, j]));
+    let positions = (0..3).flat_map(|i| (0..=i).map(move |j| [i, j]));
     let light = positions.map(|shift| {
-        let position = shift.map(|v| 50.0 + v as f32 / 8.0);
+        let position = shift.map(|v| 50.0 + v as f32 / 4.0);
         let lamp = Lamp { position, ..lamp.clone() };
         against_closed_form(method, lamp.clone(), lamp)
     });

@@ -84,12 +84,12 @@ const BOUNCED: [f64; 4] = [0.02, 0.06, 0.02, 0.03];
 /// Compares direct light and that of two bounces with the path tracer, by each method.
 pub fn assert_right(cells: &Cells, case: &str) {
     assert_direct(cells, case);
-    assert_near(cells, case, 2, 4096, BOUNCED);
+    assert_near(cells, case, 2, 1024, BOUNCED);
 }
 
 /// Compares direct light with the path tracer, by each method.
 pub fn assert_direct(cells: &Cells, case: &str) {
-    assert_near(cells, case, 0, 2048, [DIRECT; 4]);
+    assert_near(cells, case, 0, 1024, [DIRECT; 4]);
 }
 
 fn assert_near(cells: &Cells, case: &str, bounces: u32, samples: u32, bounds: [f64; 4]) {
