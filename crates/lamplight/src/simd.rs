@@ -1,7 +1,8 @@
 //! The choice of a vector unit when the program runs.
 //!
 //! SSE4.2 is left out, although [`fearless_simd`] supports it: every unit adds to the time of a build, and
-//! processors without AVX2 run the SSE2 code instead. AVX-512 makes only `holographic` faster.
+//! processors without AVX2 run the SSE2 code instead. AVX-512 makes only `holographic` faster, and is left out of
+//! builds with debug assertions, which take 0.7 times as long for that.
 
 use fearless_simd::{f32x16, prelude::*};
 
@@ -27,13 +28,13 @@ macro_rules! dispatch {
     }};
 }
 
-/// Like [`dispatch`], with AVX-512 too.
+/// Like [`dispatch`], with AVX-512 too in builds without debug assertions.
 macro_rules! dispatch_wide {
     ($level:expr, $simd:ident => $op:expr) => {{
         let level: fearless_simd::Level = $level;
-        #[cfg(not(target_arch = "x86_64"))]
-        let value = fearless_simd::dispatch!(level, $simd => $op);
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(any(debug_assertions, not(target_arch = "x86_64")))]
+        let value = crate::simd::dispatch!(level, $simd => $op);
+        #[cfg(all(not(debug_assertions), target_arch = "x86_64"))]
         let value = if let Some($simd) = level.as_avx512() {
             fearless_simd::Simd::vectorize($simd, #[inline(always)] || $op)
         } else {
