@@ -117,7 +117,7 @@ fn fog_tint_and_sky_are_right() {
 fn bounces_converge_to_the_truth() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let cells = Scene::load(folder.join("two_rooms.toml")).unwrap().cells().unwrap();
-    let truth = Truth::of(&cells, 400, 16_384, Bounces::Converged);
+    let truth = Truth::of(&cells, 400, 32_768, Bounces::Converged);
     let error = |preset: &str, bounces: Bounces| {
         let light = solve(&cells, Settings { bounces, ..settings(preset) });
         let Measures { relative_rmse, bias, .. } = truth.judge(&light);

@@ -38,7 +38,7 @@ fn world() -> Cells {
 }
 
 fn light_of(cells: &Cells, bounces: Bounces, at: &[[u32; 2]]) -> Vec<Rgb> {
-    let traced = tracer(8192, bounces).at(cells, at).unwrap();
+    let traced = tracer(16_384, bounces).at(cells, at).unwrap();
     traced.into_iter().map(|(mean, _)| mean).collect()
 }
 

@@ -73,7 +73,7 @@ fn moments_are_those_of_the_path_tracer() {
     for (number, make) in [room, hung].into_iter().enumerate() {
         let cells = make(random);
         for bounces in [0, 2] {
-            let tracer = tracer(2048, Bounces::Count(bounces));
+            let tracer = tracer(4096, Bounces::Count(bounces));
             let truth = tracer.render(&cells, &|_| ()).unwrap().light;
             for ((name, method), bound) in methods().into_iter().zip(bounds) {
                 let light = solve(&method, &cells, bounces);
