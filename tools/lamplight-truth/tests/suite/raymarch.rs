@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 const DIRECT: f64 = 0.02;
 /// … on the dungeon, whose lamps are a few px wide …
 const DUNGEON: f64 = 0.05;
-/// … and with bounces and half as many rays.
+/// … and with bounces and as many rays.
 const BOUNCED: f64 = 0.03;
 /// Open cells looked at in each scene, at random; their seed is fixed, so runs repeat.
 const LOOKS: usize = 100;
@@ -96,9 +96,9 @@ fn bounced_light_of_every_scene_is_right() {
     for path in scenes() {
         let scene = Scene::load(&path).unwrap();
         let cells = scene.cells().unwrap();
-        let light = solve(&cells, 512, 2);
+        let light = solve(&cells, 1024, 2);
         let tracer = PathTracer {
-            samples: 32_768,
+            samples: 65_536,
             bounces: Bounces::Count(2),
             wall_depth: 0.0,
             elevation: Settings::ELEVATION,
