@@ -202,11 +202,12 @@ fn feedback_stays_in_the_world_when_the_grid_moves_and_grows() {
     let growing = |x: u32| {
         camera([0.0; 2]).place([320, 240].map(|side| side - 4 * (FRAMES - 1 - x))).unwrap()
     };
-    let methods = [(Method::Cascades, "default"), (Method::Holographic, "fast")]
-        .map(|(method, preset)| (method, MethodSettings::preset(method, preset).unwrap()));
-    let both = methods.iter().flat_map(|method| [(method, Backend::Gpu), (method, Backend::Cpu)]);
+    let methods = [(Method::Cascades, "default"), (Method::Holographic, "fast")];
+    let both =
+        methods.into_iter().flat_map(|method| [(method, Backend::Gpu), (method, Backend::Cpu)]);
     for ((method, preset), backend) in both {
-        let settings = Settings { bounces: Bounces::Feedback, ..Settings::direct(preset.clone()) };
+        let preset = MethodSettings::preset(method, preset).unwrap();
+        let settings = Settings { bounces: Bounces::Feedback, ..Settings::direct(preset) };
         for (name, place) in
             [("moving", &moving as &dyn Fn(u32) -> GridPlacement), ("growing", &growing)]
         {
