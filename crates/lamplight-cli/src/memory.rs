@@ -8,6 +8,7 @@ use crate::available_memory::available;
 use crate::error::{CliError, Result};
 use lamplight::scene::PICTURE_BYTES;
 use lamplight::settings::{MethodSettings, Variant};
+use lamplight::world::WorldSettings;
 use lamplight::{Bounces, Lamp, Scene, Settings};
 use std::collections::HashSet;
 
@@ -27,6 +28,8 @@ const EXACT: u64 = 50;
 const MOMENT_READ: u64 = 60;
 /// Bytes per cell of a tile with inflow, beside those of the method: border rows, and the copy that the source made.
 const INFLOW: u64 = 500;
+/// Bytes per cell of two rows of tiles, with their rims, that are kept until they have passed into the next.
+const TILE: u64 = 18;
 /// Bytes of the pixels of a world's images per cell, at most: those of eight layers.
 const PIXELS: u64 = 8 * 4;
 /// Bytes per cell of a world in its far field, and in that of the next bounce, if two fifths of its blocks hold matter.
@@ -91,11 +94,15 @@ pub fn estimate(size: SceneSize, renderer: Renderer, settings: &Settings, backen
     BASE + of_cells.saturating_add(cookies.saturating_mul(COOKIE))
 }
 
-/// The number of bytes that lighting a world tile by tile takes, with `tile` cells in a tile and its margin, and the images
-/// that it keeps.
-pub fn estimate_world(cells: u64, tile: u64, settings: &Settings) -> u64 {
+/// The number of bytes that lighting a world tile by tile takes, and the images that it keeps.
+pub fn estimate_world([width, height]: [u32; 2], tile: u32, settings: &WorldSettings) -> u64 {
+    let cells = u64::from(width) * u64::from(height);
+    let solved = u64::from(tile + 2 * settings.halo).pow(2);
+    let kept = 2 * u64::from(tile) * u64::from(width.next_multiple_of(tile));
+    let of_kept = TILE + if settings.solver.moment { MOMENT_READ } else { 0 };
     BASE + PICTURE_BYTES.min(cells.saturating_mul(PIXELS))
-        + tile.saturating_mul(of_method(settings) + INFLOW)
+        + solved.saturating_mul(of_method(&settings.solver) + INFLOW)
+        + kept.saturating_mul(of_kept)
         + cells.saturating_mul(FAR_FIELD)
 }
 

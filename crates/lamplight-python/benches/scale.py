@@ -17,7 +17,8 @@ from distributed import Client, LocalCluster
 
 import lamplight2d as ll
 import lamplight2d.dask
-from lamplight2d._world import COLUMNS, HALO, prepare, tiles
+from lamplight2d._core import Tiling
+from lamplight2d._world import COLUMNS, HALO, prepare
 
 SIDE, LIT, TILE, PART = 4096, 2048, 512, 1024
 """Of the world whose steps are measured, of the one that workers light, of small tiles, and of parts and large tiles, px."""
@@ -95,7 +96,7 @@ def costs() -> dict[str, float]:
     far = empty.finished(parts)
     for tile in (TILE, PART):
         cut_times, sizes, times = [], [], []
-        for window in tiles((SIDE, SIDE), tile):
+        for window in Tiling((SIDE, SIDE), tile, HALO).tiles():
             blocks, seconds = timed(lambda: far.blocks(window))
             cut_times.append(seconds)
             sizes.append(len(blocks))
@@ -106,13 +107,12 @@ def costs() -> dict[str, float]:
     return found
 
 
-def loop(known: ll.World, number: int = 0, count: int = 1) -> tuple[float, np.ndarray]:
-    """The seconds of the processor that a bare loop over one of ``count`` shares of the tiles takes, and their light."""
-    light = np.zeros((*known.shape, 3), np.float32)
+def loop(known: ll.World, number: int, count: int) -> float:
+    """The seconds of the processor that a bare loop over one of ``count`` shares of the tiles takes."""
     start = time.process_time()
-    for y, x, height, width in known.tiles(TILE)[number::count]:
-        light[y : y + height, x : x + width] = known.light(y, x, height, width).rgb
-    return time.process_time() - start, light
+    for window in known.tiles(TILE)[number::count]:
+        known.light(*window)
+    return time.process_time() - start
 
 
 def loops(client: Client, known: Any, workers: list[str]) -> tuple[float, float]:
@@ -122,7 +122,7 @@ def loops(client: Client, known: Any, workers: list[str]) -> tuple[float, float]
         client.submit(loop, known, number, len(workers), workers=[worker], pure=False)
         for number, worker in enumerate(workers)
     ]
-    seconds = sum(client.gather([client.submit(lambda share: share[0], share) for share in shares]))
+    seconds = sum(client.gather(shares))
     return seconds, time.perf_counter() - start
 
 
@@ -130,7 +130,9 @@ def on_workers(known: ll.World) -> list[list[str]]:
     """A row per number of workers: the tiles on them, after the same tiles in bare loops in the same processes."""
     rows = []
     number = len(known.tiles(TILE))
-    _, expected = loop(known)
+    expected = np.empty((*known.shape, 3), np.float32)
+    for (y, x, height, width), tile in known.light_tiles(TILE):
+        expected[y : y + height, x : x + width] = tile.rgb
     for count in WORKERS:
         with (
             LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
@@ -191,6 +193,10 @@ RING = 810 * (192**2 - 96**2)
 its place and 160 colours of up to 5 bytes."""
 
 
+RIM = HALO // 2
+"""The rim in which a tile's light passes into that of its neighbours, px."""
+
+
 def extrapolated(found: dict[str, float]) -> list[list[str]]:
     """A row per quantity, for the library's largest world and for the one to come."""
     rows: dict[str, list[str]] = {}
@@ -214,6 +220,7 @@ def extrapolated(found: dict[str, float]) -> list[list[str]]:
         add("blocks to a part or a tile, at most", size(blocks))
         add("blocks to all, with those for bounces", size(blocks * handed))
         add("cutting them out, on one core", duration(found[f"cut {PART}"] * blocks / cut * handed))
+        add("light of rims, to the tiles beside", size(4 * RIM * PART * 12 * count))
         add("light, 12 bytes a cell", size(12 * side**2))
     return list(rows.values())
 

@@ -12,6 +12,7 @@ mod reference;
 mod scene;
 mod solver;
 mod threads;
+mod tiling;
 mod window;
 mod world;
 
@@ -33,6 +34,8 @@ mod _core {
     use crate::scene::Scene;
     #[pymodule_export]
     use crate::solver::Solver;
+    #[pymodule_export]
+    use crate::tiling::Tiling;
     #[pymodule_export]
     use crate::world::{FarWorld, Lamps};
 }

@@ -159,10 +159,17 @@ impl FarWorld {
         self.with(py, Some(blocks))
     }
 
-    /// Returns the light of a tile from its cells.
-    fn light(&self, py: Python<'_>, tile: PyWindow, cells: &Cells) -> PyResult<Light> {
-        let tile = window(tile)?;
-        let light = || self.world.light(tile, cells.0.clone());
+    /// Returns the light of a tile from its cells, or of a window around it.
+    #[pyo3(signature = (tile, cells, around=None))]
+    fn light(
+        &self,
+        py: Python<'_>,
+        tile: PyWindow,
+        cells: &Cells,
+        around: Option<PyWindow>,
+    ) -> PyResult<Light> {
+        let (lit, tile) = (window(around.unwrap_or(tile))?, window(tile)?);
+        let light = || self.world.light_in(lit, tile, cells.0.clone());
         self.solver.get().threads().run(py, light)?.map(Light).map_err(value_error)
     }
 

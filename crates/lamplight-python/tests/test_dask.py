@@ -158,8 +158,8 @@ def slow_world_window(*window):
 def all_light(world):
     """The light of all tiles of 128 px, put together."""
     light = np.empty((*world.shape, 3), np.float32)
-    for y, x, height, width in world.tiles(128):
-        light[y : y + height, x : x + width] = world.light(y, x, height, width).rgb
+    for (y, x, height, width), tile in world.light_tiles(128):
+        light[y : y + height, x : x + width] = tile.rgb
     return light
 
 

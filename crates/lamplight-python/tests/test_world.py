@@ -149,6 +149,28 @@ def test_a_window_of_cells_has_its_matter_and_the_lamps_that_reach_it():
         whole().window(0, 1040, 100, 61)
 
 
+def test_tiles_pass_into_each_other(expected):
+    world = ll.World(whole(), **SETTINGS)
+    tiles = list(world.light_tiles(TILE))
+    assert [window for window, _ in tiles] == world.tiles(TILE)
+    found = np.empty_like(expected)
+    for (y, x, height, width), tile in tiles:
+        found[y : y + height, x : x + width] = tile.rgb
+    # Half of the margin to both sides of a border, and nowhere else.
+    rim = SETTINGS["halo"] // 2
+    columns = np.arange(WIDTH)
+    mixed = [(border - rim <= columns) & (columns < border + rim) for border in range(TILE, WIDTH, TILE)]
+    others = ~np.any(mixed, axis=0)
+    np.testing.assert_array_equal(found[:, others], expected[:, others])
+    assert not np.array_equal(found, expected)
+    # The jump at a border that light has without that.
+    border = np.s_[:, TILE - 1 : TILE + 1]
+    jump = [np.abs(np.diff(light[border], axis=1)).mean() for light in (expected, found)]
+    assert jump[1] < jump[0]
+    with pytest.raises(ValueError, match="side"):
+        next(world.light_tiles(0))
+
+
 def test_a_pickle_has_the_far_field(expected):
     asked = []
 
@@ -236,8 +258,9 @@ def test_other_sources_are_refused():
     for window in [(0, 0, 5, 6), (0, 0, 0, 6), (-1, 0, 2, 2), (0, 0, 4, 2**40)]:
         with pytest.raises(ValueError, match="window|width|y"):
             world.light(*window)
-    with pytest.raises(ValueError, match="tile is 0; expected 1 or more"):
-        world.tiles(0)
+    for side in (0, -1):
+        with pytest.raises(ValueError, match=f"side.* {side}"):
+            world.tiles(side)
 
 
 def test_progress_counts_the_parts_and_their_bounces():

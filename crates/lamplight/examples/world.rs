@@ -91,13 +91,14 @@ fn main() -> Result<()> {
     println!("\nfar field of {side}×{side} cells: {:.1} s", start.elapsed().as_secs_f64());
 
     let mut longest = Duration::ZERO;
-    let tiles = world.tiles(TILE);
+    let mut tiles = world.light_tiles(TILE)?;
+    let windows = tiles.windows();
     let lighting = Instant::now();
-    for (number, &window) in tiles.iter().enumerate() {
+    for (number, &window) in windows.iter().enumerate() {
         let start = Instant::now();
-        let light = world.light(window)?;
+        let light = tiles.light(window)?;
         longest = longest.max(start.elapsed());
-        eprint!("\rlit {} of {} tiles ", number + 1, tiles.len());
+        eprint!("\rlit {} of {} tiles ", number + 1, windows.len());
         if let Some(directory) = &directory {
             let picture = light.compose(&source.cells(window)?, &Display::default())?;
             let [x, y] = window.first.map(|v| v / TILE);
@@ -109,6 +110,10 @@ fn main() -> Result<()> {
         }
     }
     let seconds = lighting.elapsed().as_secs_f64();
-    println!("\n{} tiles: {seconds:.1} s, the longest {:.2} s", tiles.len(), longest.as_secs_f64());
+    println!(
+        "\n{} tiles: {seconds:.1} s, the longest {:.2} s",
+        windows.len(),
+        longest.as_secs_f64()
+    );
     Ok(())
 }

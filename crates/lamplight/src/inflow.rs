@@ -51,6 +51,19 @@ impl GridWindow {
         Err(Error::value("window", found, format!("a part of a grid of {w}×{h} cells")))
     }
 
+    /// Returns what two windows of the same world have in common.
+    pub(crate) fn common(self, other: Self) -> Option<Self> {
+        let end = |window: Self, a: usize| window.first[a] + window.size[a];
+        let first = [0, 1].map(|a| self.first[a].max(other.first[a]));
+        let size = [0, 1].map(|a| end(self, a).min(end(other, a)).saturating_sub(first[a]));
+        size.iter().all(|&side| side > 0).then_some(Self { first, size })
+    }
+
+    /// Returns the same window, relative to one around it.
+    pub(crate) fn within(self, around: Self) -> Self {
+        Self { first: [0, 1].map(|a| self.first[a] - around.first[a]), ..self }
+    }
+
     /// Returns the index in another window of the same world of the cell with this index in its own; none if it lies
     /// elsewhere.
     pub(crate) fn index_in(self, other: Self, cell: u32) -> Option<u32> {

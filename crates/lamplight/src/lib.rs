@@ -52,6 +52,7 @@ mod stages;
 mod sun;
 mod sun_glow;
 pub mod surroundings;
+mod tiling;
 pub mod world;
 
 pub use cells::{Cells, Matter};

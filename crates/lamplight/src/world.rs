@@ -18,10 +18,13 @@ use crate::grid::class::CellClass;
 use crate::stages::bounce::{CONVERGED, KnownSurfaces, SurfaceLight};
 use crate::stages::glow::Glow;
 use crate::sun_glow::SunGlow;
+pub use crate::tiling::{LitTile, MAX_SIDE, Tiling};
+use crate::tiling::{check_size, expanded, tiles};
 use crate::{
     Bounces, Cells, Direct, Error, GridWindow, Inflow, Lamp, Light, Result, Settings, Sky, Solver,
     Sun,
 };
+use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 /// The least distance from a tile up to which rays cross cells, px; beyond it they cross blocks of the far field.
@@ -29,9 +32,6 @@ const NEAR: u32 = 64;
 
 /// Side of the parts in which a world is read and its surfaces are lit, px.
 const PART: u32 = 2 * ALIGNMENT;
-
-/// The longest side of a world, px: a block of 4×4 cells takes 4 bytes, even if it is empty.
-pub const MAX_SIDE: u32 = 1 << 16;
 
 /// The cells of a world, from a file, a generator, or memory.
 pub trait WorldSource: Sync {
@@ -211,13 +211,72 @@ impl<'a> World<'a> {
         self.far.far_field.with_lamps(window, inflow, lamps)
     }
 
-    /// Returns the light of a window of the world.
+    /// Returns the light of a window of the world. Windows beside each other differ a little along their border:
+    /// [`Self::light_tiles`] has no seams.
     ///
     /// # Errors
     /// Fails if the window does not lie in the world, if the source fails, or as [`Solver::solve`].
     pub fn light(&self, window: GridWindow) -> Result<Light> {
         window.check(self.size())?;
         self.far.light(window, self.source.cells(self.far.around_tile(window))?)
+    }
+
+    /// Returns the tiles of this side, px, whose light passes from each into the next ([`Tiling`]), to be lit one by one.
+    ///
+    /// # Errors
+    /// Fails if the side is 0.
+    pub fn light_tiles(&self, side: u32) -> Result<LitTiles<'_>> {
+        let tiling = Tiling::new(self.size(), side, self.far.settings.halo)?;
+        let columns = self.size()[0].div_ceil(side) as usize;
+        Ok(LitTiles { world: self, tiling, known: BTreeMap::new(), capacity: 2 * columns + 3 })
+    }
+}
+
+/// The tiles of a world without seams. Two rows of them are in memory: lit row by row, none is solved twice.
+pub struct LitTiles<'a> {
+    world: &'a World<'a>,
+    tiling: Tiling,
+    /// The light of tiles with their rims, by row and column of their first cells.
+    known: BTreeMap<[u32; 2], Light>,
+    /// Two rows of tiles, and those around one.
+    capacity: usize,
+}
+
+impl LitTiles<'_> {
+    /// The windows of all tiles, row by row; those at the right and at the bottom may be smaller.
+    pub fn windows(&self) -> Vec<GridWindow> {
+        self.tiling.tiles()
+    }
+
+    /// Returns the light of a tile, the same in any order.
+    ///
+    /// # Errors
+    /// Fails if the window is none of the tiles, if the source fails, or as [`Solver::solve`].
+    pub fn light(&mut self, tile: GridWindow) -> Result<Light> {
+        tile.check(self.world.size())?;
+        let Self { world, tiling, .. } = *self;
+        let place = |tile: GridWindow| [tile.first[1], tile.first[0]];
+        let around: Vec<_> = tiling.around(tile).into_iter().map(|(one, _)| one).collect();
+        for &one in &around {
+            if self.known.contains_key(&place(one)) {
+                continue;
+            }
+            if self.known.len() == self.capacity {
+                // Row by row, the first is needed no more.
+                let needed = |at: &[u32; 2]| around.iter().any(|one| place(*one) == *at);
+                if let Some(first) = self.known.keys().copied().find(|at| !needed(at)) {
+                    self.known.remove(&first);
+                }
+            }
+            let cells = world.source.cells(world.far.around_tile(one))?;
+            let light = world.far.light_in(tiling.with_rim(one), one, cells)?;
+            self.known.insert(place(one), light);
+        }
+        let lights = around.iter().filter_map(|&tile| {
+            let light = self.known.get(&place(tile))?;
+            Some(LitTile { tile, window: tiling.with_rim(tile), light })
+        });
+        tiling.mixed(tile, &lights.collect::<Vec<_>>())
     }
 }
 
@@ -416,14 +475,29 @@ impl FarWorld {
     /// # Errors
     /// Fails if the tile does not lie in the world, the cells are not those around it, or as [`Solver::solve`].
     pub fn light(&self, tile: GridWindow, cells: Cells) -> Result<Light> {
+        self.light_in(tile, tile, cells)
+    }
+
+    /// Returns the light of a window around a tile, such as [its rim](Tiling::with_rim), that lies in the margin with which the
+    /// tile is solved, from the cells [around](Self::around_tile) the tile.
+    ///
+    /// # Errors
+    /// As [`Self::light`], and if the window lies elsewhere.
+    pub fn light_in(&self, window: GridWindow, tile: GridWindow, cells: Cells) -> Result<Light> {
         tile.check(self.size)?;
         let solved = self.solved(tile);
+        if solved.common(window) != Some(window) {
+            return Err(Error::value(
+                "window",
+                format!("{window:?}"),
+                format!("within {solved:?}"),
+            ));
+        }
         let cells = self.lit_from_afar(tile, cells, self.settings.columns)?;
         let light = self.surface_light(solved);
         let mut solver = self.solvers.take(&self.settings.solver)?;
         let known = KnownSurfaces { light: &light, bounce: false };
-        let first = [0, 1].map(|a| tile.first[a] - solved.first[a]);
-        let light = solver.solve_known(&cells, Some(known))?.window(GridWindow { first, ..tile });
+        let light = solver.solve_known(&cells, Some(known))?.window(window.within(solved));
         self.solvers.put_back(solver);
         Ok(light)
     }
@@ -461,8 +535,7 @@ impl FarWorld {
         let (mut lit, wide) = if around == solved {
             (cells, None)
         } else {
-            let first = [0, 1].map(|a| solved.first[a] - around.first[a]);
-            let lit = WorldSource::cells(&cells, GridWindow { first, ..solved })?;
+            let lit = WorldSource::cells(&cells, solved.within(around))?;
             self.settings.solver.method.draw_lamps(&mut cells);
             Glow::default().to_media(&mut cells);
             (lit, Some(cells))
@@ -531,39 +604,6 @@ fn check_cells(cells: &Cells, window: GridWindow) -> Result<()> {
     }
     let [found, expected] = [found, window.size].map(|[w, h]| format!("{w}×{h} cells"));
     Err(Error::value("cells", found, format!("{expected}, those from {:?} on", window.first)))
-}
-
-/// Rejects sizes of zero and sizes beyond [`MAX_SIDE`].
-pub(crate) fn check_size([width, height]: [u32; 2]) -> Result<()> {
-    if [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
-        return Ok(());
-    }
-    let found = format!("{width}×{height} cells");
-    Err(Error::value("size", found, format!("1 to {MAX_SIDE} a side")))
-}
-
-/// Returns the windows of tiles, row by row.
-fn tiles(size: [u32; 2], side: u32) -> Vec<GridWindow> {
-    let starts = |a: usize| (0..size[a]).step_by(side.max(1) as usize);
-    let window =
-        |first: [u32; 2]| GridWindow { first, size: [0, 1].map(|a| side.min(size[a] - first[a])) };
-    starts(1).flat_map(|y| starts(0).map(move |x| window([x, y]))).collect()
-}
-
-/// Returns a window with a margin, as far as the world goes, that begins at a multiple of `aligned`.
-pub(crate) fn expanded(
-    window: GridWindow,
-    margin: u32,
-    world: [u32; 2],
-    aligned: u32,
-) -> GridWindow {
-    let GridWindow { first, size } = window;
-    let begin = first.map(|v| v.saturating_sub(margin) / aligned * aligned);
-    let end = [0, 1].map(|a| {
-        let end = u64::from(first[a]) + u64::from(size[a]) + u64::from(margin);
-        end.next_multiple_of(aligned.into()).min(world[a].into()) as u32
-    });
-    GridWindow { first: begin, size: [0, 1].map(|a| end[a] - begin[a]) }
 }
 
 fn refuse_exact_lamps(cells: &Cells, first: [u32; 2]) -> Result<()> {

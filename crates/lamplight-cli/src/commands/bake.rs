@@ -106,9 +106,7 @@ fn bake(args: &BakeArgs) -> Result {
     let settings = WorldSettings { halo: args.halo, ..WorldSettings::new(table.resolve()?) };
     let display = args.display.resolve(scene.display())?;
     let size @ [width, height] = scene.size();
-    let side = u64::from(args.tile + 2 * args.halo);
-    let cells = u64::from(width) * u64::from(height);
-    let needed = memory::estimate_world(cells, side * side, &settings.solver);
+    let needed = memory::estimate_world(size, args.tile, &settings);
     memory::check(needed, format_args!("lighting {width}×{height} cells in tiles"))?;
 
     let source = scene.source()?;
@@ -138,11 +136,12 @@ fn bake(args: &BakeArgs) -> Result {
     let progress = Progress::new("reading", 1, quiet);
     let world =
         World::new(&*source, settings, |part, parts| progress.of(part as u64, parts as u64))?;
-    let tiles = world.tiles(args.tile);
+    let mut tiles = world.light_tiles(args.tile)?;
+    let windows = tiles.windows();
     let name = |window: &GridWindow| name(window.first.map(|v| v / args.tile));
     if !args.resume {
         // Those of another scene would pass for finished ones.
-        for window in &tiles {
+        for window in &windows {
             outputs.remove(&name(window))?;
         }
     }
@@ -150,20 +149,20 @@ fn bake(args: &BakeArgs) -> Result {
     outputs.write(&args.output.join(MANIFEST), text.as_bytes())?;
     progress.label("lighting");
     let mut lit = 0;
-    for (number, window) in tiles.iter().enumerate() {
-        progress.of(number as u64, tiles.len() as u64);
+    for (number, window) in windows.iter().enumerate() {
+        progress.of(number as u64, windows.len() as u64);
         let path = name(window);
         if args.resume && path.is_file() {
             continue;
         }
-        let light = world.light(*window)?;
+        let light = tiles.light(*window)?;
         let bytes = args.format.encode(&light, &source.cells(*window)?, &display)?;
         outputs.write(&path, &bytes)?;
         lit += 1;
     }
     drop(progress);
 
-    let (count, kept) = (tiles.len(), tiles.len() - lit);
+    let (count, kept) = (windows.len(), windows.len() - lit);
     let took = ms(start.elapsed());
     if args.json {
         return output::print(json!({

@@ -8,7 +8,7 @@ from typing import Any, Union
 
 import numpy as np
 
-from lamplight2d._core import Cells, FarWorld, Lamps, Light, Map, Scene, Solver
+from lamplight2d._core import Cells, FarWorld, Lamps, Light, Map, Scene, Solver, Tiling
 
 Window = tuple[int, int, int, int]
 """Row and column of its first cell, its height and its width."""
@@ -78,7 +78,7 @@ class World:
         progress: Progress | None = None,
     ) -> None:
         reader, empty = prepare(source, solver, halo, columns, shape, lamps, sky, suns)
-        self._reader, self._empty = reader, empty
+        self._reader, self._empty, self._halo = reader, empty, halo
         self._far = settled(reader, empty.finished(_read(reader, empty, progress)), progress)
 
     @property
@@ -99,10 +99,46 @@ class World:
         list of tuple of int
             (y, x, height, width) of each, as `light` takes them.
         """
-        return tiles(self.shape, side)
+        return Tiling(self.shape, side, self._halo).tiles()
+
+    def light_tiles(self, side: int) -> Iterator[tuple[Window, Light]]:
+        """Computes the light of all tiles of this side, one after the other, row by row.
+
+        The light of each passes into that of the next, so that there are no seams. Two rows of tiles are in memory at a
+        time.
+
+        Parameters
+        ----------
+        side : int
+            px. Tiles at the right and at the bottom may be smaller.
+
+        Yields
+        ------
+        window : tuple of int
+            (y, x, height, width) of the tile.
+        light : Light
+
+        Raises
+        ------
+        ValueError
+            If ``side`` is below 1, or a tile is larger, with its halo, than a grid.
+        """
+        tiling = Tiling(self.shape, side, self._halo)
+        known: dict[Window, Light] = {}
+        for tile in tiling.tiles():
+            around = [one for one, _ in tiling.around(tile)]
+            # Later tiles need none before the first of these.
+            known = {one: light for one, light in known.items() if one[:2] >= around[0][:2]}
+            for one in around:
+                if one not in known:
+                    cells = self._reader(*self._far.around_tile(one))
+                    known[one] = self._far.light(one, cells, tiling.with_rim(one))
+            yield tile, tiling.mixed(tile, [(one, tiling.with_rim(one), light) for one, light in known.items()])
 
     def light(self, y: int, x: int, height: int, width: int) -> Light:
         """Computes the light of a window, without the GIL.
+
+        Windows beside each other differ a little along their border: `light_tiles` has no seams.
 
         Parameters
         ----------
@@ -254,12 +290,3 @@ class CallableReader:
         if not isinstance(cells, Cells):
             raise TypeError(f"source returned a {type(cells).__name__}; expected Cells")
         return cells
-
-
-def tiles(shape: tuple[int, int], side: int) -> list[Window]:
-    """The windows of tiles, row by row."""
-    if side < 1:
-        raise ValueError(f"tile is {side}; expected 1 or more px")
-    height, width = shape
-    starts = ((y, x) for y in range(0, height, side) for x in range(0, width, side))
-    return [(y, x, min(side, height - y), min(side, width - x)) for y, x in starts]

@@ -23,8 +23,8 @@ import dask.array as da
 import numpy as np
 from dask.delayed import Delayed
 
-from lamplight2d._core import Cells, FarWorld, Light, Reference, Scene, Solver, compare, join_parts, trace_part
-from lamplight2d._world import COLUMNS, HALO, ArrayReader, Window, World, WorldSource, cells_of, opened, prepare, settled, tiles
+from lamplight2d._core import Cells, FarWorld, Light, Reference, Scene, Solver, Tiling, compare, join_parts, trace_part
+from lamplight2d._world import COLUMNS, HALO, ArrayReader, Window, World, WorldSource, cells_of, opened, prepare, settled
 
 __all__ = ["Source", "light_world", "reference", "render_frames", "sweep"]
 
@@ -113,7 +113,7 @@ def light_world(
     Returns
     -------
     dask.array.Array of shape (H, W, 3)
-        Linear light, float32, a chunk per tile, with the bytes of `World.light`.
+        Linear light, float32, a chunk per tile, with the bytes of `World.light_tiles`.
 
     Raises
     ------
@@ -133,8 +133,11 @@ def light_world(
         halo, columns = HALO if halo is None else halo, COLUMNS if columns is None else columns
         reader, empty = prepare(source, solver, halo, columns, shape, lamps, sky, suns)
         far = None
-    windows = tiles(empty.shape, tile)
+    if tile < 1:
+        raise ValueError(f"tile is {tile}; expected 1 or more px")
     world_shape, around, solver, halo, columns, _ = empty.__getnewargs__()
+    tiling = Tiling(world_shape, tile, halo)
+    windows = tiling.tiles()
     plan = (world_shape, around, solver.settings, solver.threads, halo, columns)
     # A task of its own, so that a worker receives it once.
     shared = dask.delayed(reader, traverse=False, pure=False)
@@ -172,9 +175,18 @@ def light_world(
             far = dask.delayed(settled, pure=False)(shared, far)
     else:
         far = dask.delayed(far, traverse=False, pure=False)
-    lit = dask.delayed(_tile, pure=False)
-    light = [lit(plan, cut(far, window), window, *cells(empty.around_tile(window))) for window in windows]
-    chunks = [da.from_delayed(one, (*window[2:], 3), np.float32) for one, window in zip(light, windows)]
+    lit, piece, mixed = (dask.delayed(task, pure=False) for task in (_tile, _piece, _mixed))
+    rims = {one: tiling.with_rim(one) for one in windows}
+    light = {
+        one: lit(plan, cut(far, one), one, rims[one], *cells(empty.around_tile(one))) for one in windows
+    }
+    chunks = []
+    for window in windows:
+        # Of the tiles around it, no more than what it needs goes to its worker.
+        around = tiling.around(window)
+        pieces = [piece(light[one], rims[one], part) for one, part in around]
+        one = mixed(tiling, window, around, pieces)
+        chunks.append(da.from_delayed(one, (*window[2:], 3), np.float32))
     count = -(-empty.shape[1] // tile)
     return da.block([[[chunk] for chunk in chunks[i : i + count]] for i in range(0, len(chunks), count)])
 
@@ -334,8 +346,20 @@ def _bounce(plan: _Plan, blocks: bytes, part: Window, reader: Callable[..., Cell
     return _far_world(plan).with_blocks(blocks).bounce(part, reader(*arguments))
 
 
-def _tile(plan: _Plan, blocks: bytes, tile: Window, reader: Callable[..., Cells], *arguments: Any) -> np.ndarray:
-    return _far_world(plan).with_blocks(blocks).light(tile, reader(*arguments)).rgb
+def _tile(
+    plan: _Plan, blocks: bytes, tile: Window, rim: Window, reader: Callable[..., Cells], *arguments: Any
+) -> np.ndarray:
+    return _far_world(plan).with_blocks(blocks).light(tile, reader(*arguments), rim).rgb
+
+
+def _piece(light: np.ndarray, window: Window, part: Window) -> np.ndarray:
+    """The light of a part of a window."""
+    y, x = part[0] - window[0], part[1] - window[1]
+    return light[y : y + part[2], x : x + part[3]]
+
+
+def _mixed(tiling: Tiling, tile: Window, around: list[tuple[Window, Window]], pieces: list[np.ndarray]) -> np.ndarray:
+    return tiling.mixed(tile, [(one, part, Light(rgb)) for (one, part), rgb in zip(around, pieces)]).rgb
 
 
 def _trace(source: Scene | Cells, part: int, parts: int, samples: int, settings: dict[str, Any]) -> np.ndarray:

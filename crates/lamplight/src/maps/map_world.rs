@@ -5,7 +5,8 @@ use super::tile_map::TileMap;
 use super::{ldtk, tiled};
 use crate::recent::RecentlyUsed;
 use crate::scene::pictures::Pictures;
-use crate::world::{WorldSource, check_size, lamps_within};
+use crate::tiling::check_size;
+use crate::world::{WorldSource, lamps_within};
 use crate::{Cells, Error, GridWindow, Lamp, Result, Sky, Sun};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,8 +24,9 @@ const LAMP_REACH: u32 = 514;
 /// use lamplight::world::{World, WorldSettings};
 /// let island = MapWorld::open("island.world")?;
 /// let world = World::new(&island, WorldSettings::new(Default::default()), |_, _| ())?;
-/// for window in world.tiles(1024) {
-///     let light = world.light(window)?;
+/// let mut tiles = world.light_tiles(1024)?;
+/// for window in tiles.windows() {
+///     let light = tiles.light(window)?;
 /// }
 /// # Ok::<(), lamplight::Error>(())
 /// ```

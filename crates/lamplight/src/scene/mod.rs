@@ -24,7 +24,7 @@ pub use shape::{Only, Shape};
 pub use sky::{SceneSky, SkyPicture};
 pub use window::SceneWorld;
 
-use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sun, exact, world};
+use crate::{Cells, Display, Lamp, Result, Settings, SettingsTable, Sun, exact, tiling};
 use coverage::Window;
 use layer::ScenePlace;
 use pictures::Pictures;
@@ -200,7 +200,7 @@ impl Scene {
 
     /// Like [`Self::check`], of a scene that may be larger than a grid.
     fn check_world(&self) -> Result<()> {
-        world::check_size(self.size)?;
+        tiling::check_size(self.size)?;
         self.check_contents()
     }
 

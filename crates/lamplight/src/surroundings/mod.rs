@@ -10,7 +10,8 @@ mod rings;
 pub use parted::{LEAST_RADIUS_BEYOND, LampPart, part_lamp};
 pub use rings::{RingSurroundings, RingWindow};
 
-use crate::world::{World, expanded};
+use crate::tiling::expanded;
+use crate::world::World;
 use crate::{Error, GridWindow, Inflow, Lamp, Result};
 
 /// The surroundings of a view in a world that stands still, with lamps that may move.

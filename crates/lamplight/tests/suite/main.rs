@@ -34,5 +34,6 @@ mod smooth_motion;
 mod surroundings;
 mod temporal;
 mod tightness;
+mod tiling;
 mod walls;
 mod world;

@@ -11,7 +11,7 @@ use crate::maps::tile_map::{
     Flips, MapTile, PlacedTile, Places, Sheet, Square, TileLayer, TileMap,
 };
 use crate::maps::tile_matter::TileMatter;
-use crate::world::check_size;
+use crate::tiling::check_size;
 use crate::{Error, Result, notation};
 use std::collections::HashMap;
 use std::path::Path;

@@ -6,7 +6,7 @@ use super::tilesets;
 use super::xml::{at_line, color, properties, required, with_root};
 use crate::maps::objects;
 use crate::maps::tile_map::{Places, TileMap};
-use crate::world::check_size;
+use crate::tiling::check_size;
 use crate::{Error, Result};
 use roxmltree::Node;
 use std::path::Path;
