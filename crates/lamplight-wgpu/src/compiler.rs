@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::Device;
 
-/// The number of programs kept that nobody else holds: those of a few methods with all variants.
+/// The number of programs above which those that nobody else holds are dropped: a few methods with all variants.
 const CAPACITY: usize = 128;
 
 /// The host's device, and the programs that were last asked for.
@@ -42,8 +42,10 @@ impl Compiler {
             Some(found) => known.remove(found),
             None => ComputePipelines::uncompiled(&self.device, program, constants, &self.waits),
         };
-        if known.len() == CAPACITY {
-            known.remove(0);
+        if known.len() >= CAPACITY
+            && let Some(unused) = known.iter().position(ComputePipelines::is_unshared)
+        {
+            known.remove(unused);
         }
         known.push(found.clone());
         if let Some(asked) = &self.asked {

@@ -254,6 +254,7 @@ fn lay_out(light: Option<&Light>, moved: [i32; 2], size: [u32; 2], to: &mut Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compiler::Compiler;
     use crate::hints::SceneHints;
     use crate::matter::Upload;
     use crate::options::LightingOptions;
@@ -278,7 +279,7 @@ mod tests {
         let size = GridSize::new(&device, SIZE).unwrap();
         let mut upload = Upload::new(&device, size).unwrap();
         upload.write(&device, &queue, &cells, &settings.method);
-        let shared = Shared::new(&device, &queue);
+        let shared = Shared::new(Compiler::new(&device), &queue);
         let grid = Grid { size, textures: &upload.textures, hints: SceneHints::UNKNOWN };
         let planner = FramePlanner::new(&shared, &settings, LightingOptions::default(), grid);
         let input = FrameInput::of_textures(&settings, &upload.textures, Lights::default());

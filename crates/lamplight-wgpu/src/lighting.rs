@@ -2,6 +2,7 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::ahead::Ahead;
+use crate::compiler::Compiler;
 use crate::cookies::CookieAtlas;
 use crate::cost::Cost;
 use crate::cpu_backend::{CAN_WAIT, CpuBackend};
@@ -46,8 +47,8 @@ use wgpu::{
 ///
 /// Each frame, [`Self::prepare`] it from a [`FrameInput`], then [`Self::record`] it. Pipelines are compiled when
 /// they are first used, by [`Self::precompile`], or in the background ([`LightingOptions::compile_ahead`]), and buffers are created when the size of the grid
-/// changes; in the steady state nothing is created. Any number of instances can share a device; each stays with
-/// the device and the queue it was created with.
+/// changes; in the steady state nothing is created. Any number of instances can share a device, and those made by
+/// [`Self::beside`] their pipelines too; each stays with the device and the queue it was created with.
 ///
 /// If the device rejects something that is created, such as a binding to a texture of another device, the error
 /// is returned as [`crate::error::DeviceError`]. In a browser, which reports it only later, it goes to the host's
@@ -91,8 +92,8 @@ pub struct Lighting {
     number: u32,
     before: Option<FrameBefore>,
     plan_ids: PlanIds,
-    /// The pipelines compiled by frames before the one that is prepared.
-    waits_before: usize,
+    /// The pipelines that the last frame had to compile.
+    compiled: usize,
     /// Set if pipelines are compiled ahead.
     #[cfg(not(target_arch = "wasm32"))]
     ahead: Option<Ahead>,
@@ -232,10 +233,26 @@ impl Lighting {
         queue: &Queue,
         options: &LightingOptions,
     ) -> Result<Self, CreateError> {
+        Self::with_compiler(Compiler::new(device), queue, options)
+    }
+
+    /// Another instance on the same device, as for the other half of a split screen. They share the pipelines that either
+    /// of them compiles, and nothing else.
+    pub fn beside(&self, options: &LightingOptions) -> Result<Self, CreateError> {
+        let Shared { compiler, queue, .. } = &self.shared;
+        Self::with_compiler(compiler.share(), queue, options)
+    }
+
+    fn with_compiler(
+        compiler: Compiler,
+        queue: &Queue,
+        options: &LightingOptions,
+    ) -> Result<Self, CreateError> {
         options.check()?;
+        let device = &compiler.device.clone();
         let backend = options.backend.on(device);
         with_error_scope(device, || {
-            let shared = Shared::new(device, queue);
+            let shared = Shared::new(compiler, queue);
             let fastest = backend == Backend::Fastest;
             Ok(Self {
                 options: *options,
@@ -263,7 +280,7 @@ impl Lighting {
                 number: 0,
                 before: None,
                 plan_ids: PlanIds::default(),
-                waits_before: 0,
+                compiled: 0,
                 #[cfg(not(target_arch = "wasm32"))]
                 ahead: options.compiles_ahead(device).then(Ahead::default),
             })
@@ -307,10 +324,11 @@ impl Lighting {
         let input = &FrameInput { settings: &settings, ..*input };
         // The upload is taken out of `self`, so that its textures can be borrowed beside it.
         let mut upload = self.upload.take();
-        self.waits_before = self.shared.compiler.waits();
+        let waits = self.shared.compiler.waits();
         let prepared =
             self.check(input, &mut upload).and_then(|scene| self.prepare_scene(input, &scene));
         self.upload = upload;
+        self.compiled = self.shared.compiler.waits() - waits;
         if let Err(PrepareError::Device(_)) = prepared {
             // Pipelines may be invalid.
             self.shared.compiler.forget();
@@ -755,7 +773,7 @@ impl Lighting {
     /// The number of pipelines that [`Self::prepare`] had to compile last: none in the steady state, nor after a change
     /// that was compiled ahead.
     pub fn compiled(&self) -> usize {
-        self.shared.compiler.waits() - self.waits_before
+        self.compiled
     }
 
     /// Waits until the pipelines that frames may need next are compiled ([`LightingOptions::compile_ahead`]), as behind a

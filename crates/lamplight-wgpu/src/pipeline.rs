@@ -94,6 +94,11 @@ impl ComputePipelines {
         (known.shader, known.entries) == (program.shader, program.entries) && own.eq(others)
     }
 
+    /// Returns whether there is no clone of it.
+    pub fn is_unshared(&self) -> bool {
+        Arc::strong_count(&self.0) == 1
+    }
+
     /// The number of entry points.
     pub fn entries(&self) -> usize {
         self.0.program.entries.len()

@@ -34,7 +34,8 @@ pub struct Shared {
 }
 
 impl Shared {
-    pub fn new(device: &Device, queue: &Queue) -> Self {
+    pub fn new(compiler: Compiler, queue: &Queue) -> Self {
+        let device = &compiler.device;
         let mut steps = vec![0; (STEPS * STEP_BYTES) as usize];
         for (number, bytes) in (0u32..).zip(steps.chunks_exact_mut(STEP_BYTES as usize)) {
             bytes[..4].copy_from_slice(&number.to_ne_bytes());
@@ -44,7 +45,6 @@ impl Shared {
         write_masks(queue, &all_layers, &[ALL_LAYERS]);
         Self {
             has_compute: has_compute(device),
-            compiler: Compiler::new(device),
             device: device.clone(),
             queue: queue.clone(),
             frame: filled(device, queue, "frame", BufferUsages::UNIFORM, &frame),
@@ -52,6 +52,7 @@ impl Shared {
             no_panorama: strips_texture(device, [1, 1]),
             no_cookies: cookies_texture(device, [1, 1]),
             steps: filled(device, queue, "steps", BufferUsages::UNIFORM, &steps),
+            compiler,
         }
     }
 

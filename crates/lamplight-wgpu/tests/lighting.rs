@@ -4,7 +4,7 @@ mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{cells, device, device_of, frame, lighting, raymarch_of, recorded};
+use common::{cells, device, device_of, frame, lighting, on_gpu, raymarch_of, recorded};
 use lamplight::surroundings::Surroundings;
 use lamplight::world::{World, WorldSettings};
 use lamplight::{
@@ -133,6 +133,21 @@ fn sizes_may_change_and_many_share_a_device() {
         assert_eq!(lit.len(), (w * h) as usize);
         assert_eq!(lit, frame(&device, &queue, &mut other, &settings, &cells));
     }
+}
+
+#[test]
+fn an_instance_beside_another_compiles_nothing_again() {
+    // Not the device of the other tests, which compile too.
+    let (device, queue) = device_of(Tier::Web);
+    let (settings, cells) = (raymarch(), cells(31, 17, 2));
+    let mut one = lighting(&device, &queue);
+    let right = frame(&device, &queue, &mut one, &settings, &cells);
+    assert!(one.compiled() > 0);
+    let mut beside = one.beside(&on_gpu()).unwrap();
+    assert_eq!(frame(&device, &queue, &mut beside, &settings, &cells), right);
+    assert_eq!(beside.compiled(), 0);
+    drop(one);
+    assert_eq!(frame(&device, &queue, &mut beside, &settings, &cells).len(), right.len());
 }
 
 #[test]

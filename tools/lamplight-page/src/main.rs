@@ -1,5 +1,6 @@
-//! A web page, weighed and served: `cargo xtask web`.
+//! A web page, put together, weighed and served: `cargo xtask web`.
 
+mod script;
 mod serve;
 mod weigh;
 
@@ -10,10 +11,16 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(Parser)]
-#[command(name = "lamplight-page", about = "Weighs a web page, and serves it.")]
+#[command(name = "lamplight-page", about = "Puts a web page together, weighs and serves it.")]
 struct Args {
     /// The page's folder.
     folder: PathBuf,
+    /// Add a program, compiled for the web, and the script that runs it.
+    #[arg(long, value_name = "WASM", requires = "name")]
+    program: Option<PathBuf>,
+    /// The name of both on the page.
+    #[arg(long, value_name = "NAME", requires = "program")]
+    name: Option<String>,
     /// Fail if the page has more bytes than this, compressed as servers send it.
     #[arg(long, value_name = "BYTES")]
     limit: Option<usize>,
@@ -33,6 +40,9 @@ fn main() -> ExitCode {
 }
 
 fn run(args: Args) -> Result<()> {
+    if let (Some(program), Some(name)) = (args.program, args.name) {
+        script::write(&program, &name, &args.folder)?;
+    }
     if let Some(limit) = args.limit {
         weigh::run(&args.folder, limit)?;
     }

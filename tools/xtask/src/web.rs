@@ -1,13 +1,13 @@
 //! `cargo xtask web`: web pages, in `target/web/`: the sandbox, or an example for Bevy.
 
-use crate::process::{cargo, command, finish, root, target_folder, tool};
+use crate::process::{cargo, root, target_folder, tool};
 use anyhow::{Context, Result, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// The program that weighs and serves pages.
+/// The program that puts pages together, weighs and serves them.
 pub const SERVER: &str = "lamplight-page";
 /// The profile in `Cargo.toml`.
 const PROFILE: &str = "web";
@@ -65,10 +65,8 @@ impl Page {
     /// Builds it, and returns its folder.
     pub fn build(&self) -> Result<PathBuf> {
         ensure_target()?;
-        let target = target_folder()?;
-        let bindgen = bindgen(&target)?;
         cargo(&[&["build", "--profile", PROFILE], &self.program()[..]].concat())?;
-        let built = target.join(TARGET).join(PROFILE);
+        let built = target_folder()?.join(TARGET).join(PROFILE);
         let program = match self.example {
             None => built.join(self.package),
             Some(example) => built.join("examples").join(example),
@@ -78,18 +76,12 @@ impl Page {
             fs::remove_dir_all(&folder)?;
         }
         fs::create_dir_all(&folder)?;
-        finish(
-            Command::new(&bindgen)
-                .args(["--target", "web", "--no-typescript", "--remove-name-section"])
-                .args(["--remove-producers-section", "--out-name", self.name, "--out-dir"])
-                .arg(&folder)
-                .arg(program.with_extension("wasm")),
-        )?;
         let source = root().join(self.folder).join("web/index.html");
         fs::copy(&source, folder.join("index.html"))
             .with_context(|| source.display().to_string())?;
-        let limit = self.limit.to_string();
-        tool(SERVER, &[&folder.display().to_string(), "--limit", &limit])?;
+        let (limit, program) = (self.limit.to_string(), program.with_extension("wasm"));
+        let [page, program] = [&folder, &program].map(|path| path.display().to_string());
+        tool(SERVER, &[&page, "--program", &program, "--name", self.name, "--limit", &limit])?;
         Ok(folder)
     }
 }
@@ -115,45 +107,4 @@ fn has_target() -> Result<bool> {
         .output()
         .context("cannot run rustc")?;
     Ok(Path::new(String::from_utf8(asked.stdout)?.trim()).exists())
-}
-
-/// The program that makes JavaScript of what a program exports: it has to be of the release that the
-/// program is compiled with. One on the PATH, else one of ours, which is installed where it is missing.
-fn bindgen(target: &Path) -> Result<PathBuf> {
-    let release = locked_release("wasm-bindgen")?;
-    let tools = target.join("tools");
-    let ours = tools.join("bin/wasm-bindgen");
-    let fits = |program: &Path| {
-        let output = Command::new(program).arg("--version").stderr(Stdio::null()).output();
-        output.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).contains(&release))
-    };
-    for program in ["wasm-bindgen".into(), ours.clone()] {
-        if fits(&program) {
-            return Ok(program);
-        }
-    }
-    println!("== wasm-bindgen {release} is not found: installing it into {}", tools.display());
-    let version = format!("={release}");
-    // Its own lock file names releases that may have been withdrawn since.
-    for locked in [&["--locked"][..], &[]] {
-        let status = command(root())
-            .args(["install", "wasm-bindgen-cli", "--version", &version, "--root"])
-            .arg(&tools)
-            .args(locked)
-            .status()?;
-        if status.success() && fits(&ours) {
-            return Ok(ours);
-        }
-    }
-    bail!(
-        "wasm-bindgen could not be installed; to do so: cargo install wasm-bindgen-cli --version {version}"
-    );
-}
-
-/// The release of a package in `Cargo.lock`.
-fn locked_release(package: &str) -> Result<String> {
-    let lock = fs::read_to_string(root().join("Cargo.lock"))?;
-    let name = format!("name = \"{package}\"\nversion = \"");
-    let (_, after) = lock.split_once(&name).with_context(|| format!("no {package} is locked"))?;
-    Ok(after.split('"').next().unwrap_or_default().to_owned())
 }

@@ -95,10 +95,14 @@ pub fn prepare(
             );
         }
         let target = CameraTarget { size: size.to_array(), viewport: viewport.to_array() };
-        let known = lit_views
-            .remove(&view.entity)
-            .map_or_else(|| LitView::new(device, queue, *backend, &pipelines, view), Ok);
-        let prepared = known.and_then(|mut lit| {
+        let lit = match lit_views.remove(&view.entity) {
+            Some(lit) => Ok(lit),
+            None => {
+                let other = lit_views.values().next().map(|other| &other.lighting);
+                LitView::new(device, queue, *backend, &pipelines, view, other)
+            }
+        };
+        let prepared = lit.and_then(|mut lit| {
             lit.prepare_matter(device, queue, &pipelines, view, &extracted, target)?;
             let DrawList { batches, lamp_batches, surface_batches, mask_batches, .. } = &lit.draw;
             let all = [batches, lamp_batches, surface_batches, mask_batches];

@@ -153,17 +153,24 @@ impl MatterTextures {
 }
 
 impl LitView {
+    /// `other`: the light of another camera, if there is one, whose compiled pipelines it shares.
     pub fn new(
         device: &Device,
         queue: &Queue,
         backend: LightBackend,
         pipelines: &Pipelines,
         view: &LitCameraView,
+        other: Option<&Lighting>,
     ) -> Result<Self, Error> {
+        let options = LightingOptions::on(backend.into());
+        let lighting = match other {
+            Some(other) => other.beside(&options)?,
+            None => Lighting::new(device, queue, &options)?,
+        };
         let mut budget = Budget::new(device, queue);
         let configured = Configuration::of(view, &mut budget);
         Ok(Self {
-            lighting: Lighting::new(device, queue, &LightingOptions::on(backend.into()))?,
+            lighting,
             budget,
             compose: Compose::new(device, queue)?,
             neighbours: None,

@@ -9,6 +9,7 @@ use lamplight_wgpu::read_back::read_back;
 use lamplight_wgpu::{
     Backend, FrameInput, Lighting, LightingOptions, Stage, Tier, required_features, required_limits,
 };
+use std::sync::{LazyLock, Mutex, PoisonError};
 use wgpu::{
     Adapter, Backends, Device, DeviceDescriptor, Features, Instance, InstanceDescriptor, Limits,
     PowerPreference, Queue, RequestAdapterOptions,
@@ -19,17 +20,21 @@ pub fn raymarch_of(settings: &mut Settings) -> &mut Raymarch {
     settings.method.as_raymarch_mut().expect("settings of raymarch")
 }
 
+/// One for all tests of a program: devices of different ones are not told apart.
+static INSTANCE: LazyLock<Instance> = LazyLock::new(|| {
+    let mut descriptor = InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = Backends::PRIMARY;
+    Instance::new(descriptor)
+});
+
 /// The machine's best GPU, a software one if there is no other. Without any the test fails:
 /// `cargo xtask test` installs a software one.
 pub fn adapter() -> Adapter {
-    let mut descriptor = InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = Backends::PRIMARY;
-    let instance = Instance::new(descriptor);
     let options = RequestAdapterOptions {
         power_preference: PowerPreference::HighPerformance,
         ..RequestAdapterOptions::default()
     };
-    let adapter = pollster::block_on(instance.request_adapter(&options))
+    let adapter = pollster::block_on(INSTANCE.request_adapter(&options))
         .expect("no GPU; on Debian: apt-get install mesa-vulkan-drivers");
     println!("{:?}", adapter.get_info());
     adapter
@@ -56,9 +61,17 @@ fn open_with(
     pollster::block_on(adapter.request_device(&descriptor)).unwrap()
 }
 
+/// The device of the tests of a program, and an instance of which others have what is compiled: most of the time of
+/// a small frame.
+static SHARED: LazyLock<((Device, Queue), Mutex<Lighting>)> = LazyLock::new(|| {
+    let (device, queue) = device_of(Tier::Web);
+    let lighting = Lighting::new(&device, &queue, &on_gpu()).unwrap();
+    ((device, queue), Mutex::new(lighting))
+});
+
 /// A device with no more than the web grants.
 pub fn device() -> (Device, Queue) {
-    device_of(Tier::Web)
+    SHARED.0.clone()
 }
 
 /// A device with less than the web grants.
@@ -70,7 +83,12 @@ pub fn device_with(lower: impl Fn(&mut Limits)) -> (Device, Queue) {
 
 /// A [`Lighting`] on the device, also if that is software.
 pub fn lighting(device: &Device, queue: &Queue) -> Lighting {
-    Lighting::new(device, queue, &on_gpu()).unwrap()
+    let ((shared, _), beside) = &*SHARED;
+    if device == shared {
+        beside.lock().unwrap_or_else(PoisonError::into_inner).beside(&on_gpu()).unwrap()
+    } else {
+        Lighting::new(device, queue, &on_gpu()).unwrap()
+    }
 }
 
 /// The GPU, without threads beside the test.
