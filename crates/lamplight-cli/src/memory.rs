@@ -28,8 +28,8 @@ const EXACT: u64 = 50;
 const MOMENT_READ: u64 = 60;
 /// Bytes per cell of a tile with inflow, beside those of the method: border rows, and the copy that the source made.
 const INFLOW: u64 = 500;
-/// Bytes per cell of two rows of tiles, with their rims, that are kept until they have passed into the next.
-const TILE: u64 = 18;
+/// Bytes per cell of light that is kept, and of its first moment.
+const KEPT: [u64; 2] = [13, 24];
 /// Bytes of the pixels of a world's images per cell, at most: those of eight layers.
 const PIXELS: u64 = 8 * 4;
 /// Bytes per cell of a world in its far field, and in that of the next bounce, if two fifths of its blocks hold matter.
@@ -98,8 +98,12 @@ pub fn estimate(size: SceneSize, renderer: Renderer, settings: &Settings, backen
 pub fn estimate_world([width, height]: [u32; 2], tile: u32, settings: &WorldSettings) -> u64 {
     let cells = u64::from(width) * u64::from(height);
     let solved = u64::from(tile + 2 * settings.halo).pow(2);
-    let kept = 2 * u64::from(tile) * u64::from(width.next_multiple_of(tile));
-    let of_kept = TILE + if settings.solver.moment { MOMENT_READ } else { 0 };
+    // Two rows of tiles and one around, with their rims.
+    let [columns, rows] = [width, height].map(|side| u64::from(side.div_ceil(tile)));
+    let tiles = (2 * columns + 3).min(columns * rows);
+    let rim = settings.halo.min(64);
+    let kept = tiles * u64::from(tile + rim).pow(2);
+    let of_kept: u64 = KEPT.iter().sum();
     BASE + PICTURE_BYTES.min(cells.saturating_mul(PIXELS))
         + solved.saturating_mul(of_method(&settings.solver) + INFLOW)
         + kept.saturating_mul(of_kept)

@@ -35,12 +35,12 @@ impl Tiling {
 
     /// Returns a tile with its rim.
     fn with_rim(&self, tile: PyWindow) -> PyResult<PyWindow> {
-        Ok(of_window(self.tiling.with_rim(window(tile)?)))
+        self.tiling.with_rim(window(tile)?).map(of_window).map_err(value_error)
     }
 
     /// Returns the tiles that light a tile, each with the part of it that it lights.
     fn around(&self, tile: PyWindow) -> PyResult<Vec<(PyWindow, PyWindow)>> {
-        let around = self.tiling.around(window(tile)?).into_iter();
+        let around = self.tiling.around(window(tile)?).map_err(value_error)?.into_iter();
         Ok(around.map(|(tile, part)| (of_window(tile), of_window(part))).collect())
     }
 

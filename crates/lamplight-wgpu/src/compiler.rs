@@ -42,7 +42,7 @@ impl Compiler {
             Some(found) => known.remove(found),
             None => ComputePipelines::uncompiled(&self.device, program, constants, &self.waits),
         };
-        if known.len() >= CAPACITY
+        while known.len() >= CAPACITY
             && let Some(unused) = known.iter().position(ComputePipelines::is_unshared)
         {
             known.remove(unused);

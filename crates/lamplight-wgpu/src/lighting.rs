@@ -771,7 +771,7 @@ impl Lighting {
     }
 
     /// The number of pipelines that [`Self::prepare`] had to compile last: none in the steady state, nor after a change
-    /// that was compiled ahead.
+    /// that was compiled ahead. Those that an instance [beside](Self::beside) it compiled meanwhile count too.
     pub fn compiled(&self) -> usize {
         self.compiled
     }

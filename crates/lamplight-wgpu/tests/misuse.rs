@@ -4,7 +4,7 @@ mod common;
 #[path = "common/textures.rs"]
 mod textures;
 
-use common::{adapter, cells, device, frame, lighting, open, raymarch_of, recorded};
+use common::{adapter, cells, device, device_of, frame, lighting, open, raymarch_of, recorded};
 use lamplight::settings::Temporal;
 use lamplight::{Bounces, Cells, Inflow, Lamp, Matter, Method, Settings, Sight, Sky, Sun};
 use lamplight_wgpu::error::PrepareError;
@@ -298,7 +298,8 @@ fn textures_without_lamps_are_dark_under_polar() {
 
 #[test]
 fn precompiled_settings_compile_no_pipelines_when_they_are_used() {
-    let (device, queue) = device();
+    // Not the device of the other tests, which compile too.
+    let (device, queue) = device_of(Tier::Web);
     let cells = cells(31, 17, 4);
     let pipelines = || device.get_internal_counters().hal.compute_pipelines.read();
     let other = Settings { bounces: Bounces::Count(1), ..raymarch() };

@@ -9,6 +9,7 @@ use crate::limits::MAX_SIDE;
 use crate::panorama::{StripPart, column, mean_of_columns, radiance_of_columns, strip_parts};
 use crate::{Error, Panorama, Result, Rgb};
 use rayon::prelude::*;
+use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -47,8 +48,7 @@ impl GridWindow {
             return Ok(());
         }
         let [w, h] = grid;
-        let found = format!("{}×{} cells from {first:?} on", size[0], size[1]);
-        Err(Error::value("window", found, format!("a part of a grid of {w}×{h} cells")))
+        Err(Error::value("window", self, format!("a part of a grid of {w}×{h} cells")))
     }
 
     /// Returns what two windows of the same world have in common.
@@ -77,6 +77,12 @@ impl GridWindow {
         let Self { first: [x, y], size: [width, height] } = self;
         let start = |row: u32| (y + row) as usize * columns as usize + x as usize;
         (0..height).map(|row| start(row)..start(row) + width as usize).collect()
+    }
+}
+
+impl Display for GridWindow {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}×{} cells from {:?} on", self.size[0], self.size[1], self.first)
     }
 }
 

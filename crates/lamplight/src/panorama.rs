@@ -135,7 +135,8 @@ pub fn column(count: usize, angle: f64) -> f64 {
 /// Returns the radiance at a place on a strip.
 #[inline]
 pub(crate) fn radiance_of_columns(columns: &[Rgb], at: f64) -> [f64; 3] {
-    between(columns, at.floor(), at - at.floor())
+    let column = at.floor();
+    between(columns, column, at - column)
 }
 
 /// Returns the mean radiance between two places on a strip.
@@ -170,12 +171,12 @@ pub(crate) fn strip_parts(from: f64, to: f64) -> impl Iterator<Item = StripPart>
 /// Returns the radiance between a column and the next, at a fraction of the way.
 #[inline]
 fn between(columns: &[Rgb], column: f64, past: f64) -> [f64; 3] {
-    let count = columns.len() as i64;
-    let [a, b] = [0, 1].map(|next| columns[(column as i64 + next).rem_euclid(count) as usize]);
-    std::array::from_fn(|c| {
-        let [a, b] = [a, b].map(|column| f64::from(column[c]));
-        a + (b - a) * past
-    })
+    let first = (column as i64).rem_euclid(columns.len() as i64) as usize;
+    let next = if first + 1 == columns.len() { 0 } else { first + 1 };
+    let (a, b) = (&columns[first], &columns[next]);
+    let mixed = |c: usize| f64::from(a[c]) + (f64::from(b[c]) - f64::from(a[c])) * past;
+    // Not by the functions of arrays, which debug builds call one by one.
+    [mixed(0), mixed(1), mixed(2)]
 }
 
 impl PartialEq for Panorama {

@@ -32,7 +32,7 @@ pub struct Tiling {
     rim: u32,
 }
 
-/// The light of a tile in a window around its first cell: the tile with its rim, or a part of that.
+/// A tile, and its light in a window: with its rim, or in a part of that.
 #[derive(Clone, Copy, Debug)]
 pub struct LitTile<'a> {
     /// The tile.
@@ -62,19 +62,46 @@ impl Tiling {
         tiles(self.size, self.side)
     }
 
+    /// The width of the rim, px.
+    pub fn rim(&self) -> u32 {
+        self.rim
+    }
+
     /// Returns a tile with its rim.
-    pub fn with_rim(&self, tile: GridWindow) -> GridWindow {
-        expanded(tile, self.rim, self.size, 1)
+    ///
+    /// # Errors
+    /// Fails if the window is none of the tiles.
+    pub fn with_rim(&self, tile: GridWindow) -> Result<GridWindow> {
+        self.check(tile)?;
+        Ok(self.rimmed(tile))
     }
 
     /// Returns the tiles that light a tile, itself among them, row by row, each with the part of the tile that it lights.
-    pub fn around(&self, tile: GridWindow) -> Vec<(GridWindow, GridWindow)> {
-        let GridWindow { first, size } = self.with_rim(tile);
+    ///
+    /// # Errors
+    /// Fails if the window is none of the tiles.
+    pub fn around(&self, tile: GridWindow) -> Result<Vec<(GridWindow, GridWindow)>> {
+        self.check(tile)?;
+        let GridWindow { first, size } = self.rimmed(tile);
         let [columns, rows] =
             [0, 1].map(|a| first[a] / self.side..=(first[a] + size[a] - 1) / self.side);
         let at = |column, row| self.tile([column, row]);
         let tiles = rows.flat_map(|row| columns.clone().map(move |column| at(column, row)));
-        tiles.filter_map(|one| Some((one, self.with_rim(one).common(tile)?))).collect()
+        Ok(tiles.filter_map(|one| Some((one, self.rimmed(one).common(tile)?))).collect())
+    }
+
+    fn rimmed(&self, tile: GridWindow) -> GridWindow {
+        expanded(tile, self.rim, self.size, 1)
+    }
+
+    /// Rejects a window that is none of the tiles.
+    fn check(&self, window: GridWindow) -> Result<()> {
+        window.check(self.size)?;
+        if window == self.tile(window.first.map(|v| v / self.side)) {
+            return Ok(());
+        }
+        let expected = format!("one of the tiles, which begin at multiples of {} px", self.side);
+        Err(Error::value("tile", window, expected))
     }
 
     /// The tile in a column and a row.
@@ -83,28 +110,31 @@ impl Tiling {
         GridWindow { first, size: [0, 1].map(|a| self.side.min(self.size[a] - first[a])) }
     }
 
-    /// Returns the light of a tile, from that of all tiles [around](Self::around) it, in the parts that they light.
+    /// Returns the light of a tile, from that of all tiles [around](Self::around) it, in the parts that they light. The first
+    /// moment is mixed if all of them have one.
     ///
     /// # Errors
-    /// Fails if one is missing, or is not known in its part.
+    /// Fails if the window is none of the tiles, or one around it is missing, or not known in its part.
     pub fn mixed(&self, tile: GridWindow, lights: &[LitTile]) -> Result<Light> {
-        let light_of = |tile| {
-            let known = lights.iter().find(|light| light.tile == tile);
-            let missing =
-                || Error::value("tile", format!("{tile:?}"), "one of the tiles that are lit");
-            known.ok_or_else(missing)
+        let part_of = |(one, part): (GridWindow, GridWindow)| {
+            let known = lights.iter().find(|light| light.tile == one);
+            let missing = || Error::value("tile", one, "one of those that are lit");
+            Ok((one, part, known.ok_or_else(missing)?.part(part)?))
         };
-        let mut mixed = light_of(tile)?.part(tile)?;
+        let around = self.around(tile)?.into_iter();
+        let around = around.map(part_of).collect::<Result<Vec<_>>>()?;
+        let (.., mut mixed) = part_of((tile, tile))?;
         mixed.rgb.fill([0.0; 3]);
-        if let Some(moment) = &mut mixed.moment {
+        let has_moments = around.iter().all(|(.., part)| part.moment.is_some());
+        if let Some(moment) = mixed.moment.as_mut().filter(|_| has_moments) {
             moment.fill([[0.0; 3]; 2]);
         }
-        for (one, common) in self.around(tile) {
-            let part = light_of(one)?.part(common)?;
+        for (one, common, part) in around {
             let weights = [0, 1].map(|axis| self.weights(one, common, axis));
             let rows = common.within(tile).rows(tile.size[0]);
             add_rows(part.rgb.as_flattened(), &rows, &weights, mixed.rgb.as_flattened_mut());
-            if let (Some(moment), Some(to)) = (&part.moment, &mut mixed.moment) {
+            let moments = part.moment.as_ref().zip(mixed.moment.as_mut());
+            if let Some((moment, to)) = moments.filter(|_| has_moments) {
                 let (moment, to) = (moment.as_flattened(), to.as_flattened_mut());
                 add_rows(moment.as_flattened(), &rows, &weights, to.as_flattened_mut());
             }
@@ -141,8 +171,8 @@ impl LitTile<'_> {
         let Self { window, light, .. } = *self;
         let is_known = window.common(part) == Some(part);
         if !is_known || [light.width(), light.height()] != window.size {
-            let found = format!("{}×{} px of {window:?}", light.width(), light.height());
-            return Err(Error::value("light", found, format!("all of {part:?}")));
+            let found = format!("{}×{} px of {window}", light.width(), light.height());
+            return Err(Error::value("light", found, format!("that of {part}")));
         }
         Ok(light.window(part.within(window)))
     }

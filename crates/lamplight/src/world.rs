@@ -9,8 +9,8 @@
 //! come the far field of the next bounce and, at last, the light of tiles. So every bounce has the light of the bounce
 //! before from everywhere, as in one solve of the whole.
 //!
-//! Tiles do not depend on each other: they may be solved in any order, on any machine, and again after a break, with
-//! the same result to the bit.
+//! Tiles are solved independently of each other: in any order, on any machine, and again after a break, with the same
+//! result to the bit. Then the light of each passes into that of its neighbours ([`Tiling`]).
 
 use crate::far_field::{ALIGNMENT, BounceState, FarField, NearCells, PartLight};
 pub use crate::far_field::{FarBlocks, FarPart};
@@ -114,7 +114,8 @@ pub struct WorldSettings {
     /// The settings of every tile. [`Bounces::Feedback`] means all bounces here.
     pub solver: Settings,
     /// The margin of a tile, px, that is solved with it. More is closer to one solve of the whole at the edges of tiles,
-    /// and takes time. With less than 64 px, what lies between is crossed cell by cell by the rays that enter.
+    /// and takes time. With less than 64 px, what lies between is crossed cell by cell by the rays that enter. Half of it, up
+    /// to 32 px, is the rim in which tiles pass into each other: with a margin below 2 px they have seams.
     pub halo: u32,
     /// Directions of the light that enters a tile. More are sharper shadows of distant lights, and take time and memory.
     pub columns: usize,
@@ -248,33 +249,39 @@ impl LitTiles<'_> {
         self.tiling.tiles()
     }
 
+    /// The width of the rim in which the light of a tile passes into that of the next, px.
+    pub fn rim(&self) -> u32 {
+        self.tiling.rim()
+    }
+
     /// Returns the light of a tile, the same in any order.
     ///
     /// # Errors
     /// Fails if the window is none of the tiles, if the source fails, or as [`Solver::solve`].
     pub fn light(&mut self, tile: GridWindow) -> Result<Light> {
-        tile.check(self.world.size())?;
         let Self { world, tiling, .. } = *self;
         let place = |tile: GridWindow| [tile.first[1], tile.first[0]];
-        let around: Vec<_> = tiling.around(tile).into_iter().map(|(one, _)| one).collect();
-        for &one in &around {
+        let around = tiling.around(tile)?.into_iter();
+        let around = around.map(|(one, _)| Ok((one, tiling.with_rim(one)?)));
+        let around = around.collect::<Result<Vec<_>>>()?;
+        for &(one, rim) in &around {
             if self.known.contains_key(&place(one)) {
                 continue;
             }
             if self.known.len() == self.capacity {
                 // Row by row, the first is needed no more.
-                let needed = |at: &[u32; 2]| around.iter().any(|one| place(*one) == *at);
+                let needed = |at: &[u32; 2]| around.iter().any(|(one, _)| place(*one) == *at);
                 if let Some(first) = self.known.keys().copied().find(|at| !needed(at)) {
                     self.known.remove(&first);
                 }
             }
             let cells = world.source.cells(world.far.around_tile(one))?;
-            let light = world.far.light_in(tiling.with_rim(one), one, cells)?;
+            let light = world.far.light_in(rim, one, cells)?;
             self.known.insert(place(one), light);
         }
-        let lights = around.iter().filter_map(|&tile| {
+        let lights = around.iter().filter_map(|&(tile, window)| {
             let light = self.known.get(&place(tile))?;
-            Some(LitTile { tile, window: tiling.with_rim(tile), light })
+            Some(LitTile { tile, window, light })
         });
         tiling.mixed(tile, &lights.collect::<Vec<_>>())
     }
@@ -285,7 +292,8 @@ impl LitTiles<'_> {
 /// Each reads some of the [`parts`](Self::parts). One [adds](Self::add) what they have read, in the order of the parts,
 /// and [finishes](Self::finish). As long as it [goes on](Self::goes_on), each finds the next [bounce](Self::bounce) of
 /// some parts, and these are added to the one [after](Self::after) it. Then any lights tiles from the cells there and
-/// from the [blocks](Self::blocks) that the tile needs. The light is that of [`World::light`], to the bit.
+/// from the [blocks](Self::blocks) that the tile needs. The light is that of [`World::light`], to the bit; for tiles without
+/// seams, light each [with its rim](Self::light_in), and [mix](Tiling::mixed) it with those around it.
 #[derive(Debug)]
 pub struct FarWorld {
     size: [u32; 2],
@@ -485,13 +493,10 @@ impl FarWorld {
     /// As [`Self::light`], and if the window lies elsewhere.
     pub fn light_in(&self, window: GridWindow, tile: GridWindow, cells: Cells) -> Result<Light> {
         tile.check(self.size)?;
+        window.check(self.size)?;
         let solved = self.solved(tile);
         if solved.common(window) != Some(window) {
-            return Err(Error::value(
-                "window",
-                format!("{window:?}"),
-                format!("within {solved:?}"),
-            ));
+            return Err(Error::value("window", window, format!("within {solved}")));
         }
         let cells = self.lit_from_afar(tile, cells, self.settings.columns)?;
         let light = self.surface_light(solved);

@@ -9,6 +9,8 @@ use wasm_bindgen_cli_support::Bindgen;
 pub fn write(program: &Path, name: &str, folder: &Path) -> Result<()> {
     let mut bindgen = Bindgen::new();
     bindgen.web(true)?.typescript(false).remove_name_section(true).remove_producers_section(true);
+    // Else the page would have to say where the program is.
+    bindgen.omit_default_module_path(false);
     bindgen.input_path(program).out_name(name);
     bindgen.generate(folder).with_context(|| program.display().to_string())
 }

@@ -10,7 +10,7 @@ const SIZE: [u32; 2] = [160, 120];
 fn light_at_a_quarter_of_the_range_equals_the_intensity_at_any_subcell_position() {
     let mut app = app();
     let image = target(&mut app, SIZE);
-    let rays = vec!["raymarch.rays=512".to_owned()];
+    let rays = vec!["raymarch.rays=128".to_owned()];
     camera(&mut app, &image, Lighting2d { method: LightMethod::Raymarch, set: rays, ..plain() });
     let light =
         PointLight2d { color: Color::linear_rgb(1.0, 0.5, 0.0), intensity: 0.75, ..default() };
@@ -153,7 +153,8 @@ fn negative_lamps_take_light_away_down_to_black() {
         let light = |intensity: f32| {
             let mut app = app();
             let image = target(&mut app, SIZE);
-            let eye = camera(&mut app, &image, Lighting2d { method, ..plain() });
+            let lighting = Lighting2d { method, quality: LightQuality::Fast, ..plain() };
+            let eye = camera(&mut app, &image, lighting);
             let ambient = AmbientLight2d { brightness: 0.0, ..default() };
             app.world_mut().entity_mut(eye).insert(ambient);
             let spot = |intensity| SpotLight2d {

@@ -23,20 +23,17 @@ const SIZE: [u32; 2] = [96, 72];
 /// With an emission of 1, the screen shows `colour × (light + 1)`. So both pictures have the same colours
 /// at the same pixels, except for the light that parts of the entity receive from each other.
 fn drawn_and_glowing(spawn: impl Fn(&mut App) -> Entity) -> [Picture; 2] {
-    [false, true].map(|glows| {
-        let mut app = app();
-        app.insert_resource(ClearColor(Color::BLACK));
-        let target = target(&mut app, SIZE);
-        let eye = camera(&mut app, &target, plain());
-        let entity = spawn(&mut app);
-        if glows {
-            app.world_mut().entity_mut(entity).insert(Matter2d::glow(1.0));
-        } else {
-            app.world_mut().entity_mut(eye).insert(AmbientLight2d { brightness: 1.0, ..default() });
-        }
-        begin(&mut app);
-        picture(&mut app, &target, 4)
-    })
+    let mut app = app();
+    app.insert_resource(ClearColor(Color::BLACK));
+    let target = target(&mut app, SIZE);
+    let eye = camera(&mut app, &target, plain());
+    let entity = spawn(&mut app);
+    app.world_mut().entity_mut(eye).insert(AmbientLight2d { brightness: 1.0, ..default() });
+    begin(&mut app);
+    let drawn = picture(&mut app, &target, 4);
+    app.world_mut().entity_mut(eye).remove::<AmbientLight2d>();
+    app.world_mut().entity_mut(entity).insert(Matter2d::glow(1.0));
+    [drawn, picture(&mut app, &target, 2)]
 }
 
 /// The largest fraction by which an entity lights itself: parts of a shape that is not convex see each

@@ -110,10 +110,10 @@ fn bounces_come_over_frames_unless_the_camera_says_otherwise() {
     camera(&mut app, &image, Lighting2d { bounces: LightBounces::Feedback, ..plain() });
     spawn_sprites(&mut app);
     begin(&mut app);
-    let seen = picture(&mut app, &image, 20);
+    let seen = picture(&mut app, &image, 8);
 
     let placed = placed([0.0, 0.0]);
     let cells = cells_of_sprites(&placed);
-    assert_eq!(mismatches(&seen, &placed, &cells, &light_with(20, &cells)), 0);
+    assert_eq!(mismatches(&seen, &placed, &cells, &light_with(8, &cells)), 0);
     assert!(mismatches(&seen, &placed, &cells, &light_with(1, &cells)) > 20);
 }

@@ -7,7 +7,7 @@ use crate::lit::ms;
 use crate::memory;
 use crate::output::{self, OutputFiles};
 use crate::progress::Progress;
-use lamplight::world::{World, WorldSettings};
+use lamplight::world::{Tiling, World, WorldSettings};
 use lamplight::{Cells, Display, GridWindow, Light, Method};
 use serde_json::{Value, json};
 use std::fs;
@@ -36,7 +36,8 @@ pub struct BakeArgs {
     #[arg(long, value_name = "PX", default_value_t = 1024,
           value_parser = clap::value_parser!(u32).range(64..=2048))]
     tile: u32,
-    /// The margin of a tile in px that is lit with it: wider is closer to one solve of the whole, and slower
+    /// The margin of a tile in px that is lit with it: wider is closer to one solve of the whole, and slower. In half of
+    /// it, up to 32 px, tiles pass into each other
     #[arg(long, value_name = "PX", default_value_t = WorldSettings::HALO,
           value_parser = clap::value_parser!(u32).range(0..=512))]
     halo: u32,
@@ -112,8 +113,9 @@ fn bake(args: &BakeArgs) -> Result {
     let source = scene.source()?;
     let outputs = OutputFiles::protecting(scene.files());
     output::make_directory(&args.output)?;
+    let rim = Tiling::new(size, args.tile, args.halo)?.rim();
     let mut manifest = json!({
-        "scene": scene.identity()?, "size": size, "tile": args.tile, "halo": args.halo,
+        "scene": scene.identity()?, "size": size, "tile": args.tile, "halo": args.halo, "rim": rim,
         "columns": width.div_ceil(args.tile), "rows": height.div_ceil(args.tile),
         "format": args.format.extension(), "settings": table, "display": display,
     });

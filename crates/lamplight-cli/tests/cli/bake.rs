@@ -1,6 +1,8 @@
 //! `lamplight bake`: worlds in tiles.
 
 use super::sandbox::Sandbox;
+use lamplight::world::{World, WorldSettings};
+use lamplight::{Light, Scene};
 use serde_json::Value;
 
 const WORLD: &str = r##"
@@ -48,6 +50,22 @@ fn tiles_make_the_picture_of_the_whole() {
     let manifest: Value = serde_json::from_slice(&sandbox.read("tiles/bake.json")).unwrap();
     assert_eq!((&manifest["columns"], &manifest["rows"]), (&2.into(), &2.into()));
     assert_eq!(manifest["settings"]["bounces"], 0);
+}
+
+#[test]
+fn tiles_pass_into_each_other_as_in_the_library() {
+    let sandbox = sandbox();
+    sandbox.run("bake world.toml -o tiles --tile 100 --format exr -q").done();
+    let scene = Scene::load(sandbox.path("world.toml")).unwrap();
+    let (cells, settings) = (scene.cells().unwrap(), scene.settings.resolve().unwrap());
+    let world = World::new(&cells, WorldSettings::new(settings), |_, _| ()).unwrap();
+    let mut tiles = world.light_tiles(100).unwrap();
+    let window = tiles.windows()[1];
+    let baked = image::load_from_memory(&sandbox.read("tiles/1-0.exr")).unwrap().to_rgb32f();
+    let has_light =
+        |light: &Light| baked.pixels().map(|pixel| pixel.0).eq(light.pixels().iter().copied());
+    assert!(has_light(&tiles.light(window).unwrap()));
+    assert!(!has_light(&world.light(window).unwrap()), "a tile that is not mixed passes");
 }
 
 #[test]

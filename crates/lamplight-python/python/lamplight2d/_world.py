@@ -44,7 +44,7 @@ class World:
         Its settings and its threads. By default those of the scene, or ``Solver()``.
     halo : int, optional
         The margin of a tile in px, in which matter is known cell by cell. More is closer to one solve of the whole, and
-        takes time.
+        takes time. In half of it, up to 32 px, tiles pass into each other.
     columns : int, optional
         Directions of the light that enters a tile. More are sharper shadows of distant lights, and take time and memory.
     shape : tuple of int, optional
@@ -133,7 +133,7 @@ class World:
                 if one not in known:
                     cells = self._reader(*self._far.around_tile(one))
                     known[one] = self._far.light(one, cells, tiling.with_rim(one))
-            yield tile, tiling.mixed(tile, [(one, tiling.with_rim(one), light) for one, light in known.items()])
+            yield tile, tiling.mixed(tile, [(one, tiling.with_rim(one), known[one]) for one in around])
 
     def light(self, y: int, x: int, height: int, width: int) -> Light:
         """Computes the light of a window, without the GIL.

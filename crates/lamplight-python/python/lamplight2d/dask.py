@@ -97,7 +97,7 @@ def light_world(
     """Lights a world tile by tile, each with the light of all.
 
     Workers read its parts and, bounce by bounce, what their surfaces send on; one of them makes the far field of that, and
-    each tile receives what it needs of it. With an open number of bounces (``"converged"``) one worker finds them all.
+    each tile receives what it needs of it, and of the light of the tiles beside it. With an open number of bounces (``"converged"``) one worker finds them all.
 
     Parameters
     ----------
@@ -183,10 +183,8 @@ def light_world(
     chunks = []
     for window in windows:
         # Of the tiles around it, no more than what it needs goes to its worker.
-        around = tiling.around(window)
-        pieces = [piece(light[one], rims[one], part) for one, part in around]
-        one = mixed(tiling, window, around, pieces)
-        chunks.append(da.from_delayed(one, (*window[2:], 3), np.float32))
+        pieces = [piece(light[one], rims[one], part) for one, part in tiling.around(window)]
+        chunks.append(da.from_delayed(mixed(tiling, window, pieces), (*window[2:], 3), np.float32))
     count = -(-empty.shape[1] // tile)
     return da.block([[[chunk] for chunk in chunks[i : i + count]] for i in range(0, len(chunks), count)])
 
@@ -353,12 +351,13 @@ def _tile(
 
 
 def _piece(light: np.ndarray, window: Window, part: Window) -> np.ndarray:
-    """The light of a part of a window."""
+    """The light of a part of a window, as an array of its own: a view would keep the whole in memory."""
     y, x = part[0] - window[0], part[1] - window[1]
-    return light[y : y + part[2], x : x + part[3]]
+    return light[y : y + part[2], x : x + part[3]].copy()
 
 
-def _mixed(tiling: Tiling, tile: Window, around: list[tuple[Window, Window]], pieces: list[np.ndarray]) -> np.ndarray:
+def _mixed(tiling: Tiling, tile: Window, pieces: list[np.ndarray]) -> np.ndarray:
+    around = tiling.around(tile)
     return tiling.mixed(tile, [(one, part, Light(rgb)) for (one, part), rgb in zip(around, pieces)]).rgb
 
 

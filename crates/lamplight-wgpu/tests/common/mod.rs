@@ -61,8 +61,8 @@ fn open_with(
     pollster::block_on(adapter.request_device(&descriptor)).unwrap()
 }
 
-/// The device of the tests of a program, and an instance of which others have what is compiled: most of the time of
-/// a small frame.
+/// The device of the tests of a program, and an instance whose pipelines the others share: to compile them is most of the
+/// time of a small frame.
 static SHARED: LazyLock<((Device, Queue), Mutex<Lighting>)> = LazyLock::new(|| {
     let (device, queue) = device_of(Tier::Web);
     let lighting = Lighting::new(&device, &queue, &on_gpu()).unwrap();

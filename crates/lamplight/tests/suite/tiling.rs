@@ -15,7 +15,7 @@ fn light_of(size: [u32; 2], rgb: impl Fn(usize) -> Rgb, moment: Option<Moment>) 
 
 /// The light of all tiles around one, by a value each; the tile itself may have a moment.
 fn mixed(tiling: &Tiling, tile: GridWindow, value: impl Fn(GridWindow) -> f32) -> Light {
-    let around = tiling.around(tile);
+    let around = tiling.around(tile).unwrap();
     let lit = |&(one, part): &(GridWindow, GridWindow)| {
         let v = value(one);
         light_of(part.size, |_| [v, 2.0 * v, 0.0], Some([[v; 3], [0.0; 3]]))
@@ -61,10 +61,12 @@ fn light_passes_from_tile_to_tile_in_small_steps() {
     }
     let at = |x: u32, y: u32| whole[(y * size[0] + x) as usize];
     let step = 1.0 / (2 * rim) as f32;
-    for y in 0..size[1] {
+    for y in 1..size[1] {
         for x in 1..size[0] {
-            let jump = at(x, y) - at(x - 1, y);
-            assert!((-1e-5..step + 1e-5).contains(&jump), "{jump} at {x}, {y}");
+            let [across, down] = [at(x, y) - at(x - 1, y), (at(x, y) - at(x, y - 1)) / 10.0];
+            for jump in [across, down] {
+                assert!((-1e-5..step + 1e-5).contains(&jump), "{jump} at {x}, {y}");
+            }
         }
     }
     // In the middle of a tile it is the tile's alone, at a border half of each.
@@ -76,7 +78,7 @@ fn light_passes_from_tile_to_tile_in_small_steps() {
 fn tiles_without_a_rim_are_not_mixed() {
     let tiling = Tiling::new([100, 40], 32, 0).unwrap();
     let tile = tiling.tiles()[1];
-    assert_eq!(tiling.around(tile), [(tile, tile)]);
+    assert_eq!(tiling.around(tile).unwrap(), [(tile, tile)]);
     let light = mixed(&tiling, tile, |_| 5.0);
     assert!(light.pixels().iter().all(|rgb| *rgb == [5.0, 10.0, 0.0]));
 }
@@ -88,7 +90,7 @@ fn what_is_missing_is_named() {
     let [tile, next] = [0, 1].map(|i| tiling.tiles()[i]);
     let (own, narrow) =
         (light_of([80, 64], |_| [1.0; 3], None), light_of([80, 64], |_| [1.0; 3], None));
-    let window = tiling.with_rim(tile);
+    let window = tiling.with_rim(tile).unwrap();
     let one = LitTile { tile, window, light: &own };
     let error = tiling.mixed(tile, &[one]).unwrap_err().to_string();
     assert!(error.contains("[64, 0]"), "{error}");
@@ -101,6 +103,30 @@ fn what_is_missing_is_named() {
     let error = tiling.mixed(tile, &[one, other]).unwrap_err().to_string();
     assert!(error.contains("light"), "{error}");
     // A window of another size than the light.
-    let other = LitTile { window: tiling.with_rim(next), ..other };
+    let other = LitTile { window: tiling.with_rim(next).unwrap(), ..other };
     assert!(tiling.mixed(tile, &[one, other]).is_err());
+    // Windows that are no tiles.
+    for (first, size) in
+        [([1, 0], [64; 2]), ([64, 0], [65, 64]), ([256, 0], [64; 2]), ([u32::MAX; 2], [2; 2])]
+    {
+        let window = GridWindow { first, size };
+        assert!(tiling.with_rim(window).is_err() && tiling.around(window).is_err(), "{window}");
+        assert!(tiling.mixed(window, &[]).is_err());
+    }
+}
+
+#[test]
+fn a_moment_that_a_neighbour_lacks_is_not_mixed() {
+    let tiling = Tiling::new([128, 64], 64, 32).unwrap();
+    let [tile, next] = [0, 1].map(|i| tiling.tiles()[i]);
+    let windows = [tile, next].map(|tile| tiling.with_rim(tile).unwrap());
+    let moment = [[0.5; 3], [0.0; 3]];
+    let own = light_of(windows[0].size, |_| [1.0; 3], Some(moment));
+    let other = light_of(windows[1].size, |_| [1.0; 3], None);
+    let lights = [
+        LitTile { tile, window: windows[0], light: &own },
+        LitTile { tile: next, window: windows[1], light: &other },
+    ];
+    let mixed = tiling.mixed(tile, &lights).unwrap();
+    assert!(mixed.moment().unwrap().iter().all(|found| *found == moment));
 }
