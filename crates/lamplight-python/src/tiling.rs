@@ -50,14 +50,15 @@ impl Tiling {
         tile: PyWindow,
         lights: Vec<(PyWindow, PyWindow, Py<Light>)>,
     ) -> PyResult<Light> {
-        let known = |(tile, part, light): &'_ (PyWindow, PyWindow, Py<Light>)| {
-            Ok((window(*tile)?, window(*part)?, light.get()))
-        };
-        let known = lights.iter().map(known).collect::<PyResult<Vec<_>>>()?;
-        let lights =
-            known.iter().map(|&(tile, window, light)| LitTile { tile, window, light: &light.0 });
-        let mixed = self.tiling.mixed(window(tile)?, &lights.collect::<Vec<_>>());
-        mixed.map(Light).map_err(value_error)
+        let known = lights
+            .iter()
+            .map(|(tile, part, light)| Ok((window(*tile)?, window(*part)?, light.get())))
+            .collect::<PyResult<Vec<_>>>()?;
+        let lights: Vec<_> = known
+            .iter()
+            .map(|&(tile, window, light)| LitTile { tile, window, light: &light.0 })
+            .collect();
+        self.tiling.mixed(window(tile)?, &lights).map(Light).map_err(value_error)
     }
 
     fn __getnewargs__(&self) -> ((u32, u32), u32, u32) {
