@@ -70,8 +70,8 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     steps.step("examples in the documentation", || cargo(&documentation))?;
     steps.step("the README's first command", readme::first_command)?;
     if all {
-        // Bevy's page takes long to check: `cargo xtask test --web` does.
-        page(&mut steps, &[&web::SANDBOX])?;
+        // Their lints take minutes: `cargo xtask test --web` has them.
+        page(&mut steps)?;
         match Environment::new()? {
             Some(environment) => {
                 steps.step("the package for Python", || python::test(&environment))?;
@@ -98,25 +98,24 @@ pub fn python() -> Result<()> {
     Ok(())
 }
 
-/// Builds the web page, and uses it in a browser.
+/// Lints the web pages, builds that of the sandbox, and uses it in a browser.
 pub fn web() -> Result<()> {
     let mut steps = Steps::new();
-    page(&mut steps, &[&web::SANDBOX, &web::BEVY])?;
+    if has_component("clippy", "clippy") {
+        steps.step("lints of the web pages", || {
+            web::ensure_target()?;
+            [web::SANDBOX, web::BEVY].iter().try_for_each(|page| {
+                cargo(&[&["clippy"], &page.program()[..], &["--", "-D", "warnings"]].concat())
+            })
+        })?;
+    }
+    page(&mut steps)?;
     steps.finish();
     Ok(())
 }
 
-/// Builds the page of the sandbox, after lints of some pages, and uses it in a browser.
-fn page(steps: &mut Steps, linted: &[&web::Page]) -> Result<()> {
-    steps.step("lints of the web pages", || {
-        web::ensure_target()?;
-        if has_component("clippy", "clippy") {
-            for page in linted {
-                cargo(&[&["clippy"], &page.program()[..], &["--", "-D", "warnings"]].concat())?;
-            }
-        }
-        Ok(())
-    })?;
+/// Builds the page of the sandbox, and uses it in a browser.
+fn page(steps: &mut Steps) -> Result<()> {
     steps.step("the web page", || web::SANDBOX.build().map(|_| ()))?;
     steps.step("the web page in a browser", || browser::test(&web::SANDBOX.folder()?))
 }
