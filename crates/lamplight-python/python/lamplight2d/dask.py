@@ -135,10 +135,10 @@ def light_world(
         far = None
     if tile < 1:
         raise ValueError(f"tile is {tile}; expected 1 or more px")
-    world_shape, around, solver, halo, columns, _ = empty.__getnewargs__()
+    world_shape, surrounding, solver, halo, columns, _ = empty.__getnewargs__()
     tiling = Tiling(world_shape, tile, halo)
     windows = tiling.tiles()
-    plan = (world_shape, around, solver.settings, solver.threads, halo, columns)
+    plan = (world_shape, surrounding, solver.settings, solver.threads, halo, columns)
     # A task of its own, so that a worker receives it once.
     shared = dask.delayed(reader, traverse=False, pure=False)
 
@@ -183,7 +183,8 @@ def light_world(
     chunks = []
     for window in windows:
         # Of the tiles around it, no more than what it needs goes to its worker.
-        pieces = [piece(light[one], rims[one], part) for one, part in tiling.around(window)]
+        around = tiling.around(window)
+        pieces = [light[one] if one == window else piece(light[one], rims[one], part) for one, part in around]
         chunks.append(da.from_delayed(mixed(tiling, window, pieces), (*window[2:], 3), np.float32))
     count = -(-empty.shape[1] // tile)
     return da.block([[[chunk] for chunk in chunks[i : i + count]] for i in range(0, len(chunks), count)])
@@ -357,8 +358,8 @@ def _piece(light: np.ndarray, window: Window, part: Window) -> np.ndarray:
 
 
 def _mixed(tiling: Tiling, tile: Window, pieces: list[np.ndarray]) -> np.ndarray:
-    around = tiling.around(tile)
-    return tiling.mixed(tile, [(one, part, Light(rgb)) for (one, part), rgb in zip(around, pieces)]).rgb
+    around = [(one, tiling.with_rim(one) if one == tile else part) for one, part in tiling.around(tile)]
+    return tiling.mixed(tile, [(one, window, Light(rgb)) for (one, window), rgb in zip(around, pieces)]).rgb
 
 
 def _trace(source: Scene | Cells, part: int, parts: int, samples: int, settings: dict[str, Any]) -> np.ndarray:
