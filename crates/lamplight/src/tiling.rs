@@ -22,7 +22,7 @@ const RIM: u32 = 32;
 
 /// The tiles of a world, which pass into each other.
 ///
-/// Light each one [with its rim](Self::with_rim) by [`FarWorld::light`](crate::world::FarWorld::light), then
+/// Light each one [with its rim](Self::with_rim) by [`FarWorld::light_in`](crate::world::FarWorld::light_in), then
 /// [mix](Self::mixed) it with those [around it](Self::around). [`World::light_tiles`](crate::world::World::light_tiles) does
 /// so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -249,11 +249,6 @@ impl LitTiles<'_> {
         self.tiling.tiles()
     }
 
-    /// The width of the rim in which the light of a tile passes into that of the next, px.
-    pub fn rim(&self) -> u32 {
-        self.tiling.rim()
-    }
-
     /// Returns the light of a tile, the same in any order.
     ///
     /// # Errors
