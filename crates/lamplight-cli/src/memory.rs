@@ -8,7 +8,7 @@ use crate::available_memory::available;
 use crate::error::{CliError, Result};
 use lamplight::scene::PICTURE_BYTES;
 use lamplight::settings::{MethodSettings, Variant};
-use lamplight::world::WorldSettings;
+use lamplight::world::{Tiling, WorldSettings};
 use lamplight::{Bounces, Lamp, Scene, Settings};
 use std::collections::HashSet;
 
@@ -101,8 +101,8 @@ pub fn estimate_world([width, height]: [u32; 2], tile: u32, settings: &WorldSett
     // Two rows of tiles and one around, with their rims.
     let [columns, rows] = [width, height].map(|side| u64::from(side.div_ceil(tile)));
     let tiles = (2 * columns + 3).min(columns * rows);
-    let rim = settings.halo.min(64);
-    let kept = tiles * u64::from(tile + rim).pow(2);
+    let rim = Tiling::new([width, height], tile, settings.halo).map_or(0, |tiling| tiling.rim());
+    let kept = tiles * u64::from(tile + 2 * rim).pow(2);
     let of_kept: u64 = KEPT.iter().sum();
     BASE + PICTURE_BYTES.min(cells.saturating_mul(PIXELS))
         + solved.saturating_mul(of_method(&settings.solver) + INFLOW)

@@ -33,6 +33,12 @@ impl Tiling {
         self.tiling.tiles().into_iter().map(of_window).collect()
     }
 
+    /// The width of the rim, px.
+    #[getter]
+    fn rim(&self) -> u32 {
+        self.tiling.rim()
+    }
+
     /// Returns a tile with its rim.
     fn with_rim(&self, tile: PyWindow) -> PyResult<PyWindow> {
         self.tiling.with_rim(window(tile)?).map(of_window).map_err(value_error)

@@ -109,10 +109,21 @@ class Sandbox {
     return [place.x + (x / columns) * place.width, place.y + (y / rows) * place.height];
   }
 
-  async close() {
+  /// Fails if the page or the browser complained.
+  well() {
     check(this.faults.length === 0, this.faults.slice(0, 3).join("\n"));
+  }
+
+  async close() {
+    this.well();
     await this.page.context().close();
   }
+}
+
+/// The page by WebGPU. Tests share it, as a GPU in software takes a minute to compile its shaders.
+async function onGpu(shared) {
+  shared.sandbox ??= await Sandbox.open(shared.gpu, `backend=gpu&size=${CELLS}`);
+  return shared.sandbox;
 }
 
 function check(holds, words) {
@@ -231,28 +242,18 @@ const TESTS = {
     return `${Object.keys(texts).length} of them`;
   },
 
-  async "the page shows light, by WebGPU"({ gpu, pictures }) {
-    const sandbox = await Sandbox.open(gpu, `backend=gpu&size=${CELLS}`);
+  async "the page shows light, by WebGPU"(shared) {
+    const sandbox = await onGpu(shared);
     await sandbox.play(SCENE);
     const light = await lit(sandbox, "the page");
-    pictures.gpu = await sandbox.picture();
+    shared.pictures.gpu = await sandbox.picture();
     check((await sandbox.play("tell")).join() === "all is well", "something went wrong");
-    await sandbox.close();
+    sandbox.well();
     return `after ${sandbox.loaded} ms, mean ${light.toFixed(1)}`;
   },
 
-  async "a mouse paints"({ gpu }) {
-    const sandbox = await Sandbox.open(gpu, `backend=gpu&size=${CELLS}`);
-    const told = await draws(sandbox, mouse(sandbox));
-    // Light comes back from the GPU for it.
-    const [[name, png]] = await downloads(sandbox, "picture", 1);
-    check(name.endsWith(".png") && png.subarray(1, 4).toString() === "PNG", `${name} is no PNG`);
-    await sandbox.close();
-    return told;
-  },
-
-  async "every world and method shows light"({ gpu, pictures }) {
-    const sandbox = await Sandbox.open(gpu, `backend=gpu&size=${CELLS}`);
+  async "every world and method shows light"(shared) {
+    const sandbox = await onGpu(shared);
     const told = [];
     const look = async (what, lines) => {
       const words = await sandbox.play(`${lines}frames 3\ntell`);
@@ -261,15 +262,25 @@ const TESTS = {
     };
     for (const world of ["bodies", "sand", "room", "paint"]) {
       await look(world, `${LIGHT}world ${world}\n`);
-      if (world === "room") pictures.room = await sandbox.picture();
+      if (world === "room") shared.pictures.room = await sandbox.picture();
     }
     for (const method of ["holographic", "cascades", "flood"]) {
       await look(method, `set method=${method}\n`);
     }
     const refused = await sandbox.play("world sand\nset method=polar\nframes 3\ntell");
     check(refused.join().includes("lights lamps only"), `polar in sand says: ${refused}`);
-    await sandbox.close();
+    sandbox.well();
     return told.join(", ");
+  },
+
+  async "a mouse paints"(shared) {
+    const sandbox = await onGpu(shared);
+    const told = await draws(sandbox, mouse(sandbox));
+    // Light comes back from the GPU for it.
+    const [[name, png]] = await downloads(sandbox, "picture", 1);
+    check(name.endsWith(".png") && png.subarray(1, 4).toString() === "PNG", `${name} is no PNG`);
+    sandbox.well();
+    return told;
   },
 
   async "without WebGPU the CPU shows the same scene"({ plain, pictures }) {
@@ -347,8 +358,8 @@ const TESTS = {
     return files.map(([name]) => name).join(", ");
   },
 
-  async "a finger paints, on a phone"({ gpu }) {
-    const sandbox = await Sandbox.open(gpu, `backend=gpu&size=${CELLS}`, { device: PHONE });
+  async "a finger paints, on a phone"({ plain }) {
+    const sandbox = await Sandbox.open(plain, `backend=cpu&size=${CELLS}`, { device: PHONE });
     const place = await sandbox.place();
     const share = place.width / PHONE.viewport.width;
     check(share > 0.9, `the picture has ${(100 * share).toFixed(0)} % of the width`);
@@ -374,6 +385,7 @@ for (const [name, test] of Object.entries(TESTS)) {
     failed += 1;
     console.log(`FAILED after ${seconds()}: ${name}: ${why.message}`);
     // What it left open would slow down the others.
+    shared.sandbox = undefined;
     await Promise.all([gpu, plain].flatMap((b) => b.contexts()).map((context) => context.close()));
   }
 }

@@ -10,6 +10,7 @@ The project's chores: cargo xtask CHORE
 
   test             Format, lints, tests of the light crates, generated files, the README's first command
     --all          and Bevy, the sandbox, its web page, slow tests, dependencies, packages
+    --lints        only Clippy, of everything, the web pages too
     --python       only the package for Python, in an environment of its own
     --web          only the web page, in a browser
     --without-gpu  without the tests that need a GPU, a software one at least
@@ -37,11 +38,20 @@ const PORT: u16 = 8080;
 #[derive(Debug, PartialEq)]
 pub enum Chore {
     Help,
-    Test { all: bool, web: bool, python: bool, gpu: bool },
+    Test { all: bool, only: Only, gpu: bool },
     Lint { baseline: bool, list: bool },
     Web { bevy: bool, serve: Option<u16> },
     Docs(Part),
     Generate { what: &'static str, check: bool },
+}
+
+/// The part of the tests that runs alone.
+#[derive(Debug, PartialEq)]
+pub enum Only {
+    Nothing,
+    Lints,
+    Python,
+    Web,
 }
 
 /// Reads the arguments after the program's name.
@@ -50,7 +60,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Chore> {
     let mut chore = match parser.next()? {
         None | Some(Short('h') | Long("help")) => return Ok(Chore::Help),
         Some(Value(name)) => match name.to_str() {
-            Some("test") => Chore::Test { all: false, web: false, python: false, gpu: true },
+            Some("test") => Chore::Test { all: false, only: Only::Nothing, gpu: true },
             Some("lint") => Chore::Lint { baseline: false, list: false },
             Some("web") => Chore::Web { bevy: false, serve: None },
             Some("docs") => Chore::Docs(Part::All),
@@ -67,8 +77,9 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Chore> {
         }
         match (&mut chore, flag) {
             (Chore::Test { all, .. }, Long("all")) => *all = true,
-            (Chore::Test { web, .. }, Long("web")) => *web = true,
-            (Chore::Test { python, .. }, Long("python")) => *python = true,
+            (Chore::Test { only, .. }, Long("lints")) => *only = Only::Lints,
+            (Chore::Test { only, .. }, Long("python")) => *only = Only::Python,
+            (Chore::Test { only, .. }, Long("web")) => *only = Only::Web,
             (Chore::Test { gpu, .. }, Long("without-gpu")) => *gpu = false,
             (Chore::Lint { baseline, .. }, Long("baseline")) => *baseline = true,
             (Chore::Lint { list, .. }, Long("list")) => *list = true,
@@ -104,13 +115,14 @@ mod tests {
             ("", Chore::Help),
             ("--help", Chore::Help),
             ("web --help", Chore::Help),
-            ("test", Chore::Test { all: false, web: false, python: false, gpu: true }),
+            ("test", Chore::Test { all: false, only: Only::Nothing, gpu: true }),
             (
                 "test --all --without-gpu",
-                Chore::Test { all: true, web: false, python: false, gpu: false },
+                Chore::Test { all: true, only: Only::Nothing, gpu: false },
             ),
-            ("test --web", Chore::Test { all: false, web: true, python: false, gpu: true }),
-            ("test --python", Chore::Test { all: false, web: false, python: true, gpu: true }),
+            ("test --lints", Chore::Test { all: false, only: Only::Lints, gpu: true }),
+            ("test --web", Chore::Test { all: false, only: Only::Web, gpu: true }),
+            ("test --python", Chore::Test { all: false, only: Only::Python, gpu: true }),
             ("lint --list", Chore::Lint { baseline: false, list: true }),
             ("web --serve", Chore::Web { bevy: false, serve: Some(PORT) }),
             ("web --serve 80 --bevy", Chore::Web { bevy: true, serve: Some(80) }),

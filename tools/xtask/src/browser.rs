@@ -1,7 +1,7 @@
 //! The page in a browser without a window: `cargo xtask test --web`.
 
 use crate::apt;
-use crate::process::{command, finish, on_path, root, target_folder};
+use crate::process::{built, finish, on_path, root, target_folder};
 use crate::web::SERVER;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -18,16 +18,12 @@ const DRIVER: [&str; 2] = ["nodejs", "npm"];
 /// The npm package that drives it.
 const LIBRARY: &str = "playwright-core";
 
-/// Opens a page, and judges it by `browser/test.mjs`.
-pub fn test(page: &Path) -> Result<()> {
+/// Opens a page, and judges it by `browser/test.mjs`. `generate` runs `lamplight-generate`.
+pub fn test(page: &Path, mut generate: Command) -> Result<()> {
     let browser = browser()?;
     library()?;
     // A browser reads WGSL more strictly than naga does.
-    // In release: that is what the README's first command has built of it. By the dev profile all of it would be
-    // compiled again, as a package by itself selects other features than the workspace.
-    let shaders = command(root())
-        .args(["run", "--release", "--quiet", "--package", "lamplight-generate", "--", "shaders"])
-        .output()?;
+    let shaders = generate.arg("shaders").output().context("cannot print the shaders")?;
     ensure!(shaders.status.success(), "{}", String::from_utf8_lossy(&shaders.stderr));
     let file = target_folder()?.join("web/shaders.json");
     fs::write(&file, shaders.stdout)?;
@@ -49,8 +45,7 @@ struct Server {
 
 impl Server {
     fn new(page: &Path) -> Result<Self> {
-        let program = target_folder()?.join("debug").join(SERVER);
-        let mut process = Command::new(program)
+        let mut process = Command::new(built(SERVER)?)
             .arg(page)
             .args(["--serve", "0"])
             .stdout(Stdio::piped())

@@ -19,7 +19,7 @@ mod test;
 mod web;
 
 use anyhow::Result;
-use args::Chore;
+use args::{Chore, Only};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -38,8 +38,9 @@ fn run() -> Result<()> {
             print!("{}", args::HELP);
             Ok(())
         }
-        Chore::Test { web: true, .. } => test::web(),
-        Chore::Test { python: true, .. } => test::python(),
+        Chore::Test { only: Only::Lints, .. } => test::lints(),
+        Chore::Test { only: Only::Python, .. } => test::python(),
+        Chore::Test { only: Only::Web, .. } => test::web(),
         Chore::Test { all, gpu, .. } => test::run(all, gpu),
         Chore::Lint { baseline, list } => lint::run(baseline, list),
         Chore::Web { bevy, serve } => {

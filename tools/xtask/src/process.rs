@@ -22,6 +22,13 @@ pub fn cargo(arguments: &[&str]) -> Result<()> {
     finish(command(root()).args(arguments))
 }
 
+/// The path of a program that the tests have built. By itself, its package would select other features of its
+/// dependencies than the workspace does, and compile them again.
+pub fn built(program: &str) -> Result<PathBuf> {
+    let path = target_folder()?.join("debug").join(program);
+    Ok(path.with_extension(std::env::consts::EXE_EXTENSION))
+}
+
 /// Runs a program of the workspace, built by the dev profile.
 pub fn tool(package: &str, arguments: &[&str]) -> Result<()> {
     finish(command(root()).args(["run", "--quiet", "--package", package, "--"]).args(arguments))

@@ -68,14 +68,15 @@ pub fn test(environment: &Environment) -> Result<()> {
     if has_component("clippy", "clippy") {
         let mut clippy = command(&package);
         // The command too: only here it is built without the GPU.
-        clippy.args(["clippy", "--release", "--locked", "--no-deps"]);
+        clippy.args(["clippy", "--locked", "--no-deps"]);
         clippy.args(["--package", "lamplight-python", "--package", "lamplight-cli"]);
         clippy.args(["--", "-D", "warnings"]);
         finish(clippy.env("CARGO_TARGET_DIR", &target).env("PYO3_PYTHON", &python))?;
     }
     let wheels = folder.join("wheels");
     let mut build = Command::new(programs.join("maturin"));
-    build.args(["build", "--quiet", "--release", "--locked", "--interpreter"]).arg(&python);
+    // By the dev profile, whose dependencies the other tests have built.
+    build.args(["build", "--quiet", "--locked", "--interpreter"]).arg(&python);
     build.arg("--out").arg(&wheels).env("CARGO_TARGET_DIR", &target);
     finish(build.current_dir(&package))?;
     let again = ["--force-reinstall", "--no-deps", "--no-index", "--find-links"];

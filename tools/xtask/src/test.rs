@@ -5,11 +5,12 @@
 //! `#[ignore = "slow: …"]`.
 
 use crate::optional::has_component;
-use crate::process::cargo;
+use crate::process::{built, cargo, command, root};
 use crate::python::Environment;
 use crate::steps::Steps;
 use crate::{browser, display, gpu, lint, publish, python, readme, web};
 use anyhow::{Result, bail};
+use std::process::Command;
 
 /// Packages of the first tier.
 const LIGHT: [&str; 7] = [
@@ -24,6 +25,9 @@ const LIGHT: [&str; 7] = [
 
 /// Other plugins for Bevy, side by side with ours: with theirs, all of Bevy would be built again.
 const BENCH: &str = "bevy_lamplight_bench";
+
+/// The program that prints the shaders.
+const GENERATE: &str = "lamplight-generate";
 
 /// Packages whose tests all need a GPU.
 const OF_THE_GPU: [&str; 2] = ["lamplight-wgpu", "bevy_lamplight"];
@@ -40,10 +44,8 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     }
     steps.step("lints of our own", || lint::run(false, false))?;
     if has_component("clippy", "clippy") {
-        let mut lints = vec!["clippy", "--all-targets"];
-        lints.extend(packages(all, true));
-        lints.extend(["--", "-D", "warnings"]);
-        steps.step("lints", || cargo(&lints))?;
+        // Of the others they take minutes more: `cargo xtask test --lints` has them.
+        steps.step("lints of the light crates", || clippy(&all_targets(false)))?;
     }
     let mut tests = vec!["test"];
     tests.extend(packages(all, with_gpu));
@@ -70,8 +72,7 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     steps.step("examples in the documentation", || cargo(&documentation))?;
     steps.step("the README's first command", readme::first_command)?;
     if all {
-        // Their lints take minutes: `cargo xtask test --web` has them.
-        page(&mut steps)?;
+        page(&mut steps, Command::new(built(GENERATE)?))?;
         match Environment::new()? {
             Some(environment) => {
                 steps.step("the package for Python", || python::test(&environment))?;
@@ -87,6 +88,31 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     Ok(())
 }
 
+/// Runs Clippy on everything but the package for Python, natively and for the web.
+pub fn lints() -> Result<()> {
+    let mut steps = Steps::new();
+    if !has_component("clippy", "clippy") {
+        bail!("the lints need Clippy");
+    }
+    steps.step("lints", || clippy(&all_targets(true)))?;
+    steps.step("lints of the web pages", || {
+        web::ensure_target()?;
+        [web::SANDBOX, web::BEVY].iter().try_for_each(|page| clippy(&page.program()))
+    })?;
+    steps.finish();
+    Ok(())
+}
+
+/// Cargo's arguments that select a tier's packages with their tests, examples and benches.
+fn all_targets(all: bool) -> Vec<&'static str> {
+    [&["--all-targets"], &packages(all, true)[..]].concat()
+}
+
+/// Runs Clippy on what Cargo's arguments select, and takes its warnings for errors.
+fn clippy(selected: &[&str]) -> Result<()> {
+    cargo(&[&["clippy"], selected, &["--", "-D", "warnings"]].concat())
+}
+
 /// Builds the package for Python, and tests it.
 pub fn python() -> Result<()> {
     let mut steps = Steps::new();
@@ -98,26 +124,20 @@ pub fn python() -> Result<()> {
     Ok(())
 }
 
-/// Lints the web pages, builds that of the sandbox, and uses it in a browser.
+/// Builds the page of the sandbox, and uses it in a browser.
 pub fn web() -> Result<()> {
     let mut steps = Steps::new();
-    if has_component("clippy", "clippy") {
-        steps.step("lints of the web pages", || {
-            web::ensure_target()?;
-            [web::SANDBOX, web::BEVY].iter().try_for_each(|page| {
-                cargo(&[&["clippy"], &page.program()[..], &["--", "-D", "warnings"]].concat())
-            })
-        })?;
-    }
-    page(&mut steps)?;
+    let mut generate = command(root());
+    generate.args(["run", "--quiet", "--package", GENERATE, "--"]);
+    page(&mut steps, generate)?;
     steps.finish();
     Ok(())
 }
 
 /// Builds the page of the sandbox, and uses it in a browser.
-fn page(steps: &mut Steps) -> Result<()> {
+fn page(steps: &mut Steps, generate: Command) -> Result<()> {
     steps.step("the web page", || web::SANDBOX.build().map(|_| ()))?;
-    steps.step("the web page in a browser", || browser::test(&web::SANDBOX.folder()?))
+    steps.step("the web page in a browser", || browser::test(&web::SANDBOX.folder()?, generate))
 }
 
 /// Cargo's arguments that select a tier's packages.

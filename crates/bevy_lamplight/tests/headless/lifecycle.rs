@@ -127,13 +127,13 @@ fn gpu_objects_do_not_accumulate() {
     app.world_mut().spawn((PointLight2d::default(), Transform::from_xyz(-5.0, 5.0, 0.0)));
     begin(&mut app);
     let shift = |app: &mut App, frame: u32| {
-        let x = 2.0 * (frame % 20) as f32 - 20.0;
+        let x = 4.0 * (frame % 10) as f32 - 20.0;
         app.world_mut().entity_mut(lamp).insert(Transform::from_xyz(x, 0.0, 0.0));
     };
-    least_held(&mut app, 0..20, shift);
-    let early = least_held(&mut app, 20..40, shift);
-    least_held(&mut app, 40..80, shift);
-    let late = least_held(&mut app, 80..100, shift);
+    least_held(&mut app, 0..10, shift);
+    let early = least_held(&mut app, 10..20, shift);
+    least_held(&mut app, 20..40, shift);
+    let late = least_held(&mut app, 40..50, shift);
     println!("buffers, textures, views, bind groups, pipelines, bytes: {early:?}, {late:?}");
     assert!(early[0] > 10, "the counters count");
     assert!(late.iter().zip(early).all(|(late, early)| *late <= early), "{early:?}, {late:?}");
@@ -151,8 +151,8 @@ fn normal_maps_cost_nothing_before_they_come_and_after_they_are_gone() {
     let mapped = app.world_mut().spawn((sprite, Transform::from_xyz(12.0, 0.0, 0.0))).id();
     begin(&mut app);
     let steady = |app: &mut App| {
-        (0..20).for_each(|_| app.update());
-        least_held(app, 0..20, |_, _| {})
+        (0..10).for_each(|_| app.update());
+        least_held(app, 0..10, |_, _| {})
     };
     let before = steady(&mut app);
     app.world_mut().entity_mut(mapped).insert(map);

@@ -22,7 +22,7 @@ const RING: f64 = 40.0;
 fn methods() -> [(&'static str, MethodSettings, f64); 4] {
     let holographic = |preset| Holographic::preset(preset).unwrap().into();
     [
-        ("raymarch", Raymarch { rays: 1024, ..Raymarch::default() }.into(), 0.01),
+        ("raymarch", Raymarch { rays: 512, ..Raymarch::default() }.into(), 0.01),
         ("cascades", Cascades::default().into(), 0.025),
         ("holographic", holographic("default"), 0.015),
         ("holographic, quality", holographic("quality"), 0.01),
