@@ -184,6 +184,19 @@ def test_a_world_has_the_same_bytes_everywhere(cluster, client, world):
     assert not np.array_equal(dark.compute(), world)
 
 
+def test_ray_gives_the_same_bytes(world):
+    ray = pytest.importorskip("ray", reason="not installed")
+    pytest.importorskip("ray.util.dask", reason="needs pandas", exc_type=ImportError)
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    try:
+        frames = ll.dask.render_frames(map(frame, TURNS), SOLVER)
+        lit = ll.dask.light_world(world_arrays(), tile=128, lamps=LAMPS, **WORLD)
+        for lazy, expected in [(frames, loop()), (lit, world)]:
+            np.testing.assert_array_equal(lazy.compute(scheduler=ray.util.dask.ray_dask_get), expected)
+    finally:
+        ray.shutdown()
+
+
 @pytest.mark.parametrize("bounces", [0, 2, "converged"])
 def test_bounces_of_workers_have_the_bytes_of_one_machine(cluster, client, world, bounces):
     """A fixed number is found by all workers, part by part, and an open one by one of them."""

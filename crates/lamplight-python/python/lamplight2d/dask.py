@@ -97,7 +97,8 @@ def light_world(
     """Lights a world tile by tile, each with the light of all.
 
     Workers read its parts and, bounce by bounce, what their surfaces send on; one of them makes the far field of that, and
-    each tile receives what it needs of it, and of the light of the tiles beside it. With an open number of bounces (``"converged"``) one worker finds them all.
+    each tile receives what it needs of it, and of the light of the tiles beside it. With an open number of bounces
+    (``"converged"``) one worker finds them all.
 
     Parameters
     ----------
