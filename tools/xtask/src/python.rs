@@ -11,11 +11,12 @@ pub const NEEDED: &str =
     "Python 3.10 or later as `python3`, with venv, and packages of its registry";
 
 /// The contents of the environment: the builder, the package's dependencies, the tests'.
-const PACKAGES: [&str; 7] = [
+const PACKAGES: [&str; 8] = [
     "maturin>=1.16,<2",
     "numpy",
     "dask[array,distributed]",
     "pytest",
+    "pytest-xdist",
     "mypy",
     "matplotlib",
     "zarr>=3; python_version >= '3.11'",
@@ -81,5 +82,7 @@ pub fn test(environment: &Environment) -> Result<()> {
     finish(build.current_dir(&package))?;
     let again = ["--force-reinstall", "--no-deps", "--no-index", "--find-links"];
     finish(environment.install(&again).arg(&wheels).arg("lamplight2d"))?;
-    finish(environment.python().args(["-m", "pytest", "--quiet"]).current_dir(&package))
+    // Solvers of one thread leave a core idle; the tests of a file share a cluster.
+    let parallel = ["-m", "pytest", "--quiet", "-n", "2", "--dist", "loadfile"];
+    finish(environment.python().args(parallel).current_dir(&package))
 }
