@@ -22,16 +22,23 @@ pub fn cargo(arguments: &[&str]) -> Result<()> {
     finish(command(root()).args(arguments))
 }
 
-/// The path of a program that the tests have built. By itself, its package would select other features of its
-/// dependencies than the workspace does, and compile them again.
+/// The path of a program that was built before by the dev profile. [`program`] would build that of the tests again, as its
+/// package by itself selects other features of its dependencies than the workspace does.
 pub fn built(program: &str) -> Result<PathBuf> {
     let path = target_folder()?.join("debug").join(program);
     Ok(path.with_extension(std::env::consts::EXE_EXTENSION))
 }
 
-/// Runs a program of the workspace, built by the dev profile.
+/// A program of the workspace, built by the dev profile when it runs.
+pub fn program(package: &str) -> Command {
+    let mut program = command(root());
+    program.args(["run", "--quiet", "--package", package, "--"]);
+    program
+}
+
+/// Runs a program of the workspace.
 pub fn tool(package: &str, arguments: &[&str]) -> Result<()> {
-    finish(command(root()).args(["run", "--quiet", "--package", package, "--"]).args(arguments))
+    finish(program(package).args(arguments))
 }
 
 /// Runs a command to its end; an error unless it succeeds.

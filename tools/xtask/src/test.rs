@@ -5,7 +5,7 @@
 //! `#[ignore = "slow: …"]`.
 
 use crate::optional::has_component;
-use crate::process::{built, cargo, command, root};
+use crate::process::{built, cargo, program};
 use crate::python::Environment;
 use crate::steps::Steps;
 use crate::{browser, display, gpu, lint, publish, python, readme, web};
@@ -127,9 +127,7 @@ pub fn python() -> Result<()> {
 /// Builds the page of the sandbox, and uses it in a browser.
 pub fn web() -> Result<()> {
     let mut steps = Steps::new();
-    let mut generate = command(root());
-    generate.args(["run", "--quiet", "--package", GENERATE, "--"]);
-    page(&mut steps, generate)?;
+    page(&mut steps, program(GENERATE))?;
     steps.finish();
     Ok(())
 }
