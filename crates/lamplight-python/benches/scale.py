@@ -23,7 +23,7 @@ from lamplight2d._world import COLUMNS, HALO, prepare
 SIDE, LIT, TILE, PART = 4096, 2048, 512, 1024
 """Of the world whose steps are measured, of the one that workers light, of small tiles, and of parts and large tiles, px."""
 WORKERS = [1, 2, 4, 8]
-ROUNDS = 4
+ROUNDS = 8
 """Loops and Dask take turns; of each the fastest round counts, as other programs slow the others down."""
 SOLVER = ll.Solver(threads=1)
 BOUNCES: int = SOLVER.settings["bounces"]

@@ -68,6 +68,7 @@ const FILES: &[(&str, &str)] = files! {
     "methods/holographic/footprint"
     "methods/holographic/gather"
     "methods/holographic/interval"
+    "methods/holographic/light_pair"
     "methods/holographic/merge"
     "methods/holographic/packed_rgb"
     "methods/holographic/paper/extend"

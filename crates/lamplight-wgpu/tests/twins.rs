@@ -58,6 +58,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ),
     ("wgsl holographic feedback", "part of bounce.rs"),
     ("wgsl holographic footprint", "part of trace.rs, imported by trace and gather"),
+    ("wgsl holographic light_pair", "how buffers store the light of cones"),
     ("wgsl holographic packed_rgb", "how buffers store radiance"),
     ("wgsl holographic quadrant", "the quadrants that share a dispatch"),
     ("wgsl holographic sky", "part of merge.rs"),

@@ -9,8 +9,8 @@ pub const HELP: &str = "\
 The project's chores: cargo xtask CHORE
 
   test             Format, lints, tests of the light crates, generated files, the README's first command
-    --all          and Bevy, the sandbox, its web page, slow tests, dependencies, packages
-    --lints        only Clippy, of all but the package for Python, the web pages too
+    --all          and Bevy, the sandbox, its web page, slow tests, dependencies, packages, but no Clippy
+    --lints        only Clippy, of everything
     --python       only the package for Python, in an environment of its own
     --web          only the web page, in a browser
     --without-gpu  without the tests that need a GPU, a software one at least

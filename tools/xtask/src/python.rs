@@ -57,22 +57,29 @@ impl Environment {
     }
 }
 
-/// Builds the wheel, installs it, checks its Rust, and runs its tests.
+fn package() -> PathBuf {
+    root().join("crates/lamplight-python")
+}
+
+/// Runs Clippy on its Rust.
+pub fn lints(environment: &Environment) -> Result<()> {
+    let mut clippy = command(&package());
+    // The command too: only here it is built without the GPU.
+    clippy.args(["clippy", "--locked", "--no-deps"]);
+    clippy.args(["--package", "lamplight-python", "--package", "lamplight-cli"]);
+    clippy.args(["--", "-D", "warnings"]);
+    let python = environment.programs.join("python");
+    finish(clippy.env("CARGO_TARGET_DIR", target_folder()?).env("PYO3_PYTHON", python))
+}
+
+/// Builds the wheel, installs it, and runs its tests.
 pub fn test(environment: &Environment) -> Result<()> {
     let Environment { folder, programs } = environment;
     let target = target_folder()?;
     let python = programs.join("python");
-    let package = root().join("crates/lamplight-python");
+    let package = package();
     if has_component("fmt", "rustfmt") {
         finish(command(&package).args(["fmt", "--check"]))?;
-    }
-    if has_component("clippy", "clippy") {
-        let mut clippy = command(&package);
-        // The command too: only here it is built without the GPU.
-        clippy.args(["clippy", "--locked", "--no-deps"]);
-        clippy.args(["--package", "lamplight-python", "--package", "lamplight-cli"]);
-        clippy.args(["--", "-D", "warnings"]);
-        finish(clippy.env("CARGO_TARGET_DIR", &target).env("PYO3_PYTHON", &python))?;
     }
     let wheels = folder.join("wheels");
     let mut build = Command::new(programs.join("maturin"));

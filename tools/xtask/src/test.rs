@@ -2,7 +2,7 @@
 //!
 //! Two tiers. The first is what a contributor waits for: the crates that compile in minutes, and their
 //! quick tests. `--all` adds Bevy, the sandbox, the browser, what is published, and the tests marked
-//! `#[ignore = "slow: …"]`.
+//! `#[ignore = "slow: …"]`, and leaves Clippy to `--lints`.
 
 use crate::optional::has_component;
 use crate::process::{built, cargo, program};
@@ -43,9 +43,9 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
         steps.step("format", || cargo(&["fmt", "--all", "--check"]))?;
     }
     steps.step("lints of our own", || lint::run(false, false))?;
-    if has_component("clippy", "clippy") {
-        // Of the others they take minutes more: `cargo xtask test --lints` has them.
-        steps.step("lints of the light crates", || clippy(&all_targets(false)))?;
+    // With everything else they take too long for one job: `cargo xtask test --lints` is another.
+    if !all && has_component("clippy", "clippy") {
+        steps.step("lints", || clippy(&all_targets(false)))?;
     }
     let mut tests = vec!["test"];
     tests.extend(packages(all, with_gpu));
@@ -88,7 +88,7 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     Ok(())
 }
 
-/// Runs Clippy on everything but the package for Python, natively and for the web.
+/// Runs Clippy on everything, natively and for the web.
 pub fn lints() -> Result<()> {
     let mut steps = Steps::new();
     if !has_component("clippy", "clippy") {
@@ -99,6 +99,12 @@ pub fn lints() -> Result<()> {
         web::ensure_target()?;
         [web::SANDBOX, web::BEVY].iter().try_for_each(|page| clippy(&page.program()))
     })?;
+    match Environment::new()? {
+        Some(environment) => {
+            steps.step("lints of the package for Python", || python::lints(&environment))?;
+        }
+        None => println!("== the package for Python is left out; it needs {}", python::NEEDED),
+    }
     steps.finish();
     Ok(())
 }

@@ -176,17 +176,17 @@ def light_world(
             far = dask.delayed(settled, pure=False)(shared, far)
     else:
         far = dask.delayed(far, traverse=False, pure=False)
-    lit, piece, mixed = (dask.delayed(task, pure=False) for task in (_tile, _piece, _mixed))
+    lit, ring, mixed = (dask.delayed(task, pure=False) for task in (_tile, _ring, _mixed))
     rims = {one: tiling.with_rim(one) for one in windows}
     light = {
         one: lit(plan, cut(far, one), one, rims[one], *cells(empty.around_tile(one))) for one in windows
     }
+    # Of the tiles around it, no more than their rims go to its worker. One task for each would cost more than the bytes.
+    rings = {one: ring(light[one], rims[one], one) for one in windows}
     chunks = []
     for window in windows:
-        # Of the tiles around it, no more than what it needs goes to its worker.
-        around = tiling.around(window)
-        pieces = [light[one] if one == window else piece(light[one], rims[one], part) for one, part in around]
-        chunks.append(da.from_delayed(mixed(tiling, window, pieces), (*window[2:], 3), np.float32))
+        around = [light[one] if one == window else rings[one] for one, _ in tiling.around(window)]
+        chunks.append(da.from_delayed(mixed(tiling, window, around), (*window[2:], 3), np.float32))
     count = -(-empty.shape[1] // tile)
     return da.block([[[chunk] for chunk in chunks[i : i + count]] for i in range(0, len(chunks), count)])
 
@@ -352,15 +352,45 @@ def _tile(
     return _far_world(plan).with_blocks(blocks).light(tile, reader(*arguments), rim).rgb
 
 
-def _piece(light: np.ndarray, window: Window, part: Window) -> np.ndarray:
-    """The light of a part of a window, as an array of its own: a view would keep the whole in memory."""
+def _part(light: np.ndarray, window: Window, part: Window) -> np.ndarray:
+    """The light of a part of a window."""
     y, x = part[0] - window[0], part[1] - window[1]
-    return light[y : y + part[2], x : x + part[3]].copy()
+    return light[y : y + part[2], x : x + part[3]]
 
 
-def _mixed(tiling: Tiling, tile: Window, pieces: list[np.ndarray]) -> np.ndarray:
-    around = [(one, tiling.with_rim(one) if one == tile else part) for one, part in tiling.around(tile)]
-    return tiling.mixed(tile, [(one, window, Light(rgb)) for (one, window), rgb in zip(around, pieces)]).rgb
+_Ring = list[tuple[Window, np.ndarray]]
+"""Light around a tile, in strips above, below, to the left and to the right of it."""
+
+
+def _ring(light: np.ndarray, rim: Window, tile: Window) -> _Ring:
+    """The light of a rim beyond its tile."""
+    (top, left, height, width), (y, x, rows, columns) = rim, tile
+    below, beside = y + rows, x + columns
+    strips = [
+        (top, left, y - top, width),
+        (below, left, top + height - below, width),
+        (y, left, rows, x - left),
+        (y, beside, rows, left + width - beside),
+    ]
+    # Arrays of their own: views would keep the whole in memory.
+    return [(strip, _part(light, rim, strip).copy()) for strip in strips if strip[2] and strip[3]]
+
+
+def _holds(window: Window, part: Window) -> bool:
+    """Whether a part lies in a window."""
+    return all(window[i] <= part[i] and part[i] + part[i + 2] <= window[i] + window[i + 2] for i in (0, 1))
+
+
+def _mixed(tiling: Tiling, tile: Window, around: list[np.ndarray | _Ring]) -> np.ndarray:
+    lights = []
+    for (one, part), light in zip(tiling.around(tile), around):
+        if isinstance(light, list):
+            # Of the strips only one reaches into a tile.
+            light = next(_part(found, strip, part) for strip, found in light if _holds(strip, part))
+            lights.append((one, part, Light(light)))
+        else:
+            lights.append((one, tiling.with_rim(one), Light(light)))
+    return tiling.mixed(tile, lights).rgb
 
 
 def _trace(source: Scene | Cells, part: int, parts: int, samples: int, settings: dict[str, Any]) -> np.ndarray:

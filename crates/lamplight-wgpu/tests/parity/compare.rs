@@ -139,7 +139,7 @@ impl Both {
 }
 
 #[track_caller]
-fn agrees(name: &str, seen: &[Rgb], right: &[Rgb], [ties, mean]: [f64; 2]) {
+pub fn agrees(name: &str, seen: &[Rgb], right: &[Rgb], [ties, mean]: [f64; 2]) {
     let differences = differences(seen, right);
     let worst = differences.iter().copied().fold(0.0, f64::max);
     let wrong = wrong(seen, right);

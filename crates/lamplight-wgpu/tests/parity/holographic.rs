@@ -95,8 +95,13 @@ fn every_example_scene_agrees() {
     }
 }
 
-/// The light of a device with a limit on bound bytes, and a number of levels per dispatch.
-fn lit(cells: &Cells, preset: &str, most_bytes: Option<u64>, fused_levels: u32) -> Vec<Rgb> {
+/// The light, and the dispatches, of a device with a limit on bound bytes and a number of levels per dispatch.
+fn lit(
+    cells: &Cells,
+    preset: &str,
+    most_bytes: Option<u64>,
+    fused_levels: u32,
+) -> (Vec<Rgb>, usize) {
     let (device, queue) = device_with(|limits| {
         if let Some(most) = most_bytes {
             limits.max_storage_buffer_binding_size = most;
@@ -107,11 +112,20 @@ fn lit(cells: &Cells, preset: &str, most_bytes: Option<u64>, fused_levels: u32) 
     let light = frame(&device, &queue, &mut lighting, &holographic(preset), cells);
     let cost = lighting.cost().unwrap();
     println!("{preset}, {most_bytes:?}: {} dispatches, {} bytes", cost.dispatches(), cost.memory);
-    light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
+    (light.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(), cost.dispatches())
 }
 
-/// The relative difference that rounding makes of the same sums. Measured at up to 3.0e-6.
+/// The largest relative difference, and whether there are more dispatches than in the right case.
+fn changes(name: &str, seen: &(Vec<Rgb>, usize), right: &(Vec<Rgb>, usize)) -> (f64, bool) {
+    let worst = differences(&seen.0, &right.0).into_iter().fold(0.0, f64::max);
+    println!("{name}: {worst:.1e}");
+    (worst, seen.1 > right.1)
+}
+
+/// The relative difference that rounding makes of the same sums. Chunks make none.
 const SAME: f64 = 1e-5;
+/// That of light which is stored, and rounded to 14 bits, or is not. Measured at up to 5.6e-5.
+const STORED: f64 = 2e-4;
 
 #[test]
 fn neither_fused_levels_nor_chunks_change_the_light() {
@@ -119,12 +133,16 @@ fn neither_fused_levels_nor_chunks_change_the_light() {
     for (preset, cells) in
         [("default", cells(90, 131, 29)), ("fast", solid(131, 90, 31)), ("fast", with_inflow)]
     {
-        let light = lit(&cells, preset, None, 1);
-        for (most_bytes, fused) in [(None, 2), (Some(800_000), 1), (Some(800_000), 2)] {
-            let other = lit(&cells, preset, most_bytes, fused);
-            let worst = differences(&other, &light).into_iter().fold(0.0, f64::max);
-            println!("{fused} levels: {worst:.1e}");
-            assert!(worst <= SAME, "{preset}, {most_bytes:?}, {fused} levels: {worst:e}");
+        let [alone, fused] = [1, 2].map(|levels| lit(&cells, preset, None, levels));
+        let (worst, is_longer) = changes("alone", &alone, &fused);
+        assert!(worst <= STORED && is_longer, "{preset}, fused: {worst:e}");
+        // The buffers of `fast` are smaller than those of matter, which are bound in one piece.
+        if preset == "default" {
+            let in_chunks = [1, 2].map(|levels| lit(&cells, preset, Some(500_000), levels));
+            for (seen, right) in in_chunks.iter().zip([&alone, &fused]) {
+                let (worst, is_longer) = changes("in chunks", seen, right);
+                assert!(worst <= SAME && is_longer, "{preset}, in chunks: {worst:e}");
+            }
         }
     }
 }

@@ -12,6 +12,7 @@
 
 #import methods/holographic/border
 #import methods/holographic/footprint
+#import methods/holographic/light_pair
 #import shared/moment
 
 // Added to the sum of the weights at a ray's end, so that opaque cells let no light through, instead of 0 / 0.
@@ -26,14 +27,14 @@ override CONES: u32;
 override SPACING: u32;
 // Slabs of a workgroup.
 override DEPTH: u32;
-// Cones whose light it holds at a time, the rows of the plane of which it holds that, and those before its first row.
+// Cones whose light it holds at a time, an even number; the rows of the plane of which it holds that, and those before its first row.
 override HELD_CONES: u32;
 override HELD_ROWS: u32;
 override ROWS_BEFORE: u32;
 
 @group(0) @binding(7) var<storage, read> cones: array<vec4f>;
-@group(0) @binding(8) var<storage, read> shown_odd: array<vec2u>;
-@group(0) @binding(9) var<storage, read> shown_even: array<vec2u>;
+@group(0) @binding(8) var<storage, read> shown_odd: array<u32>;
+@group(0) @binding(9) var<storage, read> shown_even: array<u32>;
 @group(0) @binding(10) var<storage, read_write> light: array<vec4f>;
 @group(0) @binding(11) var<storage, read_write> irradiance: array<vec2u>;
 @group(0) @binding(12) var albedo: texture_2d<f32>;
@@ -87,23 +88,26 @@ fn plane_light(plane: u32) -> PlaneLight {
     // A plane of even index is a plane of the level above.
     let odd = (plane & 1u) == 1u;
     let slot = select(sweep.far - plane / 2u, sweep.far - (plane + 1u) / 2u, odd);
-    let base = select(sweep.above, sweep.below, odd) + slot * shown_count(sweep.level + 1u) * sweep.rows;
+    let words = PAIR_WORDS * (shown_count(sweep.level + 1u) / 2u) * sweep.rows;
+    let base = select(sweep.above, sweep.below, odd) + slot * words;
     return PlaneLight(plane, base, odd, plane < planes(sweep.level));
 }
 
-// The light of a cone at a point of a plane. The first of all cones is not gathered from.
-fn light_at(on: PlaneLight, cone: u32, point: i32) -> vec3f {
+// The light of a pair of cones at a point of a plane. The first of all cones is not gathered from.
+fn light_at(on: PlaneLight, pair: u32, point: i32) -> LightPair {
     if !on.stored || u32(point) >= sweep.rows {
-        return beyond(sweep.cones_above + cone + 1u, on.plane << sweep.level, point);
+        let first = sweep.cones_above + 2u * pair + 1u;
+        let slab = on.plane << sweep.level;
+        return LightPair(beyond(first, slab, point), beyond(first + 1u, slab, point));
     }
-    let at = on.base + cone * sweep.rows + u32(point);
-    var words: vec2u;
+    let at = on.base + PAIR_WORDS * pair * sweep.rows + u32(point);
+    var words: vec3u;
     if on.odd {
-        words = shown_odd[at];
+        words = vec3u(shown_odd[at], shown_odd[at + sweep.rows], shown_odd[at + 2u * sweep.rows]);
     } else {
-        words = shown_even[at];
+        words = vec3u(shown_even[at], shown_even[at + sweep.rows], shown_even[at + 2u * sweep.rows]);
     }
-    return unpack_rgb(words);
+    return unpack_pair(words);
 }
 
 // The share of the next point's light at a row of the plane: ¼ (Chaikin 1974) if the row that touches it is open, on the
@@ -124,21 +128,25 @@ fn share_of_next(pixel: Pixel, row: i32, side: i32) -> f32 {
 // Holds the light of some cones, from one on, on the plane ahead.
 fn hold(pixel: Pixel, plane: u32, first_cone: u32, lane: u32) {
     let on = plane_light(plane);
-    let count = min(HELD_CONES, CONES - first_cone) * HELD_ROWS;
+    let count = min(HELD_CONES, CONES - first_cone) / 2u * HELD_ROWS;
     for (var i = lane; i < count; i += TILE * DEPTH) {
-        let cone = first_cone + i / HELD_ROWS;
+        let pair = i / HELD_ROWS;
         let row = i32(pixel.first_row + i % HELD_ROWS) - i32(ROWS_BEFORE);
         // Rounded down, below 0 too.
         let point = row >> (SPACING - 1u);
-        var light = light_at(on, cone, point);
+        var light = light_at(on, first_cone / 2u + pair, point);
         if SPACING == 2u {
             let side = 2 * (row & 1) - 1;
             let share = share_of_next(pixel, row, side);
             if share > 0.0 {
-                light = mix(light, light_at(on, cone, point + side), share);
+                let other = light_at(on, first_cone / 2u + pair, point + side);
+                light.first = mix(light.first, other.first, share);
+                light.second = mix(light.second, other.second, share);
             }
         }
-        held[i] = bitcast<vec4u>(vec4f(light, 0.0));
+        let at = 2u * pair * HELD_ROWS + i % HELD_ROWS;
+        held[at] = bitcast<vec4u>(vec4f(light.first, 0.0));
+        held[at + HELD_ROWS] = bitcast<vec4u>(vec4f(light.second, 0.0));
     }
 }
 
@@ -243,10 +251,15 @@ fn receive(pixel: Pixel, slabs: i32, rows: i32, face: u32, light: vec3f) {
     }
 }
 
+// Where a pixel keeps the light of the quadrants so far: behind the irradiance of faces, in half of the bytes of light.
+fn sum_index(i: u32) -> u32 {
+    return 4u * frame.size.x * frame.size.y + i;
+}
+
 // Adds to a component of a pixel's first moment; the first quadrant overwrites it.
 fn add_moment(component: u32, i: u32, integral: vec3f) {
     let at = moment_index(component, i);
-    let before = select(light[at].rgb, vec3f(0.0), sweep.first_quadrant == 1u);
+    let before = select(light[at].rgb, vec3f(0.0), sweep.turn == 0u);
     light[at] = vec4f(before + integral * (1.0 / TAU), 1.0);
 }
 
@@ -416,7 +429,7 @@ fn main(
         return;
     }
     let i = index(cell_of(pixel.slab, pixel.row));
-    if solid && PIXELS && sweep.first_quadrant == 1u {
+    if solid && PIXELS && sweep.turn == 0u {
         light[i] = vec4f(0.0, 0.0, 0.0, 1.0);
         if MOMENT {
             light[moment_index(0u, i)] = vec4f(0.0);
@@ -427,8 +440,14 @@ fn main(
         return;
     }
     if PIXELS {
-        let before = select(light[i].rgb, vec3f(0.0), sweep.first_quadrant == 1u);
-        light[i] = vec4f(before + gathered.sum * (1.0 / TAU), 1.0);
+        let at = sum_index(i);
+        let before = select(unpack_rgb(irradiance[at]), vec3f(0.0), sweep.turn == 0u);
+        let sum = before + gathered.sum * (1.0 / TAU);
+        if sweep.turn == LAST_TURN {
+            light[i] = vec4f(sum, 1.0);
+        } else {
+            irradiance[at] = pack_rgb(sum);
+        }
         if MOMENT {
             // Ahead is the other way where light comes from lower slabs; rows are the same.
             let along = select(1.0, -1.0, sweep.reversed == 1u) * gathered.along;

@@ -17,6 +17,7 @@
 #import methods/holographic/bend
 #import methods/holographic/border
 #import methods/holographic/fetch_interval
+#import methods/holographic/light_pair
 #import methods/holographic/packed_rgb
 
 // Cones that a thread makes if it makes one level, one after another.
@@ -35,11 +36,11 @@ const WAVES: i32 = 4;
 @group(0) @binding(2) var<storage, read> cones: array<vec4f>;
 @group(0) @binding(3) var<storage, read> intervals: array<vec2u>;
 @group(0) @binding(4) var<storage, read> tints: array<u32>;
-@group(0) @binding(5) var<storage, read_write> radiance: array<vec2u>;
+@group(0) @binding(5) var<storage, read_write> radiance: array<u32>;
 @group(0) @binding(6) var panorama: texture_2d<f32>;
 // Bound by `finish`: the light that pixels gather, on planes of odd index and of even index.
-@group(0) @binding(7) var<storage, read_write> shown_odd: array<vec2u>;
-@group(0) @binding(8) var<storage, read_write> shown_even: array<vec2u>;
+@group(0) @binding(7) var<storage, read_write> shown_odd: array<u32>;
+@group(0) @binding(8) var<storage, read_write> shown_even: array<u32>;
 
 // The lines: BLOCK cones need those of twice as many, and three to each side.
 var<workgroup> lines: array<vec2u, (2u * BLOCK + 6u) * LANES>;
@@ -82,16 +83,16 @@ struct Halves {
 
 // Those of a cone and the next. The outermost cones have none: what is read in their place is dropped.
 fn far(level: u32, plane: u32, cone: i32, row: i32) -> Halves {
-    let half = u32(2 * cone - 1);
-    let slot = (sweep.far - plane) * cone_count(level) + half;
-    let at = sweep.above + slot * sweep.rows + u32(row);
-    // Loads that no branch holds back wait for memory together.
-    let words = array(radiance[at], radiance[at + sweep.rows]);
+    let slot = (sweep.far - plane) * cone_count(level) / 2u + u32(cone);
+    let at = sweep.above + PAIR_WORDS * slot * sweep.rows + u32(row);
+    // The second of the pair before, and the first of its own. Loads that no branch holds back wait for memory together.
+    let before = vec2u(radiance[at - sweep.rows], radiance[at - 2u * sweep.rows]);
+    let own = vec2u(radiance[at], radiance[at + sweep.rows]);
     if u32(row) >= sweep.rows || plane >= planes(level) {
-        let first = sweep.cones_above + half;
+        let first = sweep.cones_above + u32(2 * cone - 1);
         return Halves(beyond(first, plane << level, row), beyond(first + 1u, plane << level, row));
     }
-    return Halves(unpack_rgb(words[0]), unpack_rgb(words[1]));
+    return Halves(unpack_light(before.x, before.y >> 16u), unpack_light(own.x, own.y & 0xffffu));
 }
 
 // The light of two half cones along the ray between their cones.
@@ -100,10 +101,18 @@ fn along_ray(interval: Interval, cone: i32, behind: Halves) -> Halves {
     return Halves(along(interval, first, behind.first), along(interval, first + 1u, behind.second));
 }
 
-// Stores the light of a half cone of the lowest level.
-fn put(p: u32, cone: i32, row: i32, light: vec3f) {
-    let slot = (sweep.below_far - p) * cone_count(sweep.level) + u32(cone);
-    radiance[sweep.below + slot * sweep.rows + u32(row)] = pack_rgb(light);
+// Stores the light of a half cone of the lowest level: one of even index is kept until that after it is there.
+fn put(kept: ptr<function, vec3f>, p: u32, cone: i32, row: i32, light: vec3f) {
+    if (cone & 1) == 0 {
+        *kept = light;
+        return;
+    }
+    let words = pack_pair(LightPair(*kept, light), u32(cone / 2), u32(row));
+    let slot = (sweep.below_far - p) * cone_count(sweep.level) / 2u + u32(cone / 2);
+    let at = sweep.below + PAIR_WORDS * slot * sweep.rows + u32(row);
+    radiance[at] = words.x;
+    radiance[at + sweep.rows] = words.y;
+    radiance[at + 2u * sweep.rows] = words.z;
 }
 
 // The halves of a level alone, from the level above.
@@ -120,6 +129,7 @@ fn once(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: v
     }
     let odd = (p & 1u) == 1u;
     // Halves take light from a cone to each side.
+    var kept: vec3f;
     var low = vec3f(0.0);
     var before = vec3f(0.0);
     var own = vec3f(0.0);
@@ -131,7 +141,7 @@ fn once(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: v
         let halves = along_ray(near(p, ray, row), cone, behind);
         let after = select(vec3f(0.0), low + halves.first, is_lit(n, cone));
         if cone > first && cone <= end {
-            put(p, cone - 1, row, 0.5 * own + 0.25 * (before + after));
+            put(&kept, p, cone - 1, row, 0.5 * own + 0.25 * (before + after));
         }
         low = halves.second;
         before = own;
@@ -281,6 +291,7 @@ fn halves_before(s: Share, first: i32) {
         return;
     }
     let end = min(first + i32(BLOCK / 2u), i32(cone_count(n)));
+    var kept: vec3f;
     var low = vec3f(0.0);
     var before = vec3f(0.0);
     var own = vec3f(0.0);
@@ -299,7 +310,7 @@ fn halves_before(s: Share, first: i32) {
                 after = low + along(interval, sweep.cones_between + half, halved(s, half, away, lines));
             }
             if cone > first {
-                put(p, cone - 1, s.row, 0.5 * own + 0.25 * (before + after));
+                put(&kept, p, cone - 1, s.row, 0.5 * own + 0.25 * (before + after));
             }
             before = own;
             own = after;
@@ -330,6 +341,7 @@ fn halves_on(s: Share, first: i32) {
         // A cone is made of four lines, two of which are the next one's too.
         let line = 2 * begin - 5 - s.first;
         var low = array(held(s, line, away), held(s, line + 1, away));
+        var kept: vec3f;
         var before = vec3f(0.0);
         var own = vec3f(0.0);
         for (var cone = begin - 1; cone <= to; cone++) {
@@ -337,7 +349,7 @@ fn halves_on(s: Share, first: i32) {
             let high = array(held(s, line, away), held(s, line + 1, away));
             let after = 0.75 * (low[1] + high[0]) + 0.25 * (low[0] + high[1]);
             if cone > begin && u32(row) < sweep.rows {
-                put(p, cone - 1, row, 0.5 * own + 0.25 * (before + after));
+                put(&kept, p, cone - 1, row, 0.5 * own + 0.25 * (before + after));
             }
             low = high;
             before = own;
@@ -380,6 +392,17 @@ fn make_lines_beyond(s: Share, wave: i32, row: i32, lane: u32) {
     }
 }
 
+// The light that pixels gather from the plane 2q − 1 through a line's cone.
+fn finished(s: Share, line: i32, low: Interval, high: Interval) -> vec3f {
+    let cone = s.first + line;
+    let ray = cone / 2 - BEYOND / 2;
+    let weight = select(0.25, 0.75, (cone & 1) == 0);
+    let angle = sweep.cones_between + u32(cone);
+    let at_low = along(low, angle, held(s, line, rise(sweep.level, ray)));
+    let at_high = along(high, angle, held(s, line, rise(sweep.level, ray + 1)));
+    return weight * at_low + (1.0 - weight) * at_high;
+}
+
 // The light that pixels gather: that of the plane q, and of the plane 2q − 1 of the level below. There cones are half as
 // wide, those of the level above. The middle of each lies at a quarter between the rays on both sides of it; two cones
 // share these.
@@ -387,47 +410,49 @@ fn make_lines_beyond(s: Share, wave: i32, row: i32, lane: u32) {
 fn finish(@builtin(workgroup_id) id: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let z = select_quadrant(id.z);
     let n = sweep.level;
-    let count = cone_count(n + 1u);
-    let first = i32(id.y * u32(WAVES) * LINES_LAST);
-    let s = share_of(sweep.first + z, id.x, local.x, first, LINES_LAST, first / 2);
+    // The outermost cones have no light.
+    let shown = shown_count(n + 1u);
+    let before = id.y * u32(WAVES) * LINES_LAST;
+    let s = share_of(sweep.first + z, id.x, local.x, i32(before) + 1, LINES_LAST, i32(before / 2u));
     let wave = i32(local.y);
     let row = s.row + shift_of(s, wave);
-    let inside = u32(row) < sweep.rows && s.q < planes(n + 1u);
-    let makes = z < sweep.planes && first < i32(count) && reaches(s);
+    let makes = z < sweep.planes && before < shown && reaches(s);
     if makes {
-        if inside {
+        if u32(row) < sweep.rows && s.q < planes(n + 1u) {
             make_lines(s, wave, WAVES * s.run, local.x);
         } else {
             make_lines_beyond(s, wave, row, local.x);
         }
     }
     workgroupBarrier();
-    // The outermost cones have no light.
-    let begin = max(wave * s.run, 1 - first);
-    let end = min((wave + 1) * s.run, i32(count) - 1 - first);
-    if makes && u32(s.place) < TILE {
-        let size = shown_count(n + 1u) * sweep.rows;
-        let entry = u32(first - 1) * sweep.rows;
-        let places = sweep.between + (sweep.below_far / 2u - s.q) * size + entry + u32(row);
-        for (var line = begin; line < end && inside; line++) {
-            shown_even[places + u32(line) * sweep.rows] = lines[u32(line) * LANES + local.x];
+    if !makes || u32(s.place) >= TILE {
+        return;
+    }
+    let p = 2u * s.q - 1u;
+    let lines = min(WAVES * s.run, i32(shown - before));
+    for (var line = 2 * wave; line < lines; line += 2 * WAVES) {
+        let pair = (before + u32(line)) / 2u;
+        let away = shift_of(s, line / s.run);
+        let row = u32(s.row + away);
+        if row < sweep.rows && s.q < planes(n + 1u) {
+            let words = pack_pair(LightPair(held(s, line, away), held(s, line + 1, away)), pair, row);
+            let slot = (sweep.below_far / 2u - s.q) * shown / 2u + pair;
+            let at = sweep.between + PAIR_WORDS * slot * sweep.rows + row;
+            shown_even[at] = words.x;
+            shown_even[at + sweep.rows] = words.y;
+            shown_even[at + 2u * sweep.rows] = words.z;
         }
-        let p = 2u * s.q - 1u;
-        let below = sweep.below + (sweep.below_far - p) / 2u * size + entry + u32(s.row);
-        var low: Interval;
-        var high: Interval;
-        for (var line = begin; line < end && u32(s.row) < sweep.rows && p < planes(n); line++) {
-            let cone = first + line;
-            let ray = cone / 2 - BEYOND / 2;
-            if line == begin || (cone & 1) == 0 {
-                low = near(p, ray, s.row);
-                high = near(p, ray + 1, s.row);
-            }
-            let weight = select(0.25, 0.75, (cone & 1) == 0);
-            let angle = sweep.cones_between + u32(cone);
-            let light = weight * along(low, angle, held(s, line, rise(n, ray)))
-                + (1.0 - weight) * along(high, angle, held(s, line, rise(n, ray + 1)));
-            shown_odd[below + u32(line) * sweep.rows] = pack_rgb(light);
+        if u32(s.row) < sweep.rows && p < planes(n) {
+            let ray = (s.first + line) / 2 - BEYOND / 2;
+            let middle = near(p, ray + 1, s.row);
+            let first = finished(s, line, near(p, ray, s.row), middle);
+            let second = finished(s, line + 1, middle, near(p, ray + 2, s.row));
+            let words = pack_pair(LightPair(first, second), pair, u32(s.row));
+            let slot = (sweep.below_far - p) / 2u * shown / 2u + pair;
+            let at = sweep.below + PAIR_WORDS * slot * sweep.rows + u32(s.row);
+            shown_odd[at] = words.x;
+            shown_odd[at + sweep.rows] = words.y;
+            shown_odd[at + 2u * sweep.rows] = words.z;
         }
     }
 }

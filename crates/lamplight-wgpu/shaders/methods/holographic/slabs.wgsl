@@ -12,12 +12,18 @@ override MEDIUM: u32;
 override EMITTING: u32;
 override SMALL: u32;
 override PRIMARY: u32;
+const BITS: u32 = 5u;
+// Columns of a workgroup.
+const COLUMNS: u32 = 64u;
 
 @group(0) @binding(2) var emission: texture_2d<f32>;
 @group(0) @binding(3) var matter: texture_2d<f32>;
 @group(0) @binding(4) var<storage, read> scattered: array<vec2u>;
 @group(0) @binding(5) var<storage, read_write> cell_bits: array<u32>;
 @group(0) @binding(6) var<storage, read_write> irradiance: array<vec2u>;
+
+// By bit, the words of the columns.
+var<workgroup> columns: array<u32, BITS * COLUMNS>;
 
 fn emits_itself(at: vec2u) -> bool {
     return any(textureLoad(emission, at, 0).rgb != vec3f(0.0));
@@ -71,34 +77,66 @@ fn is_alone(at: vec2u) -> bool {
     return alone;
 }
 
-@compute @workgroup_size(64)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    select_quadrant(id.z);
-    let slab = id.x;
-    let words = sweep.cell_words;
-    if slab >= sweep.cell_depth || id.y >= words {
-        return;
+// The place of a word of a bit in a slab along an axis. Those of the axis along x come first.
+fn put(bit: u32, axis: u32, slab: u32, word: u32, bits: u32) {
+    let slabs = frame.size[axis];
+    let words = (frame.size + 31u) / 32u;
+    let in_slab = words[1u - axis];
+    if slab < slabs && word < in_slab {
+        let first = axis * BITS * frame.size.x * words.y;
+        cell_bits[first + (bit * slabs + slab) * in_slab + word] = bits;
     }
-    var bits = vec4u(0u);
-    var primary = 0u;
-    for (var bit = 0u; bit < 32u && 32u * id.y + bit < sweep.cell_rows; bit++) {
-        let at = cell_of(slab, 32u * id.y + bit);
-        let tint_opacity = textureLoad(matter, at, 0);
-        if any(tint_opacity != vec4f(1.0, 1.0, 1.0, 0.0)) {
-            let own = emits_itself(at);
-            let emitting = own || scatters(at);
-            let small = emitting && is_small(at);
-            bits |= vec4u(1u, u32(tint_opacity.a < 1.0), u32(emitting), u32(small)) << vec4u(bit);
-            primary |= u32(own) << bit;
-            for (var face = 0u; face < 4u && sweep.axis == 0u; face++) {
-                irradiance[4u * index(at) + face] = vec2u(0u);
+}
+
+// The bits of a cell, and what clears them.
+fn bits_of(at: vec2u) -> u32 {
+    let tint_opacity = textureLoad(matter, at, 0);
+    if all(tint_opacity == vec4f(1.0, 1.0, 1.0, 0.0)) {
+        return 0u;
+    }
+    for (var face = 0u; face < 4u; face++) {
+        irradiance[4u * index(at) + face] = vec2u(0u);
+    }
+    let own = emits_itself(at);
+    let emitting = own || scatters(at);
+    let small = emitting && is_small(at);
+    return (1u << OCCUPIED)
+        | (u32(tint_opacity.a < 1.0) << MEDIUM)
+        | (u32(emitting) << EMITTING)
+        | (u32(small) << SMALL)
+        | (u32(own) << PRIMARY);
+}
+
+// A workgroup reads 64 columns of 32 cells: a word of each column, and from these two words of each row.
+@compute @workgroup_size(COLUMNS)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    select_quadrant(0u);
+    let column = COLUMNS * group.x + lane;
+    var own: array<u32, BITS>;
+    for (var row = 0u; row < 32u; row++) {
+        let at = vec2u(column, 32u * group.y + row);
+        if !outside(at) {
+            let bits = bits_of(at);
+            for (var bit = 0u; bit < BITS; bit++) {
+                own[bit] |= ((bits >> bit) & 1u) << row;
             }
         }
     }
-    let place = sweep.cell_bits + slab * words + id.y;
-    cell_bits[place + OCCUPIED * sweep.cell_depth * words] = bits.x;
-    cell_bits[place + MEDIUM * sweep.cell_depth * words] = bits.y;
-    cell_bits[place + EMITTING * sweep.cell_depth * words] = bits.z;
-    cell_bits[place + SMALL * sweep.cell_depth * words] = bits.w;
-    cell_bits[place + PRIMARY * sweep.cell_depth * words] = primary;
+    for (var bit = 0u; bit < BITS; bit++) {
+        columns[bit * COLUMNS + lane] = own[bit];
+        put(bit, 0u, column, group.y, own[bit]);
+    }
+    workgroupBarrier();
+    let row = lane % 32u;
+    let first = lane - row;
+    var occupied = 0u;
+    for (var bit = 0u; bit < BITS; bit++) {
+        var bits = 0u;
+        // Where a cell is empty it has none of the others.
+        for (var i = 0u; i < 32u && (bit == OCCUPIED || occupied != 0u); i++) {
+            bits |= ((columns[bit * COLUMNS + first + i] >> row) & 1u) << i;
+        }
+        occupied = select(occupied, bits, bit == OCCUPIED);
+        put(bit, 1u, 32u * group.y + row, 2u * group.x + first / 32u, bits);
+    }
 }

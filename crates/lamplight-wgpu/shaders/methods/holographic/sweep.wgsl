@@ -30,14 +30,14 @@ struct Sweep {
     // The first entries of the level above, and of the level between it and the lowest, in the table of cones.
     cones_above: u32,
     cones_between: u32,
-    // The first entry of the light of the level above, of that between and of the lowest itself; of the latter,
+    // The first word of the light of the level above, of that between and of the lowest itself; of the latter,
     // the plane that is stored first.
     above: u32,
     between: u32,
     below: u32,
     below_far: u32,
-    // 1 in the first quadrant, which overwrites light.
-    first_quadrant: u32,
+    // Which of the four quadrants it is: the first overwrites light, the last adds what the others found.
+    turn: u32,
     // The first word of the cell bits of this axis.
     cell_bits: u32,
     // 1 if scattered radiance is added to emission.
@@ -61,6 +61,7 @@ struct Sweep {
     cell_words: u32,
 }
 
+const LAST_TURN: u32 = 3u;
 // Cones beyond each edge of the quadrant.
 const BEYOND: i32 = 2;
 

@@ -19,8 +19,14 @@ pub const fn traced(spacing: u32) -> u32 {
 pub const fn shown(level: u32) -> usize {
     cones(level) - 2
 }
-/// The packed radiance of a cone or a face.
+/// The packed radiance of a face.
 pub type Packed = [u32; 2];
+/// The packed radiance of two cones beside each other, a word in each of three rows.
+pub type PackedPair = [u32; 3];
+/// The words of the light of an even number of cones at a point.
+pub const fn light_words(cones: usize) -> u64 {
+    (cones / 2 * size_of::<PackedPair>() / size_of::<u32>()) as u64
+}
 
 /// The lattice of a quadrant and its opposite, `depth` × `rows` points.
 #[derive(Clone, Debug)]
@@ -42,9 +48,9 @@ pub struct Lattice {
     /// The places of the light of levels in a chunk, in turns, and of each level from `chunk` on.
     turns: [u64; 2],
     chain: Vec<u64>,
-    /// Entries of that light.
+    /// Words of that light.
     pub radiance: u64,
-    /// The place, and the entries, of the light that pixels gather: on planes of odd index, and on those of even index.
+    /// The place, and the words, of the light that pixels gather: on planes of odd index, and on those of even index.
     shown_at: u64,
     pub shown: u64,
 }
@@ -86,7 +92,7 @@ impl Lattice {
         }
         // Planes of odd index have as many cones as those of even index, of the level above.
         let planes = self.planes_of_light(self.first + 1);
-        self.shown = (planes * shown(self.first + 1) * self.rows) as u64;
+        self.shown = planes as u64 * light_words(shown(self.first + 1)) * self.rows as u64;
         for turn in 0..self.turns.len() {
             self.turns[turn] = self.radiance;
             let levels = (self.first + 2..self.chunk).filter(|&level| self.turn(level) == turn);
@@ -95,7 +101,7 @@ impl Lattice {
         }
         for level in self.chunk..self.end {
             self.chain.push(self.radiance);
-            self.radiance += (cones(level) * self.rows) as u64;
+            self.radiance += light_words(cones(level)) * self.rows as u64;
         }
     }
 
@@ -131,9 +137,9 @@ impl Lattice {
         self.last_of_light(level, 0).min(1 << (self.chunk - level))
     }
 
-    /// Entries of the light of a level that a chunk stores.
+    /// Words of the light of a level that a chunk stores.
     fn light_of(&self, level: u32) -> u64 {
-        (self.planes_of_light(level) * cones(level) * self.rows) as u64
+        self.planes_of_light(level) as u64 * light_words(cones(level)) * self.rows as u64
     }
 
     /// Places the lattice in buffers after others, whose intervals of each level and light come first.

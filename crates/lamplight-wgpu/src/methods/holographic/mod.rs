@@ -43,7 +43,7 @@ use work::Work;
 
 /// Bytes of a quadrant that are stored per cell, of a grid padded to a power of two, and per word of an
 /// interval. Lower: more dispatches.
-const MAX_HELD: u64 = 58;
+const MAX_HELD: u64 = 50;
 /// Bytes that are not worth a dispatch. Quadrants go together in as many: on cards with memory of their own in more, where
 /// few dispatches of one quadrant fill the card.
 const LITTLE: u64 = 160 << 20;
@@ -134,10 +134,10 @@ struct MemoryLayout {
     lattices: [Lattice; 2],
     /// Quadrants that share dispatches, in a chunk each.
     together: usize,
-    /// The most intervals of each level, and values of light, of the quadrants that do.
+    /// The most intervals of each level, and words of light, of the quadrants that do.
     intervals: Vec<u64>,
     radiance: u64,
-    /// The most values of the light that pixels gather, on planes of odd index or of even index, and the levels in whose
+    /// The most words of the light that pixels gather, on planes of odd index or of even index, and the levels in whose
     /// buffers they lie in place of intervals: nothing else reads those any more.
     shown: u64,
     hosts: [Option<usize>; 2],
@@ -193,7 +193,7 @@ impl MemoryLayout {
         let mut hosts = (1..chunk.unwrap_or(0) as usize).filter(|&level| intervals[level] > 0);
         let hosts = [hosts.next(), hosts.next()];
         for level in hosts.into_iter().flatten() {
-            intervals[level] = intervals[level].max(shown);
+            intervals[level] = intervals[level].max(shown.div_ceil(2));
         }
         Self { lattices, together, intervals, radiance, shown, hosts }
     }
@@ -204,7 +204,7 @@ impl MemoryLayout {
         let third = u64::from(words - 2) * size_of::<u32>() as u64;
         let intervals = self.intervals.iter().flat_map(|count| [count * packed, count * third]);
         let shown = self.hosts.iter().filter(|host| host.is_none()).map(|_| self.shown);
-        let light = shown.chain([self.radiance]).map(|count| count * packed);
+        let light = shown.chain([self.radiance]).map(|words| words * size_of::<u32>() as u64);
         intervals.chain(light).collect()
     }
 }
@@ -235,6 +235,7 @@ struct Buffers {
     radiance: Buffer,
     /// The light that pixels gather, on planes of odd index, and of even index.
     shown: [Buffer; 2],
+    /// Of faces, and then the light of pixels until the last quadrant adds it up.
     irradiance: Buffer,
     scattered: Buffer,
 }
@@ -313,7 +314,7 @@ impl Holographic {
         let levels = stored.collect::<Result<Vec<_>>>()?;
         let shown = |host: Option<usize>| match host.and_then(|level| levels[level].as_ref()) {
             Some(host) => Ok(host.intervals.clone()),
-            None => planner.buffer::<Packed>("light that pixels gather", layout.shown.max(1)),
+            None => planner.buffer::<u32>("light that pixels gather", layout.shown.max(1)),
         };
         let shown = [shown(layout.hosts[0])?, shown(layout.hosts[1])?];
 
@@ -340,9 +341,9 @@ impl Holographic {
             cones: cones.buffer(planner)?,
             cell_bits: planner.buffer::<u32>("cell bits", cell_bits.into())?,
             levels,
-            radiance: planner.buffer::<Packed>("light of cones", radiance.max(1))?,
+            radiance: planner.buffer::<u32>("light of cones", radiance.max(1))?,
             shown,
-            irradiance: planner.buffer::<Packed>("irradiance", faces)?,
+            irradiance: planner.buffer::<Packed>("irradiance", faces + planner.cells())?,
             scattered: self.bounce.kept_buffer::<Packed>(planner, faces)?,
         };
 

@@ -1,6 +1,6 @@
 //! The dispatches of a gather over all quadrants, in order.
 
-use super::lattice::{Lattice, TILE, traced};
+use super::lattice::{Lattice, TILE, shown, traced};
 use super::sky::ConeTable;
 use super::sweep::{QUADRANTS, STEPS, Sweep, Together};
 use super::tables::Footprints;
@@ -96,23 +96,26 @@ impl Quadrant {
     /// Plans a gather of light from all sides. `indirect`: with scattered radiance; `all`: for all pixels, else
     /// for faces and media only.
     pub fn gather(&mut self, axes: &[Axis], indirect: bool, all: bool) -> Vec<PlannedWork> {
-        let mut slabs = Vec::new();
+        // Both axes have their bits from one dispatch, along x.
+        if let Some(axis) = axes.first() {
+            let [width, height] = axis.cells;
+            let groups = [width.div_ceil(64), height.div_ceil(32), 1];
+            self.push(Work::Slabs, self.sweep(axis, indirect), groups);
+        }
+        let slabs = [std::mem::take(&mut self.parts)];
         let mut quadrants = Vec::new();
         let (mut intervals, mut light) = (Vec::new(), [0; 2]);
         for axis in axes {
             let sweep = self.sweep(axis, indirect);
-            let [depth, rows] = axis.cells;
-            self.push(Work::Slabs, sweep, [depth.div_ceil(64), rows.div_ceil(32), 1]);
-            slabs.push(std::mem::take(&mut self.parts));
             for reversed in [0, 1] {
-                let first_quadrant = u32::from(axis.axis == 0 && reversed == 0);
+                let turn = 2 * axis.axis + reversed;
                 let sky = ConeTable::light_of(self.cones, axis.axis, reversed);
                 if quadrants.len() % self.together == 0 {
                     (intervals, light) = (vec![0; u32::BITS as usize], [0; 2]);
                 }
                 let lattice = axis.lattice.after(&intervals, light);
                 let placed = Axis { lattice, ..axis.clone() };
-                self.quadrant(&placed, Sweep { reversed, first_quadrant, sky, ..sweep }, all);
+                self.quadrant(&placed, Sweep { reversed, turn, sky, ..sweep }, all);
                 let held = &axis.lattice.intervals;
                 intervals.iter_mut().zip(held).for_each(|(place, held)| *place += held);
                 light = [light[0] + axis.lattice.radiance, light[1] + axis.lattice.shown];
@@ -325,7 +328,7 @@ impl Quadrant {
             below_far: 2 * lattice.last_of_light(first + 1, chunk) as u32,
             ..sweep
         };
-        let blocks = cones(first + 1).div_ceil((WAVES * LINES_LAST) as usize);
+        let blocks = shown(first + 1).div_ceil((WAVES * LINES_LAST) as usize);
         self.push(Work::Finish, sweep, [merged_tiles(lattice, first), blocks, between.len()]);
     }
 

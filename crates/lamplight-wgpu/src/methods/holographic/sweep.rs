@@ -29,7 +29,7 @@ gpu_struct! {
         pub between: u32,
         pub below: u32,
         pub below_far: u32,
-        pub first_quadrant: u32,
+        pub turn: u32,
         pub cell_bits: u32,
         pub indirect: u32,
         pub gather_length: u32,
@@ -47,6 +47,8 @@ gpu_struct! {
 
 /// The most quadrants that share a dispatch.
 pub const QUADRANTS: usize = 4;
+/// The turn of the last of them, as `sweep.wgsl` has it.
+pub const LAST_TURN: u32 = QUADRANTS as u32 - 1;
 
 /// The sweeps of the quadrants of a dispatch.
 pub type Together = [Sweep; QUADRANTS];

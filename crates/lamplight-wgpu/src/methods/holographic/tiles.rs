@@ -57,7 +57,7 @@ pub const MERGED: Tile = Tile::new(3, 3);
 pub struct GatherTile {
     /// Slabs of a workgroup.
     pub depth: u32,
-    /// Cones whose light is held at a time.
+    /// Cones whose light is held at a time: pairs, as it is stored.
     pub cones: u32,
     /// Rows of the plane, and those before the first of the tile.
     pub rows: u32,
@@ -92,8 +92,8 @@ impl GatherTile {
             .map(|memory| memory.saturating_sub(others) / (Self::LIGHT * rows));
         let at_a_time = if most >= all { all } else { fit.max(Self::FEWEST.min(most)) };
         // As many each time.
-        let times = all.div_ceil(at_a_time.clamp(1, u32::BITS));
-        Self { depth, cones: all.div_ceil(times), rows, before }
+        let pairs = (all / 2).div_ceil((at_a_time.clamp(2, u32::BITS)) / 2);
+        Self { depth, cones: 2 * (all / 2).div_ceil(pairs), rows, before }
     }
 
     /// Returns the blocks of slabs that cover some slabs.
@@ -105,6 +105,7 @@ impl GatherTile {
 
 #[cfg(test)]
 mod tests {
+    use super::super::quadrant::RUN;
     use super::*;
     use lamplight::settings::Holographic;
 
@@ -150,5 +151,13 @@ mod tests {
             assert!(pairs * pair + 16 <= most, "{pairs} pairs");
         }
         const { assert!(WAVES * LINES_LAST <= 2 * BLOCK + 6) };
+        // Cones are stored in pairs.
+        const {
+            assert!(
+                (WAVES * LINES_LAST).is_multiple_of(2)
+                    && BLOCK.is_multiple_of(4)
+                    && RUN.is_multiple_of(2)
+            )
+        };
     }
 }

@@ -1,7 +1,7 @@
 //! The traffic of the dispatches of a quadrant: everything that a dispatch reads or writes, once.
 
-use super::lattice::{Packed, shown};
-use super::sweep::Sweep;
+use super::lattice::{Packed, light_words, shown};
+use super::sweep::{LAST_TURN, Sweep};
 use super::tiles::WAVES;
 use super::work::Work;
 use crate::traffic::Traffic;
@@ -30,7 +30,7 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     // Slabs of a workgroup that gathers, and the bits that it reads.
     let depth = WAVES.min(apart as u32);
     let near = bits(apart + u64::from(sweep.gather_length) + 1);
-    let light_of = |level: u32, planes: u64| planes * cones(level) as u64 * rows * PACKED;
+    let light_of = |level: u32, planes: u64| planes * light_words(cones(level)) * rows * WORD;
     // The light of a level that leads to the planes from one to another of the level below. Beyond the last plane there is
     // sky, which is not stored.
     let stored = |level: u32, first: u64, last: u64| {
@@ -41,7 +41,7 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
     match work {
         Work::Slabs => {
             let cells = u64::from(sweep.cell_depth) * cell_rows;
-            Traffic { read: cells * VEC4, written: cells * u64::from(BITS) / 8 }
+            Traffic { read: cells * VEC4, written: 2 * cells * u64::from(BITS) / 8 }
         }
         Work::Trace => Traffic {
             read: across * bits(apart + 2),
@@ -84,7 +84,7 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
                 let above = planes(sweep.depth as usize, level + 1) as u64;
                 let planes =
                     made.filter(odd).count() + (first..=last).filter(|&q| q < above).count();
-                planes as u64 * shown(level + 1) as u64 * rows * PACKED
+                planes as u64 * light_words(shown(level + 1)) * rows * WORD
             };
             Traffic { read: near + stored(level + 2, first, last), written }
         }
@@ -97,12 +97,11 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
             let ahead = |slab: u32| (slab + sweep.gather_length).div_ceil(apart as u32);
             let end = planes(sweep.depth as usize, level) as u32;
             let planes = (ahead(to - 1) + 1).min(end).saturating_sub(ahead(from));
-            let light = u64::from(planes) * shown(level + 1) as u64 * PACKED;
-            let before = if sweep.first_quadrant == 1 { 0 } else { slabs * VEC4 };
-            Traffic {
-                read: across * near + rows * light + cell_rows * before,
-                written: slabs * cell_rows * VEC4,
-            }
+            let light = u64::from(planes) * light_words(shown(level + 1)) * WORD;
+            let pixels = slabs * cell_rows;
+            let before = if sweep.turn == 0 { 0 } else { PACKED };
+            let now = if sweep.turn == LAST_TURN { VEC4 } else { PACKED };
+            Traffic { read: across * near + rows * light + pixels * before, written: pixels * now }
         }
         Work::Faces => Traffic { read: across * near, written: 0 },
     }

@@ -77,7 +77,7 @@ fn last(@builtin(global_invocation_id) id: vec3u) {
     }
     var sum = merged(id.z, 0u, i32(id.x));
     let at = 3u * index(cell_of(id.z, id.x));
-    if sweep.first_quadrant == 0u {
+    if sweep.turn > 0u {
         sum += vec3f(made[at], made[at + 1u], made[at + 2u]);
     }
     made[at] = sum.r;

@@ -258,7 +258,7 @@ impl Paper {
                     reversed,
                     level,
                     cones_above: cones.begins[axis.axis as usize][level as usize],
-                    first_quadrant: u32::from(axis.axis == 0 && reversed == 0),
+                    turn: 2 * axis.axis + reversed,
                     sky: ConeTable::light_of(cones.entries(), axis.axis, reversed),
                     footprints: footprint_begins.get(level as usize).copied().unwrap_or(0),
                     ..Sweep::default()
