@@ -235,7 +235,7 @@ struct Buffers {
     radiance: Buffer,
     /// The light that pixels gather, on planes of odd index, and of even index.
     shown: [Buffer; 2],
-    /// Of faces, and then the light of pixels until the last quadrant adds it up.
+    /// That of faces, and behind it the light of pixels until the last quadrant adds it up.
     irradiance: Buffer,
     scattered: Buffer,
 }
