@@ -51,7 +51,7 @@ fn inflow_agrees_at_every_size() {
             (7, [41, 1], 1),
             (512, [61, 43], 1),
             (100, [127, 131], 0),
-            (64, [90, 120], 2),
+            (64, [60, 70], 2),
         ] {
             let settings = Settings { bounces: Bounces::Count(bounces), ..settings.clone() };
             let name = format!("{name}, {columns} columns, {size:?}");

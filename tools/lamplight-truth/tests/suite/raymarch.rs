@@ -74,7 +74,7 @@ fn direct_light_of_every_scene_is_right() {
         let cells = Scene::load(&path).unwrap().cells().unwrap();
         let light = solve(&cells, 1024, 0);
         let tracer = PathTracer {
-            samples: 32_768,
+            samples: 8192,
             bounces: Bounces::Count(0),
             wall_depth: 0.0,
             elevation: Settings::ELEVATION,
@@ -98,7 +98,7 @@ fn bounced_light_of_every_scene_is_right() {
         let cells = scene.cells().unwrap();
         let light = solve(&cells, 1024, 2);
         let tracer = PathTracer {
-            samples: 65_536,
+            samples: 32_768,
             bounces: Bounces::Count(2),
             wall_depth: 0.0,
             elevation: Settings::ELEVATION,
