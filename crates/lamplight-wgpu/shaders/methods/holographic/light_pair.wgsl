@@ -2,8 +2,8 @@
 // within 7e-5 of the brightest channel. The first word has the low bits of the first, the second the high bits of both, the
 // third the low bits of the second; each word lies a row of words after the one before.
 //
-// Rounding is dithered by the place in the table of the R2 sequence (Roberts 2018): what is rounded alike in all cones adds
-// up over bounces, in fog that light hardly leaves to 25 times as much, and what is not is averaged away.
+// The rounding is dithered by cone and row, with the R2 sequence (Roberts 2018). Errors that all cones share would add up
+// over bounces, to 25 times as much in fog that light hardly leaves; errors that differ are averaged away.
 
 struct LightPair {
     first: vec3f,
@@ -32,6 +32,7 @@ fn unpack_light(low: u32, high: u32) -> vec3f {
 }
 
 fn pack_pair(lights: LightPair, pair: u32, row: u32) -> vec3u {
+    // The sequence's two steps, as fractions of 2^32.
     let place = pair * 3242174889u + row * 2447445414u;
     let dithers = vec2f(vec2u(place, place + 0x80000000u) >> vec2u(8u)) / 16777216.0;
     let first = pack_light(lights.first, dithers.x);
