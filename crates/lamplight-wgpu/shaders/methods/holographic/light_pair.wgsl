@@ -1,5 +1,5 @@
 // The light of two cones beside each other in a row, in twelve bytes: of each 14 bits per channel and a shared exponent,
-// within 7e-5 of the brightest channel. The first word has the low bits of the first, the second the high bits of both, the
+// within 1.3e-4 of the brightest channel. The first word has the low bits of the first, the second the high bits of both, the
 // third the low bits of the second; each word lies a row of words after the one before.
 //
 // The rounding is dithered by cone and row, with the R2 sequence (Roberts 2018). Errors that all cones share would add up
