@@ -73,12 +73,7 @@ pub fn run(all: bool, with_gpu: bool) -> Result<()> {
     steps.step("the README's first command", readme::first_command)?;
     if all {
         page(&mut steps, Command::new(built(GENERATE)?))?;
-        match Environment::new()? {
-            Some(environment) => {
-                steps.step("the package for Python", || python::test(&environment))?;
-            }
-            None => println!("== the package for Python is left out; it needs {}", python::NEEDED),
-        }
+        with_python(&mut steps, "the package for Python", python::test)?;
         steps.step("workflows", publish::workflows)?;
         steps.step("licences and known faults of dependencies", publish::dependencies)?;
         steps.step("compatibility with the last release", publish::compatibility)?;
@@ -99,12 +94,7 @@ pub fn lints() -> Result<()> {
         web::ensure_target()?;
         [web::SANDBOX, web::BEVY].iter().try_for_each(|page| clippy(&page.program()))
     })?;
-    match Environment::new()? {
-        Some(environment) => {
-            steps.step("lints of the package for Python", || python::lints(&environment))?;
-        }
-        None => println!("== the package for Python is left out; it needs {}", python::NEEDED),
-    }
+    with_python(&mut steps, "lints of the package for Python", python::lints)?;
     steps.finish();
     Ok(())
 }
@@ -117,6 +107,19 @@ fn all_targets(all: bool) -> Vec<&'static str> {
 /// Runs Clippy on what Cargo's arguments select, and takes its warnings for errors.
 fn clippy(selected: &[&str]) -> Result<()> {
     cargo(&[&["clippy"], selected, &["--", "-D", "warnings"]].concat())
+}
+
+/// Runs a step in an environment of Python's, or says that it is left out.
+fn with_python(
+    steps: &mut Steps,
+    name: &str,
+    work: impl FnOnce(&Environment) -> Result<()>,
+) -> Result<()> {
+    let Some(environment) = Environment::new()? else {
+        println!("== the package for Python is left out; it needs {}", python::NEEDED);
+        return Ok(());
+    };
+    steps.step(name, || work(&environment))
 }
 
 /// Builds the package for Python, and tests it.

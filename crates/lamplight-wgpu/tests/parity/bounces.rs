@@ -104,15 +104,19 @@ fn bright_room(fog: bool, tinted: bool) -> Cells {
     cells
 }
 
-/// The light between that of the CPU with lamps a little darker and a little brighter that is nearest to another. Intervals
+/// The light of the CPU with lamps a little darker, as they are, and a little brighter. Intervals
 /// have 8 significant bits: by a millionth more light, `holographic` changes that of a pixel in a bright room full of fog by
 /// up to 1.5e-3, as the radiance of all of it is rounded up a round earlier. Nothing of frames before is in its light.
-fn nearest(settings: &Settings, cells: &Cells, seen: &[Rgb]) -> Vec<Rgb> {
-    let lights = [-1e-4, -1e-5, 0.0, 1e-5, 1e-4].map(|more| {
+fn around(settings: &Settings, cells: &Cells) -> [Vec<Rgb>; 5] {
+    [-1e-4, -1e-5, 0.0, 1e-5, 1e-4].map(|more| {
         let mut cells = cells.clone();
         cells.emission_mut().as_flattened_mut().iter_mut().for_each(|v| *v *= 1.0 + more);
         Solver::new(settings.clone()).unwrap().solve(&cells).unwrap().pixels().to_vec()
-    });
+    })
+}
+
+/// The light between several that is nearest to another.
+fn nearest(lights: &[Vec<Rgb>; 5], seen: &[Rgb]) -> Vec<Rgb> {
     let component = |i: usize, c: usize| {
         let found = lights.each_ref().map(|light| light[i][c]);
         seen[i][c].clamp(
@@ -131,12 +135,10 @@ fn agree_where_rounding_decides(gpu: &(Device, Queue), both: &mut Both, name: &s
     }
     let [seen, _] = both.light(gpu, cells);
     let settings = both.solver.settings();
-    agrees(name, &seen, &nearest(settings, cells, &seen), allowed(0.0, settings.method()));
+    let lights = around(settings, cells);
+    agrees(name, &seen, &nearest(&lights, &seen), allowed(0.0, settings.method()));
     let brighter: Vec<Rgb> = seen.iter().map(|rgb| rgb.map(|v| 1.005 * v)).collect();
-    assert!(
-        wrong(&brighter, &nearest(settings, cells, &brighter)) > 0,
-        "{name}: more light passes"
-    );
+    assert!(wrong(&brighter, &nearest(&lights, &brighter)) > 0, "{name}: more light passes");
 }
 
 #[test]

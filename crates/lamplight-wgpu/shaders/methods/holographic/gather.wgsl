@@ -27,7 +27,8 @@ override CONES: u32;
 override SPACING: u32;
 // Slabs of a workgroup.
 override DEPTH: u32;
-// Cones whose light it holds at a time, an even number; the rows of the plane of which it holds that, and those before its first row.
+// Cones whose light it holds at a time, an even number; the rows of the plane of which it holds that, and those before
+// its first row.
 override HELD_CONES: u32;
 override HELD_ROWS: u32;
 override ROWS_BEFORE: u32;
@@ -130,21 +131,21 @@ fn hold(pixel: Pixel, plane: u32, first_cone: u32, lane: u32) {
     let on = plane_light(plane);
     let count = min(HELD_CONES, CONES - first_cone) / 2u * HELD_ROWS;
     for (var i = lane; i < count; i += TILE * DEPTH) {
-        let pair = i / HELD_ROWS;
+        let pair = first_cone / 2u + i / HELD_ROWS;
         let row = i32(pixel.first_row + i % HELD_ROWS) - i32(ROWS_BEFORE);
         // Rounded down, below 0 too.
         let point = row >> (SPACING - 1u);
-        var light = light_at(on, first_cone / 2u + pair, point);
+        var light = light_at(on, pair, point);
         if SPACING == 2u {
             let side = 2 * (row & 1) - 1;
             let share = share_of_next(pixel, row, side);
             if share > 0.0 {
-                let other = light_at(on, first_cone / 2u + pair, point + side);
+                let other = light_at(on, pair, point + side);
                 light.first = mix(light.first, other.first, share);
                 light.second = mix(light.second, other.second, share);
             }
         }
-        let at = 2u * pair * HELD_ROWS + i % HELD_ROWS;
+        let at = (2u * pair - first_cone) * HELD_ROWS + i % HELD_ROWS;
         held[at] = bitcast<vec4u>(vec4f(light.first, 0.0));
         held[at + HELD_ROWS] = bitcast<vec4u>(vec4f(light.second, 0.0));
     }

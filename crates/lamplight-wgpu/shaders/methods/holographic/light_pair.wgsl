@@ -3,7 +3,7 @@
 // third the low bits of the second; each word lies a row of words after the one before.
 //
 // The rounding is dithered by cone and row, with the R2 sequence (Roberts 2018). Errors that all cones share would add up
-// over bounces, to 25 times as much in fog that light hardly leaves; errors that differ are averaged away.
+// over bounces; errors that differ are averaged away.
 
 struct LightPair {
     first: vec3f,

@@ -88,7 +88,7 @@ fn put(bit: u32, axis: u32, slab: u32, word: u32, bits: u32) {
     }
 }
 
-// The bits of a cell, and what clears them.
+// Returns the bits of a cell, and clears the irradiance of matter.
 fn bits_of(at: vec2u) -> u32 {
     let tint_opacity = textureLoad(matter, at, 0);
     if all(tint_opacity == vec4f(1.0, 1.0, 1.0, 0.0)) {

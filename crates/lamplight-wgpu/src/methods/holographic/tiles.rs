@@ -92,8 +92,9 @@ impl GatherTile {
             .map(|memory| memory.saturating_sub(others) / (Self::LIGHT * rows));
         let at_a_time = if most >= all { all } else { fit.max(Self::FEWEST.min(most)) };
         // As many each time.
-        let pairs = (all / 2).div_ceil((at_a_time.clamp(2, u32::BITS)) / 2);
-        Self { depth, cones: 2 * (all / 2).div_ceil(pairs), rows, before }
+        let pairs = all / 2;
+        let times = pairs.div_ceil(at_a_time.clamp(2, u32::BITS) / 2);
+        Self { depth, cones: 2 * pairs.div_ceil(times), rows, before }
     }
 
     /// Returns the blocks of slabs that cover some slabs.
