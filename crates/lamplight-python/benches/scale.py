@@ -1,7 +1,7 @@
 """Measures what a world costs on many workers, and writes the tables of a page: ``python scale.py ../../../docs/scale.md``.
 
-Costs of parts and tiles are those of one thread, by the processor's time, which other programs hardly change. Tiles are
-lit by a bare loop and by Dask in turns. What larger worlds and more machines take follows by the formulas of the page.
+Costs of parts and tiles are those of one thread, by the processor's time, which other programs hardly change. What Dask
+takes besides lighting is measured in the same run, as the same loop takes more or less from one run to the next. What larger worlds and more machines take follows by the formulas of the page.
 """
 
 import argparse
@@ -9,12 +9,14 @@ import math
 import multiprocessing
 import pathlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
+import dask
 import numpy as np
-from distributed import Client, LocalCluster
+from distributed import Client, LocalCluster, wait
 
 import lamplight2d as ll
 import lamplight2d.dask
@@ -24,8 +26,10 @@ from lamplight2d._world import COLUMNS, HALO, prepare
 SIDE, LIT, TILE, PART = 4096, 2048, 512, 1024
 """Of the world whose steps are measured, of the one that workers light, of small tiles, and of parts and large tiles, px."""
 WORKERS = [1, 2, 4, 8]
-ROUNDS = 8
-"""Loops and Dask take turns, so that both have the same share of what other programs take; the median round counts."""
+QUIET = {"distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s"}
+"""Settings of Dask with which idle workers are idle."""
+ROUNDS, IDLE = 5, 5
+"""The median round counts. Seconds in which workers have nothing to do."""
 SOLVER = ll.Solver(threads=1)
 BOUNCES: int = SOLVER.settings["bounces"]
 MACHINES, CORES, LIMIT, GOAL = 100, 64, 65_536, 1_000_000
@@ -110,63 +114,128 @@ def costs() -> dict[str, float]:
     return found
 
 
-def loop(known: ll.World, number: int, count: int) -> float:
-    """The seconds of the processor that a bare loop over one of ``count`` shares of the tiles takes."""
-    start = time.process_time()
-    for window in known.tiles(TILE)[number::count]:
-        known.light(*window)
-    return time.process_time() - start
+spent = [0.0, 0.0]
+"""What lighting has taken in this process: seconds of the processor, and by the clock."""
 
 
-def loops(client: Client, known: Any, workers: list[str]) -> tuple[float, float]:
-    """The seconds of the processor, and by the clock, of one bare loop in each worker's process, all at once."""
-    start = time.perf_counter()
-    shares = [
-        client.submit(loop, known, number, len(workers), workers=[worker], pure=False)
-        for number, worker in enumerate(workers)
-    ]
-    seconds = sum(client.gather(shares))
-    return seconds, time.perf_counter() - start
+@contextmanager
+def lighting() -> Iterator[None]:
+    before = [time.process_time(), time.perf_counter()]
+    yield
+    for i, now in enumerate([time.process_time(), time.perf_counter()]):
+        spent[i] += now - before[i]
 
 
-def on_workers(known: ll.World) -> list[list[str]]:
-    """A row per number of workers: the tiles on them, after the same tiles in bare loops in the same processes."""
-    rows = []
-    number = len(known.tiles(TILE))
+def read(*window: int) -> ll.Cells:
+    """Any window of the world, for lighting: a bare loop reads it too."""
+    with lighting():
+        return world(*window)
+
+
+class Watched:
+    """The far world of a task, which notes what its lighting takes."""
+
+    def __init__(self, far: Any) -> None:
+        self.far = far
+
+    def with_blocks(self, blocks: bytes) -> "Watched":
+        return Watched(self.far.with_blocks(blocks))
+
+    def light(self, *arguments: Any) -> ll.Light:
+        with lighting():
+            return self.far.light(*arguments)
+
+
+def watch() -> None:
+    """Has all tasks of this process note it."""
+    make = lamplight2d.dask._far_world
+    lamplight2d.dask._far_world = lambda plan: Watched(make(plan))
+
+
+def taken() -> list[float]:
+    """The seconds of the processor that this process has taken, and of these lighting, and that by the clock."""
+    return [time.process_time(), *spent]
+
+
+class Round(NamedTuple):
+    """What a round takes, all workers together: seconds by the clock; of the processor, for lighting and in all; of this
+    process, which schedules."""
+
+    clock: float
+    lighting: float
+    workers: float
+    here: float
+
+    @property
+    def more(self) -> float:
+        """What workers do besides, as a fraction of lighting."""
+        return self.workers / self.lighting - 1
+
+
+class Measured(NamedTuple):
+    """A cluster: the median round, the fraction of a core that an idle worker takes, and a worker's most memory, bytes."""
+
+    median: Round
+    idle: float
+    memory: int
+
+
+def measured(lit: Any, expected: np.ndarray, count: int, settings: dict[str, Any]) -> Measured:
+    """Lights all tiles on so many workers of one thread each, with settings of Dask, time and again."""
+    options = {"n_workers": count, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+    with dask.config.set(settings), LocalCluster(**options) as cluster, Client(cluster) as client:
+
+        def all_taken() -> np.ndarray:
+            return np.sum(list(client.run(taken).values()), axis=0)
+
+        client.run(watch)
+        # The first round makes buffers and imports modules.
+        assert np.array_equal(lit.compute(), expected), count
+        before = all_taken()[0]
+        time.sleep(IDLE)
+        idle = (all_taken()[0] - before) / (IDLE * count)
+        rounds = []
+        for _ in range(ROUNDS):
+            before, clock, here = all_taken(), time.perf_counter(), time.process_time()
+            # Workers keep the light, as a loop would.
+            kept = lit.persist()
+            wait(kept)
+            clock, here = time.perf_counter() - clock, time.process_time() - here
+            workers, light, light_clock = all_taken() - before
+            # What an idle worker takes goes on while one lights.
+            rounds.append(Round(clock, light - idle * light_clock, workers, here))
+            del kept
+        memory = max(client.run(most_memory).values())
+    return Measured(sorted(rounds, key=lambda one: one.more)[ROUNDS // 2], idle, memory)
+
+
+def on_workers(known: ll.World) -> tuple[list[list[str]], str]:
+    """A row for a bare loop and for each number of workers, and what workers take when idle."""
     expected = np.empty((*known.shape, 3), np.float32)
+    tiles = known.tiles(TILE)
+    number = len(tiles)
+    known.light(*tiles[0])
+    start = time.perf_counter()
+    _, seconds = timed(lambda: [known.light(*window) for window in tiles])
+    clock = time.perf_counter() - start
     for (y, x, height, width), tile in known.light_tiles(TILE):
         expected[y : y + height, x : x + width] = tile.rgb
+    rows = [["a bare loop", f"{clock:.1f} s", f"{seconds / number:.2f} s", "", "", "", "", ""]]
+    lit = lamplight2d.dask.light_world(known, tile=TILE)
+    idle = []
     for count in WORKERS:
-        with (
-            LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
-            Client(cluster) as client,
-        ):
-            workers = list(client.scheduler_info(n_workers=-1)["workers"])
-            lit = ll.dask.light_world(known, tile=TILE)
-            # The first round makes buffers and imports modules.
-            lit.compute()
-            memory = max(client.run(most_memory).values())
-            everywhere = client.scatter(known, broadcast=True)
-            loops(client, everywhere, workers)
-            alone, by_dask = [], []
-            for _ in range(ROUNDS):
-                alone.append(loops(client, everywhere, workers))
-                before = sum(client.run(time.process_time).values())
-                start = time.perf_counter()
-                found, here = timed(lit.compute)
-                clock = time.perf_counter() - start
-                there = sum(client.run(time.process_time).values()) - before
-                by_dask.append((there, clock, here))
-                assert np.array_equal(found, expected), count
-        (bare, clock_bare), (there, clock, here) = [map(median, zip(*rounds)) for rounds in (alone, by_dask)]
-        # By round: the machine may be slower in some than in others.
-        more = 100 * (median(dask_round[0] / bare_round[0] for bare_round, dask_round in zip(alone, by_dask)) - 1)
+        quiet, plain = (measured(lit, expected, count, settings) for settings in (QUIET, {}))
         print(".", end="", flush=True)
+        found = quiet.median
+        besides = 1000 * (found.workers - found.lighting) / number
         rows.append(
-            [str(count), f"{clock_bare:.1f} s", f"{clock:.1f} s", f"{bare / number:.2f} s", f"{there / number:.2f} s"]
-            + [f"{more:+.0f} %", f"{1000 * here / number:.0f} ms", size(memory)]
+            [str(count), f"{found.clock:.1f} s", f"{found.lighting / number:.2f} s", f"{besides:.0f} ms"]
+            + [f"{100 * one.median.more:+.0f} %" for one in (quiet, plain)]
+            + [f"{1000 * found.here / number:.0f} ms", size(quiet.memory)]
         )
-    return rows
+        idle.append([quiet.idle, plain.idle])
+    quietly, plainly = (f"{100 * median(ones):.1f} %" for ones in zip(*idle))
+    return rows, f"A worker that has nothing to do takes {quietly} of a core, and {plainly} as Dask comes."
 
 
 def size(count: float) -> str:
@@ -196,9 +265,9 @@ def levels(side: int) -> int:
     return 1 + math.ceil(math.log2(side / 4 / 24))
 
 
-RING = 810 * (192**2 - 96**2)
-"""The most bytes of a level that a tile receives: of a ring of 48 blocks around 96, all with matter. A block travels as
-its place and 160 colours of up to 5 bytes."""
+RING = 670 * (192**2 - 96**2)
+"""The most bytes of a level that a tile receives: of a ring of 48 blocks around 96, all with matter and no colour black.
+A block travels as its place and those of its 160 colours that are not."""
 
 
 def extrapolated(found: dict[str, float]) -> list[list[str]]:
@@ -235,7 +304,7 @@ def main() -> None:
     parser.add_argument("page", type=pathlib.Path, nargs="?", help="the page whose tables are replaced")
     page = parser.parse_args().page
     found = costs()
-    known = ll.World(world, shape=(LIT, LIT), solver=SOLVER)
+    known = ll.World(read, shape=(LIT, LIT), solver=SOLVER)
     part = f"a part of {PART}×{PART} cells"
     steps = [
         [f"reading {part}", f"{found['read']:.2f} s", size(found["part"])],
@@ -248,11 +317,12 @@ def main() -> None:
             + [size(found[f"blocks {tile}"])],
             ["lighting it", f"{found[f'light {tile}']:.2f} s", size(12 * tile**2)],
         ]
-    head = ["workers", "loops, clock", "Dask, clock", "loops, per tile", "Dask, per tile", "more", "scheduler, per tile", "memory of a worker"]
+    head = ["workers", "clock", "lighting, per tile", "besides", "more", "more, as Dask comes", "scheduler, per tile"]
+    rows, idle = on_workers(known)
     parts = {
         "steps": table(["step", "one core", "result"], steps)
         + f"\n\n{100 * found['matter']:.0f} % of the cells are solid; holographic, {BOUNCES} bounces, halo 64, 512 columns.",
-        "workers": table(head, on_workers(known)),
+        "workers": table([*head, "memory of a worker"], rows) + f"\n\n{idle}",
         "worlds": table(
             [f"{MACHINES} machines of {CORES} cores", f"{LIMIT}×{LIMIT}", "10⁶×10⁶"], extrapolated(found)
         ),
@@ -267,4 +337,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    # By its name, as workers import it.
+    import scale
+
+    scale.main()

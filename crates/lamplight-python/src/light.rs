@@ -49,15 +49,21 @@ impl Light {
             )));
         };
         let side = |v: usize| u32::try_from(v).unwrap_or(u32::MAX);
-        let mut cells = lamplight::Cells::new(side(width), side(height)).map_err(value_error)?;
-        if let Some(solid) = solid {
-            read("solid", solid, &[height, width], cells.opacity_mut())?;
-        }
-        let mut values = vec![[0.0; 3]; cells.len()];
+        let size = [side(width), side(height)];
+        lamplight::Cells::check_size(size[0].into(), size[1].into()).map_err(value_error)?;
+        let mut values = vec![[0.0; 3]; width * height];
         read("rgb", rgb, &shape, values.as_flattened_mut())?;
-        let mut light = lamplight::Light::from_pixels(&cells, values).map_err(value_error)?;
+        let light = match solid {
+            None => lamplight::Light::in_the_open(size, values),
+            Some(solid) => {
+                let mut cells = lamplight::Cells::new(size[0], size[1]).map_err(value_error)?;
+                read("solid", solid, &[height, width], cells.opacity_mut())?;
+                lamplight::Light::from_pixels(&cells, values)
+            }
+        };
+        let mut light = light.map_err(value_error)?;
         if let Some(moment) = moment {
-            let mut values = vec![Moment::default(); cells.len()];
+            let mut values = vec![Moment::default(); width * height];
             let flat = values.as_flattened_mut().as_flattened_mut();
             read("moment", moment, &[height, width, 2, 3], flat)?;
             light = light.with_moment(values, elevation).map_err(value_error)?;

@@ -26,18 +26,23 @@ impl Light {
     /// # Errors
     /// Fails if the number of values is not the number of cells.
     pub fn from_pixels(cells: &Cells, rgb: Vec<Rgb>) -> Result<Self> {
-        if rgb.len() != cells.len() {
-            let expected = format!("one value per cell, {} in all", cells.len());
+        let light = Self::in_the_open([cells.width(), cells.height()], rgb)?;
+        Ok(Self { solid: (0..cells.len()).map(|i| cells.is_solid(i)).collect(), ..light })
+    }
+
+    /// Wraps light of so many columns and rows of cells, none of which is solid, in row order.
+    ///
+    /// # Errors
+    /// Fails if the number of values is not the number of cells, or there can be no such grid.
+    pub fn in_the_open([width, height]: [u32; 2], rgb: Vec<Rgb>) -> Result<Self> {
+        Cells::check_size(width.into(), height.into())?;
+        let count = width as usize * height as usize;
+        if rgb.len() != count {
+            let expected = format!("one value per cell, {count} in all");
             return Err(Error::value("light", format!("{} values", rgb.len()), expected));
         }
-        Ok(Self {
-            width: cells.width(),
-            height: cells.height(),
-            rgb,
-            solid: (0..cells.len()).map(|i| cells.is_solid(i)).collect(),
-            moment: None,
-            elevation: elevation::DEFAULT,
-        })
+        let (solid, moment) = (vec![false; count], None);
+        Ok(Self { width, height, rgb, solid, moment, elevation: elevation::DEFAULT })
     }
 
     /// Adds the first moment, one value per cell, in row order, of light that arrives at an elevation

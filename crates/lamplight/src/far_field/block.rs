@@ -16,18 +16,48 @@ pub struct FarBlock {
     pub stopped: [PackedRgb; SLOTS],
 }
 
-/// Arrays of more values than serde knows.
+/// Colours by slot on their way, most of which are 0: a bit per slot for those that are not, and these.
 mod slots {
     use super::{PackedRgb, SLOTS};
-    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+    use serde::{Deserializer, Serializer, de::Error};
+    use std::borrow::Cow;
+
+    const BITS: usize = SLOTS.div_ceil(8);
+    const COLOUR: usize = size_of::<PackedRgb>();
 
     pub fn serialize<S: Serializer>(slots: &[PackedRgb; SLOTS], to: S) -> Result<S::Ok, S::Error> {
-        slots.as_slice().serialize(to)
+        let mut bytes = [0; BITS + COLOUR * SLOTS];
+        let mut end = BITS;
+        for (slot, &PackedRgb(colour)) in slots.iter().enumerate() {
+            // Without a branch: the next one overwrites a 0.
+            let kept = usize::from(colour != 0);
+            bytes[slot / 8] |= (kept as u8) << (slot % 8);
+            bytes[end..][..COLOUR].copy_from_slice(&colour.to_le_bytes());
+            end += COLOUR * kept;
+        }
+        serde_bytes::serialize(&bytes[..end], to)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[PackedRgb; SLOTS], D::Error> {
-        let slots = Vec::<PackedRgb>::deserialize(from)?;
-        slots.try_into().map_err(|_| D::Error::custom("a block is damaged"))
+        let bytes: Cow<'de, [u8]> = serde_bytes::deserialize(from)?;
+        let damaged = || D::Error::custom("a block is damaged");
+        let (bits, colours) = bytes.split_first_chunk::<BITS>().ok_or_else(damaged)?;
+        let count: u32 = bits.iter().map(|bits| bits.count_ones()).sum();
+        if colours.len() != COLOUR * count as usize {
+            return Err(damaged());
+        }
+        let mut slots = [PackedRgb(0); SLOTS];
+        let mut colours = colours.as_chunks().0.iter();
+        for (slots, &bits) in slots.chunks_mut(8).zip(bits) {
+            let mut left = bits;
+            while left != 0 {
+                let colour = colours.next().map_or(0, |colour| u32::from_le_bytes(*colour));
+                let slot = slots.get_mut(left.trailing_zeros() as usize).ok_or_else(damaged)?;
+                *slot = colour.try_into().map_err(D::Error::custom)?;
+                left &= left - 1;
+            }
+        }
+        Ok(slots)
     }
 }
 
@@ -206,6 +236,38 @@ impl PackedRgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::{Value, from_value, to_value};
+
+    #[test]
+    fn blocks_travel_whole_or_not_at_all() {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut colour = || match random.u8(0..4) {
+            0 => PackedRgb::HIDDEN,
+            1 => PackedRgb::new([0; 3].map(|_| random.f32())),
+            _ => PackedRgb(0),
+        };
+        let mixed = FarBlock {
+            sent: std::array::from_fn(|_| colour()),
+            stopped: std::array::from_fn(|_| colour()),
+        };
+        for block in [FarBlock::CLEAR, FarBlock::HIDDEN, mixed] {
+            let found: FarBlock = from_value(to_value(block).unwrap()).unwrap();
+            assert_eq!((found.sent, found.stopped), (block.sent, block.stopped));
+        }
+        let damages: [fn(&mut Vec<Value>); 4] = [
+            // One byte fewer, and more; a slot more; a colour whose exponent is too low.
+            |bytes| bytes.truncate(bytes.len() - 1),
+            |bytes| bytes.push(Value::from(0)),
+            |bytes| bytes[0] = Value::from(bytes[0].as_u64().unwrap() ^ 1),
+            |bytes| *bytes.last_mut().unwrap() = Value::from(8),
+        ];
+        for (number, damage) in damages.into_iter().enumerate() {
+            let mut damaged = to_value(mixed).unwrap();
+            let Value::Array(bytes) = &mut damaged["sent"] else { panic!("expected bytes") };
+            damage(bytes);
+            assert!(from_value::<FarBlock>(damaged).is_err(), "damage {number}");
+        }
+    }
 
     #[test]
     fn packed_colours_are_those_that_were_packed() {

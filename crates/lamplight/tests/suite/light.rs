@@ -118,6 +118,18 @@ fn from_pixels_rejects_a_wrong_number_of_pixels() {
     let cells = grid(4, 3, |_, _| Matter::EMPTY);
     assert!(Light::from_pixels(&cells, vec![[0.0; 3]; 11]).is_err());
     assert!(Light::from_pixels(&cells, vec![[0.0; 3]; 12]).is_ok());
+    assert!(Light::in_the_open([4, 3], vec![[0.0; 3]; 11]).is_err());
+    assert!(Light::in_the_open([4, 0], Vec::new()).is_err());
+}
+
+#[test]
+fn light_in_the_open_is_that_of_empty_cells() {
+    let cells = grid(4, 3, |_, _| Matter::EMPTY);
+    let rgb: Vec<_> = (0..12u8).map(|i| [f32::from(i); 3]).collect();
+    let found = Light::in_the_open([4, 3], rgb.clone()).unwrap();
+    assert_eq!(found, Light::from_pixels(&cells, rgb.clone()).unwrap());
+    let walled = grid(4, 3, |x, _| if x == 0 { WALL } else { Matter::EMPTY });
+    assert_ne!(found, Light::from_pixels(&walled, rgb).unwrap());
 }
 
 #[test]
