@@ -1,7 +1,8 @@
 """Measures what a world costs on many workers, and writes the tables of a page: ``python scale.py ../../../docs/scale.md``.
 
-Costs of parts and tiles are those of one thread, by the processor's time, which other programs hardly change. What Dask
-takes besides lighting is measured in the same run, as the same loop takes more or less from one run to the next. What larger worlds and more machines take follows by the formulas of the page.
+Costs of parts and tiles are those of one thread, by the processor's time, which other programs hardly change. What
+Dask takes besides lighting is measured in the same run, as the same loop takes more or less from one run to the next.
+What larger worlds and more machines take follows by the formulas of the page.
 """
 
 import argparse
@@ -29,7 +30,7 @@ WORKERS = [1, 2, 4, 8]
 QUIET = {"distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s"}
 """Settings of Dask with which idle workers are idle."""
 ROUNDS, IDLE = 5, 5
-"""The median round counts. Seconds in which workers have nothing to do."""
+"""Rounds, of which the median counts, and the seconds for which workers are left idle before them."""
 SOLVER = ll.Solver(threads=1)
 BOUNCES: int = SOLVER.settings["bounces"]
 MACHINES, CORES, LIMIT, GOAL = 100, 64, 65_536, 1_000_000
@@ -132,14 +133,14 @@ def read(*window: int) -> ll.Cells:
         return world(*window)
 
 
-class Watched:
+class TimedFarWorld:
     """The far world of a task, which notes what its lighting takes."""
 
     def __init__(self, far: Any) -> None:
         self.far = far
 
-    def with_blocks(self, blocks: bytes) -> "Watched":
-        return Watched(self.far.with_blocks(blocks))
+    def with_blocks(self, blocks: bytes) -> "TimedFarWorld":
+        return TimedFarWorld(self.far.with_blocks(blocks))
 
     def light(self, *arguments: Any) -> ll.Light:
         with lighting():
@@ -147,13 +148,13 @@ class Watched:
 
 
 def watch() -> None:
-    """Has all tasks of this process note it."""
+    """Has all tasks of this process note what their lighting takes."""
     make = lamplight2d.dask._far_world
-    lamplight2d.dask._far_world = lambda plan: Watched(make(plan))
+    lamplight2d.dask._far_world = lambda plan: TimedFarWorld(make(plan))
 
 
 def taken() -> list[float]:
-    """The seconds of the processor that this process has taken, and of these lighting, and that by the clock."""
+    """The seconds of the processor that this process has taken, those of lighting, and lighting's by the clock."""
     return [time.process_time(), *spent]
 
 
@@ -167,13 +168,13 @@ class Round(NamedTuple):
     here: float
 
     @property
-    def more(self) -> float:
+    def overhead(self) -> float:
         """What workers do besides, as a fraction of lighting."""
         return self.workers / self.lighting - 1
 
 
 class Measured(NamedTuple):
-    """A cluster: the median round, the fraction of a core that an idle worker takes, and a worker's most memory, bytes."""
+    """The median round, the fraction of a core that an idle worker takes, and the most memory of a worker, bytes."""
 
     median: Round
     idle: float
@@ -206,7 +207,7 @@ def measured(lit: Any, expected: np.ndarray, count: int, settings: dict[str, Any
             rounds.append(Round(clock, light - idle * light_clock, workers, here))
             del kept
         memory = max(client.run(most_memory).values())
-    return Measured(sorted(rounds, key=lambda one: one.more)[ROUNDS // 2], idle, memory)
+    return Measured(sorted(rounds, key=lambda one: one.overhead)[ROUNDS // 2], idle, memory)
 
 
 def on_workers(known: ll.World) -> tuple[list[list[str]], str]:
@@ -214,6 +215,7 @@ def on_workers(known: ll.World) -> tuple[list[list[str]], str]:
     expected = np.empty((*known.shape, 3), np.float32)
     tiles = known.tiles(TILE)
     number = len(tiles)
+    # Makes buffers.
     known.light(*tiles[0])
     start = time.perf_counter()
     _, seconds = timed(lambda: [known.light(*window) for window in tiles])
@@ -230,12 +232,12 @@ def on_workers(known: ll.World) -> tuple[list[list[str]], str]:
         besides = 1000 * (found.workers - found.lighting) / number
         rows.append(
             [str(count), f"{found.clock:.1f} s", f"{found.lighting / number:.2f} s", f"{besides:.0f} ms"]
-            + [f"{100 * one.median.more:+.0f} %" for one in (quiet, plain)]
+            + [f"{100 * one.median.overhead:+.0f} %" for one in (quiet, plain)]
             + [f"{1000 * found.here / number:.0f} ms", size(quiet.memory)]
         )
         idle.append([quiet.idle, plain.idle])
     quietly, plainly = (f"{100 * median(ones):.1f} %" for ones in zip(*idle))
-    return rows, f"A worker that has nothing to do takes {quietly} of a core, and {plainly} as Dask comes."
+    return rows, f"A worker that has nothing to do takes {quietly} of a core with these settings, and {plainly} without."
 
 
 def size(count: float) -> str:
@@ -317,12 +319,13 @@ def main() -> None:
             + [size(found[f"blocks {tile}"])],
             ["lighting it", f"{found[f'light {tile}']:.2f} s", size(12 * tile**2)],
         ]
-    head = ["workers", "clock", "lighting, per tile", "besides", "more", "more, as Dask comes", "scheduler, per tile"]
+    head = ["workers", "clock", "lighting, per tile", "besides, per tile"]
+    head += ["overhead", "overhead, default settings", "scheduler, per tile", "memory of a worker"]
     rows, idle = on_workers(known)
     parts = {
         "steps": table(["step", "one core", "result"], steps)
         + f"\n\n{100 * found['matter']:.0f} % of the cells are solid; holographic, {BOUNCES} bounces, halo 64, 512 columns.",
-        "workers": table([*head, "memory of a worker"], rows) + f"\n\n{idle}",
+        "workers": table(head, rows) + f"\n\n{idle}",
         "worlds": table(
             [f"{MACHINES} machines of {CORES} cores", f"{LIMIT}×{LIMIT}", "10⁶×10⁶"], extrapolated(found)
         ),
@@ -337,7 +340,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    # By its name, as workers import it.
+    # Functions of `__main__` would travel by value, each with sums of its own.
     import scale
 
     scale.main()

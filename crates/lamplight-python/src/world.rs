@@ -67,7 +67,8 @@ impl FarWorld {
             None => lamplight::world::FarWorld::new(size, sky, suns, settings.clone())
                 .map_err(value_error),
             Some(blocks) => {
-                let blocks = postcard::from_bytes(&blocks).map_err(value_error)?;
+                let damaged = |_| value_error("blocks is damaged; expected what `blocks` returns");
+                let blocks = postcard::from_bytes(&blocks).map_err(damaged)?;
                 lamplight::world::FarWorld::of_blocks(size, sky, suns, settings.clone(), blocks)
                     .map_err(value_error)
             }
@@ -127,7 +128,8 @@ impl FarWorld {
             let part: PyBackedBytes = part?.extract()?;
             let world = &mut far.world;
             py.detach(|| {
-                let part: FarPart = postcard::from_bytes(&part).map_err(value_error)?;
+                let damaged = |_| value_error("a part is damaged; expected what `read` returns");
+                let part: FarPart = postcard::from_bytes(&part).map_err(damaged)?;
                 world.add(part).map_err(value_error)
             })?;
         }

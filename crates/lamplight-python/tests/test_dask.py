@@ -289,6 +289,12 @@ def test_bad_input_is_refused_at_once():
         ll.dask.sweep([frame(0)], [{"method": "magic"}])
     with pytest.raises(ValueError, match=r"\(9, 9\)"):
         ll.dask.render_frames([dask.delayed(frame)(0)], shape=(9, 9)).compute(scheduler="sync")
+    with pytest.raises(TypeError, match="a frame is a NoneType"):
+        ll.dask.render_frames([dask.delayed(print)()], shape=(9, 9)).compute(scheduler="sync")
+    with pytest.raises(TypeError, match="one Delayed; expected an iterable"):
+        ll.dask.render_frames(dask.delayed(frame)(0), shape=(30, 40))
+    with pytest.raises(TypeError, match=r"solver is a dict; expected a Solver"):
+        ll.dask.render_frames([frame(0)], {"bounces": 1})
 
 
 def test_bad_worlds_are_refused_at_once():
@@ -315,5 +321,19 @@ def test_bad_worlds_are_refused_at_once():
         ll.dask.light_world(ll.World(ll.Cells((4, 6))), halo=5)
     with pytest.raises(TypeError, match="int; expected a Scene"):
         ll.dask.light_world(5)
+    with pytest.raises(TypeError, match="solver is a dict; expected a Solver"):
+        ll.dask.light_world(fields, solver={"bounces": 1})
+    for tile in ["64", 2.5, (64, 64), None]:
+        with pytest.raises(TypeError, match="expected a whole number of px"):
+            ll.dask.light_world(fields, tile=tile)
+    assert ll.dask.light_world(fields, tile=np.int64(64)).chunksize[:2] == (64, 64)
+
+
+def test_damaged_blocks_are_refused():
+    world = ll.World(ll.Cells((64, 64), opacity=np.eye(64)))
+    blocks = world._far.blocks((0, 0, 64, 64))
+    with pytest.raises(ValueError, match="blocks is damaged"):
+        world._empty.with_blocks(blocks[: len(blocks) // 2])
+    assert world._empty.with_blocks(blocks)
     with pytest.raises(ValueError, match="0 to 1"):
         ll.dask.light_world({"opacity": da.full((4, 6), 2)}).compute(scheduler="sync")

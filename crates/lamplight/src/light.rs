@@ -30,7 +30,7 @@ impl Light {
         Ok(Self { solid: (0..cells.len()).map(|i| cells.is_solid(i)).collect(), ..light })
     }
 
-    /// Wraps light of so many columns and rows of cells, none of which is solid, in row order.
+    /// Wraps light of a grid of this width and height, none of whose cells is solid: one value per cell, in row order.
     ///
     /// # Errors
     /// Fails if the number of values is not the number of cells, or there can be no such grid.

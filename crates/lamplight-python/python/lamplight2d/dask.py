@@ -11,6 +11,7 @@ must be able to read; cells travel with all of their arrays.
 from __future__ import annotations
 
 import ctypes
+import operator
 import os
 import platform
 import threading
@@ -57,6 +58,9 @@ def render_frames(
     dask.array.Array of shape (frames, H, W, 3)
         A chunk per frame: linear light, float32, or pictures, uint8.
     """
+    if isinstance(frames, Delayed):
+        raise TypeError("frames is one Delayed; expected an iterable of them")
+    _check_solver(solver)
     frames = list(frames)
     if not frames:
         raise ValueError("frames is empty; expected at least one")
@@ -121,6 +125,7 @@ def light_world(
     ValueError
         As `World`, and if ``tile`` is below 1. What is wrong with a cell is found when that is read.
     """
+    _check_solver(solver)
     if isinstance(source, World):
         if any(value is not None for value in (solver, halo, columns, shape, lamps, sky, suns)):
             raise ValueError("source is a World, which has its own solver, halo, columns, shape, lamps, sky and suns")
@@ -134,6 +139,10 @@ def light_world(
         halo, columns = HALO if halo is None else halo, COLUMNS if columns is None else columns
         reader, empty = prepare(source, solver, halo, columns, shape, lamps, sky, suns)
         far = None
+    try:
+        tile = operator.index(tile)
+    except TypeError:
+        raise TypeError(f"tile is {tile!r}; expected a whole number of px") from None
     if tile < 1:
         raise ValueError(f"tile is {tile}; expected 1 or more px")
     world_shape, surrounding, solver, halo, columns, _ = empty.__getnewargs__()
@@ -301,6 +310,11 @@ def _check_source(name: str, source: Source) -> None:
         raise TypeError(f"{name} is a {type(source).__name__}; expected a Scene, Cells or a Delayed")
 
 
+def _check_solver(solver: Solver | None) -> None:
+    if not isinstance(solver, (Solver, type(None))):
+        raise TypeError(f"solver is a {type(solver).__name__}; expected a Solver, as Solver(bounces=1) is")
+
+
 def _check_shape(name: str, found: tuple[int, int], expected: tuple[int, int]) -> None:
     if tuple(found) != tuple(expected):
         raise ValueError(f"{name} has the shape {tuple(found)}; expected {tuple(expected)}")
@@ -313,6 +327,7 @@ def _frame(
     threads: int | None,
     display: Mapping[str, Any] | None,
 ) -> np.ndarray:
+    _check_source("a frame", source)
     cells = _cells(source)
     _check_shape("a frame", cells.shape, shape)
     own_settings, own_display = (source.settings, source.display) if isinstance(source, Scene) else ({}, {})

@@ -16,7 +16,7 @@ pub struct FarBlock {
     pub stopped: [PackedRgb; SLOTS],
 }
 
-/// Colours by slot on their way, most of which are 0: a bit per slot for those that are not, and these.
+/// Colours by slot, as they are serialized: a bit per slot that says whether its colour is not 0, then those colours.
 mod slots {
     use super::{PackedRgb, SLOTS};
     use serde::{Deserializer, Serializer, de::Error};
@@ -29,7 +29,7 @@ mod slots {
         let mut bytes = [0; BITS + COLOUR * SLOTS];
         let mut end = BITS;
         for (slot, &PackedRgb(colour)) in slots.iter().enumerate() {
-            // Without a branch: the next one overwrites a 0.
+            // Without a branch: a 0 is written too, and overwritten by the next colour.
             let kept = usize::from(colour != 0);
             bytes[slot / 8] |= (kept as u8) << (slot % 8);
             bytes[end..][..COLOUR].copy_from_slice(&colour.to_le_bytes());
