@@ -42,20 +42,14 @@ mod slots {
         let bytes: Cow<'de, [u8]> = serde_bytes::deserialize(from)?;
         let damaged = || D::Error::custom("a block is damaged");
         let (bits, colours) = bytes.split_first_chunk::<BITS>().ok_or_else(damaged)?;
-        let count: u32 = bits.iter().map(|bits| bits.count_ones()).sum();
-        if colours.len() != COLOUR * count as usize {
+        let is_kept = |slot: &usize| bits[slot / 8] >> (slot % 8) & 1 == 1;
+        let kept = (0..SLOTS).filter(is_kept);
+        if colours.len() != COLOUR * kept.clone().count() {
             return Err(damaged());
         }
         let mut slots = [PackedRgb(0); SLOTS];
-        let mut colours = colours.as_chunks().0.iter();
-        for (slots, &bits) in slots.chunks_mut(8).zip(bits) {
-            let mut left = bits;
-            while left != 0 {
-                let colour = colours.next().map_or(0, |colour| u32::from_le_bytes(*colour));
-                let slot = slots.get_mut(left.trailing_zeros() as usize).ok_or_else(damaged)?;
-                *slot = colour.try_into().map_err(D::Error::custom)?;
-                left &= left - 1;
-            }
+        for (slot, colour) in kept.zip(colours.as_chunks().0) {
+            slots[slot] = u32::from_le_bytes(*colour).try_into().map_err(D::Error::custom)?;
         }
         Ok(slots)
     }
