@@ -71,7 +71,8 @@ pub mod flood {
 /// Holographic radiance cascades.
 pub mod holographic {
     pub use crate::methods::holographic::{
-        EMISSIVE, EXCHANGED, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON,
+        EMISSIVE, EXCHANGED, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON, border_view,
+        is_shared,
     };
 
     /// Directions, levels, and the positions of planes.

@@ -42,7 +42,7 @@ pub struct Lighting2d {
     /// sky enters.
     ///
     /// The CPU finds this light, from what has changed beyond the grid; where nothing is, it does nothing. With light from
-    /// outside the default method takes about twice as long on the CPU, which is why it is off. Light that matter beyond the
+    /// outside the default method takes about a quarter longer, which is why it is off. Light that matter beyond the
     /// grid reflects or scatters is left out, and of more than 64 lamps the faintest. `polar`, `flood` and
     /// [`LightQuality::Paper`] of the default method know no such light. [`LightQuery`](crate::LightQuery) and
     /// [`SunLight2d`](crate::SunLight2d) do not see what is beyond the grid.

@@ -27,26 +27,25 @@ fn sky_between(sine: f32, first: f32, last: f32) -> vec3f {
     return mean_of_columns(0u, vec2f(sky_place(first), sky_place(last)));
 }
 
-// The mean of a strip between two columns, or what is there if they are the same.
+// The mean of a strip between two columns, or what is there if they are the same. Radiance is linear from a column to the
+// next: each texel counts by its share of the way.
 fn mean_of_columns(strip: u32, columns: vec2f) -> vec3f {
-    let start = columns.x;
-    let end = columns.y;
-    if start == end {
-        return between_columns(strip, floor(start), start - floor(start));
-    }
-    var place = on_strip(strip, floor(start));
-    var a = textureLoad(panorama, place, 0).rgb;
-    var sum = vec3f(0.0);
-    for (var column = floor(start); column < end; column += 1.0) {
+    let length = columns.y - columns.x;
+    var place = on_strip(strip, floor(columns.x));
+    var mean = vec3f(0.0);
+    for (var column = floor(columns.x); column <= floor(columns.y) + 1.0; column += 1.0) {
+        let begin = columns.x - column;
+        let share = select((share_before(begin + length) - share_before(begin)) / length, 1.0 - abs(begin), length == 0.0);
+        mean += share * textureLoad(panorama, place, 0).rgb;
         place = next_on_strip(strip, place);
-        let b = textureLoad(panorama, place, 0).rgb;
-        let enter = max(start, column) - column;
-        let leave = min(end, column + 1.0) - column;
-        // Radiance is linear here: its mean is that in the middle.
-        sum += (leave - enter) * mix(a, b, 0.5 * (enter + leave));
-        a = b;
     }
-    return sum / (end - start);
+    return mean;
+}
+
+// The share of a texel in the radiance of all columns before a place, counted from its own.
+fn share_before(place: f32) -> f32 {
+    let near = clamp(place, -1.0, 1.0);
+    return 0.5 + near - 0.5 * near * abs(near);
 }
 
 // The radiance of a gradient along a ray whose direction has the y component `dy`.
@@ -59,19 +58,10 @@ fn sky_place(at: f32) -> f32 {
     return frame.sky_origin + at / RADIANS_PER_TURN * f32(frame.sky_columns);
 }
 
-// The radiance between a column of a strip and the next, at a fraction of the way.
-fn between_columns(strip: u32, column: f32, past: f32) -> vec3f {
-    let place = on_strip(strip, column);
-    let a = textureLoad(panorama, place, 0).rgb;
-    let b = textureLoad(panorama, next_on_strip(strip, place), 0).rgb;
-    return mix(a, b, past);
-}
-
 // The texel of a column, which may lie on another turn around the circle.
 fn on_strip(strip: u32, column: f32) -> vec2i {
     let count = i32(frame.sky_columns);
-    // The remainder has the sign of the column.
-    let first = (i32(column) % count + count) % count;
+    let first = i32(column) - count * i32(floor(column / f32(count)));
     return vec2i(count * i32(strip / STRIPS) + first, i32(strip % STRIPS));
 }
 

@@ -97,9 +97,7 @@ fn plane_light(plane: u32) -> PlaneLight {
 // The light of a pair of cones at a point of a plane. The first of all cones is not gathered from.
 fn light_at(on: PlaneLight, pair: u32, point: i32) -> LightPair {
     if !on.stored || u32(point) >= sweep.rows {
-        let first = sweep.cones_above + 2u * pair + 1u;
-        let slab = on.plane << sweep.level;
-        return LightPair(beyond(first, slab, point), beyond(first + 1u, slab, point));
+        return pair_beyond(sweep.cones_above + 2u * pair + 1u, on.plane << sweep.level, point);
     }
     let at = on.base + PAIR_WORDS * pair * sweep.rows + u32(point);
     var words: vec3u;

@@ -74,31 +74,24 @@ fn along(interval: Interval, cone: u32, behind: vec3f) -> vec3f {
     return interval.transmittance * behind + interval.light * cones[cone].x;
 }
 
-// The light of two half cones of a level above in a row of a plane, one after the other: the ends of two cones of the level
-// below that share a ray.
-struct Halves {
-    first: vec3f,
-    second: vec3f,
-}
-
-// Those of a cone and the next. The outermost cones have none: what is read in their place is dropped.
-fn far(level: u32, plane: u32, cone: i32, row: i32) -> Halves {
+// The light of two half cones of a level above in a row of a plane: the ends of a cone of the level below and of the next,
+// which share a ray. The outermost cones have none: what is read in their place is dropped.
+fn far(level: u32, plane: u32, cone: i32, row: i32) -> LightPair {
     let slot = (sweep.far - plane) * cone_count(level) / 2u + u32(cone);
     let at = sweep.above + PAIR_WORDS * slot * sweep.rows + u32(row);
     // The second of the pair before, and the first of its own. Loads that no branch holds back wait for memory together.
     let before = vec2u(radiance[at - sweep.rows], radiance[at - 2u * sweep.rows]);
     let own = vec2u(radiance[at], radiance[at + sweep.rows]);
     if u32(row) >= sweep.rows || plane >= planes(level) {
-        let first = sweep.cones_above + u32(2 * cone - 1);
-        return Halves(beyond(first, plane << level, row), beyond(first + 1u, plane << level, row));
+        return pair_beyond(sweep.cones_above + u32(2 * cone - 1), plane << level, row);
     }
-    return Halves(unpack_light(before.x, before.y >> 16u), unpack_light(own.x, own.y & 0xffffu));
+    return LightPair(unpack_light(before.x, before.y >> 16u), unpack_light(own.x, own.y & 0xffffu));
 }
 
 // The light of two half cones along the ray between their cones.
-fn along_ray(interval: Interval, cone: i32, behind: Halves) -> Halves {
+fn along_ray(interval: Interval, cone: i32, behind: LightPair) -> LightPair {
     let first = sweep.cones_above + u32(2 * cone - 1);
-    return Halves(along(interval, first, behind.first), along(interval, first + 1u, behind.second));
+    return LightPair(along(interval, first, behind.first), along(interval, first + 1u, behind.second));
 }
 
 // Stores the light of a half cone of the lowest level: one of even index is kept until that after it is there.
@@ -227,7 +220,7 @@ fn make_lines(s: Share, wave: i32, end: i32, lane: u32) {
     let plane = (s.q + 1u) / 2u;
     let inside = u32(row) < sweep.rows && s.q < planes(u);
     if INFLOW && !inside {
-        // `halved` finds what enters there.
+        // `halves_before` finds what enters there.
         return;
     }
     var remade: Remade;
@@ -255,17 +248,6 @@ fn make_lines(s: Share, wave: i32, end: i32, lane: u32) {
         }
         low = halves.second;
     }
-}
-
-// The light of a half cone of the level between, in the row `away` from the lane's: `made` of lines, except beyond the
-// border. What enters there is of the half cone itself.
-fn halved(s: Share, cone: u32, away: i32, made: vec3f) -> vec3f {
-    let u = sweep.level + 1u;
-    let row = s.row + away;
-    if INFLOW && (u32(row) >= sweep.rows || s.q >= planes(u)) {
-        return beyond(sweep.cones_between + cone, s.q << u, row);
-    }
-    return made;
 }
 
 // The share of a workgroup, whose tiles begin so that they cover all rows of both planes that it leads to.
@@ -302,12 +284,19 @@ fn halves_before(s: Share, first: i32) {
         let away = rise(n, ray);
         let line = 2 * ray - s.first;
         let middle = array(held(s, line + 1, away), held(s, line + 2, away));
+        // Lines end at the border.
+        var entering: LightPair;
+        let enters = INFLOW && (u32(s.row + away) >= sweep.rows || s.q >= planes(n + 1u));
+        if enters {
+            let half = sweep.cones_between + u32(2 * cone - 1);
+            entering = pair_beyond(half, s.q << (n + 1u), s.row + away);
+        }
         if cone >= first - 1 {
             var after = vec3f(0.0);
             if is_lit(n, cone) {
-                let half = u32(2 * cone - 1);
                 let lines = 0.5 * middle[0] + 0.25 * (held(s, line, away) + middle[1]);
-                after = low + along(interval, sweep.cones_between + half, halved(s, half, away, lines));
+                let behind = select(lines, entering.first, enters);
+                after = low + along(interval, sweep.cones_between + u32(2 * cone - 1), behind);
             }
             if cone > first {
                 put(&kept, p, cone - 1, s.row, 0.5 * own + 0.25 * (before + after));
@@ -316,9 +305,9 @@ fn halves_before(s: Share, first: i32) {
             own = after;
         }
         if cone < end && is_lit(n, cone + 1) {
-            let half = u32(2 * cone);
             let lines = 0.5 * middle[1] + 0.25 * (middle[0] + held(s, line + 3, away));
-            low = along(interval, sweep.cones_between + half, halved(s, half, away, lines));
+            let behind = select(lines, entering.second, enters);
+            low = along(interval, sweep.cones_between + u32(2 * cone), behind);
         }
     }
 }

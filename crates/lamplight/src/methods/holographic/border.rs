@@ -3,10 +3,11 @@
 //! Rows beside the grid and planes behind it, which lie beyond the border, have the light that enters the grid
 //! where the middle of its cone leaves it. Paths of the merge read it there, each once; rows beside the grid are stored
 //! as far as paths rise. Light is linear between border cells. Wide cones see the mean of many columns, which is found
-//! once for every cone and border cell; most cones are narrower than a column, and take theirs from two or three.
+//! once for every cone and border cell. Most cones are half cones that are narrower than a column: the two along a ray see
+//! the same, the mean of both, which is taken from a few columns.
 
 use super::interval::LANES;
-use super::lattice::{BEYOND, edges, on_grid, slope};
+use super::lattice::{BEYOND, cones, edges, on_grid, slope};
 use crate::inflow::ColumnWeights;
 use crate::panorama::column;
 use crate::{Inflow, Rgb};
@@ -63,7 +64,7 @@ struct QuadrantColumns {
 /// The light of the cones of a level at the border.
 #[derive(Debug, Default)]
 struct LevelLight {
-    /// Slopes of the middles of cones, rows per slab.
+    /// Slopes of the middles of what cones see, rows per slab.
     slopes: Vec<f32>,
     cones: ConesLight,
 }
@@ -76,13 +77,39 @@ enum ConesLight {
     Narrow(Vec<(usize, [f32; MOST_COLUMNS])>),
 }
 
-/// The most columns that a cone sees that is narrower than one.
-const MOST_COLUMNS: usize = 3;
+/// The most columns that two cones see that are narrower than one each.
+const MOST_COLUMNS: usize = 4;
 
 impl Default for ConesLight {
     fn default() -> Self {
         Self::Wide(PointLights::default())
     }
+}
+
+/// The part of the light that enters a grid which a cone sees.
+#[derive(Clone, Copy, Debug)]
+pub struct BorderView {
+    /// The slope of its middle.
+    pub slope: f64,
+    /// The angles between which it lies in the quadrant, radians.
+    pub edges: [f64; 2],
+}
+
+/// Returns whether both half cones along a ray see the same: they do if each is narrower than one of so many columns.
+pub fn is_shared(level: u32, columns: usize) -> bool {
+    columns as f64 <= TAU * f64::from(1u32 << level)
+}
+
+/// Returns the view of a cone of a level; `shared`: that of both half cones along its ray. Those beyond the quadrant look along
+/// its edge.
+pub fn border_view(level: u32, cone: usize, shared: bool) -> BorderView {
+    let inside = |cone: usize| cone.clamp(BEYOND, cones(level) - 1 - BEYOND);
+    // The first along a ray has an odd index.
+    let ray = cone.div_ceil(2);
+    let pair = if shared { [(2 * ray).saturating_sub(1), 2 * ray] } else { [cone; 2] };
+    let [first, last] = pair.map(inside);
+    let slope = 0.5 * (slope(level, first) + slope(level, last + 1));
+    BorderView { slope, edges: [edges(level, first)[0], edges(level, last)[1]] }
 }
 
 /// The number of the side along the far end; the others are the first row and the last.
@@ -185,14 +212,14 @@ impl QuadrantColumns {
 }
 
 impl BorderLight {
-    /// Reads the inflow of a grid of `depth` × `rows` points `spacing` px apart, whose cones of each level, by number, stand
-    /// for these angles.
-    pub fn read<'a>(
+    /// Reads the inflow of a grid of `depth` × `rows` points `spacing` px apart, for cones of levels, by number, which may be
+    /// half cones.
+    pub fn read(
         &mut self,
         inflow: &Inflow,
         orientation: Orientation,
         grid: [usize; 3],
-        levels: impl ExactSizeIterator<Item = (u32, &'a [f32])>,
+        levels: impl ExactSizeIterator<Item = (u32, bool)>,
     ) {
         let is_same = |(held, way, size): &(Inflow, Orientation, [usize; 3])| {
             held.is(inflow) && (*way, *size) == (orientation, grid)
@@ -207,8 +234,8 @@ impl BorderLight {
         let cells = self.points.cells(inflow, orientation, spacing);
         self.read_columns(inflow, &cells, spacing);
         self.levels.resize_with(levels.len(), LevelLight::default);
-        for (number, (level, angles)) in levels.enumerate() {
-            self.read_level(number, orientation, level, angles);
+        for (number, (level, halves)) in levels.enumerate() {
+            self.read_level(number, orientation, level, halves);
         }
     }
 
@@ -239,27 +266,25 @@ impl BorderLight {
         });
     }
 
-    /// Finds the light of the cones of a level from that of the columns.
-    fn read_level(&mut self, number: usize, orientation: Orientation, level: u32, angles: &[f32]) {
+    /// Finds the light of the cones of a level, which may be half cones, from that of the columns.
+    fn read_level(&mut self, number: usize, orientation: Orientation, level: u32, halves: bool) {
         let Self { points, columns, radiance, levels, .. } = self;
-        let (count, columns) = (angles.len(), *columns);
+        let (count, columns) = (cones(level), *columns);
         let held = &mut levels[number];
-        // Cones beyond the quadrant look along its edge.
-        let inside = |cone: usize| cone.clamp(BEYOND, count - 1 - BEYOND);
-        let middle = |cone| 0.5 * (slope(level, cone) + slope(level, cone + 1));
+        let shared = halves && is_shared(level, columns.all);
+        let view = |cone| border_view(level, cone, shared);
         held.slopes.clear();
-        held.slopes.extend((0..count).map(|cone| middle(inside(cone)) as f32));
+        held.slopes.extend((0..count).map(|cone| view(cone).slope as f32));
         let set = |weights: &mut ColumnWeights, cone| {
-            let [from, to] = orientation.on_circle(edges(level, inside(cone)));
+            let [from, to] = orientation.on_circle(view(cone).edges);
             weights.set(columns.all, from, to);
         };
-        let widest = angles.iter().copied().fold(0.0, f32::max);
-        if f64::from(widest) * columns.all as f64 <= TAU {
+        if shared {
             let mut weights = ColumnWeights::default();
-            let narrow = angles.iter().enumerate().map(|(cone, &angle)| {
+            let narrow = (0..count).map(|cone| {
                 set(&mut weights, cone);
                 let (first, found) = weights.of_columns();
-                let weight = |i| angle * found.get(i).copied().unwrap_or(0.0);
+                let weight = |i| found.get(i).copied().unwrap_or(0.0);
                 (columns.place(first), std::array::from_fn(weight))
             });
             held.cones = ConesLight::Narrow(narrow.collect());
@@ -271,8 +296,8 @@ impl BorderLight {
         };
         let points = *points;
         wide.resize(count, points);
-        let cones = wide.all_mut(points).zip(&held.slopes).zip(angles).enumerate();
-        cones.for_each_init(ColumnWeights::default, |weights, (cone, ((light, slope), angle))| {
+        let cones = wide.all_mut(points).zip(&held.slopes).enumerate();
+        cones.for_each_init(ColumnWeights::default, |weights, (cone, (light, slope))| {
             set(weights, cone);
             let (first, weights) = weights.of_columns();
             let first = columns.place(first);
@@ -280,9 +305,8 @@ impl BorderLight {
             let side = points.side(side_of(*slope));
             rows[side.clone()].fill([0.0; 4]);
             end.fill(0.0);
-            for (i, weight) in weights.iter().enumerate() {
+            for (i, &weight) in weights.iter().enumerate() {
                 let column = radiance.of((first + i) % columns.count, points);
-                let weight = angle * weight;
                 for (light, radiance) in
                     rows[side.clone()].iter_mut().zip(&column.rows[side.clone()])
                 {
@@ -301,59 +325,69 @@ impl BorderLight {
         let LevelLight { slopes, cones } = &self.levels[level];
         let BorderPoints { depth, rows } = self.points;
         let mut columns = [(PointLight::default(), 0.0); MOST_COLUMNS];
-        match cones {
-            ConesLight::Wide(light) => columns[0] = (light.of(cone, self.points), 1.0),
+        let count = match cones {
+            ConesLight::Wide(light) => {
+                columns[0] = (light.of(cone, self.points), 1.0);
+                1
+            }
             ConesLight::Narrow(narrow) => {
                 let (first, weights) = narrow[cone];
                 for (i, weight) in weights.into_iter().enumerate() {
                     let place = (first + i) % self.columns.count;
                     columns[i] = (self.radiance.of(place, self.points), weight);
                 }
+                MOST_COLUMNS
             }
-        }
+        };
         let slope = slopes[cone];
         let x = slab as f32 + 0.5;
         let side = side_of(slope);
         let edge = if side == 1 { rows as f32 } else { 0.0 };
+        let per_row = if slope == 0.0 { 0.0 } else { -1.0 / slope };
         BorderCone {
             columns,
+            count,
             points: self.points,
             to_end: 0.5 + slope * (depth as f32 - x),
             side,
-            to_side: x + (edge - 0.5) / slope,
-            per_row: -1.0 / slope,
+            to_side: x + (0.5 - edge) * per_row,
+            per_row,
         }
     }
 
+    /// Returns whether the two half cones along a ray of a level see the same.
+    pub fn is_shared(&self, level: usize) -> bool {
+        matches!(self.levels[level].cones, ConesLight::Narrow(_))
+    }
+
     /// Returns the numbers of rows before the first and after the last one, no more than `most`, where light of a cone
-    /// enters that reaches the grid within these lengths, slabs.
+    /// enters that reaches the grid within these lengths, slabs, along its middle or so many rows beside it.
     pub fn rows_beside(
         &self,
         level: usize,
         cone: usize,
         lengths: [usize; 2],
+        beside: usize,
         most: usize,
     ) -> [usize; 2] {
         let slope = self.levels[level].slopes[cone];
         let [least, rise] = lengths.map(|length| slope * length as f32);
         [(-least).max(-rise), least.max(rise)]
-            .map(|rise| most.min((rise + BESIDE).max(0.0) as usize))
+            .map(|rise| most.min((rise + beside as f32).max(0.0) as usize))
     }
 }
 
-/// Rows beside those that the middle of a cone crosses, where its light is read: paths are bent to the rays of neighbours,
-/// and cones beyond the quadrant are steeper than its edge.
-const BESIDE: f32 = 3.0;
-
-/// The light of a cone at the rows of a plane, where it comes from beyond the border.
+/// The mean radiance in a cone at the rows of a plane, where it comes from beyond the border.
 #[derive(Clone, Copy, Debug)]
 pub struct BorderCone<'a> {
-    /// Radiance, and weights.
+    /// Radiance, and weights, of a number of columns. The others have no weight.
     columns: [(PointLight<'a>, f32); MOST_COLUMNS],
+    count: usize,
     points: BorderPoints,
     /// The place on the far end of what row 0 sees, in points; that of others lies as many points on.
     to_end: f32,
-    /// The other side from which light comes, the place on it of what row 0 sees, and points along it per row.
+    /// The other side from which light comes, the place on it of what row 0 sees, and points along it per row: 0 for a cone
+    /// straight ahead, which has no other side.
     side: usize,
     to_side: f32,
     per_row: f32,
@@ -370,10 +404,7 @@ impl BorderCone<'_> {
         // All from the far end, at the same fraction between two points.
         let BetweenPoints { before, past } = self.points.between(FAR_END, place);
         let mut light = [f32x16::splat(simd, 0.0); 3];
-        for (radiance, weight) in self.columns {
-            if weight == 0.0 {
-                continue;
-            }
+        for (radiance, weight) in &self.columns[..self.count] {
             let weights = [weight * (1.0 - past), weight * past];
             for (c, light) in light.iter_mut().enumerate() {
                 let radiance = &radiance.end[c * (self.points.rows + 2) + before..][..LANES + 1];
@@ -389,23 +420,48 @@ impl BorderCone<'_> {
     #[inline(never)]
     fn lanes(&self, row: isize) -> [[f32; LANES]; 3] {
         let mut light = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            let rgb = self.at(row + lane as isize);
-            (0..3).for_each(|c| light[c][lane] = rgb[c]);
-        }
+        self.each(row..row + LANES as isize, |lane, rgb| {
+            (0..3).for_each(|c| light[c][lane] = rgb[c])
+        });
         light
     }
 
-    /// Returns the light at a row.
-    #[inline]
-    fn at(&self, row: isize) -> Rgb {
+    /// Stores the light of cones that see it, each over an angle, at some rows of a plane. A channel has `stride` rows, the
+    /// grid's first at `pad`.
+    pub fn store(
+        &self,
+        range: Range<isize>,
+        to: &mut [f32],
+        [stride, pad]: [usize; 2],
+        angles: &[f32],
+    ) {
+        let first = pad.wrapping_add_signed(range.start);
+        self.each(range, |i, radiance| {
+            for (rows, angle) in to.chunks_exact_mut(3 * stride).zip(angles) {
+                (0..3).for_each(|c| rows[c * stride + first + i] = angle * radiance[c]);
+            }
+        });
+    }
+
+    /// Calls `take` with the light at some rows.
+    #[inline(always)]
+    fn each(&self, rows: Range<isize>, mut take: impl FnMut(usize, [f32; 4])) {
+        if self.count == 1 {
+            rows.enumerate().for_each(|(i, row)| take(i, self.at::<1>(row)));
+        } else {
+            rows.enumerate().for_each(|(i, row)| take(i, self.at::<MOST_COLUMNS>(row)));
+        }
+    }
+
+    /// Returns the light at a row, of the first `N` columns.
+    #[inline(always)]
+    fn at<const N: usize>(&self, row: isize) -> [f32; 4] {
         let at_end = row as f32 + self.to_end;
-        let is_at_end = at_end >= 0.0 && at_end <= self.points.rows as f32;
-        let columns = self.columns.iter().filter(|(_, weight)| *weight != 0.0);
+        let is_at_end = self.per_row == 0.0 || (at_end >= 0.0 && at_end <= self.points.rows as f32);
         let mut light = [0.0; 4];
         if is_at_end {
             let BetweenPoints { before, past } = self.points.between(FAR_END, at_end);
-            for (radiance, weight) in columns {
+            for (radiance, weight) in &self.columns[..N] {
                 for (c, light) in light[..3].iter_mut().enumerate() {
                     let radiance = &radiance.end[c * (self.points.rows + 2) + before..][..2];
                     *light += weight * (radiance[0] + (radiance[1] - radiance[0]) * past);
@@ -414,24 +470,14 @@ impl BorderCone<'_> {
         } else {
             let place = self.to_side + row as f32 * self.per_row;
             let BetweenPoints { before, past } = self.points.between(self.side, place);
-            for (radiance, weight) in columns {
+            for (radiance, weight) in &self.columns[..N] {
                 let [one, other] = [radiance.rows[before], radiance.rows[before + 1]];
                 for c in 0..4 {
                     light[c] += weight * (one[c] + (other[c] - one[c]) * past);
                 }
             }
         }
-        [light[0], light[1], light[2]]
-    }
-
-    /// Stores the light at some rows of a plane, counted from the grid's first, which is at `pad`.
-    pub fn store(&self, range: Range<isize>, pad: usize, mut channels: [&mut [f32]; 3]) {
-        for row in range {
-            let place = pad.wrapping_add_signed(row);
-            for (channel, light) in channels.iter_mut().zip(self.at(row)) {
-                channel[place] = light;
-            }
-        }
+        light
     }
 }
 

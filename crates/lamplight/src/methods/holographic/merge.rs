@@ -32,7 +32,7 @@
 //!
 //! Pixels are lit from the far end to the near one, so one plane per level is held at any time.
 
-use super::border::{BorderCone, BorderLight, Orientation};
+use super::border::{BorderLight, Orientation};
 use super::extend::IntervalLevels;
 use super::fine_rows::FineRows;
 use super::interval::{LANES, PAD, RowIntervals, words};
@@ -52,6 +52,10 @@ pub const WEIGHT_EPSILON: f32 = 1e-6;
 
 /// The number of levels whose planes pixels may gather from.
 const SHOWN: usize = 2;
+
+/// Rows beside the end of a cone's middle that its pixels may read: the spline's, one for rays beside it, and one because
+/// cones beyond the quadrant are steeper than what they see.
+const BESIDE: usize = 3;
 
 /// The light of one plane of a level.
 #[derive(Debug, Default)]
@@ -97,6 +101,8 @@ pub struct MergedLight {
     rows: usize,
     spacing_level: u32,
     first: u32,
+    /// Slabs that the longest rays of pixels cross, or paths from a plane to the next of the second level.
+    reach: usize,
     /// Rows of sky before and after those of the grid.
     pad: usize,
     stride: usize,
@@ -114,6 +120,8 @@ pub struct MergedLight {
     channel: Vec<f64>,
     /// The light of three consecutive cones, in turns.
     latest: [Vec<f32>; 3],
+    /// The mean radiance at the ends of two consecutive paths, by the row of their start, where they end beyond the border.
+    beyond: [Vec<f32>; 2],
     /// That of the plane that pixels gather from at the rows of cells, if points lie farther apart.
     fine: FineRows,
 }
@@ -224,6 +232,7 @@ impl MergedLight {
         let GatherGeometry { spacing_level, .. } = geometry;
         // Rays of the final gather rise by no more rows than their length.
         let pad = TILE + (geometry.max_length() + 1).next_multiple_of(LANES);
+        self.reach = (geometry.max_length() >> spacing_level) + 1;
         let [depth, rows] = [slabs.depth, slabs.rows].map(|side| points(side, spacing_level));
         self.fine.prepare(slabs.rows, pad);
         let now = (depth, rows, spacing_level, intervals.first, pad);
@@ -232,8 +241,8 @@ impl MergedLight {
         }
         (self.depth, self.rows, self.spacing_level, self.first, self.pad) = now;
         self.stride = rows.next_multiple_of(LANES) + 2 * pad;
-        for latest in &mut self.latest {
-            *latest = vec![0.0; 3 * self.stride];
+        for rows in self.latest.iter_mut().chain(&mut self.beyond) {
+            *rows = vec![0.0; 3 * self.stride];
         }
         self.sky = vec![[0.0; 3]; cones(intervals.end)];
         self.levels.clear();
@@ -260,7 +269,7 @@ impl MergedLight {
         let Self { levels, borders, entering, first, depth, rows, spacing_level, .. } = self;
         let cones = levels.iter().enumerate().map(|(at, level)| {
             let level_of_cones = (*first + at as u32).max(*first + 1);
-            (level_of_cones, &level.angles[..])
+            (level_of_cones, level.halves)
         });
         let way = usize::from(orientation.reversed);
         *entering = Some(way);
@@ -397,7 +406,8 @@ impl MergedLight {
         let slab = plane << (*first as usize + at);
         let all = -(*pad as isize)..(*stride - *pad) as isize;
         for (cone, rows) in made.rows.chunks_exact_mut(3 * *stride).enumerate() {
-            border.cone(at, cone, slab).store(all.clone(), *pad, channels_mut(rows, *stride));
+            let light = border.cone(at, cone, slab);
+            light.store(all.clone(), rows, [*stride, *pad], &made.angles[cone..=cone]);
         }
     }
 
@@ -416,8 +426,9 @@ impl MergedLight {
         let border = self.entering.map(|way| &self.borders[way]);
         let [made, above, ..] = &mut self.levels[at..] else { return };
         made.plane = Some(plane);
-        let PlaneLight { halves, rows, sky, .. } = made;
+        let PlaneLight { halves, rows, sky, angles, .. } = made;
         let rounded = self.rows.next_multiple_of(LANES);
+        let beyond = &mut self.beyond;
         let behind = border.map(|border| (border, at + 1));
         let merge = PlaneMerge { intervals, level, plane, above, behind, layout, rows: rounded };
         let count = sky.len();
@@ -430,7 +441,7 @@ impl MergedLight {
             own.fill(0.0);
             for cone in 0..count {
                 if cone + BEYOND / 2 < count - 1 {
-                    merge.cone::<S, K>(simd, cone + 1, after);
+                    merge.cone::<S, K>(simd, cone + 1, after, beyond);
                 } else {
                     after.fill(0.0);
                 }
@@ -441,21 +452,29 @@ impl MergedLight {
         } else {
             let inner = 1..count - 1;
             for (cone, to) in inner.clone().zip(rows.chunks_exact_mut(size).skip(inner.start)) {
-                merge.cone::<S, K>(simd, cone, to);
+                merge.cone::<S, K>(simd, cone, to, beyond);
             }
         }
         if let Some(border) = border {
             let slab = plane << level;
             let end = self.rows as isize;
-            // Rays of pixels are shorter than the pad without a tile, paths from the level below half as long as rays.
-            let lengths = if at < SHOWN { [0, pad - TILE] } else { [(1 << level) / 2; 2] };
-            for (cone, rows) in rows.chunks_exact_mut(size).enumerate() {
-                let beside = border.rows_beside(at, cone, lengths, pad);
+            // Pixels read the rows beside the ends of rays. Paths from the level below are half as long as rays, and steeper
+            // than the middle of their half cone by less than a row.
+            let (lengths, beside) =
+                if at < SHOWN { ([0, self.reach], BESIDE) } else { ([(1 << level) / 2; 2], 1) };
+            // Of two along a ray the first has an odd index.
+            let shared = usize::from(border.is_shared(at));
+            let (outermost, others) = rows.split_at_mut(shared * size);
+            let along_rays = others.chunks_mut((1 + shared) * size);
+            let mut cone = 0;
+            for rows in std::iter::once(outermost).chain(along_rays) {
+                let beside = border.rows_beside(at, cone, lengths, beside, pad);
                 let [before, after] = beside.map(|rows| rows as isize);
-                let cone = border.cone(at, cone, slab);
+                let light = border.cone(at, cone, slab);
                 for beside in [-before..0, end..end + after] {
-                    cone.store(beside, pad, channels_mut(rows, stride));
+                    light.store(beside, rows, [stride, pad], &angles[cone..]);
                 }
+                cone += rows.len() / size;
             }
             return;
         }
@@ -482,7 +501,13 @@ struct PlaneMerge<'a> {
 impl PlaneMerge<'_> {
     /// Stores the light of a cone.
     #[inline(always)]
-    fn cone<S: Simd, const K: usize>(&self, simd: S, cone: usize, to: &mut [f32]) {
+    fn cone<S: Simd, const K: usize>(
+        &self,
+        simd: S,
+        cone: usize,
+        to: &mut [f32],
+        beyond: &mut [Vec<f32>; 2],
+    ) {
         let Self { intervals, level, plane, above, behind, layout, rows } = *self;
         let RowLayout { stride, pad, .. } = layout;
         let number = cone as isize - BEYOND as isize;
@@ -511,23 +536,51 @@ impl PlaneMerge<'_> {
                 weight: weights[i],
                 far: above.rows(parts[i], stride),
                 sky: above.sky[parts[i]],
-                behind: behind
-                    .map(|(border, level)| border.cone(level, parts[i], (plane + 1) << self.level)),
+                beyond: None,
             };
         }
-        // Rows from which both paths end on held rows, pads included.
-        let mut range = 0..0;
-        if above.plane.is_some() {
-            let last = (stride - LANES) as isize - pad as isize;
-            let from = (-(pad as isize) - paths[0].rise).clamp(0, rows as isize) as usize;
-            range.start = from.next_multiple_of(LANES);
-            let end = (last - paths[1].rise).clamp(0, rows as isize) as usize;
-            range.end = (end / LANES * LANES).max(range.start);
+        if let Some((border, at)) = behind {
+            let mut missing = 0;
+            if border.is_shared(at) && cone > 1 {
+                // The first path is the second of the cone before.
+                beyond.swap(0, 1);
+                missing = 1;
+            }
+            for i in missing..2 {
+                let light = border.cone(at, parts[i], (plane + 1) << level);
+                let rise = paths[i].rise;
+                // The cones before and after share it.
+                let held = self.held([rise - 1, rise + 1]);
+                for y in (0..held.start).chain(held.end..rows).step_by(LANES) {
+                    let radiance = light.load(simd, y as isize + rise);
+                    for (c, radiance) in radiance.into_iter().enumerate() {
+                        radiance.store_slice(&mut beyond[i][c * stride + pad + y..][..LANES]);
+                    }
+                }
+            }
+            for (path, beyond) in paths.iter_mut().zip(&*beyond) {
+                path.beyond = Some(beyond);
+            }
         }
+        let range = self.held(paths.map(|path| path.rise));
         add_paths::<S, K, true>(simd, &paths, to, layout, range.clone());
         for range in [0..range.start, range.end..rows] {
             add_paths::<S, K, false>(simd, &paths, to, layout, range);
         }
+    }
+
+    /// Returns the rows, in whole vectors, from which paths that rise by no less and no more than this end on held rows, pads
+    /// included.
+    fn held(&self, [least, most]: [isize; 2]) -> Range<usize> {
+        if self.above.plane.is_none() {
+            return 0..0;
+        }
+        let RowLayout { stride, pad, .. } = self.layout;
+        let [first, last] = [-(pad as isize), (stride - LANES) as isize - pad as isize];
+        let [from, to] =
+            [first - least, last - most].map(|row| row.clamp(0, self.rows as isize) as usize);
+        let start = from.next_multiple_of(LANES);
+        start..(to / LANES * LANES).max(start)
     }
 }
 
@@ -565,8 +618,8 @@ struct MergePath<'a> {
     /// Light at its end by channel and row, and beyond all rows.
     far: &'a [f32],
     sky: Rgb,
-    /// In place of the sky.
-    behind: Option<BorderCone<'a>>,
+    /// In place of the sky's, the mean radiance there by channel and row of the start.
+    beyond: Option<&'a [f32]>,
 }
 
 /// The layout of stored rows.
@@ -577,6 +630,13 @@ struct RowLayout {
     /// From one channel of light to the next.
     stride: usize,
     pad: usize,
+}
+
+/// The light at the ends of a path, by channel, and its weight.
+#[derive(Clone, Copy)]
+struct FarRows<'a> {
+    light: [&'a [[f32; LANES]]; 3],
+    weight: f32,
 }
 
 /// Stores the sum of two paths for some rows, in whole vectors. `HELD`: whether they end on held rows.
@@ -593,15 +653,20 @@ fn add_paths<S: Simd, const K: usize, const HELD: bool>(
     if count == 0 {
         return;
     }
-    let (mut near, mut far) = ([[&[][..]; 3]; 2], [[&[][..]; 3]; 2]);
+    let (mut near, mut far) = ([[&[][..]; 3]; 2], [None; 2]);
     for (p, path) in paths.iter().enumerate() {
-        let end = (pad + range.start).wrapping_add_signed(path.rise);
+        let start = pad + range.start;
+        let (rows, at, weight) = match path.beyond {
+            _ if HELD => (Some(path.far), start.wrapping_add_signed(path.rise), path.weight),
+            beyond => (beyond, start, path.angle),
+        };
+        far[p] = rows.map(|rows| FarRows {
+            light: [0, 1, 2].map(|c| vectors(rows, c * stride + at, count)),
+            weight,
+        });
         for i in 0..3 {
             let word = i.min(words(K) - 1);
             near[p][i] = vectors(path.near, word * interval_stride + PAD + range.start, count);
-            if HELD {
-                far[p][i] = vectors(path.far, i * stride + end, count);
-            }
         }
     }
     let (red, rows) = rows.split_at_mut(stride);
@@ -617,14 +682,15 @@ fn add_paths<S: Simd, const K: usize, const HELD: bool>(
                 u32x16::from_slice(simd, &near[p][1][i]),
                 u32x16::from_slice(simd, &near[p][2][i]),
             ]);
-            let far: [f32x16<S>; 3] = match &path.behind {
-                _ if HELD => far[p].map(|channel| f32x16::from_slice(simd, &channel[i])),
-                None => path.sky.map(|sky| f32x16::splat(simd, sky)),
-                Some(behind) => behind.load(simd, (range.start + i * LANES) as isize + path.rise),
+            let (far, weight) = match far[p] {
+                Some(FarRows { light, weight }) => {
+                    (light.map(|channel| f32x16::from_slice(simd, &channel[i])), weight)
+                }
+                None => (path.sky.map(|sky| f32x16::splat(simd, sky)), path.weight),
             };
             for c in 0..3 {
                 sum[c] = near.light[c].mul_add(path.angle, sum[c]);
-                sum[c] = (near.transmittance[c % K] * path.weight).mul_add(far[c], sum[c]);
+                sum[c] = (near.transmittance[c % K] * weight).mul_add(far[c], sum[c]);
             }
         }
         for c in 0..3 {
@@ -643,13 +709,6 @@ fn vectors<T>(row: &[T], at: usize, count: usize) -> &[[T; LANES]] {
 #[inline(always)]
 fn vectors_mut<T>(row: &mut [T], at: usize, count: usize) -> &mut [[T; LANES]] {
     &mut row[at..].as_chunks_mut().0[..count]
-}
-
-/// Returns the rows of each channel of a cone.
-fn channels_mut(rows: &mut [f32], stride: usize) -> [&mut [f32]; 3] {
-    let (red, rest) = rows.split_at_mut(stride);
-    let (green, blue) = rest.split_at_mut(stride);
-    [red, green, blue]
 }
 
 /// Fills some rows of a cone with the light of the sky.

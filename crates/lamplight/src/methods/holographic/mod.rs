@@ -51,6 +51,7 @@ mod published;
 mod slabs;
 mod trace;
 
+pub use border::{border_view, is_shared};
 pub use faces::REACH;
 pub use merge::WEIGHT_EPSILON;
 pub use prefilter::EXCHANGED;
