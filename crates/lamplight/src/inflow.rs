@@ -25,7 +25,7 @@ use std::sync::Arc;
 pub struct Inflow {
     size: [u32; 2],
     columns: usize,
-    radiance: Arc<[Rgb]>,
+    radiance: Arc<Vec<Rgb>>,
 }
 
 /// A rectangle of cells of a grid.
@@ -140,11 +140,18 @@ impl Inflow {
         }
         let mut radiance = vec![[0.0; 3]; border_cells(size) * columns];
         let strips = radiance.par_chunks_mut(columns).enumerate();
-        strips.for_each(|(cell, strip)| fill(border_place(size, cell), strip));
-        let radiance: Arc<[Rgb]> = radiance.into();
-        match radiance.as_flattened().iter().find(|v| !v.is_finite() || **v < 0.0) {
+        // Each is checked while it is in the cache.
+        let invalid = strips.find_map_first(|(cell, strip)| {
+            fill(border_place(size, cell), strip);
+            let values = strip.as_flattened();
+            let valid = |v: &f32| (0.0..f32::INFINITY).contains(v);
+            // Without a way out, several at a time.
+            let all = values.iter().fold(true, |all, v| all & valid(v));
+            if all { None } else { values.iter().copied().find(|v| !valid(v)) }
+        });
+        match invalid {
             Some(v) => Err(Error::value("inflow", v, "a finite radiance of 0 or more")),
-            None => Ok(Self { size, columns, radiance }),
+            None => Ok(Self { size, columns, radiance: radiance.into() }),
         }
     }
 
