@@ -87,6 +87,18 @@ fn an_inflow_of_another_size_is_refused() {
     assert!(error.contains("5×8") && error.contains("8×5"), "{error}");
 }
 
+#[test]
+fn radiance_that_is_none_is_refused() {
+    for invalid in [f32::NAN, f32::INFINITY, -1.0] {
+        let size = [8, 5];
+        let radiance = |place: [f32; 2]| if place == [8.0, 2.5] { invalid } else { 0.0 };
+        let inflow = Inflow::new(size, 4, |place, _| [1.0, radiance(place.at), -0.0]);
+        let error = inflow.unwrap_err().to_string();
+        let expected = format!("`inflow` is {invalid}, but must be a finite radiance of 0 or more");
+        assert_eq!(error, expected);
+    }
+}
+
 /// A window of a world, by its first cell and its size.
 const WORLD: [u32; 2] = [200, 150];
 const FIRST: [u32; 2] = [60, 45];
