@@ -6,15 +6,19 @@ use super::near::{NearCells, NearRay};
 use super::read::SIDE;
 use crate::{GridWindow, Inflow, Panorama, Result, Rgb, Sky};
 use rayon::prelude::*;
-use std::f64::consts::{GOLDEN_RATIO, TAU};
+use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Blocks that a ray from the border of a tile crosses before they become twice as large: more are sharper shadows and
 /// less error, and more blocks that travel to the machine that lights a tile.
 const RING: i32 = 48;
-/// Rays of a column of inflow, for each block along the border, and those of one where these see an edge of something
-/// bright.
-const RAYS: usize = 4;
-const FINE_RAYS: usize = 16;
+/// Cells from one strip of inflow to the next along the border: half of a block. At a whole one small lights throw rays.
+const SPACING: i32 = SIDE as i32 / 2;
+/// Rays of a column of inflow in a strip, and those of one where these see an edge of something bright.
+const RAYS: usize = 2;
+const FINE_RAYS: usize = 8;
+/// The steps of a sequence that covers the unit square evenly (R₂, Roberts 2018).
+const R2: [f64; 2] = [0.569_840_290_998_053, 0.754_877_666_246_693];
 /// Radiance is said to have an edge where it changes by more than this from ray to ray, relative to its mean.
 const EDGE: f32 = 4.0;
 
@@ -83,18 +87,22 @@ pub fn inflow(
             block[across] += if outward < 0 { -1 } else { blocks[across] };
             block
         };
-        let open: Vec<_> = (0..blocks[along]).map(|i| border.open_cells(block(i))).collect();
+        let per_block = SIDE as i32 / SPACING;
+        let open: Vec<_> = (0..per_block * blocks[along])
+            .map(|i| border.open_cells(block(i / per_block), i % per_block))
+            .collect();
         let strips = (0..open.len()).into_par_iter().map(|i| {
             // Between two strips radiance is linear, so one that no light reaches counts beside one that some does.
             let beside = i.saturating_sub(1)..(i + 2).min(open.len());
             if open[beside].iter().all(Vec::is_empty) {
                 return vec![[0.0; 3]; columns];
             }
-            border.strip(block(i as i32), &open[i], &sources)
+            let (block, part) = (block(i as i32 / per_block), i as i32 % per_block);
+            border.strip(block, part, &open[i], &sources)
         });
         strips.collect::<Vec<_>>()
     });
-    Inflow::of_sparse_strips(size, columns, SIDE as u32, &strips)
+    Inflow::of_sparse_strips(size, columns, SPACING as u32, &strips)
 }
 
 /// A side of the border of a window.
@@ -133,8 +141,8 @@ impl Border<'_> {
         (0..columns).map(nearest).collect()
     }
 
-    /// Returns the numbers of the cells along the border at a block that light can reach.
-    fn open_cells(&self, block: [i32; 2]) -> Vec<i32> {
+    /// Returns the numbers of the cells along the border at a part of a block that light can reach.
+    fn open_cells(&self, block: [i32; 2], part: i32) -> Vec<i32> {
         let along = 1 - self.across;
         let is_open = |&number: &i32| {
             let mut cell = block.map(|v| v * SIDE as i32);
@@ -142,7 +150,7 @@ impl Border<'_> {
             cell[self.across] += if self.outward < 0 { SIDE as i32 } else { -1 };
             !(self.is_solid)(cell)
         };
-        (0..SIDE as i32).filter(is_open).collect()
+        cells_of(part).filter(is_open).collect()
     }
 
     /// Returns the radiance along a ray that enters a block at the border, and the transmittance of its way.
@@ -163,18 +171,20 @@ impl Border<'_> {
         ]
     }
 
-    /// Returns the radiance that comes through a block at the border, by column: by the open cells there, or by all if
-    /// none is open.
-    fn strip(&self, block: [i32; 2], open: &[i32], sources: &[usize]) -> Vec<Rgb> {
-        const ALL: [i32; SIDE] = [0, 1, 2, 3];
-        let open = if open.is_empty() { &ALL } else { open };
+    /// Returns the radiance that comes through a part of a block at the border, by column: by the open cells there, or by all
+    /// if none is open.
+    fn strip(&self, block: [i32; 2], part: i32, open: &[i32], sources: &[usize]) -> Vec<Rgb> {
+        let all: Vec<i32> = cells_of(part).collect();
+        let open = if open.is_empty() { &all } else { open };
         let columns = sources.len();
         let along = 1 - self.across;
         let edge = block[self.across] + i32::from(self.outward < 0);
+        let strip = block[along] * (SIDE as i32 / SPACING) + part;
         // The radiance along a ray, by its number and its column.
         let trace = |ray: &RayDirection, number: usize, column: usize| -> Rgb {
-            // Multiples of the golden ratio, without the whole, are spread evenly over any number of them.
-            let place = (GOLDEN_RATIO * number as f64).fract() * open.len() as f64;
+            // The rays of a strip and of those beside it are spread evenly.
+            let place = R2[0] * number as f64 + R2[1] * f64::from(strip);
+            let place = place.rem_euclid(1.0) * open.len() as f64;
             let cell = f64::from(open[place as usize]);
             let mut from = [0.0; 2];
             from[self.across] = f64::from(edge * SIDE as i32);
@@ -212,6 +222,11 @@ impl Border<'_> {
         }
         sources.iter().map(|&source| sums[source].mean()).collect()
     }
+}
+
+/// Returns the cells of a part of a block along the border.
+fn cells_of(part: i32) -> Range<i32> {
+    part * SPACING..(part + 1) * SPACING
 }
 
 /// The directions of the rays of all columns, one column after the other.
