@@ -113,9 +113,9 @@ fn difference(found: &Light, truth: &Light, tile: u32) -> [f64; 2] {
 }
 
 /// Largest error of tiles with the default margin against one solve of the whole, and jump of light at a seam.
-const OPEN: [f64; 2] = [0.013, 0.008];
-const SKY: [f64; 2] = [0.004, 0.003];
-const CAVE: [f64; 2] = [0.003, 0.001];
+const OPEN: [f64; 2] = [0.008, 0.004];
+const SKY: [f64; 2] = [0.003, 0.002];
+const CAVE: [f64; 2] = [0.002, 0.001];
 
 #[test]
 fn tiles_have_the_light_of_their_world() {
@@ -146,8 +146,8 @@ fn tiles_have_the_light_of_their_world() {
 fn narrow_margins_have_nearly_the_same_light() {
     /// The largest error and jump with a margin of 32 px. Within tiles the same measure finds jumps of 1.4 % in the cave,
     /// and 0.9 % in the open.
-    const OPEN: [f64; 2] = [0.016, 0.007];
-    const CAVE: [f64; 2] = [0.007, 0.012];
+    const OPEN: [f64; 2] = [0.015, 0.007];
+    const CAVE: [f64; 2] = [0.004, 0.007];
     let (side, tile) = (1024, 256);
     for (name, cells, bounds) in [("open", open_world(side), OPEN), ("cave", cave(side), CAVE)] {
         let settings = bounces(2);
@@ -157,6 +157,23 @@ fn narrow_margins_have_nearly_the_same_light() {
         println!("{name}: error {:.2} %, seam {:.2} %", 100.0 * rmse, 100.0 * seam);
         assert!(rmse < bounds[0] && seam < bounds[1], "{name}: {rmse}, {seam}");
     }
+}
+
+#[test]
+fn small_lamps_throw_no_rays_into_tiles() {
+    let (size, lamp) = ([320, 160], [30.0, 80.0]);
+    let mut cells = Cells::new(size[0], size[1]).unwrap();
+    cells.lamps_mut().push(Lamp { position: lamp, size: 3.0, ..Lamp::default() });
+    let truth = Solver::new(direct()).unwrap().solve(&cells).unwrap().clone();
+    let narrow = WorldSettings { halo: 32, ..WorldSettings::new(direct()) };
+    let found = in_tiles(&cells, narrow, 80);
+    let pixels =
+        || (0..size[1]).flat_map(|y| (80..size[0]).map(move |x| (y * size[0] + x) as usize));
+    let error = |i: usize| f64::from(found.pixels()[i][0] / truth.pixels()[i][0]) - 1.0;
+    let rms = (pixels().map(|i| error(i).powi(2)).sum::<f64>() / pixels().count() as f64).sqrt();
+    println!("a small lamp: {:.2} %", 100.0 * rms);
+    // With a strip every four px it is 4.9 %.
+    assert!(rms < 0.03, "{rms}");
 }
 
 /// The light of tiles that know nothing of each other.
