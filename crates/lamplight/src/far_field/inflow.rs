@@ -184,7 +184,7 @@ impl Border<'_> {
         let trace = |ray: &RayDirection, number: usize, column: usize| -> Rgb {
             // The rays of a strip and of those beside it are spread evenly.
             let place = R2[0] * number as f64 + R2[1] * f64::from(strip);
-            let place = place.rem_euclid(1.0) * open.len() as f64;
+            let place = place.fract() * open.len() as f64;
             let cell = f64::from(open[place as usize]);
             let mut from = [0.0; 2];
             from[self.across] = f64::from(edge * SIDE as i32);
