@@ -12,8 +12,9 @@ use std::ops::Range;
 /// Blocks that a ray from the border of a tile crosses before they become twice as large: more are sharper shadows and
 /// less error, and more blocks that travel to the machine that lights a tile.
 const RING: i32 = 48;
-/// Cells from one strip of inflow to the next along the border: half of a block. At a whole one small lights throw rays.
-const SPACING: i32 = SIDE as i32 / 2;
+/// Strips of inflow to a block along the border, and cells from one to the next. With a single one small lights throw rays.
+const PARTS: i32 = 2;
+const SPACING: i32 = SIDE as i32 / PARTS;
 /// Rays of a column of inflow in a strip, and those of one where these see an edge of something bright.
 const RAYS: usize = 2;
 const FINE_RAYS: usize = 8;
@@ -87,9 +88,8 @@ pub fn inflow(
             block[across] += if outward < 0 { -1 } else { blocks[across] };
             block
         };
-        let per_block = SIDE as i32 / SPACING;
-        let open: Vec<_> = (0..per_block * blocks[along])
-            .map(|i| border.open_cells(block(i / per_block), i % per_block))
+        let open: Vec<_> = (0..PARTS * blocks[along])
+            .map(|i| border.open_cells(block(i / PARTS), i % PARTS))
             .collect();
         let strips = (0..open.len()).into_par_iter().map(|i| {
             // Between two strips radiance is linear, so one that no light reaches counts beside one that some does.
@@ -97,7 +97,7 @@ pub fn inflow(
             if open[beside].iter().all(Vec::is_empty) {
                 return vec![[0.0; 3]; columns];
             }
-            let (block, part) = (block(i as i32 / per_block), i as i32 % per_block);
+            let (block, part) = (block(i as i32 / PARTS), i as i32 % PARTS);
             border.strip(block, part, &open[i], &sources)
         });
         strips.collect::<Vec<_>>()
@@ -179,7 +179,7 @@ impl Border<'_> {
         let columns = sources.len();
         let along = 1 - self.across;
         let edge = block[self.across] + i32::from(self.outward < 0);
-        let strip = block[along] * (SIDE as i32 / SPACING) + part;
+        let strip = block[along] * PARTS + part;
         // The radiance along a ray, by its number and its column.
         let trace = |ray: &RayDirection, number: usize, column: usize| -> Rgb {
             // The rays of a strip and of those beside it are spread evenly.

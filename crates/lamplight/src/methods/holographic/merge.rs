@@ -465,9 +465,10 @@ impl MergedLight {
             // Of two along a ray the first has an odd index.
             let shared = usize::from(border.is_shared(at));
             let (outermost, others) = rows.split_at_mut(shared * size);
-            let along_rays = others.chunks_mut((1 + shared) * size);
+            let along_rays =
+                outermost.chunks_mut(size).chain(others.chunks_mut((1 + shared) * size));
             let mut cone = 0;
-            for rows in std::iter::once(outermost).chain(along_rays) {
+            for rows in along_rays {
                 let beside = border.rows_beside(at, cone, lengths, beside, pad);
                 let [before, after] = beside.map(|rows| rows as isize);
                 let light = border.cone(at, cone, slab);
