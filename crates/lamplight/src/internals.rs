@@ -71,14 +71,14 @@ pub mod flood {
 /// Holographic radiance cascades.
 pub mod holographic {
     pub use crate::methods::holographic::{
-        EMISSIVE, EXCHANGED, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON, border_view,
+        EMISSIVE, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON, border_view, exchanged,
         is_shared,
     };
 
     /// Directions, levels, and the positions of planes.
     pub mod lattice {
         pub use crate::methods::holographic::lattice::{
-            BENT, BEYOND, Crossing, GatherGeometry, bundle, cones, cones_of_halves, edges, halves,
+            BEYOND, Crossing, GatherGeometry, bent, bundle, cones, cones_of_halves, edges, halves,
             levels, on_grid, planes, points, rays, slope,
         };
     }

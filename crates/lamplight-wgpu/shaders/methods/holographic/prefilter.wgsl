@@ -3,8 +3,16 @@
 
 #import methods/holographic/interval
 
-// Fraction of the difference between two rows that they exchange.
+// Fraction of the difference between two rows that bundles along the axis exchange, and what the diagonal adds.
 override EXCHANGED: f32;
+override EXCHANGED_DIAGONAL: f32;
+
+// The fraction that a bundle exchanges, of `bundles` from a row.
+fn exchanged(bundle: u32, bundles: u32) -> f32 {
+    let straight = 0.5 * f32(bundles - 1u);
+    let slope = (f32(bundle) - straight) / straight;
+    return EXCHANGED + EXCHANGED_DIAGONAL * slope * slope;
+}
 
 // The rows of a tile that exchange light with the row after them: both are open at the plane, and the bundle of one
 // may meet a small source.
@@ -23,9 +31,9 @@ fn either_of_pairs(rows: vec2u) -> vec2u {
     return first | (first << vec2u(1u));
 }
 
-// The light that a bundle gains from one of another row, by the words of their intervals that hold it.
+// What a bundle of another row has more light, by the words of their intervals that hold it.
 fn gained(own: vec2u, other: vec2u) -> vec3f {
-    return EXCHANGED * (light_of(other) - light_of(own));
+    return light_of(other) - light_of(own);
 }
 
 fn light_of(words: vec2u) -> vec3f {

@@ -45,22 +45,32 @@ fn is_emitting(at: vec2i) -> bool {
     return any(textureLoad(matter, at, 0) != vec4f(1.0, 1.0, 1.0, 0.0)) && (emits_itself(vec2u(at)) || scatters(vec2u(at)));
 }
 
-// Returns whether at most two cells in a row emit with this one, or six if points lie 2 px apart; `step` leads from one to
-// the next.
-fn is_thin(at: vec2i, step: vec2i) -> bool {
-    var left = (4i << sweep.spacing_level) - 3;
-    for (var side = -1; side < 2 && left >= 0; side += 2) {
-        for (var i = 1; left >= 0 && is_emitting(at + side * i * step); i++) {
-            left--;
-        }
+// The number of cells in a row that emit, from the one after another on, up to `most`.
+fn emitting_after(at: vec2i, step: vec2i, most: i32) -> i32 {
+    var count = 0;
+    while count < most && is_emitting(at + (count + 1) * step) {
+        count++;
     }
-    return left >= 0;
+    return count;
 }
 
-// Returns whether a cell that emits is a source so wide and high at most, with nothing solid around it.
+// Returns whether a cell that emits is part of a source at most four points of the lattice wide and high, with nothing
+// solid around it. So many in a row emit at most, both through it and, so that all of a disc is small or nothing of it,
+// across the middle of its row and of its column.
 fn is_small(at: vec2u) -> bool {
-    let cell = vec2i(at);
-    return is_alone(at) && is_thin(cell, vec2i(1, 0)) && is_thin(cell, vec2i(0, 1));
+    let most = 4i << sweep.spacing_level;
+    var is_small = is_alone(at);
+    var through = vec2i(at);
+    for (var turn = 0u; turn < 4u && is_small; turn++) {
+        // Its row, across the middle of that; its column, across the middle of that.
+        through = select(through, vec2i(at), turn == 2u);
+        let step = select(vec2i(0, 1), vec2i(1, 0), turn == 0u || turn == 3u);
+        let before = emitting_after(through, -step, most);
+        let after = emitting_after(through, step, most);
+        is_small = before + after < most;
+        through += ((before + after) / 2 - before) * step;
+    }
+    return is_small;
 }
 
 fn is_solid(at: vec2i) -> bool {

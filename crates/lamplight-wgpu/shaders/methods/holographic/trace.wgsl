@@ -129,7 +129,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
             }
             if any(light != vec3f(0.0)) {
                 var gaining = unpack(words);
-                gaining.light += light;
+                gaining.light += exchanged(bundle, BUNDLES) * light;
                 words = pack(gaining);
             }
             store_words(base + (place * BUNDLES + bundle) * sweep.rows + u32(point), words);

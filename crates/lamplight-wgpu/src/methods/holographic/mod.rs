@@ -25,9 +25,9 @@ use crate::stages::convergence::Convergence;
 use crate::{programs, shaders};
 use lamplight::Bounces;
 use lamplight::internals::MAX_OPTICAL_DEPTH;
-use lamplight::internals::holographic::lattice::{BENT, GatherGeometry, points, rays};
+use lamplight::internals::holographic::lattice::{GatherGeometry, bent, points, rays};
 use lamplight::internals::holographic::{
-    EMISSIVE, EXCHANGED, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON,
+    EMISSIVE, MATTER, MEDIUM, PRIMARY, REACH, SMALL, WEIGHT_EPSILON, exchanged,
 };
 use lamplight::settings::Holographic as Settings;
 use lattice::{Lattice, Packed};
@@ -84,12 +84,14 @@ impl IntervalPipelines {
     ) -> Self {
         let level = geometry.first();
         let stored = ("WORDS", f64::from(words));
-        let exchanged = ("EXCHANGED", EXCHANGED.into());
+        let [straight, diagonal] = exchanged(level).map(f64::from);
+        let [straight, diagonal] = [("EXCHANGED", straight), ("EXCHANGED_DIAGONAL", diagonal)];
         let bundles = ("BUNDLES", rays(level) as f64);
         let in_each = ("RAYS", width.into());
-        let own = [("FOURTH", SMALL_BIT), stored, exchanged, bundles, in_each, spacing(geometry)];
+        let bits = ("FOURTH", SMALL_BIT);
+        let own = [bits, stored, straight, diagonal, bundles, in_each, spacing(geometry)];
         let trace = [CELLS, MARCH, &own].concat();
-        let bent = ("BENT", BENT.into());
+        let bent = ("BENT", bent(geometry.spacing_level).into());
         let extend = |levels: u32| {
             let (rows, before, pairs) = match levels {
                 1 => (tiles::LANES, 0, 1),

@@ -6,8 +6,8 @@
 //! are the mean of two bent paths, `T_n(p, k) ⊕ T_n(p + v_n(k), k+1)` and
 //! `T_n(p, k+1) ⊕ T_n(p + v_n(k+1), k)`.
 //!
-//! So odd rays see a small light half a px wider than even ones, which shows as ripple around it. From level
-//! [`BENT`] on, even rays are as wide: ¾ of the straight path and ⅛ of each of two bent ones, over the rays
+//! So odd rays see a small light half a point wider than even ones, which shows as ripple around it. From intervals of
+//! 16 px on, even rays are as wide: ¾ of the straight path and ⅛ of each of two bent ones, over the rays
 //! k − 1 and k + 1. Those at the edges of the quadrant, which have one neighbour, stay straight, and so do those
 //! along the borders of the grid: bent ones would leave it and come back, around walls that end there.
 //!
@@ -19,7 +19,7 @@
 //! them: N² log N intervals.)
 
 use super::interval::{LANES, PAD, RowIntervals, empty, words};
-use super::lattice::{BENT, GatherGeometry, bundle, levels, planes, points, rays};
+use super::lattice::{GatherGeometry, bent, bundle, levels, planes, points, rays};
 use super::prefilter::Prefilter;
 use super::slabs::Slabs;
 use super::trace::{
@@ -151,7 +151,7 @@ impl IntervalLevels {
         let (spacing_level, rows) = (self.spacing_level, self.extent.rows);
         let slab = plane << (self.first + spacing_level);
         let prefilter = &mut self.prefilter;
-        prefilter.begin(rows, rays(self.first));
+        prefilter.begin(rows, self.first);
         for row in (0..slabs.rows).step_by(TILE) {
             let small = prefilter.small_sources(row / (TILE << spacing_level));
             let pairs =
@@ -193,7 +193,7 @@ impl IntervalLevels {
                     let other = planes.compose(y, [ray + 1, ray], rise + 1);
                     one.mean(other).store(to, stride, PAD + y);
                 }
-            } else if level < BENT || ray == 0 || ray + 1 == rays(level) {
+            } else if level < bent(self.spacing_level) || ray == 0 || ray + 1 == rays(level) {
                 for y in (0..rows).step_by(LANES) {
                     planes.compose(y, [ray, ray], rise).store(to, stride, PAD + y);
                 }
@@ -264,7 +264,7 @@ fn empty_tail<const K: usize>(to: &mut [u32], stride: usize, rows: usize) {
 #[cfg(test)]
 mod tests {
     use super::super::lattice::BUNDLE_WIDTH;
-    use super::super::prefilter::EXCHANGED;
+    use super::super::prefilter::exchanged;
     use super::super::slabs::Axis;
     use super::*;
     use crate::simd::dispatch;
@@ -347,15 +347,18 @@ mod tests {
             };
             let mut around = (0..9).filter(|&i| i != 4).map(|i| [i % 3 - 1, i / 3 - 1]);
             let alone = !around.any(solid);
-            let emits = |by: i64, [dx, dy]: [i64; 2]| {
-                let at = [at[0] + by * dx, at[1] + by * dy];
-                cell(cells, at).is_some_and(|m| m.emission != [0.0; 3])
+            let emits = |at| cell(cells, at).is_some_and(|m| m.emission != [0.0; 3]);
+            // All cells in a row that emit with one.
+            let row = |[x, y]: [i64; 2], along_x: bool| {
+                let place = |i| if along_x { [i, y] } else { [x, i] };
+                let own = if along_x { x } else { y };
+                let first = (0..=own).rev().take_while(|&i| emits(place(i))).last();
+                let end = (own..64).find(|&i| !emits(place(i)));
+                let (first, end) = (first.unwrap_or(own), end.unwrap_or(64));
+                (end - first <= 4).then(|| place((first + end - 1) / 2))
             };
-            let is_thin = |step: [i64; 2]| {
-                let pairs = [[-2, -1], [-1, 1], [1, 2]];
-                !pairs.iter().any(|pair| pair.iter().all(|&by| emits(by, step)))
-            };
-            matter.emission != [0.0; 3] && alone && is_thin([1, 0]) && is_thin([0, 1])
+            let is_thin = |x| row(at, x).is_some_and(|middle| row(middle, !x).is_some());
+            matter.emission != [0.0; 3] && alone && is_thin(true) && is_thin(false)
         };
         bundle([1, 0], ray as usize, WIDTH)
             .iter()
@@ -369,11 +372,14 @@ mod tests {
         let open = |y: i64| cell(cells, [at[0], y]).is_some_and(|matter| matter.opacity < 1.0);
         let (own, small) =
             (traced(cells, channel, at, ray), |y| meets_small_source(cells, [at[0], y], ray));
+        let slope = ray as f32 / 2.0 - 1.0;
+        let [straight, diagonal] = exchanged(1);
+        let part = straight + diagonal * slope * slope;
         let mut light = own.0;
         for y in [at[1] - 1, at[1] + 1].into_iter().filter(|&y| inside(y)) {
             if open(at[1]) && open(y) && (small(at[1]) || small(y)) {
                 let other = traced(cells, channel, [at[0], y], ray);
-                light += f64::from(EXCHANGED) * (other.0 - own.0);
+                light += f64::from(part) * (other.0 - own.0);
             }
         }
         (light, own.1)
@@ -409,7 +415,7 @@ mod tests {
         let straight = path(k, k);
         if ray % 2 == 1 {
             mean(&[path(k, k + 1), path(k + 1, k)])
-        } else if level <= BENT
+        } else if level <= bent(0)
             || k == 0
             || k == length
             || k == half && (y == 0 || y + 1 == i64::from(cells.height()))

@@ -37,8 +37,10 @@ pub fn levels(depth: usize, first: u32) -> u32 {
     depth.next_power_of_two().trailing_zeros().max(first + 1)
 }
 
-/// The lowest level whose intervals are extended to even rays over bent paths too.
-pub const BENT: u32 = 4;
+/// Returns the lowest level whose intervals are extended to even rays over bent paths too: that of intervals of 16 px.
+pub const fn bent(spacing_level: u32) -> u32 {
+    4 - spacing_level
+}
 
 /// Cones beyond each edge of the quadrant.
 pub const BEYOND: usize = 2;

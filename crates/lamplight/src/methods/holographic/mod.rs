@@ -54,7 +54,7 @@ mod trace;
 pub use border::{border_view, is_shared};
 pub use faces::REACH;
 pub use merge::WEIGHT_EPSILON;
-pub use prefilter::EXCHANGED;
+pub use prefilter::exchanged;
 pub use slabs::{EMISSIVE, MATTER, MEDIUM, PRIMARY, SMALL};
 
 use crate::clock::Clock;

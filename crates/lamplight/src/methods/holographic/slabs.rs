@@ -25,9 +25,9 @@ pub const MEDIUM: u8 = 2;
 /// Bit of `Slabs::classes`: the cell emits, reflects or scatters light.
 pub const EMISSIVE: u8 = 4;
 
-/// Bit of `Slabs::classes`: light may come from a source at most two cells wide and high, or six if points of the
-/// lattice lie 2 px apart. The cell is [`EMISSIVE`], along both axes at most so many in a row are, and none of the eight
-/// cells around it is solid.
+/// Bit of `Slabs::classes`: the cell is part of a source at most four points of the lattice wide and high. It is
+/// [`EMISSIVE`], and none of the eight cells around it is solid. So many in a row are at most, both through it and, so that
+/// all of a disc is small or nothing of it, across the middle of its row and of its column.
 pub const SMALL: u8 = 8;
 
 /// Bit of `Slabs::classes`: the cell emits light of its own. What only reflects or scatters has no sharp bright edges,
@@ -146,13 +146,22 @@ impl Slabs {
         for (&at, &i) in self.occupied.iter().zip(&matter) {
             let emits = |at: usize| self.classes.get(at).is_some_and(|class| class & EMISSIVE != 0);
             // At most this many cells in a row emit.
-            let most = 4 * spacing - 2;
-            let is_thin = |step: usize| {
+            let most = 4 * spacing;
+            // The middle of those in a row with a cell.
+            let middle = |at: usize, step: usize| {
                 let before = (1..=most).take_while(|i| emits(at.wrapping_sub(i * step))).count();
                 let after = (1..=most).take_while(|i| emits(at + i * step)).count();
-                before + after < most
+                (before + after < most).then(|| at - before * step + (before + after) / 2 * step)
             };
-            if emits(at) && is_thin(1) && is_thin(self.stride) && is_alone(cells, i as usize) {
+            let is_thin = |step: usize, across: usize| {
+                middle(at, step).is_some_and(|at| middle(at, across).is_some())
+            };
+            let steps = [1, self.stride];
+            if emits(at)
+                && is_alone(cells, i as usize)
+                && is_thin(steps[0], steps[1])
+                && is_thin(steps[1], steps[0])
+            {
                 self.classes[at] |= SMALL;
             }
         }
