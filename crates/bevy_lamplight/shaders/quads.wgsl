@@ -180,13 +180,18 @@ const LAST: f32 = 0.99999994;
 // Fractions closer to 0 or 1 than this are rounding errors.
 const ROUNDING: f32 = 1e-4;
 
+// A covered fraction without what rounding adds or leaves: a trace of fog would make a wall a medium.
+fn snapped(area: f32) -> f32 {
+    return select(select(area, 1.0, area > 1.0 - ROUNDING), 0.0, area < ROUNDING);
+}
+
 // The fraction of a pixel that a disc covers.
 fn disc_coverage(disc: vec3f, center: vec2f) -> f32 {
     let low = center - 0.5 - disc.xy;
     let high = low + 1.0;
     let area = corner_area(high, disc.z) - corner_area(vec2f(low.x, high.y), disc.z)
         - corner_area(vec2f(high.x, low.y), disc.z) + corner_area(low, disc.z);
-    return select(select(area, 1.0, area > 1.0 - ROUNDING), 0.0, area < ROUNDING);
+    return snapped(area);
 }
 
 // The depth of a point of the unit square inside a circle or an upright capsule; below 0 outside. The unit is arbitrary.
@@ -212,9 +217,9 @@ fn area(quad: Quad, unit: vec2f, right: vec2f, down: vec2f) -> f32 {
             depth(quad, unit + 0.5 * right) - depth(quad, unit - 0.5 * right),
             depth(quad, unit + 0.5 * down) - depth(quad, unit - 0.5 * down),
         );
-        return saturate(0.5 + depth(quad, unit) / max(length(slope), 1e-12));
+        return snapped(saturate(0.5 + depth(quad, unit) / max(length(slope), 1e-12)));
     }
-    return overlap(unit.x, length(vec2f(right.x, down.x))) * overlap(unit.y, length(vec2f(right.y, down.y)));
+    return snapped(overlap(unit.x, length(vec2f(right.x, down.x))) * overlap(unit.y, length(vec2f(right.y, down.y))));
 }
 
 // The colour of a quad; alpha is the fraction of the pixel that it covers.

@@ -37,15 +37,15 @@ pub struct Lighting2d {
     /// of light at the edge of the screen, and cost as much as a larger screen.
     pub border: f32,
     /// The number of rings around the lit grid from which light enters it, 0 to 4; more count as 4. Each ring is twice as
-    /// wide as the one before, and its matter is known half as finely. With 3, lamps and glowing matter light the screen from
-    /// three and a half screens away, past the walls that stand between, and do not pop in. 0, the default, is off: only the
+    /// wide as the one before, and its matter is known half as finely. With 3, the default, lamps and glowing matter light the
+    /// screen from three and a half screens away, past the walls that stand between, and do not pop in. With 0 only the
     /// sky enters.
     ///
     /// The CPU finds this light, from what has changed beyond the grid; where nothing is, it does nothing. With light from
-    /// outside the default method takes about a quarter longer, which is why it is off. Light that matter beyond the
+    /// outside the default method takes about a fifth longer. Light that matter beyond the
     /// grid reflects or scatters is left out, and of more than 64 lamps the faintest. `polar`, `flood` and
-    /// [`LightQuality::Paper`] of the default method know no such light. [`LightQuery`](crate::LightQuery) and
-    /// [`SunLight2d`](crate::SunLight2d) do not see what is beyond the grid.
+    /// [`LightQuality::Paper`] of the default method know no such light. [`SunLight2d`](crate::SunLight2d) does not see what is
+    /// beyond the grid, nor does a [`LightQuery`](crate::LightQuery) of an area of its own.
     ///
     /// The last cells of the [`border`](Self::border) should be off the screen: lamps fade over 14 cells on each side of the
     /// grid's edge.
@@ -70,7 +70,7 @@ impl Default for Lighting2d {
             bounces: LightBounces::default(),
             cells: CellSize::default(),
             border: 64.0,
-            surroundings: 0,
+            surroundings: 3,
             wall_depth: 24.0,
             exposure: 0.0,
             tone_map: LightToneMap::default(),

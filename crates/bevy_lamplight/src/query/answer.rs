@@ -1,15 +1,17 @@
 //! The grid of light that queries read, and the system parameter that reads it.
 
+use super::entering::EnteringLight;
 use super::raster::{rasterize, rasterize_masks};
 use super::sight::QueriedSight;
-use crate::components::{LightMethod, LightQuality, Lighting2d, Viewer2d};
+use crate::components::{LightMethod, LightQuality, Lighting2d, Viewer2d, WorldLamp};
 use crate::cookies::{CookieImages, forget_changed};
 use crate::lit_camera::LitCamera;
 use crate::placement::{LATTICE, Placement, doubled};
 use crate::quads::{ExtractedScene, Gather, GatherMasks, SceneAssets, VisibilityPropagates};
-use bevy::app::{App, Last, Plugin, PostUpdate};
+use crate::surroundings::{self, CameraSurroundings};
+use bevy::app::{App, Last, Plugin};
 use bevy::asset::AssetEvent;
-use bevy::camera::visibility::{RenderLayers, VisibilityPlugin, VisibilitySystems};
+use bevy::camera::visibility::{RenderLayers, VisibilityPlugin};
 use bevy::color::LinearRgba;
 use bevy::ecs::message::Messages;
 use bevy::ecs::schedule::common_conditions::resource_exists;
@@ -18,10 +20,10 @@ use bevy::image::Image;
 use bevy::log::{error, warn};
 use bevy::math::{Rect, Vec2};
 use bevy::prelude::{
-    GlobalTransform, IntoScheduleConfigs, Local, Query, Reflect, ReflectResource, Res, ResMut,
-    Resource,
+    Entity, GlobalTransform, IntoScheduleConfigs, Local, Query, Reflect, ReflectResource, Res,
+    ResMut, Resource,
 };
-use bevy::transform::{TransformPlugin, TransformSystems};
+use bevy::transform::TransformPlugin;
 use lamplight::resample::downsample;
 use lamplight::{Bounces, Cells, Lamp, Light, Settings, Sky, Solver};
 use lamplight_wgpu::Camera2dView;
@@ -37,16 +39,13 @@ impl Plugin for LightQueryPlugin {
             .init_resource::<QueriedLight>()
             .init_resource::<QueriedSight>()
             .init_resource::<CookieImages>()
-            // What has changed in a frame is sent before its last systems.
+            // What has changed in a frame is sent before its last systems, which also find what enters grids.
             .add_systems(
                 Last,
-                forget_changed.run_if(resource_exists::<Messages<AssetEvent<Image>>>),
-            )
-            .add_systems(
-                PostUpdate,
-                solve
-                    .after(TransformSystems::Propagate)
-                    .after(VisibilitySystems::VisibilityPropagate),
+                (
+                    forget_changed.run_if(resource_exists::<Messages<AssetEvent<Image>>>),
+                    solve.after(forget_changed).after(surroundings::find),
+                ),
             );
     }
 
@@ -199,7 +198,8 @@ struct QueryState {
 /// The parts of the world that answers depend on.
 #[derive(SystemParam)]
 struct QueriedWorld<'w, 's> {
-    cameras: Query<'w, 's, LitCamera>,
+    cameras: Query<'w, 's, (Entity, LitCamera)>,
+    surroundings: Option<Res<'w, CameraSurroundings>>,
     viewers: Query<'w, 's, (&'static Viewer2d, &'static GlobalTransform)>,
     gather: Gather<'w, 's>,
     gather_masks: GatherMasks<'w, 's>,
@@ -214,18 +214,28 @@ fn solve(
     mut state: Local<QueryState>,
     world: QueriedWorld,
 ) {
-    let QueriedWorld { cameras, viewers, gather, gather_masks, assets } = world;
+    let QueriedWorld { cameras, surroundings, viewers, gather, gather_masks, assets } = world;
     let wanted = Wanted { light: known.take_request(), sight: seen.take_request() };
     if !wanted.light && !wanted.sight {
         return;
     }
-    let (placement, camera) =
-        cameras.iter().find_map(|camera| Some((camera.placement().ok()??, camera))).unzip();
+    let seeing = cameras.iter().find_map(|(entity, camera)| {
+        let placement = camera.placement().ok()??;
+        let inflow = surroundings.as_ref().and_then(|light| light.inflow(entity, &placement));
+        Some((camera, (placement, inflow)))
+    });
+    let (camera, placed) = seeing.unzip();
+    let (placement, inflow) = placed.unzip();
     let own = camera.as_ref().map(|camera| camera.lighting);
     let lighting = settings.lighting.clone().unwrap_or_else(|| default_lighting(own));
     let layers = camera.as_ref().map_or(&settings.layers, |camera| camera.layers());
     let sky = camera.as_ref().map_or(Sky::BLACK, |camera| camera.sky());
     let area = settings.area.or(placement.map(|placement| placement.area()));
+    // Elsewhere only the sky enters.
+    let entering = match (inflow.flatten(), &placement, settings.area) {
+        (Some(inflow), Some(grid), None) => Some(EnteringLight { inflow, grid }),
+        _ => None,
+    };
 
     let state = &mut *state;
     // Without an area, all matter counts.
@@ -250,12 +260,22 @@ fn solve(
     };
     known.ambient = camera.as_ref().map_or([0.0; 3], |camera| camera.ambient());
     let mut answer = || {
-        let fine = state.draw(&grid, &lighting, layers, &sky, &assets)?;
+        // Sight needs none.
+        let parameters = lighting.settings(grid.cell * FINE_PER_CELL as f32);
+        let method = parameters.as_ref().ok().map(|parameters| &parameters.method);
+        let takes_inflow = method.is_some_and(|method| method.takes_inflow().is_ok());
+        let entering = entering.filter(|_| takes_inflow);
+        let all_solid = method.is_some_and(|method| !method.reads_glow());
+        let lamps = |lamp: &WorldLamp| match entering {
+            Some(entering) => entering.inside(lamp, &grid, all_solid),
+            None => vec![lamp.on_grid(grid.corner(), grid.cell, lighting.method.is_analytic())],
+        };
+        let fine = state.draw(&grid, &lighting, layers, &sky, &assets, lamps)?;
         if wanted.sight {
             seen.read(&grid, &fine)?;
         }
         if wanted.light {
-            known.light.clone_from(state.solve(&fine, &grid, &lighting)?);
+            known.light.clone_from(state.solve(&fine, &grid, parameters?, entering)?);
             known.grid = Some(grid);
         }
         state.fine = Some(fine);
@@ -340,8 +360,8 @@ impl QueryState {
         layers: &RenderLayers,
         sky: &Sky,
         assets: &SceneAssets,
+        on_grid: impl Fn(&WorldLamp) -> Vec<Lamp>,
     ) -> lamplight::Result<Cells> {
-        let analytic = lighting.method.is_analytic();
         let [width, height] = grid.placed.size;
         let mut fine = match self.fine.take() {
             Some(fine) if [fine.width(), fine.height()] == grid.placed.size => fine,
@@ -351,12 +371,8 @@ impl QueryState {
         rasterize_masks(&self.masks, grid, layers, assets, &mut fine);
         fine.set_sky(sky.clone());
         let lamps = self.scene.lamps.iter().filter(|(_, own)| own.intersects(layers));
-        for (lamp, _) in lamps {
-            let on_grid = lamp.on_grid(grid.corner(), grid.cell, analytic);
-            if on_grid.check(&"lamp").is_ok() {
-                fine.lamps_mut().push(on_grid);
-            }
-        }
+        let lamps = lamps.flat_map(|(lamp, _)| on_grid(lamp));
+        fine.lamps_mut().extend(lamps.filter(|lamp| lamp.check(&"lamp").is_ok()));
         let suns = self.scene.suns.iter().filter(|(_, own)| own.intersects(layers));
         fine.suns_mut().clear();
         fine.suns_mut().extend(suns.map(|(sun, _)| *sun));
@@ -372,7 +388,8 @@ impl QueryState {
         &mut self,
         fine: &Cells,
         grid: &Placement,
-        lighting: &Lighting2d,
+        mut settings: Settings,
+        entering: Option<EnteringLight>,
     ) -> lamplight::Result<&Light> {
         let cells = match self.cells.take() {
             Some(cells) => cells,
@@ -380,7 +397,12 @@ impl QueryState {
         };
         let cells = self.cells.insert(cells);
         downsample(fine, FINE_PER_CELL, cells)?;
-        let mut settings = lighting.settings(grid.cell * FINE_PER_CELL as f32)?;
+        match entering {
+            Some(light) => {
+                light.enter(cells, grid.corner(), grid.cell * FINE_PER_CELL as f32)?;
+            }
+            None => cells.set_inflow(None)?,
+        }
         if settings.bounces == Bounces::Feedback {
             settings.bounces = BOUNCES_INSTEAD;
         }

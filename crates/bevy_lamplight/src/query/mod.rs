@@ -4,6 +4,7 @@
 //! each frame in which light was queried. The README states how far the answers are from the picture.
 
 mod answer;
+mod entering;
 mod raster;
 mod sight;
 

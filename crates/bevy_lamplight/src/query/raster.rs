@@ -12,6 +12,8 @@ use lamplight::{Cells, Matter};
 
 /// The last place of a side of the unit square.
 const LAST: f32 = 1.0 - 0.5 * f32::EPSILON;
+/// Less of a cell is not covered, and more than all but this is: a trace of fog would make a wall a medium.
+const ROUNDING: f32 = 1e-4;
 
 /// Clears the cells and draws all matter on the layers. Lamps are not drawn.
 pub fn rasterize(
@@ -169,7 +171,11 @@ impl Piece<'_> {
         let Self { quad, image, by_area, is_colored } = *self;
         let is_round = quad.is(QuadShape::Circle) || quad.is(QuadShape::Capsule);
         let coverage = if by_area {
-            self.area(unit, step)
+            match self.area(unit, step) {
+                area if area < ROUNDING => 0.0,
+                area if area > 1.0 - ROUNDING => 1.0,
+                area => area,
+            }
         } else {
             let is_inside = unit.min_element() >= 0.0
                 && unit.max_element() < 1.0

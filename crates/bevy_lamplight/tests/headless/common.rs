@@ -115,6 +115,7 @@ pub fn plain() -> Lighting2d {
         bounces: LightBounces::Count(0),
         cells: CellSize::World(1.0),
         border: 16.0,
+        surroundings: 0,
         wall_depth: 0.0,
         filter: LightFilter::Nearest,
         tone_map: LightToneMap::Off,

@@ -381,3 +381,32 @@ fn the_light_of_glow_and_fog_changes_evenly_as_they_move_by_parts_of_a_px() {
         assert!(change > 2.0 * off, "{name}: light hardly changes");
     }
 }
+
+#[test]
+fn fog_that_touches_a_wall_leaves_it_solid() {
+    for backend in [LightBackend::Cpu, LightBackend::Gpu] {
+        let mut app = app();
+        app.insert_resource(backend);
+        let target = target(&mut app, SIZE);
+        camera(&mut app, &target, Lighting2d { wall_depth: 8.0, ..plain() });
+        app.world_mut().spawn((PointLight2d::default(), Transform::from_xyz(-20.0, 20.0, 0.0)));
+        let floor = Sprite::from_color(Color::WHITE, Vec2::new(96.0, 20.0));
+        app.world_mut().spawn((floor, Matter2d::wall(), Transform::from_xyz(0.0, -20.0, 0.0)));
+        begin(&mut app);
+        // The first row of the floor, under the middle of the fog.
+        let place = [68, 46];
+        let clear = picture(&mut app, &target, 3).grey(place[0], place[1]);
+        assert!(clear > 0.1, "{clear}");
+        let fog = app.world_mut().spawn(Matter2d::fog(0.01)).id();
+        for height in [7.0f32, 11.0, 19.0, 22.0, 33.0, 37.0] {
+            // From the floor up, of a size that f32 has to round.
+            let scale = Vec3::new(20.0 / 7.0, height / 7.0, 1.0);
+            let at = Transform::from_xyz(20.0, -10.0 + 0.5 * height, 1.0).with_scale(scale);
+            let steam = Sprite::from_color(Color::srgba(1.0, 1.0, 1.0, 0.5), Vec2::splat(7.0));
+            app.world_mut().entity_mut(fog).insert((steam, at));
+            let through = picture(&mut app, &target, 3).grey(place[0], place[1]);
+            println!("{backend:?}, {height} units of fog: {through:.3} of {clear:.3}");
+            assert!(through > 0.6 * clear, "{backend:?}, {height}: {through}, {clear} without");
+        }
+    }
+}

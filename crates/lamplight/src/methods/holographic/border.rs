@@ -73,8 +73,16 @@ struct LevelLight {
 enum ConesLight {
     /// By cone; not along the row from which none of a cone's light comes.
     Wide(PointLights),
-    /// The place of the first column that each cone sees, and the weights of it and the next.
-    Narrow(Vec<(usize, [f32; MOST_COLUMNS])>),
+    /// By cone.
+    Narrow(Vec<NarrowView>),
+}
+
+/// The columns that a cone sees: the place of the first, how many they are, and their weights.
+#[derive(Clone, Copy, Debug)]
+struct NarrowView {
+    first: usize,
+    count: usize,
+    weights: [f32; MOST_COLUMNS],
 }
 
 /// The most columns that two cones see that are narrower than one each.
@@ -285,7 +293,11 @@ impl BorderLight {
                 set(&mut weights, cone);
                 let (first, found) = weights.of_columns();
                 let weight = |i| found.get(i).copied().unwrap_or(0.0);
-                (columns.place(first), std::array::from_fn(weight))
+                NarrowView {
+                    first: columns.place(first),
+                    count: found.len().min(MOST_COLUMNS),
+                    weights: std::array::from_fn(weight),
+                }
             });
             held.cones = ConesLight::Narrow(narrow.collect());
             return;
@@ -331,12 +343,12 @@ impl BorderLight {
                 1
             }
             ConesLight::Narrow(narrow) => {
-                let (first, weights) = narrow[cone];
-                for (i, weight) in weights.into_iter().enumerate() {
+                let NarrowView { first, count, weights } = narrow[cone];
+                for i in 0..count {
                     let place = (first + i) % self.columns.count;
-                    columns[i] = (self.radiance.of(place, self.points), weight);
+                    columns[i] = (self.radiance.of(place, self.points), weights[i]);
                 }
-                MOST_COLUMNS
+                count
             }
         };
         let slope = slopes[cone];
@@ -380,7 +392,7 @@ impl BorderLight {
 /// The mean radiance in a cone at the rows of a plane, where it comes from beyond the border.
 #[derive(Clone, Copy, Debug)]
 pub struct BorderCone<'a> {
-    /// Radiance, and weights, of a number of columns. The others have no weight.
+    /// Radiance, and weights, of a number of columns.
     columns: [(PointLight<'a>, f32); MOST_COLUMNS],
     count: usize,
     points: BorderPoints,
@@ -446,10 +458,12 @@ impl BorderCone<'_> {
     /// Calls `take` with the light at some rows.
     #[inline(always)]
     fn each(&self, rows: Range<isize>, mut take: impl FnMut(usize, [f32; 4])) {
-        if self.count == 1 {
-            rows.enumerate().for_each(|(i, row)| take(i, self.at::<1>(row)));
-        } else {
-            rows.enumerate().for_each(|(i, row)| take(i, self.at::<MOST_COLUMNS>(row)));
+        let rows = rows.enumerate();
+        match self.count {
+            1 => rows.for_each(|(i, row)| take(i, self.at::<1>(row))),
+            2 => rows.for_each(|(i, row)| take(i, self.at::<2>(row))),
+            3 => rows.for_each(|(i, row)| take(i, self.at::<3>(row))),
+            _ => rows.for_each(|(i, row)| take(i, self.at::<MOST_COLUMNS>(row))),
         }
     }
 

@@ -32,7 +32,7 @@ pub fn exchanged(level: u32) -> [f32; 2] {
 pub struct Prefilter {
     /// Number of rays of the plane.
     rays: usize,
-    /// What they exchange.
+    /// Fractions that they exchange ([`exchanged`]).
     exchanged: [f32; 2],
     /// Bit masks by tile: rows of the plane that are open, along with the row after.
     open_pairs: Vec<u64>,
