@@ -75,11 +75,12 @@ pub struct LightQuerySettings {
     /// resolved.
     pub cell: f32,
     /// The area that can be queried. `None`: the grid of the first lit camera, or without one the bounds of
-    /// all matter and of the ranges of all lamps. Areas of more than 131,072 cells get larger cells.
+    /// all matter and of the ranges of all lamps. Into an area of its own, light enters from the sky alone. Areas of more than 131,072 cells get larger cells.
     pub area: Option<Rect>,
     /// Settings of the light. `None`: the preset `fast` of `holographic` with the bounces of the first lit
     /// camera, or that camera's own settings if its method is `polar` or `flood`, whose light differs. An answer is a
-    /// single frame: instead of [`LightBounces::Feedback`](crate::LightBounces::Feedback) it has two bounces.
+    /// single frame: instead of [`LightBounces::Feedback`](crate::LightBounces::Feedback) it has two bounces. What enters
+    /// is what enters the camera's grid, by its own [`Lighting2d::surroundings`].
     pub lighting: Option<Lighting2d>,
     /// Layers that take part in light, if there is no lit camera. Otherwise, they are the camera's.
     #[reflect(ignore)]
@@ -143,7 +144,7 @@ impl LightQuery<'_> {
     /// The known area; `None` before the first answer.
     pub fn area(&self) -> Option<Rect> {
         self.light.request();
-        Some(self.light.grid?.area())
+        self.light.grid.map(|_| self.light.area)
     }
 }
 
@@ -154,6 +155,7 @@ pub struct QueriedLight {
     is_requested: AtomicBool,
     /// The fine grid, on which matter is drawn.
     grid: Option<Placement>,
+    area: Rect,
     light: Light,
     ambient: [f32; 3],
 }
@@ -171,7 +173,7 @@ impl QueriedLight {
     /// Converts a place of the world to cells.
     fn cell_at(&self, place: Vec2) -> Option<[f32; 2]> {
         self.request();
-        let grid = self.grid.filter(|grid| grid.area().contains(place))?;
+        let grid = self.grid.filter(|_| self.area.contains(place))?;
         let at = (place - grid.corner()) / (grid.cell * FINE_PER_CELL as f32);
         Some([at.x, -at.y])
     }
@@ -222,7 +224,8 @@ fn solve(
     let seeing = cameras.iter().find_map(|(entity, camera)| {
         let placement = camera.placement().ok()??;
         let inflow = surroundings.as_ref().and_then(|light| light.inflow(entity, &placement));
-        Some((camera, (placement, inflow)))
+        let all_solid = camera.draws_solid_lamps(&placement);
+        Some((camera, (placement, inflow.map(|inflow| (inflow, all_solid)))))
     });
     let (camera, placed) = seeing.unzip();
     let (placement, inflow) = placed.unzip();
@@ -233,7 +236,9 @@ fn solve(
     let area = settings.area.or(placement.map(|placement| placement.area()));
     // Elsewhere only the sky enters.
     let entering = match (inflow.flatten(), &placement, settings.area) {
-        (Some(inflow), Some(grid), None) => Some(EnteringLight { inflow, grid }),
+        (Some((inflow, all_solid)), Some(grid), None) => {
+            Some(EnteringLight { inflow, grid, all_solid })
+        }
         _ => None,
     };
 
@@ -265,9 +270,8 @@ fn solve(
         let method = parameters.as_ref().ok().map(|parameters| &parameters.method);
         let takes_inflow = method.is_some_and(|method| method.takes_inflow().is_ok());
         let entering = entering.filter(|_| takes_inflow);
-        let all_solid = method.is_some_and(|method| !method.reads_glow());
         let lamps = |lamp: &WorldLamp| match entering {
-            Some(entering) => entering.inside(lamp, &grid, all_solid),
+            Some(entering) => entering.inside(lamp, &grid),
             None => vec![lamp.on_grid(grid.corner(), grid.cell, lighting.method.is_analytic())],
         };
         let fine = state.draw(&grid, &lighting, layers, &sky, &assets, lamps)?;
@@ -277,6 +281,7 @@ fn solve(
         if wanted.light {
             known.light.clone_from(state.solve(&fine, &grid, parameters?, entering)?);
             known.grid = Some(grid);
+            known.area = entering.map_or(grid.area(), |light| light.grid.area());
         }
         state.fine = Some(fine);
         Ok(())

@@ -49,6 +49,9 @@ fn yard(world: &mut World) {
 fn places() -> Vec<Vec2> {
     let all =
         (-9..=9).flat_map(|x| (-5..=5).map(move |y| Vec2::new(x as f32, y as f32) * 16.0 + 3.0));
+    let at_right = (-5..=5).map(|y| Vec2::new(157.0, y as f32 * 16.0 + 3.0));
+    let at_bottom = (-9..=9).map(|x| Vec2::new(x as f32 * 16.0 + 3.0, -97.0));
+    let all = all.chain(at_right).chain(at_bottom);
     // Places near matter are left out, because there the light depends on the exact position of edges.
     let boxes = [
         (-60.0, 20.0, 6.0, 90.0),
@@ -84,7 +87,8 @@ fn errors_in_a_yard(surroundings: u32) -> [f32; 2] {
     app.world_mut().entity_mut(eye).insert(AmbientLight2d { brightness: 0.02, ..default() });
     yard(app.world_mut());
     if surroundings > 0 {
-        for place in [[-260.0, 60.0], [178.0, -70.0], [90.0, 240.0]] {
+        // Beyond a side, on the border, beyond a side and a corner.
+        for place in [[-260.0, 60.0], [178.0, -70.0], [90.0, 240.0], [300.0, -180.0]] {
             let lamp = PointLight2d { range: 300.0, ..default() };
             app.world_mut().spawn((lamp, Transform::from_xyz(place[0], place[1], 0.0)));
         }

@@ -9,7 +9,7 @@
 //!
 //! `e = ¼·(1 + 2^{1−m}·s²)` for bundles of the slope s from planes of level m. Rows blur by a variance of 2e, which is
 //! `2e·cos²α` across a bundle, α = atan s: with the same e for all slopes diagonal rays would be twice as sharp as those
-//! along the axis, and draw a cross. At level 1 this makes them equal. Longer bundles have more directions, so they need
+//! along the axis, and draw a cross. At level 1 this makes them equal (level 0 has the same e: it must not exceed ½). Longer bundles have more directions, so they need
 //! less of it, and light right beside single cells is better for that.
 //!
 //! Light is exchanged only between two rows that are both open at the plane. These are side by side in one
@@ -24,7 +24,7 @@ use fearless_simd::{f32x16, prelude::*};
 /// Returns the fraction of the difference between two rows that bundles of a level exchange: along the axis, and what is
 /// added on the diagonals.
 pub fn exchanged(level: u32) -> [f32; 2] {
-    [0.25, 0.5 / (1u32 << level) as f32]
+    [0.25, 0.5 / (1u32 << level.max(1)) as f32]
 }
 
 /// The filter for one plane.
