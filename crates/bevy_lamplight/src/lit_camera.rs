@@ -35,12 +35,6 @@ impl LitCameraItem<'_, '_> {
         Placement::new(camera, projection, transform, lighting)
     }
 
-    /// Returns whether its method draws all lamps as solid discs.
-    pub fn draws_solid_lamps(&self, placement: &Placement) -> bool {
-        let settings = self.lighting.settings(placement.cell);
-        settings.is_ok_and(|settings| !settings.method.reads_glow())
-    }
-
     /// The layers that it sees.
     pub fn layers(&self) -> &RenderLayers {
         self.layers.unwrap_or_default()

@@ -31,6 +31,11 @@ impl CameraSurroundings {
         let inflow = view.inflow.as_ref()?;
         (view.grid? == GridPlace::of(placement)).then_some(inflow)
     }
+
+    /// Returns whether the method of a camera draws all lamps as solid discs, which are not parted ([`is_parted`]).
+    pub fn are_all_solid(&self, camera: Entity) -> bool {
+        self.0.get(&camera).is_some_and(|view| view.all_solid)
+    }
 }
 
 /// The surroundings of one camera.

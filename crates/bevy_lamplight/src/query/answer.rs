@@ -75,7 +75,8 @@ pub struct LightQuerySettings {
     /// resolved.
     pub cell: f32,
     /// The area that can be queried. `None`: the grid of the first lit camera, or without one the bounds of
-    /// all matter and of the ranges of all lamps. Into an area of its own, light enters from the sky alone. Areas of more than 131,072 cells get larger cells.
+    /// all matter and of the ranges of all lamps. Into an area of its own, light enters from the sky alone.
+    /// Areas of more than 131,072 cells get larger cells.
     pub area: Option<Rect>,
     /// Settings of the light. `None`: the preset `fast` of `holographic` with the bounces of the first lit
     /// camera, or that camera's own settings if its method is `polar` or `flood`, whose light differs. An answer is a
@@ -155,6 +156,7 @@ pub struct QueriedLight {
     is_requested: AtomicBool,
     /// The fine grid, on which matter is drawn.
     grid: Option<Placement>,
+    /// The part of it whose light is known.
     area: Rect,
     light: Light,
     ambient: [f32; 3],
@@ -223,19 +225,20 @@ fn solve(
     }
     let seeing = cameras.iter().find_map(|(entity, camera)| {
         let placement = camera.placement().ok()??;
-        let inflow = surroundings.as_ref().and_then(|light| light.inflow(entity, &placement));
-        let all_solid = camera.draws_solid_lamps(&placement);
-        Some((camera, (placement, inflow.map(|inflow| (inflow, all_solid)))))
+        let found = surroundings.as_ref().and_then(|light| {
+            Some((light.inflow(entity, &placement)?, light.are_all_solid(entity)))
+        });
+        Some((camera, (placement, found)))
     });
     let (camera, placed) = seeing.unzip();
-    let (placement, inflow) = placed.unzip();
+    let (placement, found) = placed.unzip();
     let own = camera.as_ref().map(|camera| camera.lighting);
     let lighting = settings.lighting.clone().unwrap_or_else(|| default_lighting(own));
     let layers = camera.as_ref().map_or(&settings.layers, |camera| camera.layers());
     let sky = camera.as_ref().map_or(Sky::BLACK, |camera| camera.sky());
     let area = settings.area.or(placement.map(|placement| placement.area()));
     // Elsewhere only the sky enters.
-    let entering = match (inflow.flatten(), &placement, settings.area) {
+    let entering = match (found.flatten(), &placement, settings.area) {
         (Some((inflow, all_solid)), Some(grid), None) => {
             Some(EnteringLight { inflow, grid, all_solid })
         }

@@ -31,7 +31,7 @@ fn either_of_pairs(rows: vec2u) -> vec2u {
     return first | (first << vec2u(1u));
 }
 
-// What a bundle of another row has more light, by the words of their intervals that hold it.
+// The light of a bundle of another row less a bundle's own, by the words of their intervals that hold it.
 fn gained(own: vec2u, other: vec2u) -> vec3f {
     return light_of(other) - light_of(own);
 }

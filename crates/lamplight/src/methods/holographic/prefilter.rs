@@ -9,8 +9,9 @@
 //!
 //! `e = ¼·(1 + 2^{1−m}·s²)` for bundles of the slope s from planes of level m. Rows blur by a variance of 2e, which is
 //! `2e·cos²α` across a bundle, α = atan s: with the same e for all slopes diagonal rays would be twice as sharp as those
-//! along the axis, and draw a cross. At level 1 this makes them equal (level 0 has the same e: it must not exceed ½). Longer bundles have more directions, so they need
-//! less of it, and light right beside single cells is better for that.
+//! along the axis, and draw a cross. At level 1 this makes them equal. Longer bundles have more directions, so they need
+//! less of it, and light right beside single cells is better for that. Level 0 has the e of level 1, since with more than ½
+//! rows would end with less than no light.
 //!
 //! Light is exchanged only between two rows that are both open at the plane. These are side by side in one
 //! room, so nothing leaks. Larger sources are resolved without the filter, which would blur their edges.

@@ -156,12 +156,9 @@ impl Slabs {
             let is_thin = |step: usize, across: usize| {
                 middle(at, step).is_some_and(|at| middle(at, across).is_some())
             };
-            let steps = [1, self.stride];
-            if emits(at)
-                && is_alone(cells, i as usize)
-                && is_thin(steps[0], steps[1])
-                && is_thin(steps[1], steps[0])
-            {
+            let stride = self.stride;
+            let is_low_and_narrow = || is_thin(1, stride) && is_thin(stride, 1);
+            if emits(at) && is_alone(cells, i as usize) && is_low_and_narrow() {
                 self.classes[at] |= SMALL;
             }
         }
