@@ -38,6 +38,7 @@ mod lit_camera;
 mod placement;
 mod quads;
 pub mod query;
+mod raster;
 pub mod render;
 mod surroundings;
 

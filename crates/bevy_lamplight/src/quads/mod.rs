@@ -24,5 +24,5 @@ pub use masks::GatherMasks;
 pub use material::QuadMaterial;
 pub use place::{SceneAssets, VisibilityPropagates};
 pub use quad::{Quad, QuadMap, QuadShape};
-pub use scene::{ExtractedScene, QuadGroup, is_within};
+pub use scene::{ExtractedScene, QuadGroup, is_within, overlaps};
 pub use surfaces::GatherSurfaces;

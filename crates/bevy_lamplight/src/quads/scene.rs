@@ -45,16 +45,18 @@ pub struct QuadGroup {
 impl QuadGroup {
     /// Returns whether any quad may overlap an area of the world.
     pub fn touches(&self, area: Rect) -> bool {
-        let (own, other) = (self.bounds, area);
-        own.min.cmple(other.max).all() && other.min.cmple(own.max).all()
+        overlaps(self.bounds, area)
     }
-}
 
-impl QuadGroup {
     /// Returns whether all of its quads lie in an area of the world.
     pub fn is_within(&self, area: Rect) -> bool {
         is_within(self.bounds, area)
     }
+}
+
+/// Returns whether a box and an area overlap or touch.
+pub fn overlaps(own: Rect, area: Rect) -> bool {
+    own.min.cmple(area.max).all() && area.min.cmple(own.max).all()
 }
 
 /// Returns whether a box lies in an area.
@@ -123,25 +125,6 @@ impl ExtractedScene {
             .iter()
             .map(|(lamp, _)| Rect::from_center_half_size(lamp.position, Vec2::splat(lamp.range)));
         groups.chain(lamps).reduce(|all, own| all.union(own))
-    }
-
-    /// Returns whether another scene has the same groups of the same matter.
-    pub fn has_matter_of(&self, other: &Self) -> bool {
-        let is_same = |(own, their): (&QuadGroup, &QuadGroup)| {
-            let [own_quads, their_quads] = [self.quads_of(own), other.quads_of(their)];
-            // Indices of materials depend on entities that are in no group.
-            let look = |quad: &Quad| Quad { material: 0, ..*quad };
-            own.image == their.image
-                && own.layers == their.layers
-                && own_quads.len() == their_quads.len()
-                && own_quads.iter().zip(their_quads).all(|(a, b)| {
-                    bytemuck::bytes_of(&look(a)) == bytemuck::bytes_of(&look(b))
-                        && self.materials[a.material as usize]
-                            == other.materials[b.material as usize]
-                })
-        };
-        self.groups.len() == other.groups.len()
-            && self.groups.iter().zip(&other.groups).all(is_same)
     }
 
     /// Sorts groups from the bottom to the top.

@@ -1,13 +1,13 @@
 //! The grid of light that queries read, and the system parameter that reads it.
 
 use super::entering::EnteringLight;
-use super::raster::{rasterize, rasterize_masks};
 use super::sight::QueriedSight;
 use crate::components::{LightMethod, LightQuality, Lighting2d, Viewer2d, WorldLamp};
 use crate::cookies::{CookieImages, forget_changed};
 use crate::lit_camera::LitCamera;
 use crate::placement::{LATTICE, Placement, doubled};
 use crate::quads::{ExtractedScene, Gather, GatherMasks, SceneAssets, VisibilityPropagates};
+use crate::raster::{rasterize, rasterize_masks};
 use crate::surroundings::{self, CameraSurroundings};
 use bevy::app::{App, Last, Plugin};
 use bevy::asset::AssetEvent;

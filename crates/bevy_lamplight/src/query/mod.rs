@@ -5,9 +5,7 @@
 
 mod answer;
 mod entering;
-mod raster;
 mod sight;
 
 pub use answer::{LightQuery, LightQueryPlugin, LightQuerySettings};
-pub(crate) use raster::rasterize_around;
 pub use sight::SightQuery;

@@ -18,6 +18,8 @@ const SPACING: u32 = 8;
 const BLOCK: i32 = 8;
 /// Lamps that are seen one by one, the brightest: so many bound the time they take.
 const MOST_LAMPS: usize = 64;
+/// The farthest origin of a grid: the places of all rings are numbers too.
+const FARTHEST_ORIGIN: u32 = 1 << 30;
 
 /// The surroundings of a grid whose matter is known all around and changes: rings, each twice as wide as the one before
 /// and drawn half as fine.
@@ -35,6 +37,7 @@ const MOST_LAMPS: usize = 64;
 #[derive(Debug)]
 pub struct RingSurroundings {
     size: [u32; 2],
+    origin: [i32; 2],
     rings: Vec<Ring>,
 }
 
@@ -80,14 +83,16 @@ impl RingSurroundings {
     /// Grids with other origins have the same cells in the same places of the world.
     ///
     /// # Errors
-    /// Fails if the grid has no valid size, or there are more than [`Self::MOST_RINGS`].
+    /// Fails if the grid has no valid size or lies beyond 2³⁰ cells, or there are more than [`Self::MOST_RINGS`].
     pub fn new(size: [u32; 2], origin: [i32; 2], rings: usize) -> Result<Self> {
-        let mut surroundings = Self { size, rings: Vec::new() };
+        let mut surroundings = Self { size, origin, rings: Vec::new() };
         surroundings.place(size, origin, rings)?;
         Ok(surroundings)
     }
 
-    /// Becomes that of another grid, as by [`Self::new`], and uses the same memory.
+    /// Becomes that of another grid, as by [`Self::new`], and uses the same memory. A ring that has the same cells of the
+    /// world as before keeps its matter, the others are empty: as a grid glides, a ring stays for twice the side of its
+    /// cells.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -100,27 +105,34 @@ impl RingSurroundings {
             let expected = format!("0 to {}", Self::MOST_RINGS);
             return Err(Error::value("rings", rings, expected));
         }
+        if origin.iter().any(|v| v.unsigned_abs() > FARTHEST_ORIGIN) {
+            let found = format!("{origin:?}");
+            return Err(Error::value("origin", found, format!("within ±{FARTHEST_ORIGIN}")));
+        }
+        let before = std::mem::replace(&mut self.origin, origin);
         self.size = size;
         self.rings.resize_with(rings, Ring::default);
         for (number, ring) in (1..).zip(&mut self.rings) {
-            ring.window = RingWindow::new(size, origin, number);
+            let window = RingWindow::new(size, origin, number);
+            let stays = window.in_world(origin) == ring.window.in_world(before);
+            ring.window = window;
+            if stays {
+                continue;
+            }
             let count = ring.window.size.map(|side| side as usize).iter().product();
             ring.kinds.resize(count, MatterKind::Empty);
             ring.sources.resize(count, [0.0; 3]);
             ring.extinctions.resize(count, [0.0; 3]);
             let blocks = ring.window.size.map(|side| side.div_ceil(BLOCK as u32) as usize);
             ring.occupied.resize(blocks.iter().product(), false);
+            ring.clear();
         }
-        self.clear();
         Ok(())
     }
 
     /// Forgets all matter.
     pub fn clear(&mut self) {
-        for ring in &mut self.rings {
-            ring.kinds.fill(MatterKind::Empty);
-            ring.occupied.fill(false);
-        }
+        self.rings.iter_mut().for_each(Ring::clear);
     }
 
     /// Columns and rows of the grid.
@@ -150,15 +162,16 @@ impl RingSurroundings {
     /// # Panics
     /// If there is no such ring.
     pub fn set(&mut self, ring: usize, cells: &Cells) -> Result<()> {
-        let Ring { window, kinds, occupied, sources, extinctions } = &mut self.rings[ring];
+        let ring = &mut self.rings[ring];
+        let window = ring.window;
         let found = [cells.width(), cells.height()];
         if found != window.size {
             let [found, expected] = [found, window.size].map(|[w, h]| format!("{w}×{h} cells"));
             return Err(Error::value("cells", found, expected));
         }
         cells.check()?;
-        kinds.fill(MatterKind::Empty);
-        occupied.fill(false);
+        ring.clear();
+        let Ring { kinds, occupied, sources, extinctions, .. } = ring;
         let width = window.size[0] as usize;
         let per_px = 1.0 / window.cell as f32;
         let (opacity, tint) = (cells.opacity(), cells.tint());
@@ -403,7 +416,20 @@ fn sources(columns: usize, outward: [f32; 2]) -> Vec<usize> {
     (0..columns).map(nearest).collect()
 }
 
+impl Ring {
+    /// Forgets all matter.
+    fn clear(&mut self) {
+        self.kinds.fill(MatterKind::Empty);
+        self.occupied.fill(false);
+    }
+}
+
 impl RingWindow {
+    /// Returns it with its place in a world whose cells are those of a grid at `origin`.
+    fn in_world(self, origin: [i32; 2]) -> Self {
+        Self { first: [0, 1].map(|a| origin[a] + self.first[a]), ..self }
+    }
+
     /// Returns that of a ring, numbered from 1, around a grid.
     fn new(size: [u32; 2], origin: [i32; 2], number: u32) -> Self {
         let cell = 2 << number;

@@ -1,8 +1,12 @@
 //! The rasterizer of quads on the CPU; the counterpart of shaders/quads.wgsl.
 
+mod around;
+
+pub use around::{digest_around, rasterize_around};
+
 use crate::placement::Placement;
 use crate::quads::{
-    ExtractedScene, Quad, QuadMap, QuadMaterial, QuadShape, SceneAssets, is_within,
+    ExtractedScene, Quad, QuadGroup, QuadMap, QuadMaterial, QuadShape, SceneAssets,
 };
 use bevy::camera::visibility::RenderLayers;
 use bevy::color::{Alpha, Color, ColorToComponents};
@@ -45,53 +49,6 @@ pub fn rasterize(
     });
 }
 
-/// Draws the matter around an area on coarse cells. Solid matter that is thinner than a cell is drawn as wide as one, so
-/// that it stays shut, and emits less. Its albedo is left out.
-pub fn rasterize_around(
-    scene: &ExtractedScene,
-    grid: &Placement,
-    area: Rect,
-    layers: &RenderLayers,
-    assets: &SceneAssets,
-    to: &mut Cells,
-) {
-    to.clear();
-    let cells = [to.width(), to.height()];
-    for_each_quad(scene, grid, layers, assets, |quad, material, image| {
-        if is_within(quad.world.bounds(), area) {
-            return;
-        }
-        let (opacity, tint) = material.over(grid.cell);
-        let glows = material.glows();
-        let (map, gain) = match grid.on_grid(&quad.world) {
-            map if opacity == 1.0 => at_least_a_cell(map),
-            map => (map, 1.0),
-        };
-        let piece = Piece { quad, image, by_area: quad.is_by_area(material), is_colored: glows };
-        for_each_cell(&piece, &map, cells, |x, y, color| {
-            let rgb = color.truncate().to_array();
-            let emission =
-                std::array::from_fn(|c| gain * material.emission[c] * rgb[c].clamp(0.0, f32::MAX));
-            let matter = Matter { emission, opacity, tint, ..Matter::EMPTY };
-            let i = (y * to.width() + x) as usize;
-            to.set(x, y, matter.over(to.matter(i), color.w.min(1.0)));
-        });
-    });
-}
-
-/// Stretches a map whose image is narrower than a cell. Returns the factor by which it then emits less, so that its light is
-/// the same: the mean width of a convex shape is its circumference / π (Cauchy 1832).
-fn at_least_a_cell(map: QuadMap) -> (QuadMap, f32) {
-    let middle = map.at(0.5, 0.5);
-    let axes = [Vec2::from(map.x_axis), Vec2::from(map.y_axis)];
-    let wide = axes.map(|axis| axis / axis.length().clamp(1e-6, 1.0));
-    let circumference = |axes: [Vec2; 2]| axes[0].length() + axes[1].length();
-    let gain = (circumference(axes) / circumference(wide).max(1e-6)).min(1.0);
-    let origin = middle - 0.5 * (wide[0] + wide[1]);
-    let [x_axis, y_axis] = wide.map(|axis| axis.to_array());
-    (QuadMap { x_axis, y_axis, origin: origin.to_array() }, gain)
-}
-
 /// Draws the light layers of cells, of each from whatever covers half of it or more.
 pub fn rasterize_masks(
     scene: &ExtractedScene,
@@ -120,14 +77,26 @@ fn for_each_quad(
     assets: &SceneAssets,
     mut draw: impl FnMut(&Quad, &QuadMaterial, Option<&Image>),
 ) {
-    let area = grid.area();
-    let groups = scene.groups.iter().filter(|group| group.layers.intersects(layers));
-    for group in groups.filter(|group| group.touches(area)) {
-        let image = assets.images.as_ref().and_then(|images| images.get(group.image));
+    for group in groups_on(scene, grid.area(), layers) {
+        let image = image_of(group, assets);
         for quad in scene.quads_of(group) {
             draw(quad, &scene.materials[quad.material as usize], image);
         }
     }
+}
+
+/// The groups on the layers that may overlap an area, from the bottom to the top.
+fn groups_on<'a>(
+    scene: &'a ExtractedScene,
+    area: Rect,
+    layers: &'a RenderLayers,
+) -> impl Iterator<Item = &'a QuadGroup> {
+    scene.groups.iter().filter(move |own| own.layers.intersects(layers) && own.touches(area))
+}
+
+/// The image that a group shows; none while it is not loaded.
+fn image_of<'a>(group: &QuadGroup, assets: &'a SceneAssets) -> Option<&'a Image> {
+    assets.images.as_ref().and_then(|images| images.get(group.image))
 }
 
 /// A quad to be drawn, and its image.

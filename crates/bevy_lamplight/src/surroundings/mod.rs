@@ -2,14 +2,16 @@
 //! each frame of the main world.
 //!
 //! Matter is drawn on rings of coarse cells from the same quads as on the grid, lamps are seen as the discs that they are
-//! ([`RingSurroundings`]). Only what has changed is found anew: lamps that move cost the less, and a scene in which nothing
-//! moves, or with nothing beyond the grid, costs its comparison with the last frame.
+//! ([`RingSurroundings`]). Only what has changed is found anew: a ring whose matter has moved is drawn, and while a camera
+//! glides the outer ones mostly stay; lamps that move cost less. A scene in which nothing moves, or with nothing beyond
+//! the grid, costs its comparison with the last frame.
+
+mod rings;
 
 use crate::components::Lighting2d;
 use crate::lit_camera::{LitCamera, LitCameraItem};
 use crate::placement::Placement;
 use crate::quads::{ExtractedScene, Gather, SceneAssets};
-use crate::query::rasterize_around;
 use bevy::asset::AssetEvent;
 use bevy::ecs::message::MessageReader;
 use bevy::image::Image;
@@ -17,8 +19,9 @@ use bevy::log::error_once;
 use bevy::math::Rect;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::{Entity, Query, ResMut, Resource};
-use lamplight::surroundings::{LampPart, RingSurroundings, RingWindow, part_lamp};
-use lamplight::{Cells, Inflow, Lamp, Method, Sky, Sun};
+use lamplight::surroundings::{LampPart, RingSurroundings, part_lamp};
+use lamplight::{Inflow, Lamp, Method, Sky, Sun};
+use rings::{CameraRings, GridPlace};
 
 /// The surroundings of lit cameras.
 #[derive(Resource, Default)]
@@ -29,7 +32,7 @@ impl CameraSurroundings {
     pub fn inflow(&self, camera: Entity, placement: &Placement) -> Option<&Inflow> {
         let view = self.0.get(&camera)?;
         let inflow = view.inflow.as_ref()?;
-        (view.grid? == GridPlace::of(placement)).then_some(inflow)
+        (view.rings.as_ref()?.grid() == GridPlace::of(placement)).then_some(inflow)
     }
 
     /// Returns whether the method of a camera draws all lamps as solid discs, which are not parted ([`is_parted`]).
@@ -46,48 +49,18 @@ struct ViewSurroundings {
     takes_inflow: bool,
     /// True if the method draws all lamps as solid discs.
     all_solid: bool,
-    grid: Option<GridPlace>,
-    rings: Option<RingSurroundings>,
+    rings: Option<CameraRings>,
     sky: Sky,
     /// Suns that are part of the sky.
     suns: Vec<Sun>,
-    /// The scene around the grid, and that of the last frame.
+    /// The scene around the grid.
     scene: ExtractedScene,
-    before: ExtractedScene,
-    /// Lamps beyond the grid, likewise.
+    /// Lamps beyond the grid, and those of the last frame.
     lamps: Vec<Lamp>,
     lamps_before: Vec<Lamp>,
-    /// The cells of each ring.
-    cells: Vec<Cells>,
     /// The light of sky and matter.
     still: Option<Inflow>,
     inflow: Option<Inflow>,
-}
-
-/// The place of a camera's grid and of its rings.
-#[derive(Clone, Copy, PartialEq)]
-struct GridPlace {
-    cell: f32,
-    origin: [i32; 2],
-    size: [u32; 2],
-}
-
-impl GridPlace {
-    fn of(placement: &Placement) -> Self {
-        let Placement { cell, placed, .. } = placement;
-        Self { cell: *cell, origin: placed.origin, size: placed.size }
-    }
-
-    /// The grid of a ring around it.
-    fn ring(&self, window: RingWindow) -> Placement {
-        let cell = self.cell * window.cell as f32;
-        let side = window.cell as i32;
-        let origin = [0, 1].map(|a| (self.origin[a] + window.first[a]).div_euclid(side));
-        let visible =
-            lamplight_wgpu::VisibleRect { corner: [0.0; 2], right: [1.0, 0.0], down: [0.0, 1.0] };
-        let placed = lamplight_wgpu::GridPlacement { size: window.size, origin, visible };
-        Placement { cell, requested: cell, placed }
-    }
 }
 
 /// Returns whether a lamp that glides over the border of the grid fades from the grid into its surroundings. Those that are
@@ -107,6 +80,9 @@ pub fn find(
     let images_changed = events.read().count() > 0;
     let CameraSurroundings(views) = &mut *surroundings;
     views.retain(|&camera, _| cameras.contains(camera));
+    if images_changed {
+        views.values_mut().filter_map(|view| view.rings.as_mut()).for_each(CameraRings::forget);
+    }
     for (entity, camera) in &cameras {
         let Ok(Some(placement)) = camera.placement() else { continue };
         if camera.lighting.surroundings == 0 {
@@ -114,8 +90,8 @@ pub fn find(
             continue;
         }
         let view = views.entry(entity).or_default();
-        if let Err(error) = view.find(&camera, &placement, &gather, &assets, images_changed) {
-            view.inflow = None;
+        if let Err(error) = view.find(&camera, &placement, &gather, &assets) {
+            (view.still, view.inflow) = (None, None);
             error_once!("the camera {entity} has no light from around its grid: {error}");
         }
     }
@@ -128,10 +104,9 @@ impl ViewSurroundings {
         placement: &Placement,
         gather: &Gather,
         assets: &SceneAssets,
-        images_changed: bool,
     ) -> lamplight::Result<()> {
         let Lighting2d { surroundings, .. } = *camera.lighting;
-        let mut changed = images_changed;
+        let mut changed = false;
         if self.lighting.as_ref() != Some(camera.lighting) {
             self.lighting = Some(camera.lighting.clone());
             // Settings that are errors are reported where they are used.
@@ -139,27 +114,23 @@ impl ViewSurroundings {
             let method = settings.map(|settings| settings.method);
             self.takes_inflow = method.as_ref().is_some_and(|method| method.takes_inflow().is_ok());
             self.all_solid = method.is_some_and(|method| !method.reads_glow());
-            self.grid = None;
         }
         if !self.takes_inflow {
             self.inflow = None;
             return Ok(());
         }
         let grid = GridPlace::of(placement);
-        if self.grid != Some(grid) {
-            let GridPlace { size, origin, .. } = grid;
-            let count = (surroundings as usize).min(RingSurroundings::MOST_RINGS);
-            match &mut self.rings {
-                Some(rings) => rings.place(size, origin, count)?,
-                None => self.rings = Some(RingSurroundings::new(size, origin, count)?),
+        let count = (surroundings as usize).min(RingSurroundings::MOST_RINGS);
+        match &mut self.rings {
+            Some(rings) if (rings.grid(), rings.light().rings()) == (grid, count) => {}
+            Some(rings) => {
+                rings.place(grid, count)?;
+                changed = true;
             }
-            self.grid = Some(grid);
-            changed = true;
+            None => self.rings = Some(CameraRings::new(grid, count)?),
         }
         let Some(rings) = &mut self.rings else { return Ok(()) };
-        let area = placement.area();
-        let around = grid.ring(rings.window(rings.rings() - 1)).area();
-        std::mem::swap(&mut self.scene, &mut self.before);
+        let (area, around) = (placement.area(), rings.area());
         gather.gather(&[around], &mut self.scene);
         self.scene
             .groups
@@ -176,7 +147,6 @@ impl ViewSurroundings {
             self.suns.extend(suns);
             changed = true;
         }
-        changed |= !self.scene.has_matter_of(&self.before);
         std::mem::swap(&mut self.lamps, &mut self.lamps_before);
         self.lamps.clear();
         let lamps = lamps_beyond(&self.scene, camera, placement, around, self.all_solid);
@@ -187,31 +157,17 @@ impl ViewSurroundings {
             self.still = None;
             return Ok(());
         }
+        changed |= rings.draw(&self.scene, area, camera.layers(), assets)?;
         if changed || self.still.is_none() {
-            if self.scene.groups.is_empty() {
-                rings.clear();
-            } else {
-                while self.cells.len() < rings.rings() {
-                    self.cells.push(Cells::new(1, 1)?);
-                }
-                for (ring, cells) in self.cells.iter_mut().enumerate().take(rings.rings()) {
-                    let window = rings.window(ring);
-                    if [cells.width(), cells.height()] != window.size {
-                        *cells = Cells::new(window.size[0], window.size[1])?;
-                    }
-                    let own = grid.ring(window);
-                    rasterize_around(&self.scene, &own, area, camera.layers(), assets, cells);
-                    rings.set(ring, cells)?;
-                }
-            }
-            self.still = Some(rings.inflow(&self.sky, &self.suns, RingSurroundings::COLUMNS)?);
+            self.still =
+                Some(rings.light().inflow(&self.sky, &self.suns, RingSurroundings::COLUMNS)?);
             self.inflow = None;
         }
         let Some(still) = &self.still else { return Ok(()) };
         if self.inflow.is_none() || self.lamps != self.lamps_before {
             self.inflow = Some(match &self.lamps[..] {
                 [] => still.clone(),
-                lamps => rings.with_lamps(still, lamps)?,
+                lamps => rings.light().with_lamps(still, lamps)?,
             });
         }
         Ok(())

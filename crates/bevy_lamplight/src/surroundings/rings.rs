@@ -1,0 +1,146 @@
+//! The matter around the grid of a camera, drawn on the rings of its surroundings.
+
+use crate::placement::Placement;
+use crate::quads::{ExtractedScene, SceneAssets};
+use crate::raster::{digest_around, rasterize_around};
+use bevy::camera::visibility::RenderLayers;
+use bevy::math::Rect;
+use lamplight::Cells;
+use lamplight::surroundings::{RingSurroundings, RingWindow};
+use lamplight_wgpu::{GridPlacement, VisibleRect};
+
+/// Rings, and what is drawn on them.
+pub struct CameraRings {
+    grid: GridPlace,
+    rings: RingSurroundings,
+    /// What each ring shows; `None` if it has to be drawn. Empty if all of them are.
+    drawn: Vec<Option<RingPicture>>,
+    /// The cells of each ring.
+    cells: Vec<Cells>,
+}
+
+/// The place of a camera's grid.
+#[derive(Clone, Copy, PartialEq)]
+pub struct GridPlace {
+    cell: f32,
+    origin: [i32; 2],
+    size: [u32; 2],
+}
+
+impl GridPlace {
+    pub fn of(placement: &Placement) -> Self {
+        let Placement { cell, placed, .. } = placement;
+        Self { cell: *cell, origin: placed.origin, size: placed.size }
+    }
+
+    /// The grid of a ring around it.
+    fn ring(&self, window: RingWindow) -> Placement {
+        let cell = self.cell * window.cell as f32;
+        let side = window.cell as i32;
+        let origin = [0, 1].map(|a| (self.origin[a] + window.first[a]).div_euclid(side));
+        let visible = VisibleRect { corner: [0.0; 2], right: [1.0, 0.0], down: [0.0, 1.0] };
+        let placed = GridPlacement { size: window.size, origin, visible };
+        Placement { cell, requested: cell, placed }
+    }
+}
+
+/// All that the matter of a ring depends on, but for the texels of images.
+#[derive(Clone, Copy, PartialEq)]
+struct RingPicture {
+    place: Placement,
+    /// The middle, which is not seen.
+    hidden: Rect,
+    /// The [`digest_around`] of the matter.
+    digest: u64,
+}
+
+impl CameraRings {
+    /// Returns empty rings around a grid.
+    pub fn new(grid: GridPlace, count: usize) -> lamplight::Result<Self> {
+        let rings = RingSurroundings::new(grid.size, grid.origin, count)?;
+        Ok(Self { grid, rings, drawn: Vec::new(), cells: Vec::new() })
+    }
+
+    /// Places them around another grid.
+    pub fn place(&mut self, grid: GridPlace, count: usize) -> lamplight::Result<()> {
+        self.rings.place(grid.size, grid.origin, count)?;
+        self.grid = grid;
+        Ok(())
+    }
+
+    /// The rings, which know the light.
+    pub fn light(&self) -> &RingSurroundings {
+        &self.rings
+    }
+
+    /// The grid that they are around.
+    pub fn grid(&self) -> GridPlace {
+        self.grid
+    }
+
+    /// The area of the world that they cover.
+    pub fn area(&self) -> Rect {
+        let outermost = self.rings.window(self.rings.rings() - 1);
+        self.grid.ring(outermost).area()
+    }
+
+    /// Draws all of them anew at the next time, because images have changed.
+    pub fn forget(&mut self) {
+        self.drawn.fill(None);
+    }
+
+    /// Draws the matter around an area, the grid's own, on those rings that do not show it yet. Returns whether there were
+    /// any.
+    pub fn draw(
+        &mut self,
+        scene: &ExtractedScene,
+        area: Rect,
+        layers: &RenderLayers,
+        assets: &SceneAssets,
+    ) -> lamplight::Result<bool> {
+        let Self { grid, rings, drawn, cells } = self;
+        if scene.groups.is_empty() {
+            let was_empty = drawn.is_empty();
+            drawn.clear();
+            rings.clear();
+            return Ok(!was_empty);
+        }
+        drawn.resize(rings.rings(), None);
+        while cells.len() < rings.rings() {
+            cells.push(Cells::new(1, 1)?);
+        }
+        let mut has_changed = false;
+        for (ring, (drawn, cells)) in drawn.iter_mut().zip(cells).enumerate() {
+            let window = rings.window(ring);
+            let place = grid.ring(window);
+            let hidden = hidden(ring, &place, area);
+            let digest = digest_around(scene, &place, hidden, layers);
+            let picture = Some(RingPicture { place, hidden, digest });
+            if *drawn == picture {
+                continue;
+            }
+            *drawn = None;
+            if [cells.width(), cells.height()] != window.size {
+                *cells = Cells::new(window.size[0], window.size[1])?;
+            }
+            rasterize_around(scene, &place, hidden, layers, assets, cells);
+            rings.set(ring, cells)?;
+            *drawn = picture;
+            has_changed = true;
+        }
+        Ok(has_changed)
+    }
+}
+
+/// The middle of a ring that is not seen, as rings nearer by cover it: in the first one, the grid itself. In the others it
+/// is a little less, so that it stays with the ring while the camera moves.
+fn hidden(ring: usize, place: &Placement, grid: Rect) -> Rect {
+    if ring == 0 {
+        return grid;
+    }
+    /// Cells by which the ring nearer by moves within this one.
+    const STEPS: f32 = 4.0;
+    let area = place.area();
+    let rest = 0.25 * area.size() + STEPS * place.cell;
+    Rect { min: area.min + rest, max: area.max - rest }
+}
