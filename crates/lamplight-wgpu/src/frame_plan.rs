@@ -195,8 +195,15 @@ pub enum PlannedGroups {
 /// The numbers by which hosts know resources again.
 #[derive(Debug, Default)]
 pub struct PlanIds {
-    known: HashMap<Handle, u64>,
+    known: HashMap<Handle, KnownResource>,
     next: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct KnownResource {
+    id: u64,
+    /// True once a dispatch has written it: its contents are then the host's.
+    is_written: bool,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -208,10 +215,11 @@ enum Handle {
 
 impl PlanIds {
     fn of(&mut self, handle: Handle) -> u64 {
-        *self.known.entry(handle).or_insert_with(|| {
+        let known = self.known.entry(handle).or_insert_with(|| {
             self.next += 1;
-            self.next
-        })
+            KnownResource { id: self.next, is_written: false }
+        });
+        known.id
     }
 }
 
@@ -281,14 +289,18 @@ impl FramePlan {
             plan.dispatches.push(PlannedDispatch { program, bindings, groups });
         }
         plan.light = plan.add_buffer("light", light, BufferUsages::STORAGE, &mut indices, ids);
+        ids.known.retain(|handle, known| {
+            known.is_written |= written.contains(handle);
+            indices.0.contains_key(handle)
+        });
         for (handle, &index) in &indices.0 {
+            let is_written = ids.known.get(handle).is_some_and(|known| known.is_written);
             if let Handle::Buffer(buffer) = handle
-                && !written.contains(handle)
+                && !is_written
             {
                 plan.buffers[index].contents = Some(contents(buffer)?);
             }
         }
-        ids.known.retain(|handle, _| indices.0.contains_key(handle));
         Ok(plan)
     }
 

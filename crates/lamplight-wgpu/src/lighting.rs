@@ -392,7 +392,6 @@ impl Lighting {
         let inflow = inflow.filter(|_| self.cpu.is_none());
         let lights = Lights { lamps, suns, sky, inflow };
         let (history, moved) = self.history(input, grid.size, sky);
-        self.try_backends(input, *grid);
         if let Some(cpu) = &mut self.cpu {
             let planner = FramePlanner::new(&self.shared, input.settings, self.options, *grid);
             cpu.solve(&planner, input)?;
@@ -427,7 +426,9 @@ impl Lighting {
         self.lamps.more_follows = needed.has_direct();
         let moment = input.settings.moment;
         let compiled = self.direct.as_ref().is_some_and(|direct| direct.moment == moment);
-        if needed.has_direct() && !compiled {
+        // Plans keep the room that lights once had, and shine the ones that return into it.
+        let had_direct = self.frame.as_ref().is_some_and(|frame| frame.capacity.has_direct());
+        if method.is_some() && (needed.has_direct() || had_direct) && !compiled {
             let compile = || Ok(Direct::new(&self.shared.compiler, moment));
             self.direct = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
@@ -514,10 +515,12 @@ impl Lighting {
         let sky = Sky::clone(sky);
         self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky });
         self.number = self.number.wrapping_add(1);
+        self.try_backends(input, *grid);
         Ok(())
     }
 
-    /// Goes on with the trial of both backends, if there is one: finds a frame on the CPU too, or chooses.
+    /// Goes on with the trial of both backends, if there is one: finds a frame on the CPU too, or chooses what finds the
+    /// next frame's light.
     fn try_backends(&mut self, input: &FrameInput, grid: Grid) {
         // Browsers have no trials, and their page no room for one.
         if cfg!(target_arch = "wasm32") {
@@ -624,7 +627,8 @@ impl Lighting {
                 None if self.shared.has_compute => None,
                 None => Some(light_texture(&planner)?),
             };
-            let direct = self.direct.as_ref().filter(|_| planner.capacity.has_direct());
+            let has_direct = method.is_some() && planner.capacity.has_direct();
+            let direct = self.direct.as_ref().filter(|_| has_direct);
             let direct = direct.map(|direct| direct.plan(&planner)).transpose()?;
             let (found, direct, shine) = match direct {
                 Some((found, buffers, dispatches)) => (Some(found), Some(buffers), dispatches),
@@ -785,14 +789,16 @@ impl Lighting {
         }
     }
 
-    /// Returns what finds the light: `Gpu` or `Cpu`. With [`Backend::Fastest`] it may change in the first frames.
+    /// Returns what will find the light of the next frame that is prepared: `Gpu` or `Cpu`. With [`Backend::Fastest`] it may
+    /// change in the first frames.
     pub fn backend(&self) -> Backend {
         if self.cpu.is_some() { Backend::Cpu } else { Backend::Gpu }
     }
 
     /// The time that each stage of the frame prepared last took on the CPU, in order; empty if the CPU found no light in it.
     pub fn timings_on_cpu(&self) -> &[(&'static str, Duration)] {
-        self.cpu.as_ref().map_or(&[], CpuBackend::timings)
+        let is_by_cpu = self.frame.as_ref().is_some_and(|frame| frame.by_cpu);
+        self.cpu.as_ref().filter(|_| is_by_cpu).map_or(&[], CpuBackend::timings)
     }
 
     /// Records the frame that was prepared last into `encoder`. Does not submit or wait.

@@ -365,3 +365,19 @@ fn resources_keep_their_numbers_and_nothing_is_planned_before_a_frame() {
     let ids = |plan: &FramePlan| plan.buffers.iter().map(|b| b.id).collect::<Vec<_>>();
     assert_eq!(ids(&one), ids(&two));
 }
+
+#[test]
+fn history_that_moves_to_a_grid_of_another_size_stays_the_hosts() {
+    let gpu = noop();
+    let mut lighting = lighting(&gpu.0, &gpu.1);
+    let settings = Settings { bounces: Bounces::Feedback, ..Settings::new(Method::Holographic) };
+    let mut plan = |width, height| {
+        lighting.prepare(&FrameInput::of_cells(&settings, &cells(width, height, 3))).unwrap();
+        lighting.frame_plan().unwrap()
+    };
+    let [before, after] = [plan(48, 32), plan(64, 32)];
+    let is_written = |id| before.buffers.iter().any(|own| own.id == id && own.contents.is_none());
+    let kept: Vec<_> = after.buffers.iter().filter(|buffer| is_written(buffer.id)).collect();
+    assert!(!kept.is_empty(), "no history is moved");
+    assert!(kept.iter().all(|buffer| buffer.contents.is_none()), "it would be overwritten");
+}

@@ -61,7 +61,8 @@ const TOLERANCE: f32 = 1e-3;
 fn the_faster_backend_goes_on_with_the_same_light() {
     let (device, queue) = device_of(Tier::Native);
     let settings = Settings::direct(Method::Holographic);
-    let cells = cells(96, 54, 11);
+    let mut cells = cells(96, 54, 11);
+    cells.lamps_mut().push(exact_lamp());
     let mut lighting =
         Lighting::new(&device, &queue, &LightingOptions::on(Backend::Fastest)).unwrap();
     assert_eq!(lighting.backend(), Backend::Gpu);
@@ -86,6 +87,8 @@ fn the_faster_backend_goes_on_with_the_same_light() {
     // Only on a software GPU it is known which is faster.
     if device.adapter_info().device_type == DeviceType::Cpu {
         assert_eq!([lighting.backend(), timed.backend()], [Backend::Cpu; 2]);
+        let dispatches = lighting.cost().unwrap().dispatches;
+        assert_eq!(dispatches, 0, "the GPU goes on with direct light");
     }
     let (device, queue) = device_of(Tier::Web);
     let mut untimed =
@@ -94,6 +97,32 @@ fn the_faster_backend_goes_on_with_the_same_light() {
         frame(&device, &queue, &mut untimed, &settings, &cells);
     }
     assert_eq!(untimed.backend(), Backend::Gpu, "chosen without times");
+}
+
+/// A lamp that is lit by its own shadow.
+fn exact_lamp() -> Lamp {
+    Lamp { position: [20.0, 15.0], range: 40.0, direct: Direct::Exact, ..Lamp::default() }
+}
+
+#[test]
+fn direct_light_that_returns_has_its_moment() {
+    let (device, queue) = device();
+    let flat = Settings::direct(Method::Cascades);
+    let tilted = Settings { moment: true, ..flat.clone() };
+    let dark = cells(41, 31, 5);
+    let mut lit = dark.clone();
+    lit.lamps_mut().push(exact_lamp());
+    let light = |lighting: &mut Lighting, settings: &Settings, cells: &Cells| {
+        lighting.prepare(&FrameInput::of_cells(settings, cells)).unwrap();
+        recorded(&device, &queue, lighting)
+    };
+    let [mut one, mut fresh] = [(); 2].map(|()| lighting(&device, &queue));
+    for (settings, cells) in [(&flat, &lit), (&flat, &dark), (&tilted, &dark)] {
+        light(&mut one, settings, cells);
+    }
+    let [found, expected] = [&mut one, &mut fresh].map(|own| light(own, &tilted, &lit));
+    assert!(found == expected);
+    assert!(light(&mut one, &tilted, &dark) != expected, "the lamp lights nothing");
 }
 
 #[test]

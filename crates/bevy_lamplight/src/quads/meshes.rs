@@ -29,6 +29,11 @@ impl QuadSource for MeshMatterItem<'_, '_> {
         }
         let mesh = assets.meshes.as_ref().and_then(|meshes| meshes.get(self.mesh.id()));
         let Some(vertices) = mesh.and_then(Vertices::new) else { return };
+        let world = place.transform.affine();
+        let at = |i: usize| world.transform_point3(vertices.position(i)).truncate();
+        if !to.shows((0..vertices.positions.len()).map(at)) {
+            return;
+        }
         let materials = assets.materials.as_ref();
         let material = self.material.and_then(|handle| materials?.get(handle.id()));
         let (color, cutoff, image, uv) = match material {
@@ -44,9 +49,7 @@ impl QuadSource for MeshMatterItem<'_, '_> {
                 (material.color.to_linear(), cutoff, image, material.uv_transform)
             }
         };
-        let world = place.transform.affine();
         vertices.triangles(|triangle| {
-            let at = |i: usize| world.transform_point3(vertices.position(i)).truncate();
             let uv = |i: usize| uv.transform_point2(vertices.uv(i));
             let own = triangle.map(|i| vertices.color(i)).into_iter().sum::<Vec4>() / 3.0;
             let color = (own * Vec4::from(color.to_f32_array())).to_array();

@@ -27,8 +27,11 @@ impl QuadSource for &LightOccluder2d {
                 to.push(Quad { param: 2.0 * radius / height, ..quad });
             }
             OccluderShape::Polygon { points } => {
-                let at =
-                    |i: &u32| world.transform_point3(points[*i as usize].extend(0.0)).truncate();
+                let in_world = |point: &Vec2| world.transform_point3(point.extend(0.0)).truncate();
+                if !to.shows(points.iter().map(in_world)) {
+                    return;
+                }
+                let at = |i: &u32| in_world(&points[*i as usize]);
                 for [a, b, c] in triangles(points).as_chunks().0 {
                     let triangle = QuadMap::of_triangle([at(a), at(b), at(c)]);
                     to.push(Quad::shape(triangle, QuadShape::Triangle));

@@ -2,10 +2,10 @@
 
 use super::place::{EntityPlaceItem, SceneAssets};
 use super::quad::Quad;
-use super::scene::{ExtractedScene, GroupSettings};
+use super::scene::{ExtractedScene, GroupSettings, overlaps};
 use bevy::asset::AssetId;
 use bevy::image::Image;
-use bevy::math::Rect;
+use bevy::math::{Rect, Vec2};
 
 /// A component, or several, that quads are made of.
 pub trait QuadSource {
@@ -29,6 +29,13 @@ impl<'a> QuadWriter<'a> {
     pub fn new(scene: &'a mut ExtractedScene, areas: &'a [Rect], material: u32) -> Self {
         let first = scene.quads.len();
         Self { scene, areas, normals: None, material, first }
+    }
+
+    /// Returns whether any of the areas may show something at these points of the world, and between them. Sources ask
+    /// where that costs less than their quads do.
+    pub fn shows(&self, points: impl Iterator<Item = Vec2>) -> bool {
+        let bounds = points.fold(Rect::EMPTY, |all, point| all.union_point(point));
+        self.areas.iter().any(|&area| overlaps(bounds, area))
     }
 
     /// Adds a quad.

@@ -96,8 +96,8 @@ impl Default for LightQuerySettings {
 
 /// Queries the light at places of the world.
 ///
-/// Light is computed at the end of each frame in which it was queried, so answers are one frame old. The
-/// first query after a pause returns `None`.
+/// Light is computed at the end of each frame in which it was queried, and an answer is that of the last such frame: one
+/// frame old if you query in every frame, and as old as the pause if you pause. The first query returns `None`.
 ///
 /// ```
 /// # use bevy::prelude::*; use bevy_lamplight::prelude::*;
@@ -195,6 +195,8 @@ struct QueryState {
     fine: Option<Cells>,
     cells: Option<Cells>,
     solver: Option<Solver>,
+    /// The grid that it solved last.
+    solved: Option<Placement>,
     /// The error logged last.
     logged: String,
 }
@@ -267,34 +269,41 @@ fn solve(
         return;
     };
     known.ambient = camera.as_ref().map_or([0.0; 3], |camera| camera.ambient());
-    let mut answer = || {
-        // Sight needs none.
-        let parameters = lighting.settings(grid.cell * FINE_PER_CELL as f32);
-        let method = parameters.as_ref().ok().map(|parameters| &parameters.method);
-        let takes_inflow = method.is_some_and(|method| method.takes_inflow().is_ok());
-        let entering = entering.filter(|_| takes_inflow);
-        let lamps = |lamp: &WorldLamp| match entering {
-            Some(entering) => entering.inside(lamp, &grid),
-            None => vec![lamp.on_grid(grid.corner(), grid.cell, lighting.method.is_analytic())],
-        };
-        let fine = state.draw(&grid, &lighting, layers, &sky, &assets, lamps)?;
-        if wanted.sight {
-            seen.read(&grid, &fine)?;
-        }
-        if wanted.light {
-            known.light.clone_from(state.solve(&fine, &grid, parameters?, entering)?);
-            known.grid = Some(grid);
-            known.area = entering.map_or(grid.area(), |light| light.grid.area());
-        }
-        state.fine = Some(fine);
-        Ok(())
+    let parameters = lighting.settings(grid.cell * FINE_PER_CELL as f32);
+    let method = parameters.as_ref().ok().map(|parameters| &parameters.method);
+    let takes_inflow = method.is_some_and(|method| method.takes_inflow().is_ok());
+    let entering = entering.filter(|_| takes_inflow);
+    let lamps = |lamp: &WorldLamp| match entering {
+        Some(entering) => entering.inside(lamp, &grid),
+        None => vec![lamp.on_grid(grid.corner(), grid.cell, lighting.method.is_analytic())],
     };
-    let result: lamplight::Result<()> = answer();
-    if let Err(error) = result {
-        known.grid = None;
+    let fine = match state.draw(&grid, &lighting, layers, &sky, &assets, lamps) {
+        Ok(fine) => fine,
+        Err(error) => {
+            known.grid = None;
+            seen.forget();
+            state.log(error.to_string());
+            return;
+        }
+    };
+    if wanted.sight
+        && let Err(error) = seen.read(&grid, &fine)
+    {
         seen.forget();
         state.log(error.to_string());
     }
+    if wanted.light {
+        let found = parameters.and_then(|parameters| {
+            known.light.clone_from(state.solve(&fine, &grid, parameters, entering)?);
+            Ok(())
+        });
+        known.grid = found.is_ok().then_some(grid);
+        known.area = entering.map_or(grid.area(), |light| light.grid.area());
+        if let Err(error) = found {
+            state.log(error.to_string());
+        }
+    }
+    state.fine = Some(fine);
 }
 
 /// The answers that were asked for.
@@ -414,20 +423,26 @@ impl QueryState {
         if settings.bounces == Bounces::Feedback {
             settings.bounces = BOUNCES_INSTEAD;
         }
-        solve_with(&mut self.solver, settings, cells)
+        let solver = solver_of(&mut self.solver, settings)?;
+        // Light that spreads over frames stays in its place.
+        let before = self.solved.replace(*grid);
+        match before.filter(|before| before.cell == grid.cell) {
+            Some(before) => {
+                solver.shift([0, 1].map(|a| {
+                    (grid.placed.origin[a] - before.placed.origin[a]) / FINE_PER_CELL as i32
+                }))
+            }
+            None => solver.reset(),
+        }
+        solver.solve(cells)
     }
 }
 
-/// Solves with the solver of the last time if its settings are the same.
-fn solve_with<'a>(
-    solver: &'a mut Option<Solver>,
-    settings: Settings,
-    cells: &Cells,
-) -> lamplight::Result<&'a Light> {
+/// Returns the solver of the last time if its settings are the same, or a new one.
+fn solver_of(solver: &mut Option<Solver>, settings: Settings) -> lamplight::Result<&mut Solver> {
     let own = match solver.take() {
         Some(own) if *own.settings() == settings => own,
         _ => Solver::new(settings)?,
     };
-    let own = solver.insert(own);
-    own.solve(cells)
+    Ok(solver.insert(own))
 }

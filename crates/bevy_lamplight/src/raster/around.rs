@@ -3,7 +3,9 @@
 use super::{Piece, for_each_cell, groups_on, image_of};
 use crate::placement::Placement;
 use crate::quads::{ExtractedScene, Quad, QuadGroup, QuadMap, SceneAssets, is_within, overlaps};
+use bevy::asset::AssetId;
 use bevy::camera::visibility::RenderLayers;
+use bevy::image::Image;
 use bevy::math::{Rect, Vec2};
 use bevy::platform::hash::FixedHasher;
 use lamplight::{Cells, Matter};
@@ -29,7 +31,7 @@ pub fn rasterize_around(
             map if opacity == 1.0 => at_least_a_cell(map),
             map => (map, 1.0),
         };
-        let image = image_of(group, assets);
+        let Some(image) = image_of(group, assets) else { continue };
         let piece = Piece { quad, image, by_area: quad.is_by_area(material), is_colored: glows };
         for_each_cell(&piece, &map, cells, |x, y, color| {
             let rgb = color.truncate().to_array();
@@ -57,6 +59,16 @@ pub fn digest_around(
         digest.write(bytemuck::bytes_of(&scene.materials[quad.material as usize]));
     }
     digest.finish()
+}
+
+/// Returns the images that [`rasterize_around`] reads.
+pub fn images_around<'a>(
+    scene: &'a ExtractedScene,
+    grid: &Placement,
+    area: Rect,
+    layers: &'a RenderLayers,
+) -> impl Iterator<Item = AssetId<Image>> {
+    quads_around(scene, grid, area, layers).map(|(group, _)| group.image)
 }
 
 /// The quads that may lie on a grid, and not all within an area, from the bottom to the top.

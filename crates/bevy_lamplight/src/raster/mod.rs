@@ -2,15 +2,17 @@
 
 mod around;
 
-pub use around::{digest_around, rasterize_around};
+pub use around::{digest_around, images_around, rasterize_around};
 
 use crate::placement::Placement;
 use crate::quads::{
     ExtractedScene, Quad, QuadGroup, QuadMap, QuadMaterial, QuadShape, SceneAssets,
 };
+use bevy::asset::AssetId;
 use bevy::camera::visibility::RenderLayers;
 use bevy::color::{Alpha, Color, ColorToComponents};
 use bevy::image::Image;
+use bevy::log::warn_once;
 use bevy::math::{Mat2, Rect, Vec2, Vec4};
 use lamplight::{Cells, Matter};
 
@@ -78,7 +80,7 @@ fn for_each_quad(
     mut draw: impl FnMut(&Quad, &QuadMaterial, Option<&Image>),
 ) {
     for group in groups_on(scene, grid.area(), layers) {
-        let image = image_of(group, assets);
+        let Some(image) = image_of(group, assets) else { continue };
         for quad in scene.quads_of(group) {
             draw(quad, &scene.materials[quad.material as usize], image);
         }
@@ -94,9 +96,14 @@ fn groups_on<'a>(
     scene.groups.iter().filter(move |own| own.layers.intersects(layers) && own.touches(area))
 }
 
-/// The image that a group shows; none while it is not loaded.
-fn image_of<'a>(group: &QuadGroup, assets: &'a SceneAssets) -> Option<&'a Image> {
-    assets.images.as_ref().and_then(|images| images.get(group.image))
+/// The image that a group shows, or none if it is plain; `None` while it is not loaded. An app without images takes all
+/// quads as plain.
+fn image_of<'a>(group: &QuadGroup, assets: &'a SceneAssets) -> Option<Option<&'a Image>> {
+    let Some(images) = assets.images.as_ref() else { return Some(None) };
+    match images.get(group.image) {
+        None if group.image == AssetId::default() => Some(None),
+        image => image.map(Some),
+    }
 }
 
 /// A quad to be drawn, and its image.
@@ -204,7 +211,7 @@ impl Piece<'_> {
     }
 }
 
-/// The nearest texel; none if the image is compressed or not kept on the CPU.
+/// The nearest texel; `None` if the image is compressed or not kept on the CPU.
 fn texel(image: &Image, texels: &QuadMap, unit: Vec2, layer: u32) -> Option<Color> {
     let size = image.size();
     let at = (texels.at(unit.x, unit.y) * size.as_vec2()).floor();
@@ -214,5 +221,11 @@ fn texel(image: &Image, texels: &QuadMap, unit: Vec2, layer: u32) -> Option<Colo
     } else {
         image.get_color_at_3d(at.x, at.y, layer)
     };
+    if color.is_err() {
+        warn_once!(
+            "images that are compressed, or kept on the GPU alone, are opaque to `LightQuery`, and to light from off \
+             screen: the CPU cannot read them"
+        );
+    }
     color.ok()
 }

@@ -16,7 +16,6 @@ use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_resource::RenderPassDescriptor;
 use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
 use bevy::render::view::{ExtractedView, Msaa, ViewDepthStencilTexture, ViewTarget};
-use lamplight::Display;
 use lamplight_wgpu::wgpu::util::TextureBlitter;
 use lamplight_wgpu::wgpu::{
     Color as Clear, CommandEncoder, LoadOp, Operations, RenderPass,
@@ -36,11 +35,9 @@ pub fn prepare(
 ) {
     let (entity, camera, target, msaa) = view.into_inner();
     let view = extracted.views.iter().find(|view| view.entity == entity);
-    let (Some(lit), Some(view), Some(pipelines)) =
-        (lit_views.views.get_mut(&entity), view, pipelines)
-    else {
-        return;
-    };
+    let LitViews { views: lit_views, log, .. } = &mut *lit_views;
+    let lit = lit_views.get_mut(&entity).filter(|lit| lit.is_lit);
+    let (Some(lit), Some(view), Some(pipelines)) = (lit, view, pipelines) else { return };
     let device = device.wgpu_device();
     if let Some(glow) = &lit.glow {
         let mut pass = screen_pass(context.command_encoder(), camera, "lamplight glow", glow);
@@ -54,12 +51,7 @@ pub fn prepare(
         lit.quads.draw_normals(&mut pass, (device, &pipelines), batches, &images);
     }
     let params = ComposeParams {
-        display: Display {
-            tonemap: view.tone_map,
-            exposure: view.lighting.exposure,
-            ambient: view.ambient,
-            relief: view.relief.relief(),
-        },
+        display: view.display(),
         filter: match view.lighting.filter {
             LightFilter::Linear => Filter::Linear,
             LightFilter::Nearest => Filter::Nearest,
@@ -82,8 +74,8 @@ pub fn prepare(
         _ => (drawn_on.format, TextureBlitter::new(device, drawn_on.format)),
     });
     if let Err(error) = lit.compose.prepare(&lit.lighting, drawn_on, &params) {
-        lit_views.log.error(view.camera, error);
-        lit_views.views.remove(&entity);
+        log.error(view.camera, error);
+        lit.is_lit = false;
     }
 }
 
@@ -123,7 +115,7 @@ pub fn record(
     mut context: RenderContext,
 ) {
     let (entity, camera, view, target, depth) = view.into_inner();
-    let Some(lit) = lit_views.views.get(&entity) else { return };
+    let Some(lit) = lit_views.views.get(&entity).filter(|lit| lit.is_lit) else { return };
     let diagnostics = context.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     let swapped = target.post_process_write();

@@ -10,12 +10,14 @@ use bevy::math::Rect;
 use bevy::prelude::{Entity, Query, Res, ResMut, Resource};
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
-use lamplight::{Inflow, Sky, ToneMap};
+use lamplight::{Display, Inflow, Sky, ToneMap};
 
 /// Everything that a frame is lit from.
 #[derive(Resource, Default)]
 pub struct ExtractedLighting {
     pub views: Vec<LitCameraView>,
+    /// All lit cameras in the render world, also those that see nothing now: inactive ones, and those of minimised windows.
+    pub cameras: Vec<Entity>,
     /// Cameras of the main world that cannot be lit, and why.
     pub failed: Vec<(Entity, PlacementError)>,
     pub scene: ExtractedScene,
@@ -47,6 +49,18 @@ pub struct LitCameraView {
     pub has_light_texture: bool,
 }
 
+impl LitCameraView {
+    /// The mapping of its light to its picture.
+    pub fn display(&self) -> Display {
+        Display {
+            tonemap: self.tone_map,
+            exposure: self.lighting.exposure,
+            ambient: self.ambient,
+            relief: self.relief.relief(),
+        }
+    }
+}
+
 /// Extracts lit cameras and the scene.
 pub fn extract(
     mut extracted: ResMut<ExtractedLighting>,
@@ -56,10 +70,13 @@ pub fn extract(
     gather_surfaces: Extract<GatherSurfaces>,
     gather_masks: Extract<GatherMasks>,
 ) {
-    let ExtractedLighting { views, failed, scene, surfaces, masks, areas } = &mut *extracted;
+    let ExtractedLighting { views, cameras: kept, failed, scene, surfaces, masks, areas } =
+        &mut *extracted;
     views.clear();
+    kept.clear();
     failed.clear();
     for (camera, entity, lit) in &cameras {
+        kept.push(entity);
         let placement = match lit.placement() {
             Ok(Some(placement)) => placement,
             Ok(None) => continue,

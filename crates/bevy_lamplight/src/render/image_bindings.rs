@@ -6,7 +6,7 @@ use bevy::image::Image;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::Resource;
 use bevy::render::render_asset::RenderAssets;
-use bevy::render::render_resource::{TextureId, TextureViewDescriptor};
+use bevy::render::render_resource::{SamplerId, TextureId, TextureViewDescriptor};
 use bevy::render::texture::GpuImage;
 use lamplight_wgpu::wgpu::{
     BindGroup, Device, TextureDimension, TextureSampleType, TextureUsages, TextureViewDimension,
@@ -18,6 +18,7 @@ pub struct ImageBindings(HashMap<AssetId<Image>, BoundImage>);
 
 struct BoundImage {
     texture: TextureId,
+    sampler: SamplerId,
     /// `None` if shaders cannot read it.
     group: Option<ImageGroup>,
 }
@@ -30,10 +31,12 @@ pub struct ImageGroup {
 }
 
 impl ImageBindings {
-    /// Drops the bind groups of images that were removed or replaced.
+    /// Drops the bind groups of images that were removed or replaced, or have another sampler.
     pub fn sweep(&mut self, images: &RenderAssets<GpuImage>) {
         self.0.retain(|&id, bound| {
-            images.get(id).is_some_and(|image| image.texture.id() == bound.texture)
+            images.get(id).is_some_and(|image| {
+                (image.texture.id(), image.sampler.id()) == (bound.texture, bound.sampler)
+            })
         });
     }
 
@@ -48,6 +51,7 @@ impl ImageBindings {
         let Some(image) = images.get(id) else { return };
         self.0.entry(id).or_insert_with(|| BoundImage {
             texture: image.texture.id(),
+            sampler: image.sampler.id(),
             group: is_filterable(device, image).then(|| {
                 let layered = image.texture.depth_or_array_layers() > 1;
                 let of_layers = TextureViewDimension::D2Array;

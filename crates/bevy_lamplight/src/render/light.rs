@@ -10,6 +10,7 @@ use super::pipelines::{Pipelines, QuadPass};
 use crate::placement::{MAX_CELLS, Placement};
 use bevy::ecs::system::SystemParam;
 use bevy::log::error_once;
+use bevy::platform::collections::hash_map::Entry;
 use bevy::prelude::{Commands, Component, Entity, Query, Res, ResMut, With};
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::diagnostic::RecordDiagnostics;
@@ -64,8 +65,9 @@ pub fn prepare(
     for entity in &textures {
         commands.entity(entity).remove::<ViewLightTexture>();
     }
-    let LitViews { views: lit_views, log } = &mut *lit_views;
-    lit_views.retain(|&entity, _| extracted.views.iter().any(|view| view.entity == entity));
+    let LitViews { views: lit_views, compiled, log } = &mut *lit_views;
+    lit_views.retain(|entity, _| extracted.cameras.contains(entity));
+    lit_views.values_mut().for_each(|lit| lit.is_lit = false);
     for &(camera, error) in &extracted.failed {
         log.error(camera, error);
     }
@@ -95,14 +97,24 @@ pub fn prepare(
             );
         }
         let target = CameraTarget { size: size.to_array(), viewport: viewport.to_array() };
-        let lit = match lit_views.remove(&view.entity) {
-            Some(lit) => Ok(lit),
-            None => {
-                let other = lit_views.values().next().map(|other| &other.lighting);
-                LitView::new(device, queue, *backend, &pipelines, view, other)
+        // Nothing is made for values that are errors.
+        if let Err(error) = view.display().check() {
+            log.error(view.camera, error);
+            continue;
+        }
+        let lit = match lit_views.entry(view.entity) {
+            Entry::Occupied(lit) => lit.into_mut(),
+            Entry::Vacant(place) => {
+                match LitView::new(device, queue, *backend, &pipelines, view, compiled) {
+                    Ok(lit) => place.insert(lit),
+                    Err(error) => {
+                        log.error(view.camera, error);
+                        continue;
+                    }
+                }
             }
         };
-        let prepared = lit.and_then(|mut lit| {
+        let mut prepare = || {
             lit.prepare_matter(device, queue, &pipelines, view, &extracted, target)?;
             let DrawList { batches, lamp_batches, surface_batches, mask_batches, .. } = &lit.draw;
             let all = [batches, lamp_batches, surface_batches, mask_batches];
@@ -111,29 +123,28 @@ pub fn prepare(
                     bindings.bind(device, &pipelines, image, &images);
                 }
             }
-            if lit.lighting.backend() == Backend::Cpu {
+            lit.is_drawn = lit.lighting.backend() == Backend::Cpu;
+            if lit.is_drawn {
                 let mut encoder = device.create_command_encoder(&Default::default());
-                draw_matter(&lit, &pipelines, &bindings, device, &mut encoder);
+                draw_matter(lit, &pipelines, &bindings, device, &mut encoder);
                 queue.submit([encoder.finish()]);
             }
-            lit.prepare_light(view)?;
-            Ok(lit)
-        });
-        match prepared {
-            Ok(lit) => {
-                if let Some(texture) = &lit.texture {
-                    let placement = &view.placement;
-                    commands.entity(view.entity).insert(ViewLightTexture {
-                        view: texture.clone(),
-                        window: placement.placed.visible,
-                        cell: placement.cell,
-                        corner: placement.corner(),
-                    });
-                }
-                lit_views.insert(view.entity, lit);
-            }
-            // The camera's picture stays as it is.
-            Err(error) => log.error(view.camera, error),
+            lit.prepare_light(view)
+        };
+        // On an error the camera's picture stays as it is.
+        if let Err(error) = prepare() {
+            log.error(view.camera, error);
+            continue;
+        }
+        lit.is_lit = true;
+        if let Some(texture) = &lit.texture {
+            let placement = &view.placement;
+            commands.entity(view.entity).insert(ViewLightTexture {
+                view: texture.clone(),
+                window: placement.placed.visible,
+                cell: placement.cell,
+                corner: placement.corner(),
+            });
         }
     }
 }
@@ -147,14 +158,12 @@ pub fn record(
     device: Res<RenderDevice>,
     mut context: RenderContext,
 ) {
-    let (Some(lit), Some(pipelines)) = (lit_views.views.get_mut(&view.into_inner()), pipelines)
-    else {
-        return;
-    };
+    let lit = lit_views.views.get_mut(&view.into_inner()).filter(|lit| lit.is_lit);
+    let (Some(lit), Some(pipelines)) = (lit, pipelines) else { return };
     let diagnostics = context.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     let encoder = context.command_encoder();
-    if lit.lighting.backend() != Backend::Cpu {
+    if !lit.is_drawn {
         let span = diagnostics.time_span(encoder, "lamplight matter");
         draw_matter(lit, &pipelines, &images, device.wgpu_device(), encoder);
         span.end(encoder);

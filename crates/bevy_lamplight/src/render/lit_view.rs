@@ -11,13 +11,14 @@ use bevy::log::{error, warn};
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
 use lamplight::Settings;
+use lamplight_wgpu::error::PrepareError;
 use lamplight_wgpu::wgpu::util::TextureBlitter;
 use lamplight_wgpu::wgpu::{
     BindGroup, Device, Extent3d, Queue, TextureDescriptor, TextureDimension, TextureFormat,
     TextureUsages, TextureView,
 };
 use lamplight_wgpu::{
-    Compose, Error, FrameInput, Lighting, LightingOptions, Lights, Textures, VisibleRect,
+    Backend, Compose, Error, FrameInput, Lighting, LightingOptions, Lights, Textures, VisibleRect,
 };
 use std::fmt::Display;
 
@@ -25,6 +26,8 @@ use std::fmt::Display;
 #[derive(Resource, Default)]
 pub struct LitViews {
     pub views: HashMap<Entity, LitView>,
+    /// Lights nothing, and keeps what cameras have compiled for those that come after them.
+    pub compiled: Option<Lighting>,
     pub log: CameraLog,
 }
 
@@ -58,6 +61,10 @@ impl CameraLog {
 
 /// The lighting of one camera.
 pub struct LitView {
+    /// True if it is prepared for this frame. Otherwise the camera's picture stays as it is.
+    pub is_lit: bool,
+    /// True if this frame's matter is drawn already.
+    pub is_drawn: bool,
     pub lighting: Lighting,
     pub budget: Budget,
     pub compose: Compose,
@@ -118,17 +125,23 @@ pub struct MatterTextures {
 }
 
 impl MatterTextures {
-    fn new(device: &Device, pipelines: &Pipelines, size: [u32; 2]) -> Self {
+    fn new(device: &Device, pipelines: &Pipelines, size: [u32; 2]) -> Result<Self, Error> {
+        let ([width, height], side) = (size, size[0].max(size[1]));
+        let most = device.limits().max_texture_dimension_2d;
+        if side > most {
+            let (what, needed, allowed) = ("px a side", side.into(), most.into());
+            return Err(PrepareError::TooLarge { width, height, what, needed, allowed }.into());
+        }
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
         let sums = SUMS.map(|format| texture(device, "lamplight sums", size, format, usage));
-        Self {
+        Ok(Self {
             size,
             sums_group: pipelines.bind_sums(device, &sums),
             sums,
             matter: MATTER.map(|format| texture(device, "lamplight matter", size, format, usage)),
             lamps: None,
             masks: None,
-        }
+        })
     }
 
     /// Makes room for lamps that glow.
@@ -153,34 +166,37 @@ impl MatterTextures {
 }
 
 impl LitView {
-    /// `other`: the light of another camera, if there is one, whose compiled pipelines it shares.
+    /// `compiled`: the light whose compiled pipelines cameras share.
     pub fn new(
         device: &Device,
         queue: &Queue,
         backend: LightBackend,
         pipelines: &Pipelines,
         view: &LitCameraView,
-        other: Option<&Lighting>,
+        compiled: &mut Option<Lighting>,
     ) -> Result<Self, Error> {
-        let options = LightingOptions::on(backend.into());
-        let lighting = match other {
-            Some(other) => other.beside(&options)?,
-            None => Lighting::new(device, queue, &options)?,
-        };
         let mut budget = Budget::new(device, queue);
         let configured = Configuration::of(view, &mut budget);
+        let settings = configured.settings()?;
+        let compiled = match compiled {
+            Some(compiled) => compiled,
+            // It needs no trial of backends.
+            none => none.insert(Lighting::new(device, queue, &LightingOptions::on(Backend::Gpu))?),
+        };
         Ok(Self {
-            lighting,
+            is_lit: false,
+            is_drawn: false,
+            lighting: compiled.beside(&LightingOptions::on(backend.into()))?,
             budget,
             compose: Compose::new(device, queue)?,
             neighbours: None,
             draw: DrawList::default(),
             quads: QuadBuffers::default(),
-            grid: MatterTextures::new(device, pipelines, view.placement.placed.size),
+            grid: MatterTextures::new(device, pipelines, view.placement.placed.size)?,
             glow: None,
             normals: None,
             texture: None,
-            settings: configured.settings()?,
+            settings,
             configured,
         })
     }
@@ -207,7 +223,7 @@ impl LitView {
         }
         let placed = &placement.placed;
         if placed.size != self.grid.size {
-            self.grid = MatterTextures::new(device, pipelines, placed.size);
+            self.grid = MatterTextures::new(device, pipelines, placed.size)?;
         }
         self.draw.fill(view, extracted, LampModel::of(&self.settings));
         if !self.draw.lamp_batches.is_empty() {

@@ -2,7 +2,7 @@
 //!
 //! | when | what | file |
 //! | --- | --- | --- |
-//! | the end of the main world's frame | the light that enters each camera's grid from around it | `../surroundings.rs` |
+//! | the end of the main world's frame | the light that enters each camera's grid from around it | `../surroundings/` |
 //! | extraction | lit cameras, the scene around them, surfaces if any has normals | `extract.rs` |
 //! | prepare | each camera's quads, textures and settings | `draw.rs`, `lit_view.rs`, `image_bindings.rs` |
 //! | before the main pass | matter on the grid, then its light | `light.rs`, `quad_buffers.rs`, `budget.rs` |
@@ -27,7 +27,7 @@ use crate::surroundings::{self, CameraSurroundings};
 use bevy::app::{App, Last, Plugin};
 use bevy::core_pipeline::{Core2d, Core2dSystems};
 use bevy::prelude::{ExtractSchedule, IntoScheduleConfigs};
-use bevy::render::{Render, RenderApp, RenderSystems};
+use bevy::render::{GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems};
 
 /// The part of [`LamplightPlugin`](crate::LamplightPlugin) in the render world.
 pub(crate) struct LightRenderPlugin;
@@ -46,9 +46,10 @@ impl Plugin for LightRenderPlugin {
         let Some(app) = app.get_sub_app_mut(RenderApp) else { return };
         app.insert_resource(backend)
             .init_resource::<extract::ExtractedLighting>()
-            .init_resource::<lit_view::LitViews>()
-            .init_resource::<image_bindings::ImageBindings>()
-            .init_resource::<unlit::UnlitPhases>()
+            .init_gpu_resource::<lit_view::LitViews>()
+            .init_gpu_resource::<image_bindings::ImageBindings>()
+            .init_gpu_resource::<unlit::UnlitPhases>()
+            .add_systems(RenderStartup, pipelines::forget)
             .add_systems(ExtractSchedule, (extract::extract, unlit::extract))
             .add_systems(
                 Render,

@@ -1,7 +1,7 @@
 //! The render pipelines: matter and light layers on the grid, and what glows or has normals on the screen.
 
 use crate::quads::{Quad, QuadMaterial};
-use bevy::prelude::Resource;
+use bevy::prelude::{Commands, Resource};
 use bytemuck::{Pod, Zeroable};
 use lamplight::srgb;
 use lamplight_wgpu::wgpu::{
@@ -99,6 +99,11 @@ pub struct Pipelines {
     pub resolve: RenderPipeline,
     /// By the layers of the image, and by those of its normal map, after the one without.
     normals: ByLayers<[OnceLock<RenderPipeline>; 3]>,
+}
+
+/// Drops the pipelines when Bevy begins to render, which it does again on another device after one was lost.
+pub fn forget(mut commands: Commands) {
+    commands.remove_resource::<Pipelines>();
 }
 
 /// One for images of a single layer, and one for those of several, as of tilesets. Under WebGL 2 no texture is read as both.

@@ -2,6 +2,7 @@
 //! drawn over the lit picture.
 
 use super::extract::ExtractedLighting;
+use super::lit_view::LitViews;
 use crate::components::Unlit2d;
 use bevy::core_pipeline::core_2d::Transparent2d;
 use bevy::log::error_once;
@@ -61,16 +62,27 @@ pub fn partition(
     }
 }
 
-/// Removes unlit draw calls from the main pass.
+/// Removes unlit draw calls from the main pass of cameras that are lit in this frame.
 pub fn hold_back(
     mut unlit: ResMut<UnlitPhases>,
+    extracted: Res<ExtractedLighting>,
+    lit_views: Res<LitViews>,
+    views: Query<&ExtractedView>,
     mut phases: ResMut<ViewSortedRenderPhases<Transparent2d>>,
 ) {
-    for (&view, phase) in phases.iter_mut() {
+    for entity in extracted.views.iter().map(|view| view.entity) {
+        let Ok(ExtractedView { retained_view_entity: view, .. }) = views.get(entity) else {
+            continue;
+        };
+        let Some(phase) = phases.get_mut(view) else { continue };
         let Some(at) = phase.items.get_index_of(&marker()) else { continue };
-        let items = phase.items.split_off(at);
-        let kept = SortedRenderPhase { items, transient_items: Vec::new() };
-        unlit.phases.insert(view, kept);
+        if lit_views.views.get(&entity).is_some_and(|lit| lit.is_lit) {
+            let items = phase.items.split_off(at);
+            let kept = SortedRenderPhase { items, transient_items: Vec::new() };
+            unlit.phases.insert(*view, kept);
+        } else {
+            phase.items.shift_remove(&marker());
+        }
     }
 }
 

@@ -77,11 +77,15 @@ pub fn find(
     gather: Gather,
     assets: SceneAssets,
 ) {
-    let images_changed = events.read().count() > 0;
     let CameraSurroundings(views) = &mut *surroundings;
     views.retain(|&camera, _| cameras.contains(camera));
-    if images_changed {
-        views.values_mut().filter_map(|view| view.rings.as_mut()).for_each(CameraRings::forget);
+    for event in events.read() {
+        if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } =
+            event
+        {
+            let rings = views.values_mut().filter_map(|view| view.rings.as_mut());
+            rings.for_each(|rings| rings.forget(*id));
+        }
     }
     for (entity, camera) in &cameras {
         let Ok(Some(placement)) = camera.placement() else { continue };
@@ -157,7 +161,7 @@ impl ViewSurroundings {
             self.still = None;
             return Ok(());
         }
-        changed |= rings.draw(&self.scene, area, camera.layers(), assets)?;
+        changed |= rings.draw(&self.scene, area, camera.layers(), assets)? > 0;
         if changed || self.still.is_none() {
             self.still =
                 Some(rings.light().inflow(&self.sky, &self.suns, RingSurroundings::COLUMNS)?);

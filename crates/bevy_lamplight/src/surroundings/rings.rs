@@ -2,9 +2,12 @@
 
 use crate::placement::Placement;
 use crate::quads::{ExtractedScene, SceneAssets};
-use crate::raster::{digest_around, rasterize_around};
+use crate::raster::{digest_around, images_around, rasterize_around};
+use bevy::asset::AssetId;
 use bevy::camera::visibility::RenderLayers;
+use bevy::image::Image;
 use bevy::math::Rect;
+use bevy::platform::collections::HashSet;
 use lamplight::Cells;
 use lamplight::surroundings::{RingSurroundings, RingWindow};
 use lamplight_wgpu::{GridPlacement, VisibleRect};
@@ -13,8 +16,8 @@ use lamplight_wgpu::{GridPlacement, VisibleRect};
 pub struct CameraRings {
     grid: GridPlace,
     rings: RingSurroundings,
-    /// What each ring shows; `None` if it has to be drawn. Empty if all of them are.
-    drawn: Vec<Option<RingPicture>>,
+    /// What each ring shows; empty if all of them are.
+    drawn: Vec<DrawnRing>,
     /// The cells of each ring.
     cells: Vec<Cells>,
 }
@@ -54,6 +57,15 @@ struct RingPicture {
     digest: u64,
 }
 
+/// What a ring shows.
+#[derive(Default)]
+struct DrawnRing {
+    /// `None` if it has to be drawn.
+    picture: Option<RingPicture>,
+    /// The images of its matter.
+    images: HashSet<AssetId<Image>>,
+}
+
 impl CameraRings {
     /// Returns empty rings around a grid.
     pub fn new(grid: GridPlace, count: usize) -> lamplight::Result<Self> {
@@ -84,51 +96,52 @@ impl CameraRings {
         self.grid.ring(outermost).area()
     }
 
-    /// Draws all of them anew at the next time, because images have changed.
-    pub fn forget(&mut self) {
-        self.drawn.fill(None);
+    /// Draws those anew at the next time that show an image, because it has changed.
+    pub fn forget(&mut self, image: AssetId<Image>) {
+        for drawn in self.drawn.iter_mut().filter(|drawn| drawn.images.contains(&image)) {
+            drawn.picture = None;
+        }
     }
 
-    /// Draws the matter around an area, the grid's own, on those rings that do not show it yet. Returns whether there were
-    /// any.
+    /// Draws the matter around an area, the grid's own, on those rings that do not show it yet. Returns their number.
     pub fn draw(
         &mut self,
         scene: &ExtractedScene,
         area: Rect,
         layers: &RenderLayers,
         assets: &SceneAssets,
-    ) -> lamplight::Result<bool> {
+    ) -> lamplight::Result<usize> {
         let Self { grid, rings, drawn, cells } = self;
         if scene.groups.is_empty() {
-            let was_empty = drawn.is_empty();
-            drawn.clear();
             rings.clear();
-            return Ok(!was_empty);
+            return Ok(drawn.drain(..).count());
         }
-        drawn.resize(rings.rings(), None);
+        drawn.resize_with(rings.rings(), DrawnRing::default);
         while cells.len() < rings.rings() {
             cells.push(Cells::new(1, 1)?);
         }
-        let mut has_changed = false;
+        let mut count = 0;
         for (ring, (drawn, cells)) in drawn.iter_mut().zip(cells).enumerate() {
             let window = rings.window(ring);
             let place = grid.ring(window);
             let hidden = hidden(ring, &place, area);
             let digest = digest_around(scene, &place, hidden, layers);
             let picture = Some(RingPicture { place, hidden, digest });
-            if *drawn == picture {
+            if drawn.picture == picture {
                 continue;
             }
-            *drawn = None;
+            drawn.picture = None;
             if [cells.width(), cells.height()] != window.size {
                 *cells = Cells::new(window.size[0], window.size[1])?;
             }
+            drawn.images.clear();
+            drawn.images.extend(images_around(scene, &place, hidden, layers));
             rasterize_around(scene, &place, hidden, layers, assets, cells);
             rings.set(ring, cells)?;
-            *drawn = picture;
-            has_changed = true;
+            drawn.picture = picture;
+            count += 1;
         }
-        Ok(has_changed)
+        Ok(count)
     }
 }
 
@@ -143,4 +156,43 @@ fn hidden(ring: usize, place: &Placement, grid: Rect) -> Rect {
     let area = place.area();
     let rest = 0.25 * area.size() + STEPS * place.cell;
     Rect { min: area.min + rest, max: area.max - rest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::components::LightOccluder2d;
+    use crate::quads::Gather;
+    use bevy::ecs::system::SystemState;
+    use bevy::math::Vec2;
+    use bevy::prelude::{GlobalTransform, Transform, World};
+
+    #[test]
+    fn only_rings_whose_cells_or_matter_have_changed_are_drawn() {
+        let mut world = World::new();
+        let wall = |world: &mut World, x: f32| {
+            let at = Transform::from_xyz(x, 0.0, 0.0);
+            world.spawn((LightOccluder2d::rectangle(4.0, 4.0), GlobalTransform::from(at))).id()
+        };
+        let near = wall(&mut world, 200.0);
+        wall(&mut world, 700.0);
+        let grid = |x: i32| GridPlace { cell: 1.0, origin: [x - 128, -128], size: [256, 256] };
+        let mut rings = CameraRings::new(grid(0), 3).unwrap();
+        let mut draw = |world: &mut World, x: i32| {
+            rings.place(grid(x), 3).unwrap();
+            let area = Rect::from_center_half_size(Vec2::new(x as f32, 0.0), Vec2::splat(128.0));
+            let mut state = SystemState::<(Gather, SceneAssets)>::new(world);
+            let (gather, assets) = state.get(world).unwrap();
+            let mut scene = ExtractedScene::default();
+            gather.gather(&[rings.area()], &mut scene);
+            rings.draw(&scene, area, &RenderLayers::default(), &assets).unwrap()
+        };
+        assert_eq!(draw(&mut world, 0), 3);
+        assert_eq!(draw(&mut world, 0), 0);
+        // The innermost has a new middle at every step, the next one other cells after sixteen.
+        assert_eq!(draw(&mut world, 2), 1);
+        assert_eq!(draw(&mut world, 18), 2);
+        world.entity_mut(near).despawn();
+        assert_eq!(draw(&mut world, 18), 1);
+    }
 }

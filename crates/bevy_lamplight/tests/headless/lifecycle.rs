@@ -4,8 +4,10 @@ use crate::common::{add_bevy, app, begin, camera, image, picture, plain, target}
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::renderer::RenderDevice;
+use bevy::render::{RenderApp, RenderStartup};
 use bevy::window::WindowRef;
 use bevy_lamplight::prelude::*;
+use bevy_lamplight::render::ViewLightTexture;
 use std::ops::Range;
 
 const SIZE: [u32; 2] = [64, 48];
@@ -137,6 +139,53 @@ fn gpu_objects_do_not_accumulate() {
     println!("buffers, textures, views, bind groups, pipelines, bytes: {early:?}, {late:?}");
     assert!(early[0] > 10, "the counters count");
     assert!(late.iter().zip(early).all(|(late, early)| *late <= early), "{early:?}, {late:?}");
+}
+
+#[test]
+fn cameras_that_pause_keep_their_light_and_later_ones_what_was_compiled() {
+    let mut app = app();
+    app.insert_resource(LightBackend::Gpu);
+    let image = target(&mut app, SIZE);
+    let eye = camera(&mut app, &image, quick());
+    begin(&mut app);
+    let settled = |app: &mut App| {
+        least_held(app, 0..10, |_, _| {});
+        least_held(app, 0..5, |_, _| {})
+    };
+    let lit = settled(&mut app);
+    app.world_mut().get_mut::<Camera>(eye).expect("it is a camera").is_active = false;
+    let paused = settled(&mut app);
+    app.world_mut().entity_mut(eye).despawn();
+    let gone = settled(&mut app);
+    println!("lit {lit:?}, paused {paused:?}, gone {gone:?}");
+    let [buffers, pipelines] = [0, 4];
+    assert_eq!(paused, lit);
+    assert!(gone[buffers] < lit[buffers]);
+    // All but that of its picture.
+    assert_eq!(gone[pipelines], lit[pipelines] - 1);
+}
+
+#[test]
+fn light_returns_when_bevy_renders_on_another_device() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let eye = camera(&mut app, &image, plain());
+    app.world_mut()
+        .entity_mut(eye)
+        .insert((AmbientLight2d { brightness: 0.5, ..default() }, LightTexture2d));
+    begin(&mut app);
+    let before = picture(&mut app, &image, 3);
+    let texture = |app: &mut App| {
+        let world = app.sub_app_mut(RenderApp).world_mut();
+        let mut query = world.query::<&ViewLightTexture>();
+        query.single(world).expect("there is one").view.clone()
+    };
+    let former = texture(&mut app);
+    // As it does then.
+    app.sub_app_mut(RenderApp).world_mut().run_schedule(RenderStartup);
+    let after = picture(&mut app, &image, 5);
+    assert_eq!(after.grey(9, 9), before.grey(9, 9));
+    assert_ne!(texture(&mut app), former, "what the former device held is still used");
 }
 
 #[test]

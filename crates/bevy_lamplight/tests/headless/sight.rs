@@ -67,6 +67,20 @@ fn walls_hide_and_fog_dims() {
 }
 
 #[test]
+fn sight_is_known_where_the_settings_of_light_are_wrong() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, LightQueryPlugin));
+    let broken = Lighting2d { set: vec!["no such key".to_owned()], ..default() };
+    app.insert_resource(LightQuerySettings { lighting: Some(broken), ..default() });
+    app.insert_resource(Places(vec![Vec2::X])).init_resource::<Answers>();
+    app.add_systems(Update, (query, |light: LightQuery| assert_eq!(light.at(Vec2::X), None)));
+    app.world_mut().spawn((Viewer2d::default(), Transform::default()));
+    begin(&mut app);
+    (0..3).for_each(|_| app.update());
+    assert_eq!(app.world().resource::<Answers>().0, [Some(1.0)]);
+}
+
+#[test]
 fn viewers_look_along_their_x_axis_within_their_angle() {
     // Straight up, over a quarter turn.
     let turn = Transform::from_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));

@@ -1,6 +1,6 @@
 //! Light from off the screen.
 
-use crate::common::{Picture, app, begin, camera, picture, plain, target};
+use crate::common::{Picture, app, begin, camera, image, picture, plain, target};
 use bevy::prelude::*;
 use bevy_lamplight::prelude::*;
 
@@ -93,6 +93,65 @@ fn a_gpu_has_the_light_of_the_cpu_from_off_screen() {
     let [gpu, cpu] = [LightBackend::Gpu, LightBackend::Cpu].map(lit);
     println!("{gpu:?}, {cpu:?}");
     assert!((0..3).all(|i| cpu[i] > 0.1 && (gpu[i] / cpu[i] - 1.0).abs() < 5e-3));
+}
+
+#[test]
+fn a_camera_that_glides_sees_what_a_new_one_sees_in_its_place() {
+    /// Cells that it glides each frame.
+    const STEP: f32 = 7.0;
+    let app = |frames: u32| {
+        let mut app = app();
+        let image = target(&mut app, SIZE);
+        let eye = camera(&mut app, &image, with_rings(LightMethod::Holographic, 3));
+        for i in 0..120u8 {
+            // Evenly all around.
+            let [x, y] = [0.7549, 0.5698].map(|s: f32| 900.0 * ((s * f32::from(i)).fract() - 0.5));
+            let wall = LightOccluder2d::rectangle(f32::from(i % 5 + 1) * 8.0, 9.0);
+            let at = Transform::from_xyz(x, y, 0.0);
+            if i % 4 == 0 {
+                app.world_mut().spawn((wall, Matter2d::glow(3.0), at));
+            } else {
+                app.world_mut().spawn((wall, at));
+            }
+        }
+        begin(&mut app);
+        let glide = |app: &mut App, frame: u32| {
+            let at = Transform::from_xyz(STEP * frame as f32, 0.0, 0.0);
+            app.world_mut().entity_mut(eye).insert(at);
+            app.update();
+        };
+        (0..frames).for_each(|frame| glide(&mut app, frame));
+        glide(&mut app, 12);
+        picture(&mut app, &image, 2).texels
+    };
+    let [found, expected] = [app(12), app(0)];
+    assert!(expected.iter().any(|texel| texel[0] > 0.01), "it is dark");
+    assert!(found == expected);
+    assert!(app(0) == expected, "not all of it is determined");
+}
+
+#[test]
+fn an_image_off_screen_that_changes_is_seen() {
+    let mut app = app();
+    let target = target(&mut app, SIZE);
+    camera(&mut app, &target, with_rings(LightMethod::Cascades, 2));
+    let [white, other] = [(); 2].map(|()| image(&mut app, [1, 1], |_, _| [255; 4]));
+    let sprite = Sprite { image: white.clone(), custom_size: Some(Vec2::splat(40.0)), ..default() };
+    let at = Transform::from_xyz(120.0, 0.0, 0.0);
+    app.world_mut().spawn((sprite, Matter2d::glow(4.0), at));
+    begin(&mut app);
+    let mut light = |changed: Option<(&Handle<Image>, [u8; 4])>| {
+        if let Some((image, texel)) = changed {
+            let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+            images.get_mut(image).expect("it is there").data = Some(texel.to_vec());
+        }
+        picture(&mut app, &target, 3).at(80, 32)
+    };
+    let first = light(None);
+    assert!(first[0] > 0.05 && first[0] == first[1], "{first:?}");
+    assert_eq!(light(Some((&other, [255, 0, 0, 255]))), first);
+    let red = light(Some((&white, [255, 0, 0, 255])));
+    assert!(red[0] == first[0] && red[1] == 0.0, "{red:?}");
 }
 
 #[test]

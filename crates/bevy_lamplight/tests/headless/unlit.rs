@@ -44,6 +44,29 @@ fn unlit_sprites_keep_their_colours_above_everything_lit() {
 }
 
 #[test]
+fn what_is_unlit_is_drawn_while_the_camera_cannot_be_lit() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    let broken = Lighting2d { set: vec!["no such key".to_owned()], ..plain() };
+    let eye = camera(&mut app, &image, broken);
+    let red = Sprite::from_color(Color::linear_rgb(1.0, 0.0, 0.0), Vec2::splat(12.0));
+    app.world_mut().spawn((red, Unlit2d));
+    begin(&mut app);
+    let mut seen = |lighting: Lighting2d| {
+        app.world_mut().entity_mut(eye).insert(lighting);
+        let seen = picture(&mut app, &image, 3);
+        [seen.at(32, 24), seen.at(2, 2)]
+    };
+    let (red, white, black) = ([1.0, 0.0, 0.0], [1.0; 3], [0.0; 3]);
+    // The first is wrong from the start, the last for its display alone.
+    let broken = Lighting2d { set: vec!["no such key".to_owned()], ..plain() };
+    assert_eq!(seen(broken), [red, white], "the picture stays as it is");
+    assert_eq!(seen(plain()), [red, black]);
+    assert_eq!(seen(Lighting2d { exposure: 40.0, ..plain() }), [red, white]);
+    assert_eq!(seen(plain()), [red, black]);
+}
+
+#[test]
 fn the_light_texture_exists_while_the_camera_has_its_component() {
     let mut app = app();
     let image = target(&mut app, SIZE);

@@ -433,18 +433,11 @@ impl RingWindow {
     /// Returns that of a ring, numbered from 1, around a grid.
     fn new(size: [u32; 2], origin: [i32; 2], number: u32) -> Self {
         let cell = 2 << number;
-        // Rings end where cells of the next one do.
+        // Rings end where cells of the next one do. All places of the grid have as many cells, so that rings stay.
         let step = 2 * cell as i32;
         let margin = size.map(|side| ((side as i32) << (number - 1)) - side as i32 / 2);
         let low = [0, 1].map(|a| (origin[a] - margin[a]).div_euclid(step) * step);
-        let high = [0, 1].map(|a| {
-            let end = origin[a] + size[a] as i32 + margin[a];
-            (end + step - 1).div_euclid(step) * step
-        });
-        Self {
-            first: [0, 1].map(|a| low[a] - origin[a]),
-            cell,
-            size: [0, 1].map(|a| (high[a] - low[a]) as u32 / cell),
-        }
+        let steps = [0, 1].map(|a| (size[a] + 2 * margin[a] as u32).div_ceil(step as u32) + 1);
+        Self { first: [0, 1].map(|a| low[a] - origin[a]), cell, size: steps.map(|steps| 2 * steps) }
     }
 }
