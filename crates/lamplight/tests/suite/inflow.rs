@@ -80,6 +80,22 @@ fn a_uniform_inflow_is_a_uniform_sky() {
 }
 
 #[test]
+fn a_solver_with_other_settings_reads_the_inflow_anew() {
+    let size = [97, 61];
+    let radiance = |angle: f64| [angle.cos(), angle.sin(), 1.0].map(|v| v as f32 + 1.0);
+    let mut cells = scene(size);
+    cells.set_inflow(Some(Inflow::new(size, 64, |_, angle| radiance(angle)).unwrap())).unwrap();
+    let of_level =
+        |gather_level| Settings::direct(Holographic { gather_level, ..Holographic::default() });
+    let mut kept = Solver::new(of_level(1)).unwrap();
+    for level in [2, 4, 1] {
+        kept.solve(&cells).unwrap();
+        kept.set_settings(of_level(level)).unwrap();
+        assert_eq!(bits(kept.solve(&cells).unwrap()), bits(&solve(&of_level(level), &cells)));
+    }
+}
+
+#[test]
 fn an_inflow_of_another_size_is_refused() {
     let mut cells = Cells::new(8, 5).unwrap();
     let other = Inflow::new([5, 8], 4, |_, _| [1.0; 3]).unwrap();

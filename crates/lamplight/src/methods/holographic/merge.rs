@@ -245,6 +245,8 @@ impl MergedLight {
             *rows = vec![0.0; 3 * self.stride];
         }
         self.sky = vec![[0.0; 3]; cones(intervals.end)];
+        // What they hold is by level.
+        self.borders = Default::default();
         self.levels.clear();
         for level in self.first..=intervals.end {
             let cones = cones(level.max(self.first + 1));
