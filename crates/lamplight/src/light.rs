@@ -241,11 +241,13 @@ impl Light {
     }
 
     fn mean(&self, weighted: impl Iterator<Item = (usize, f32)>) -> Rgb {
-        let (mut sum, mut weight) = ([0.0f32; 3], 0.0f32);
+        // In f64: a sum over millions of cells rounds small values away.
+        let (mut sum, mut weight) = ([0.0; 3], 0.0);
         for (i, w) in weighted {
-            (0..3).for_each(|c| sum[c] += w * self.rgb[i][c]);
+            let w = f64::from(w);
+            (0..3).for_each(|c| sum[c] += w * f64::from(self.rgb[i][c]));
             weight += w;
         }
-        if weight > 0.0 { sum.map(|v| v / weight) } else { [0.0; 3] }
+        if weight > 0.0 { sum.map(|v| (v / weight) as f32) } else { [0.0; 3] }
     }
 }

@@ -94,6 +94,12 @@ fn over_is_the_mean_by_area_of_open_cells() {
 }
 
 #[test]
+fn over_many_cells_is_as_exact_as_over_few() {
+    let light = Light::in_the_open([2048, 2048], vec![[0.1; 3]; 2048 * 2048]).unwrap();
+    near(light.over([0.0; 2], [2048.0; 2]), [0.1; 3]);
+}
+
+#[test]
 fn over_is_black_without_open_cells() {
     let light = ramp();
     let nothing = [
