@@ -8,6 +8,9 @@
 //! which cells see changed matter, or surfaces that see it. A lamp that goes out leaves no
 //! trail, and cells that cannot see it keep their history. Rays are few and may miss a small lamp, so
 //! a change that one cell sees counts for all cells within [`REACH`] px.
+//!
+//! Light that does not come from matter (the sky, inflow, suns and lamps that are lit exactly) may reach any cell: if it
+//! changes, all history is rejected.
 
 use super::estimate::Estimate;
 use crate::settings;
@@ -43,7 +46,7 @@ impl TemporalMean {
             return &self.changed;
         };
         let size = |c: &Cells| (c.width(), c.height());
-        if size(before) != size(cells) || (settings.reject && before.sky() != cells.sky()) {
+        if size(before) != size(cells) || (settings.reject && !are_lit_alike(before, cells)) {
             self.age.clear();
         } else if settings.reject {
             self.changed.extend((0..cells.len()).map(|i| before.matter(i) != cells.matter(i)));
@@ -119,4 +122,9 @@ impl TemporalMean {
             self.rejected[row..][reached].fill(frames);
         }
     }
+}
+
+/// Returns whether the same light reaches both grids from elsewhere than their matter.
+fn are_lit_alike(a: &Cells, b: &Cells) -> bool {
+    (a.sky(), a.inflow(), a.suns(), a.lamps()) == (b.sky(), b.inflow(), b.suns(), b.lamps())
 }

@@ -10,8 +10,9 @@ settings! {
         /// Higher: less noise in a still picture (about 1/√n). Costs two copies of the light and
         /// almost no time.
         history_length: u32 = 0, in 0..=4096;
-        /// Reject history where emission, opacity, tint or albedo changed in what a pixel sees. Off:
-        /// old light fades over `history_length` frames and leaves trails.
+        /// Reject history where emission, opacity, tint or albedo changed in what a pixel sees, and everywhere if the
+        /// sky, the inflow, a sun or an exact lamp changed. Off: old light fades over `history_length` frames and leaves
+        /// trails.
         reject: bool = true;
     }
 }

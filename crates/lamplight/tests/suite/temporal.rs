@@ -3,7 +3,9 @@
 use crate::common::*;
 use lamplight::internals::temporal::REACH;
 use lamplight::settings::{Hit, Noise, Spacing, Temporal};
-use lamplight::{Bounces, Cells, Lamp, Light, Matter, Rgb, Settings, Sky, Solver};
+use lamplight::{
+    Bounces, Cells, Direct, Inflow, Lamp, Light, Matter, Rgb, Settings, Sky, Solver, Sun,
+};
 
 /// Rays of a frame, and of what frames are compared with.
 const RAYS: u32 = 16;
@@ -156,6 +158,23 @@ fn matter_that_stops_emitting_leaves_no_trail() {
             lit.set(20, 20, kind);
             let left = left_behind(&settings, &lit, &dark, &lamp);
             assert!(left.iter().all(|&left| left < LEFT), "{name}, {settings:?}: {left:?}");
+        }
+    }
+}
+
+#[test]
+fn light_of_other_kinds_than_matter_leaves_no_trail() {
+    let floor = Matter { albedo: [0.5; 3], ..WALL };
+    let dark = grid(72, 40, |_, y| if y > 34 { floor } else { Matter::EMPTY });
+    let lamp = lamp([20.0, 20.0], 2.0);
+    let [mut sunny, mut entered] = [dark.clone(), dark.clone()];
+    sunny.suns_mut().push(Sun::default());
+    entered.set_inflow(Some(Inflow::new([72, 40], 8, |_, _| [1.0; 3]).unwrap())).unwrap();
+    let exact = with_lamp(&dark, Lamp { direct: Direct::Exact, ..lamp.clone() });
+    for (kind, lit) in [("an exact lamp", exact), ("a sun", sunny), ("inflow", entered)] {
+        for (name, settings) in variants() {
+            let left = left_behind(&settings, &lit, &dark, &lamp);
+            assert!(left.iter().all(|&left| left < LEFT), "{kind}, {name}: {left:?}");
         }
     }
 }
