@@ -6,6 +6,7 @@ use crate::grid_size::GridSize;
 use crate::matter::Textures;
 use crate::planner::FramePlanner;
 use crate::stages::matter_values::{GridValues, MatterValues};
+use lamplight::internals::BRIGHT;
 use lamplight::{ALL_LAYERS, Cells, Light, Rgb, Settings, Solver};
 use std::time::Duration;
 
@@ -178,7 +179,7 @@ impl CpuBackend {
 
 /// Fills cells with matter. Values out of their range, which shaders do not mind, are brought into it.
 fn fill(cells: &mut Cells, values: &GridValues) {
-    let [rgb, share]: [fn(f32) -> f32; 2] = [|v| within(v, f32::MAX), |v| within(v, 1.0)];
+    let [rgb, share]: [fn(f32) -> f32; 2] = [|v| within(v, BRIGHT), |v| within(v, 1.0)];
     let write = |to: &mut [Rgb], part: usize, within: fn(f32) -> f32| {
         for (to, value) in to.iter_mut().zip(values.part(part)) {
             let [r, g, b, _] = value.map(within);

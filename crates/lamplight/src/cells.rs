@@ -4,6 +4,7 @@
 //! touches only what it needs. Lamps are listed beside the matter: [`Cells::drawn`] draws them into it
 //! as glowing discs, for the methods that read only matter.
 
+use crate::check::BRIGHT;
 use crate::limits;
 use crate::mask::{self, ALL_LAYERS};
 use crate::relief::UP;
@@ -18,10 +19,10 @@ use std::ops::Range;
 /// the outgoing radiance of its four faces is `emission + albedo·E/2`, where E is a face's irradiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matter {
-    /// Emitted radiance `L_e`, linear RGB, from 0, unbounded.
+    /// Emitted radiance `L_e`, linear RGB, 0 to 1e12.
     pub emission: Rgb,
-    /// Emission coefficient `j`: radiance added per px, linear RGB, from 0, unbounded. Unlike emission
-    /// it needs no opacity: fire, plasma. A solid cell does not glow.
+    /// Emission coefficient `j`: radiance added per px, linear RGB, 0 to 1e12. Unlike emission it needs
+    /// no opacity: fire, plasma. A solid cell does not glow.
     pub glow: Rgb,
     /// Fraction of light absorbed per px, 0 to 1; 1 is solid.
     pub opacity: f32,
@@ -436,9 +437,9 @@ impl Cells {
     /// Names the first wrong cell, field, lamp or sky, the value, and what would be right.
     pub fn check(&self) -> Result<()> {
         let unit = |v: f32| (0.0..=1.0).contains(&v);
-        let radiance = |v: f32| v >= 0.0 && v.is_finite();
+        let radiance = |v: f32| (0.0..=BRIGHT).contains(&v);
         let emission = || {
-            let expected = "finite and 0 or more";
+            let expected = "0 to 1e12";
             self.check_field("emission", expected, self.emission.as_flattened(), 3, radiance)?;
             self.check_field("glow", expected, self.glow.as_flattened(), 3, radiance)?;
             self.check_field("opacity", "0 to 1", &self.opacity, 1, unit)

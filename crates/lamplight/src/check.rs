@@ -6,8 +6,8 @@ use std::ops::RangeInclusive;
 
 /// The farthest coordinate, px. Beyond it, single precision would blur the edges of cells.
 const FAR: f32 = 1e6;
-/// The brightest radiance in a file. Products of two such values still fit single precision.
-pub(crate) const BRIGHT: f32 = 1e12;
+/// The brightest radiance of matter and of the sky. Products of two such values still fit single precision.
+pub const BRIGHT: f32 = 1e12;
 
 /// 2π, rounded up to four digits.
 #[expect(clippy::approx_constant, reason = "6.2832 in a file means the whole circle")]

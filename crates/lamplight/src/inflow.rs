@@ -5,6 +5,7 @@
 //! and direction: for each cell along the border a strip of columns over the circle, as in a
 //! [`Panorama`]. A ray that leaves the grid reads it where it crosses the border.
 
+use crate::check::BRIGHT;
 use crate::limits::MAX_SIDE;
 use crate::panorama::{StripPart, column, mean_of_columns, radiance_of_columns, strip_parts};
 use crate::{Error, Panorama, Result, Rgb};
@@ -112,21 +113,31 @@ impl Inflow {
     ///
     /// # Errors
     /// Fails if the grid has no valid size, there is no column or there are more than [`Panorama::MAX_COLUMNS`], or
-    /// a radiance is NaN, infinite or negative.
+    /// a radiance is not from 0 to 1e12.
     pub fn new(
         size: [u32; 2],
         columns: usize,
         radiance: impl Fn(BorderPlace, f64) -> Rgb + Sync,
     ) -> Result<Self> {
-        Self::of_strips(size, columns, |place, strip| {
+        Self::up_to(BRIGHT, size, columns, |place, strip| {
             for (column, rgb) in strip.iter_mut().enumerate() {
                 *rgb = radiance(place, Panorama::angle(columns, column));
             }
         })
     }
 
-    /// Like [`Self::new`], for all columns of a border cell at once.
+    /// Like [`Self::new`], for all columns of a border cell at once, and of any radiance: sums over the matter of a grid and
+    /// bright lamps may be brighter than what is given.
     pub(crate) fn of_strips(
+        size: [u32; 2],
+        columns: usize,
+        fill: impl Fn(BorderPlace, &mut [Rgb]) + Sync,
+    ) -> Result<Self> {
+        Self::up_to(f32::MAX, size, columns, fill)
+    }
+
+    fn up_to(
+        brightest: f32,
         size: [u32; 2],
         columns: usize,
         fill: impl Fn(BorderPlace, &mut [Rgb]) + Sync,
@@ -144,13 +155,15 @@ impl Inflow {
         let invalid = strips.find_map_first(|(cell, strip)| {
             fill(border_place(size, cell), strip);
             let values = strip.as_flattened();
-            let valid = |v: &f32| (0.0..f32::INFINITY).contains(v);
+            let valid = |v: &f32| (0.0..=brightest).contains(v);
             // Without a way out, several at a time.
             let all = values.iter().fold(true, |all, v| all & valid(v));
             if all { None } else { values.iter().copied().find(|v| !valid(v)) }
         });
         match invalid {
-            Some(v) => Err(Error::value("inflow", v, "a finite radiance of 0 or more")),
+            Some(v) => {
+                Err(Error::value("inflow", v, format!("a radiance from 0 to {brightest:e}")))
+            }
             None => Ok(Self { size, columns, radiance: radiance.into() }),
         }
     }

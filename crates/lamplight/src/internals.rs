@@ -7,6 +7,7 @@
 //!
 //! Items of a single method or stage are in a module with its stem.
 
+pub use crate::check::BRIGHT;
 pub use crate::filters::estimate::Estimate;
 pub use crate::grid::class::CellClass;
 pub use crate::math::transmittance::{MAX_OPTICAL_DEPTH, OPAQUE_TRANSMITTANCE, extinction};

@@ -1,5 +1,6 @@
 //! Panoramas: skies that are a strip of radiance over the angle of the direction.
 
+use crate::check::BRIGHT;
 use crate::{Error, Result, Rgb, notation};
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
@@ -51,8 +52,7 @@ impl Panorama {
     /// Creates a panorama from its columns, linear RGB.
     ///
     /// # Errors
-    /// Fails if there is no column or there are more than [`Self::MAX_COLUMNS`], or a radiance is NaN, infinite or
-    /// negative.
+    /// Fails if there is no column or there are more than [`Self::MAX_COLUMNS`], or a radiance is not from 0 to 1e12.
     pub fn new(columns: &[Rgb]) -> Result<Self> {
         let wrong =
             || Error::value("sky.columns", format!("a list of {}", columns.len()), Self::EXPECTED);
@@ -67,10 +67,11 @@ impl Panorama {
         fits.then(|| Self { columns: columns.into(), turn: 0.0 })
     }
 
-    /// Turns the sky as a whole to this angle, radians from +x towards +y: clockwise on the screen.
+    /// Turns the sky as a whole to this angle, radians from +x towards +y: clockwise on the screen. Whole turns are left
+    /// out.
     #[must_use]
     pub fn turned(self, turn: f32) -> Self {
-        Self { turn, ..self }
+        Self { turn: (f64::from(turn) % TAU) as f32, ..self }
     }
 
     /// The columns.
@@ -106,12 +107,12 @@ impl Panorama {
         if !self.turn.is_finite() {
             return Err(Error::value("sky.turn", self.turn, "a finite angle"));
         }
-        let wrong = |rgb: &Rgb| rgb.iter().any(|v| !v.is_finite() || *v < 0.0);
+        let wrong = |rgb: &Rgb| !rgb.iter().all(|v| (0.0..=BRIGHT).contains(v));
         match self.columns.iter().position(wrong) {
             None => Ok(()),
             Some(column) => {
                 let [r, g, b] = self.columns[column];
-                let expected = "three finite radiances of 0 or more";
+                let expected = "three radiances from 0 to 1e12";
                 Err(Error::value(
                     format!("sky.columns[{column}]"),
                     format!("[{r}, {g}, {b}]"),

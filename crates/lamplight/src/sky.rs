@@ -1,5 +1,6 @@
 //! The sky: the boundary radiance of the grid.
 
+use crate::check::BRIGHT;
 use crate::{Error, Panorama, Result, Rgb, notation};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -71,10 +72,10 @@ impl Sky {
         }
     }
 
-    /// Rejects NaN, infinite and negative radiance.
+    /// Rejects radiance that is not from 0 to 1e12.
     pub fn check(&self) -> Result<()> {
-        let valid = |rgb: &[f32]| match rgb.iter().find(|v| !v.is_finite() || **v < 0.0) {
-            Some(v) => Err(Error::value("sky", v, "a finite radiance of 0 or more")),
+        let valid = |rgb: &[f32]| match rgb.iter().find(|v| !(0.0..=BRIGHT).contains(*v)) {
+            Some(v) => Err(Error::value("sky", v, "a radiance from 0 to 1e12")),
             None => Ok(()),
         };
         match self {

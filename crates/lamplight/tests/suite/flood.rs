@@ -341,5 +341,5 @@ fn non_finite_values_are_rejected() {
     let mut cells = Cells::new(4, 4).unwrap();
     cells.emission_mut()[5][1] = f32::NAN;
     let error = Solver::new(flood(|_| ())).unwrap().solve(&cells).unwrap_err().to_string();
-    assert_eq!(error, "cell (1, 1): emission is NaN, but must be finite and 0 or more");
+    assert_eq!(error, "cell (1, 1): emission is NaN, but must be 0 to 1e12");
 }

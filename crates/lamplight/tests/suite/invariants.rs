@@ -305,22 +305,32 @@ fn every_size_and_setting_gives_finite_light() {
 #[test]
 fn invalid_matter_is_rejected_with_its_cell() {
     type Spoil = fn(&mut Cells);
-    let cases: [(&str, Spoil); 8] = [
-        ("cell (2, 1): emission is NaN, but must be finite and 0 or more", |c| {
+    let cases: [(&str, Spoil); 11] = [
+        ("cell (2, 1): emission is NaN, but must be 0 to 1e12", |c| {
             c.emission_mut()[7][1] = f32::NAN;
         }),
-        ("cell (0, 3): emission is -1, but must be finite and 0 or more", |c| {
+        ("cell (0, 3): emission is -1, but must be 0 to 1e12", |c| {
             c.emission_mut()[15][0] = -1.0;
         }),
-        ("cell (4, 3): emission is inf, but must be finite and 0 or more", |c| {
+        ("cell (4, 3): emission is inf, but must be 0 to 1e12", |c| {
             c.emission_mut()[19][2] = f32::INFINITY;
         }),
         ("cell (2, 1): opacity is NaN, but must be 0 to 1", |c| c.opacity_mut()[7] = f32::NAN),
         ("cell (1, 0): opacity is 1.5, but must be 0 to 1", |c| c.opacity_mut()[1] = 1.5),
         ("cell (0, 0): tint is -0.5, but must be 0 to 1", |c| c.tint_mut()[0][2] = -0.5),
         ("cell (3, 2): albedo is 2, but must be 0 to 1", |c| c.albedo_mut()[13][0] = 2.0),
-        ("`sky` is NaN, but must be a finite radiance of 0 or more", |c| {
+        ("`sky` is NaN, but must be a radiance from 0 to 1e12", |c| {
             c.set_sky(Sky::Uniform([0.0, f32::NAN, 0.0]));
+        }),
+        // Sums and products of brighter light overflow.
+        ("cell (2, 1): emission is 2000000000000, but must be 0 to 1e12", |c| {
+            c.emission_mut()[7][1] = 2e12;
+        }),
+        ("cell (2, 1): glow is 2000000000000, but must be 0 to 1e12", |c| {
+            c.glow_mut()[7][1] = 2e12;
+        }),
+        ("`sky` is 2000000000000, but must be a radiance from 0 to 1e12", |c| {
+            c.set_sky(Sky::Uniform([2e12; 3]));
         }),
     ];
     let good = jumble(5, 4, 1);

@@ -311,11 +311,11 @@ const TOML_MISTAKES: &[Mistake] = &[
     ),
     (
         "size = [4, 4]\nsky = { columns = [[0, 0, 0], [0, -1, 0]] }",
-        "line 2: `sky.columns[1]` is [0, -1, 0], but must be three finite radiances of 0 or more",
+        "line 2: `sky.columns[1]` is [0, -1, 0], but must be three radiances from 0 to 1e12",
     ),
     (
         "size = [4, 4]\nsky = [0, -1, 0]",
-        "line 2: `sky` is -1, but must be a finite radiance of 0 or more",
+        "line 2: `sky` is -1, but must be a radiance from 0 to 1e12",
     ),
     (
         "size = [4, 4]\n[layers]\nemision = \"a.png\"",

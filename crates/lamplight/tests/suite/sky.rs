@@ -207,11 +207,11 @@ fn wrong_panoramas_are_refused() {
         &vec![[0.0; 3]; 8193],
         "`sky.columns` is a list of 8193, but must be a list of 1 to 8192 colours",
     );
-    for bad in [f32::NAN, f32::INFINITY, -1.0] {
+    for bad in [f32::NAN, f32::INFINITY, -1.0, 2e12] {
         refused(
             &[[0.0; 3], [0.0, bad, 0.0]],
             &format!(
-                "`sky.columns[1]` is [0, {bad}, 0], but must be three finite radiances of 0 or more"
+                "`sky.columns[1]` is [0, {bad}, 0], but must be three radiances from 0 to 1e12"
             ),
         );
     }
@@ -221,4 +221,15 @@ fn wrong_panoramas_are_refused() {
         cells.check().unwrap_err().to_string(),
         "`sky.turn` is NaN, but must be a finite angle"
     );
+}
+
+#[test]
+fn a_sky_may_be_turned_around_many_times() {
+    let panorama = Panorama::new(&[[0.0; 3], [1.0; 3], [4.0; 3]]).unwrap();
+    for turn in [7.0, -100.0, 1e18, f32::MAX] {
+        let turned = panorama.clone().turned(turn);
+        assert!(turned.turn().abs() < std::f32::consts::TAU, "{turn}: {}", turned.turn());
+        near(turned.mean(0.0, TAU)[0], 5.0 / 3.0, 1e-6);
+    }
+    assert_eq!(panorama.turned(-6.0).turn(), -6.0);
 }
