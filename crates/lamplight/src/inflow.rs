@@ -146,9 +146,7 @@ impl Inflow {
             let [width, height] = size.map(u64::from);
             return Err(Error::Size { width, height });
         }
-        if !(1..=Panorama::MAX_COLUMNS).contains(&columns) {
-            return Err(Error::value("inflow.columns", columns, "1 to 8192"));
-        }
+        check_columns(columns)?;
         let mut radiance = vec![[0.0; 3]; border_cells(size) * columns];
         let strips = radiance.par_chunks_mut(columns).enumerate();
         // Each is checked while it is in the cache.
@@ -315,6 +313,14 @@ impl PartialEq for Inflow {
         let same = self.is(other) || self.radiance == other.radiance;
         same && (self.size, self.columns) == (other.size, other.columns)
     }
+}
+
+/// Rejects a number of directions of which there is no inflow.
+pub(crate) fn check_columns(columns: usize) -> Result<()> {
+    if (1..=Panorama::MAX_COLUMNS).contains(&columns) {
+        return Ok(());
+    }
+    Err(Error::value("inflow.columns", columns, "1 to 8192"))
 }
 
 /// The number of cells along a border; those in the corners count for both sides.

@@ -40,7 +40,7 @@ impl Glow {
 }
 
 /// Returns the medium that adds the light of matter that glows. Solid matter does not glow.
-fn medium(matter: Matter) -> Matter {
+pub fn medium(matter: Matter) -> Matter {
     if matter.opacity >= 1.0 {
         return matter;
     }

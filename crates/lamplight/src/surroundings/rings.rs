@@ -1,13 +1,13 @@
 //! Matter around a grid, drawn coarser the farther away it is.
 
-use crate::inflow::place_on_side;
+use crate::inflow::{check_columns, place_on_side};
 use crate::lamp_discs::LEAST_RADIUS;
 use crate::limits::MAX_SIDE;
 use crate::math::transmittance::{OPAQUE_TRANSMITTANCE, attenuation, extinction};
+use crate::stages::glow::medium;
 use crate::sun_glow::SunGlow;
 use crate::{
-    BorderPlace, Cells, Direct, Error, Inflow, Lamp, Method, Panorama, Result, Rgb, Sky, Sun,
-    lamp_inflow,
+    BorderPlace, Cells, Error, Inflow, Lamp, Method, Panorama, Result, Rgb, Sky, Sun, lamp_inflow,
 };
 use rayon::prelude::*;
 use std::f64::consts::{GOLDEN_RATIO, TAU};
@@ -153,7 +153,7 @@ impl RingSurroundings {
         self.rings[ring].window
     }
 
-    /// Sets the matter of a ring. The cells should be drawn for their own size, with opacity and tint per cell; their
+    /// Sets the matter of a ring. The cells should be drawn for their own size, with opacity, tint and glow per cell; their
     /// lamps are not read.
     ///
     /// # Errors
@@ -174,29 +174,31 @@ impl RingSurroundings {
         let Ring { kinds, occupied, sources, extinctions, .. } = ring;
         let width = window.size[0] as usize;
         let per_px = 1.0 / window.cell as f32;
-        let (opacity, tint) = (cells.opacity(), cells.tint());
+        let (opacity, tint, glow) = (cells.opacity(), cells.tint(), cells.glow());
         for i in 0..cells.len() {
-            if opacity[i] == 0.0 && tint[i] == [1.0; 3] {
+            let glows = glow.is_some_and(|glow| glow[i] != [0.0; 3]);
+            if opacity[i] == 0.0 && tint[i] == [1.0; 3] && !glows {
                 continue;
             }
+            let own = cells.matter(i);
+            let matter = if glows { medium(own) } else { own };
             let [x, y] = [i % width, i / width].map(|v| v / BLOCK as usize);
             occupied[y * width.div_ceil(BLOCK as usize) + x] = true;
-            kinds[i] = if opacity[i] == 1.0 { MatterKind::Solid } else { MatterKind::Medium };
-            sources[i] = cells.emission()[i];
-            extinctions[i] = extinction(opacity[i], tint[i]).map(|v| v * per_px);
+            kinds[i] = if matter.opacity == 1.0 { MatterKind::Solid } else { MatterKind::Medium };
+            sources[i] = matter.emission;
+            extinctions[i] = extinction(matter.opacity, matter.tint).map(|v| v * per_px);
         }
         Ok(())
     }
 
     /// Returns the light that enters the grid from the sky, with suns in it, and from the matter of all rings, in `columns`
-    /// directions. Suns that the method lights exactly are not part of it.
+    /// directions. Suns that are lit exactly ([`Sun::is_exact`]) are not part of it.
     ///
     /// # Errors
     /// As [`Inflow::new`].
     pub fn inflow(&self, sky: &Sky, suns: &[Sun], columns: usize) -> Result<Inflow> {
-        let glowing: Vec<Sun> =
-            suns.iter().map(|sun| Sun { direct: Direct::Glow, ..*sun }).collect();
-        let sky = SunGlow::default().draw(Method::Holographic, sky, &glowing);
+        check_columns(columns)?;
+        let sky = SunGlow::default().draw(Method::Holographic, sky, suns);
         let width = TAU / columns as f64;
         let seen = (0..columns).map(|column| {
             let middle = Panorama::angle(columns, column);

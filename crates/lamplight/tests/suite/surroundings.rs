@@ -6,7 +6,10 @@ use lamplight::surroundings::{
     LEAST_RADIUS_BEYOND, LampPart, RingSurroundings, RingWindow, Surroundings, part_lamp,
 };
 use lamplight::world::{World, WorldSettings};
-use lamplight::{Cells, Gradient, GridWindow, Inflow, Lamp, Matter, Rgb, Settings, Sky, Solver};
+use lamplight::{
+    Cells, Direct, Gradient, GridWindow, Inflow, Lamp, Matter, Panorama, Rgb, Settings, Sky,
+    Solver, Sun,
+};
 
 const WORLD: [u32; 2] = [2304, 192];
 const VIEW: GridWindow = GridWindow { first: [40, 64], size: [96, 64] };
@@ -256,6 +259,37 @@ fn what_rings_hold_shines_and_throws_shadows() {
         let alone = mean(&lit.alone());
         println!("walled {walled}: {found:.4}, the truth {truth:.4}, alone {alone:.4}");
         assert!((found / truth - 1.0).abs() < tolerance, "{found}, not {truth}");
+    }
+}
+
+#[test]
+fn glow_in_rings_shines() {
+    // Four cells of the innermost ring.
+    let fire = Matter { glow: [0.5, 0.25, 0.0], ..Matter::EMPTY };
+    let from = EDGE as i32 + 24;
+    let at = |[x, _]: [i32; 2]| if (from..from + 16).contains(&x) { fire } else { Matter::EMPTY };
+    let lit = RingView::new(16, at, Sky::BLACK);
+    let [width, height] = lit.window.size.map(|side| side as f32);
+    let found = lit.still.radiance([width, 0.5 * height], [1.0, 0.0]);
+    assert!((0..3).all(|c| (found[c] - 4.0 * fire.glow[c]).abs() < 1e-2), "{found:?}");
+}
+
+#[test]
+fn exact_suns_are_not_in_the_light_around() {
+    let rings = RingSurroundings::new([32, 32], [0, 0], 1).unwrap();
+    let lit = |suns: &[Sun]| rings.inflow(&Sky::BLACK, suns, 16).unwrap();
+    let glowing = Sun { direct: Direct::Glow, ..Sun::default() };
+    assert_eq!(lit(&[Sun::default()]), lit(&[]));
+    assert_ne!(lit(&[glowing]), lit(&[]));
+}
+
+#[test]
+fn wrong_numbers_of_directions_are_refused() {
+    let rings = RingSurroundings::new([32, 32], [0, 0], 1).unwrap();
+    for columns in [0, Panorama::MAX_COLUMNS + 1, usize::MAX] {
+        let error = rings.inflow(&Sky::BLACK, &[], columns).unwrap_err().to_string();
+        let expected = format!("`inflow.columns` is {columns}, but must be 1 to 8192");
+        assert_eq!(error, expected);
     }
 }
 
