@@ -307,6 +307,11 @@ impl Cells {
         self.color.get_or_insert_with(|| vec![[1.0; 3]; n])
     }
 
+    /// Removes the colours: all are white.
+    pub(crate) fn clear_color(&mut self) {
+        self.color = None;
+    }
+
     /// The normals of surfaces, unit vectors with x to the right, y down and z towards the viewer; `None` if no surface
     /// is tilted. The final picture is lit by them ([`Relief`](crate::Relief)); light itself does not know them.
     pub fn normals(&self) -> Option<&[Normal]> {

@@ -23,7 +23,8 @@ pub fn max_factor(columns: u32) -> u32 {
     (columns / MIN_COLUMNS).clamp(1, MAX_FACTOR)
 }
 
-/// Draws cells into fewer, larger ones. Buffers of the right size are used again.
+/// Draws cells into fewer, larger ones, without their inflow, which is that of a grid of another size. Buffers of the right
+/// size are used again.
 ///
 /// A factor above [`MAX_FACTOR`] counts as [`MAX_FACTOR`], and 0 as 1.
 ///
@@ -40,6 +41,7 @@ pub fn downsample(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
     to.lamps_mut().extend(from.lamps().iter().cloned().map(|lamp| shrunk(lamp, factor)));
     to.suns_mut().clear();
     to.suns_mut().extend_from_slice(from.suns());
+    to.set_inflow(None)?;
     for y in 0..size[1] {
         for x in 0..size[0] {
             let block = Block::of(from, factor, [x, y]);
@@ -49,8 +51,9 @@ pub fn downsample(from: &Cells, factor: u32, to: &mut Cells) -> Result<()> {
     if from.masks().is_some() || to.masks().is_some() {
         unite_masks(from, factor, size, to.masks_mut());
     }
-    if let Some(color) = from.color() {
-        shrink(color, from.width(), factor, size, to.color_mut());
+    match from.color() {
+        Some(color) => shrink(color, from.width(), factor, size, to.color_mut()),
+        None => to.clear_color(),
     }
     match from.normals() {
         Some(normals) => {
@@ -74,7 +77,9 @@ pub fn upsample(light: &Light, larger: &Cells, cells: &Cells) -> Result<Light> {
         let expected = format!("of the larger cells' size, {}×{}", larger.width(), larger.height());
         return Err(Error::value("light", found, expected));
     }
-    let factor = cells.width().div_ceil(larger.width().max(1));
+    // A short side leaves several factors possible, up to that of the longer one.
+    let ratio = |of: fn(&Cells) -> u32| of(cells).div_ceil(of(larger));
+    let factor = ratio(Cells::width).max(ratio(Cells::height));
     let source = |i: usize| {
         let [x, y] = [i as u32 % cells.width(), i as u32 / cells.width()];
         let home = (y / factor).min(larger.height() - 1) * larger.width()

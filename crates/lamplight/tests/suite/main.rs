@@ -22,6 +22,7 @@ mod maps_ldtk;
 mod maps_tiled;
 mod methods;
 mod polar;
+mod resample;
 mod scene_coverage;
 mod scene_file;
 mod scene_fuzz;
