@@ -306,6 +306,8 @@ impl Solver {
     /// The intermediates of the last frame. Those that the frame did not need are computed now.
     pub fn stages(&mut self) -> Stages<'_> {
         if !self.fields.measured {
+            // It is not part of the frame's time.
+            let clock = std::mem::take(&mut self.clock);
             self.measure();
         }
         self.fields.energy.clear();

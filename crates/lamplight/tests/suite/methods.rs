@@ -232,3 +232,12 @@ fn fields_are_the_same_by_the_cheapest_settings() {
     raymarch_of(&mut settings).threshold = 0.0;
     assert_ne!(found, fields(settings.fields_only()), "the threshold is passed on");
 }
+
+#[test]
+fn looking_at_the_stages_of_a_frame_leaves_its_times() {
+    let mut solver = Solver::new(Settings::direct(Method::Holographic)).unwrap();
+    solver.solve(&jumble(24, 16, 1)).unwrap();
+    let times = solver.timings().to_vec();
+    assert!(!solver.stages().distance.is_empty());
+    assert_eq!(solver.timings(), times);
+}
