@@ -181,7 +181,7 @@ impl Solver {
             MethodSettings::Polar(settings) => self.polar(settings),
             MethodSettings::Flood(settings) => {
                 let Self { flood, cells, light, clock, .. } = self;
-                flood.solve(cells, settings, &mut light.rgb, clock);
+                flood.solve(cells, settings, moved, &mut light.rgb, clock);
                 self.gradient_moment();
             }
             MethodSettings::Cascades(settings) => {
@@ -364,7 +364,8 @@ impl Solver {
 
     /// Tells that the grid of the next frame lies elsewhere in your world: its first cell is the one that the frame
     /// before had `by` cells from its first one, to the right and down. The light that surfaces reflect from frame to
-    /// frame ([`Bounces::Feedback`]) stays in the world; the mean over frames of `raymarch` starts anew.
+    /// frame ([`Bounces::Feedback`]) and the energy of `flood` stay in the world; the mean over frames of `raymarch` starts
+    /// anew.
     pub fn shift(&mut self, by: [i32; 2]) {
         if by != [0; 2] {
             self.moved = [0, 1].map(|a| self.moved[a].saturating_add(by[a]));

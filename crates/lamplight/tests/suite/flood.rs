@@ -14,6 +14,10 @@ const ASYMMETRY: f32 = 1e-5;
 /// The most in the source's order of sweeps, which favours the left and upper sides of walls.
 const ASYMMETRY_IN_ORDER: f32 = 0.1;
 
+/// The largest difference of light from that of a grid that does not move: cells that come in have not yet received what
+/// spreads from frame to frame.
+const MOVED: f64 = 0.03;
+
 fn flood(change: impl FnOnce(&mut Flood)) -> Settings {
     let mut flood = Flood::default();
     change(&mut flood);
@@ -318,6 +322,36 @@ fn energy_stays_between_frames_until_reset() {
     walled.set(16, 16, WALL);
     frames(&mut solver, &walled, 1);
     assert_eq!(solver.stages().energy[16 * 33 + 16], 0.0);
+}
+
+#[test]
+fn energy_stays_in_the_world_as_the_grid_moves() {
+    // The grid at a place of a world with a pillar and a lamp.
+    let at = |[left, top]: [i32; 2]| {
+        let pillar = |x: u32, y: u32| {
+            (44..48).contains(&(x as i32 + left)) && (20..30).contains(&(y as i32 + top))
+        };
+        let cells = grid(72, 48, |x, y| if pillar(x, y) { WALL } else { Matter::EMPTY });
+        with_lamp(cells, lamp(34.5 - left as f32, 24.5 - top as f32))
+    };
+    let still = frames(&mut Solver::new(flood(|_| ())).unwrap(), &at([8, -8]), 9);
+    let [kept, left_behind] = [true, false].map(|shifts| {
+        let mut solver = Solver::new(flood(|_| ())).unwrap();
+        for step in 0..9 {
+            if shifts && step > 0 {
+                solver.shift([1, -1]);
+            }
+            solver.solve(&at([step, -step])).unwrap();
+        }
+        relative_rmse(solver.light(), &still)
+    });
+    println!("{kept:.4}, without the shift {left_behind:.4}");
+    assert!(kept < MOVED && left_behind > MOVED, "{kept}, without the shift {left_behind}");
+    // As far as the grid is wide, nothing is left.
+    let mut solver = Solver::new(flood(|_| ())).unwrap();
+    solver.solve(&at([0, 0])).unwrap();
+    solver.shift([i32::MIN, 0]);
+    assert_eq!(brightest(solver.solve(&Cells::new(72, 48).unwrap()).unwrap()), 0.0);
 }
 
 #[test]

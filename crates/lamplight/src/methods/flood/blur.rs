@@ -85,6 +85,24 @@ impl Energy {
         self.0.resize(cells, [0.0; 4]);
     }
 
+    /// Becomes `from` in a grid that has moved by so many cells, to the right and down; cells that come in are dark.
+    pub fn shift(&mut self, from: &Self, frame: EnergyLayout, moved: [i32; 2]) {
+        self.0.fill([0.0; 4]);
+        let [columns, rows] =
+            [(frame.width, moved[0]), (frame.height, moved[1])].map(|(side, by)| {
+                let side = side as i32;
+                by.saturating_neg().clamp(0, side)..side.saturating_sub(by).clamp(0, side)
+            });
+        if columns.is_empty() {
+            return;
+        }
+        for y in rows {
+            let to = frame.index([columns.start, y]);
+            let start = frame.index([columns.start + moved[0], y + moved[1]]);
+            self.0[to..][..columns.len()].copy_from_slice(&from.0[start..][..columns.len()]);
+        }
+    }
+
     /// Takes some light from every cell, and all light from cells that are no longer open.
     pub fn decay(&mut self, grid: &MediumGrid, frame: EnergyLayout, decay: f32) {
         let rows = self.0.par_chunks_mut(frame.stride).with_min_len(TOGETHER / frame.stride + 1);

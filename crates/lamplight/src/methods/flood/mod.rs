@@ -125,11 +125,17 @@ impl FloodSolver {
         }
     }
 
-    /// Advances by a frame; lamps are not drawn into the cells.
+    /// Drops the energy of the frames before.
+    pub(crate) fn reset(&mut self) {
+        self.energy.clear(self.links.frame().cells());
+    }
+
+    /// Advances by a frame, whose grid has `moved` over the world since the one before; lamps are not drawn into the cells.
     pub(crate) fn solve(
         &mut self,
         cells: &Cells,
         settings: &Flood,
+        moved: [i32; 2],
         light: &mut Vec<Rgb>,
         clock: &mut Clock,
     ) {
@@ -141,6 +147,9 @@ impl FloodSolver {
             self.size = size;
             self.energy.clear(frame.cells());
             self.scratch.clear(frame.cells());
+        } else if moved != [0; 2] {
+            self.scratch.shift(&self.energy, frame, moved);
+            std::mem::swap(&mut self.scratch, &mut self.energy);
         }
         self.energy.decay(&self.grid, frame, settings.decay);
         clock.lap("decay");
@@ -359,6 +368,7 @@ mod tests {
             FloodSolver::on(level).solve(
                 &cells,
                 &Flood::default(),
+                [0; 2],
                 &mut light,
                 &mut Clock::default(),
             );
