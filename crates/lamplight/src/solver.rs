@@ -309,6 +309,7 @@ impl Solver {
             // It is not part of the frame's time.
             let clock = std::mem::take(&mut self.clock);
             self.measure();
+            self.clock = clock;
         }
         self.fields.energy.clear();
         if self.settings.method() == Method::Flood {
@@ -369,16 +370,16 @@ impl Solver {
     pub fn shift(&mut self, by: [i32; 2]) {
         if by != [0; 2] {
             self.moved = [0, 1].map(|a| self.moved[a].saturating_add(by[a]));
-            self.temporal = TemporalMean::default();
+            self.temporal.reset();
         }
     }
 
     /// Discards all history, as after a cut or a jump of the camera.
     pub fn reset(&mut self) {
         self.frame = 0;
-        self.raymarch = RaymarchSolver::default();
-        self.flood = FloodSolver::default();
-        self.temporal = TemporalMean::default();
+        self.raymarch.reset();
+        self.flood.reset();
+        self.temporal.reset();
         self.cascades.reset();
         self.holographic.reset();
     }

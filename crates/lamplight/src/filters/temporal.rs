@@ -37,8 +37,8 @@ pub struct TemporalMean {
 }
 
 impl TemporalMean {
-    /// Returns the cells whose matter changed since the frame before; empty if rejection is off or no
-    /// frame came before.
+    /// Returns the cells whose matter changed since the frame before; empty if rejection is off or there
+    /// is no history.
     pub fn mark(&mut self, settings: &settings::Temporal, cells: &Cells) -> &[bool] {
         self.changed.clear();
         let Some(before) = self.before.as_mut() else {
@@ -48,11 +48,16 @@ impl TemporalMean {
         let size = |c: &Cells| (c.width(), c.height());
         if size(before) != size(cells) || (settings.reject && !are_lit_alike(before, cells)) {
             self.age.clear();
-        } else if settings.reject {
+        } else if settings.reject && !self.age.is_empty() {
             self.changed.extend((0..cells.len()).map(|i| before.matter(i) != cells.matter(i)));
         }
         before.clone_from(cells);
         &self.changed
+    }
+
+    /// Drops history.
+    pub fn reset(&mut self) {
+        self.age.clear();
     }
 
     /// Replaces the light by its mean over frames, and the variance by that of the mean.

@@ -129,6 +129,16 @@ impl Surfaces {
         self.wall_changed.resize(self.walls.len(), Default::default());
     }
 
+    /// Becomes that of no grid.
+    pub fn clear(&mut self) {
+        self.slots.clear();
+        self.walls.clear();
+        self.media.clear();
+        self.wall_reflected.clear();
+        self.medium_scattered.clear();
+        self.wall_changed.clear();
+    }
+
     /// Returns whether these are surfaces of a grid of so many cells.
     pub fn are_of(&self, cells: &Cells) -> bool {
         self.slots.len() == cells.len()

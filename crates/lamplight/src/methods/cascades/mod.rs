@@ -150,7 +150,7 @@ impl Cascades {
 
     /// Drops what surfaces reflected in the frame before.
     pub(crate) fn reset(&mut self) {
-        self.surfaces = Surfaces::default();
+        self.surfaces.clear();
     }
 
     /// Turns the light at surfaces into the radiance that they reflect or scatter. Returns the largest change

@@ -169,7 +169,7 @@ impl Holographic {
 
     /// Drops what surfaces reflected in the frame before.
     pub(crate) fn reset(&mut self) {
-        self.surfaces = Surfaces::default();
+        self.surfaces.clear();
     }
 
     /// Finds the light of all four quadrants. `reflected`: with the radiance that surfaces reflect.

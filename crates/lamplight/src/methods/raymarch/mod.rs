@@ -103,6 +103,11 @@ impl RaymarchSolver {
         }
     }
 
+    /// Drops what surfaces reflected in the frame before.
+    pub(crate) fn reset(&mut self) {
+        self.surfaces.clear();
+    }
+
     /// Solves one frame into `estimate`.
     pub(crate) fn solve(&mut self, input: Input, estimate: &mut Estimate, clock: &mut Clock) {
         let Input { settings, cells, changed, .. } = input;
