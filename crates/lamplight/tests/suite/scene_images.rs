@@ -152,6 +152,11 @@ fn exr_is_linear_as_it_is() {
         bench.cells("size = [2, 1]\nlayers = { albedo = \"a.exr\" }").unwrap_err(),
         "scene.toml: line 2: `layers.albedo`: a.exr: cell (0, 0): albedo is 1.5, but must be 0 to 1"
     );
+    bench.image("n.exr", Rgb32FImage::from_fn(2, 1, |_, _| Rgb([f32::NAN, 0.5, 1.0])));
+    assert_eq!(
+        bench.cells("size = [2, 1]\nlayers = { normal = \"n.exr\" }").unwrap_err(),
+        "scene.toml: line 2: `layers.normal`: n.exr: cell (0, 0): normal is NaN, but must be -1 to 1"
+    );
 }
 
 /// Writes an EXR with one channel.
