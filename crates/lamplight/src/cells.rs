@@ -366,7 +366,7 @@ impl Cells {
         &self.sky
     }
 
-    /// Removes all matter, lamps, colours, normals and masks. The sky and the suns stay.
+    /// Removes all matter, lamps, colours, normals and masks. The sky, the suns and the inflow stay.
     pub fn clear(&mut self) {
         self.emission.fill(Matter::EMPTY.emission);
         self.glow.clear();
@@ -407,7 +407,8 @@ impl Cells {
         self.opacity[index] >= 1.0
     }
 
-    /// Visits all cells that affect light, in order. Fast over empty space.
+    /// Visits all cells that absorb or filter light, in order: all that affect it, if those that glow are media
+    /// ([`Glow`](crate::stages::glow::Glow)). Fast over empty space.
     pub(crate) fn for_each_matter(&self, mut visit: impl FnMut(usize)) {
         for (chunk, (opacity, tint)) in
             self.opacity.chunks(CHUNK).zip(self.tint.chunks(CHUNK)).enumerate()

@@ -47,7 +47,7 @@ pub struct Cookie {
     pub picture: CookiePicture,
     /// The width of the picture on the plane, px, 0.1 to 100 000. Its height follows from its own proportions.
     pub size: f32,
-    /// The angle by which the picture is turned around the lamp, radians from +x towards +y.
+    /// The angle by which the picture is turned around the lamp, radians from +x towards +y, −2π to 2π.
     #[serde(
         default,
         deserialize_with = "notation::angle",

@@ -139,7 +139,7 @@ pub struct Lamp {
     #[serde(default = "default_intensity")]
     pub intensity: f32,
     /// The range in px, 1 to 100 000, of lamps that are lit by rule: all of them in `polar` and `flood`,
-    /// elsewhere those with a cone, a cookie, a height or `direct = "exact"`.
+    /// elsewhere those that are `exact`.
     #[serde(default = "default_range")]
     pub range: f32,
     /// The radius of the disc in px, 0.05 to 512. Higher: more light and softer shadows.

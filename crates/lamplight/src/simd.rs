@@ -2,7 +2,7 @@
 //!
 //! SSE4.2 is left out, although [`fearless_simd`] supports it: every unit adds to the time of a build, and
 //! processors without AVX2 run the SSE2 code instead. AVX-512 makes only `holographic` faster, and is left out of
-//! builds with debug assertions, which take 0.7 times as long for that.
+//! builds with debug assertions, which take less long for that.
 
 use fearless_simd::{f32x16, prelude::*};
 

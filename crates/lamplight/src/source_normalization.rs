@@ -14,8 +14,8 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
-/// Number of rays, and their generator: a Fibonacci lattice over direction and offset, whose
-/// mean was within 0.5 % of that of 40 000 rays for radii from 0.05 to 8 px at every tenth of a px.
+/// Number of rays, and their generator: a Fibonacci lattice over direction and offset, two consecutive
+/// Fibonacci numbers, which spread evenly over both.
 const RAYS: usize = 377;
 const GENERATOR: usize = 233;
 /// The largest radius for which rays are cast; beyond it the width hardly depends on the position.

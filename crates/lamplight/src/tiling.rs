@@ -14,7 +14,7 @@
 use crate::{Error, GridWindow, Light, Result};
 use std::ops::Range;
 
-/// The longest side of a world, px: a block of 4×4 cells takes 4 bytes, even if it is empty.
+/// The longest side of a world, px: a block of 4×4 cells takes five bytes, even if it is empty.
 pub const MAX_SIDE: u32 = 1 << 16;
 
 /// The widest rim, px.
