@@ -36,7 +36,8 @@ use crate::timing::Timer;
 use crate::trial::{Trial, TrialStep};
 use crate::uniforms::{FrameUniforms, GridPosition, History};
 use lamplight::internals::sky::SunGlow;
-use lamplight::{ALL_LAYERS, Inflow, Settings, Sky};
+use lamplight::internals::temporal::shine_alike;
+use lamplight::{ALL_LAYERS, Inflow, Lamp, Settings, Sky, Sun};
 use std::sync::PoisonError;
 use std::time::Duration;
 use wgpu::{
@@ -121,6 +122,10 @@ struct FrameBefore {
     size: GridSize,
     origin: [i32; 2],
     sky: Sky,
+    /// Exact ones.
+    lamps: Vec<Lamp>,
+    suns: Vec<Sun>,
+    has_inflow: bool,
 }
 
 /// A plan, and the resources that it was made for.
@@ -391,7 +396,7 @@ impl Lighting {
         // The CPU has its own copy.
         let inflow = inflow.filter(|_| self.cpu.is_none());
         let lights = Lights { lamps, suns, sky, inflow };
-        let (history, moved) = self.history(input, grid.size, sky);
+        let (history, moved) = self.history(input, grid.size, lights);
         if let Some(cpu) = &mut self.cpu {
             let planner = FramePlanner::new(&self.shared, input.settings, self.options, *grid);
             cpu.solve(&planner, input)?;
@@ -512,8 +517,16 @@ impl Lighting {
         if let (Some(ahead), None) = (&mut self.ahead, &self.cpu) {
             ahead.follow(&self.shared.compiler, queue, input.settings, inflow.is_some());
         }
-        let sky = Sky::clone(sky);
-        self.before = Some(FrameBefore { size: grid.size, origin: input.origin, sky });
+        let (size, origin, sky) = (grid.size, input.origin, Sky::clone(sky));
+        let has_inflow = inflow.is_some();
+        let kept = self.before.take().map(|before| (before.lamps, before.suns));
+        let (mut kept_lamps, mut kept_suns) = kept.unwrap_or_default();
+        kept_lamps.clear();
+        kept_lamps.extend(lamps.iter().filter(|lamp| lamp.is_exact()).cloned());
+        kept_suns.clear();
+        kept_suns.extend_from_slice(suns);
+        let (lamps, suns) = (kept_lamps, kept_suns);
+        self.before = Some(FrameBefore { size, origin, sky, lamps, suns, has_inflow });
         self.number = self.number.wrapping_add(1);
         self.try_backends(input, *grid);
         Ok(())
@@ -586,12 +599,16 @@ impl Lighting {
     }
 
     /// Returns the history of the next frame, and by how many cells the grid has moved.
-    fn history(&self, input: &FrameInput, size: GridSize, sky: &Sky) -> (History, [i32; 2]) {
+    fn history(&self, input: &FrameInput, size: GridSize, lights: Lights) -> (History, [i32; 2]) {
         let Some(before) = &self.before else { return (History::None, [0; 2]) };
         let raymarch = input.settings.method.as_raymarch();
         let rejects = raymarch.is_none_or(|raymarch| raymarch.temporal.reject);
-        let other_sky = rejects && before.sky != *sky;
-        let indirect_only = other_sky || before.size != size;
+        let shine_alike = || {
+            before.has_inflow == lights.inflow.is_some()
+                && shine_alike([&before.lamps, lights.lamps], [&before.suns, lights.suns])
+        };
+        let is_lit_alike = before.sky == *lights.sky && (raymarch.is_none() || shine_alike());
+        let indirect_only = (rejects && !is_lit_alike) || before.size != size;
         let history = if indirect_only { History::IndirectOnly } else { History::Full };
         (history, [0, 1].map(|a| input.origin[a].saturating_sub(before.origin[a])))
     }

@@ -143,7 +143,7 @@ pub mod sky {
 
 /// The mean over frames.
 pub mod temporal {
-    pub use crate::filters::temporal::{FEEDBACK, REACH};
+    pub use crate::filters::temporal::{FEEDBACK, REACH, shine_alike};
 }
 
 /// Light that enters a grid by place.

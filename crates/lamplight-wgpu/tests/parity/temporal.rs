@@ -4,7 +4,7 @@ use crate::common::{device, raymarch_of};
 use crate::compare::{middle, scenes};
 use crate::frames::{FRAMES, frames_agree, moving};
 use lamplight::settings::{Denoise, Hit, Raymarch, Temporal};
-use lamplight::{Bounces, Settings};
+use lamplight::{Bounces, Direct, Lamp, Settings, Sun};
 
 /// Rays a pixel. Of 8, those of a pixel whose first angle is 0 run along diagonals, through the very
 /// corners of cells, and rounding decides which face they meet: 2 pixels of 2 million were off by 0.03
@@ -42,6 +42,24 @@ fn rays_that_tire_on_their_way_past_changes_agree() {
     raymarch_of(&mut settings).attenuation = true;
     settings.bounces = Bounces::Count(1);
     frames_agree(&device(), "5 steps", settings, (0..6).map(|n| moving(97, 61, n)));
+}
+
+#[test]
+fn history_ends_where_exact_lights_go_out_and_stays_where_they_move() {
+    let settings = Settings { bounces: Bounces::Count(1), ..accumulating(true) };
+    let frames = (0..8u8).map(|n| {
+        let mut cells = moving(48, 32, 0);
+        let position = [20.0 + f32::from(n), 12.0];
+        let lamp = Lamp { position, range: 40.0, direct: Direct::Exact, ..Lamp::default() };
+        if n < 4 {
+            cells.lamps_mut().push(lamp);
+        }
+        if n != 6 {
+            cells.suns_mut().push(Sun { direction: f32::from(n), ..Sun::default() });
+        }
+        cells
+    });
+    frames_agree(&device(), "lights", settings, frames);
 }
 
 /// Everything at once over the scenes that people see first; lamps glide, and one wall comes and goes.

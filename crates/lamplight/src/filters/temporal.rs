@@ -9,12 +9,13 @@
 //! trail, and cells that cannot see it keep their history. Rays are few and may miss a small lamp, so
 //! a change that one cell sees counts for all cells within [`REACH`] px.
 //!
-//! Light that does not come from matter (the sky, inflow, suns and lamps that are lit exactly) may reach any cell: if it
-//! changes, all history is rejected.
+//! Light that does not come from matter (the sky, inflow, suns and lamps that are lit exactly) may reach any cell: if some
+//! of it comes, goes or has another brightness, all history is rejected. If it only moves, or other inflow enters, history
+//! stays and fades: while a torch is carried, hardly any would be left.
 
 use super::estimate::Estimate;
 use crate::settings;
-use crate::{Cells, Moment, Rgb};
+use crate::{Cells, Cone, Lamp, Moment, Rgb, Sun};
 
 /// The distance from a cell that sees a change within which history is rejected, px.
 pub const REACH: usize = 8;
@@ -129,7 +130,42 @@ impl TemporalMean {
     }
 }
 
-/// Returns whether the same light reaches both grids from elsewhere than their matter.
+/// Returns whether the same light reaches both grids from elsewhere than their matter, wherever it comes from.
 fn are_lit_alike(a: &Cells, b: &Cells) -> bool {
-    (a.sky(), a.inflow(), a.suns(), a.lamps()) == (b.sky(), b.inflow(), b.suns(), b.lamps())
+    a.sky() == b.sky()
+        && a.inflow().is_some() == b.inflow().is_some()
+        && shine_alike([a.lamps(), b.lamps()], [a.suns(), b.suns()])
+}
+
+/// Returns whether exact lamps and suns are the same but for their places and directions.
+pub fn shine_alike(lamps: [&[Lamp]; 2], suns: [&[Sun]; 2]) -> bool {
+    let still = |lamp: &Lamp| {
+        let cone = lamp.cone.clone().map(|cone| Cone { direction: 0.0, ..cone });
+        Lamp { position: [0.0; 2], cone, ..lamp.clone() }
+    };
+    let [lamps, others] = lamps.map(|lamps| lamps.iter().filter(|lamp| lamp.is_exact()).map(still));
+    let [suns, other_suns] = suns.map(|suns| suns.iter().map(|sun| Sun { direction: 0.0, ..*sun }));
+    lamps.eq(others) && suns.eq(other_suns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Direct;
+
+    #[test]
+    fn lights_are_alike_while_they_only_move_or_turn() {
+        let lamp = Lamp { direct: Direct::Exact, ..Lamp::default() };
+        let drawn = Lamp { direct: Direct::Glow, ..Lamp::default() };
+        let moved = Lamp { position: [5.0, 6.0], ..lamp.clone() };
+        let dim = Lamp { intensity: 0.5, ..lamp.clone() };
+        let lamps = |a: &[Lamp], b: &[Lamp]| shine_alike([a, b], [&[], &[]]);
+        assert!(lamps(&[lamp.clone()], &[moved]));
+        assert!(lamps(&[lamp.clone(), drawn], &[lamp.clone()]), "it is matter");
+        assert!(!lamps(&[lamp.clone()], &[dim]) && !lamps(&[lamp], &[]));
+        let sun = Sun::default();
+        let suns = |a: &[Sun], b: &[Sun]| shine_alike([&[], &[]], [a, b]);
+        assert!(suns(&[sun], &[Sun { direction: 1.0, ..sun }]));
+        assert!(!suns(&[sun], &[Sun { intensity: 0.0, ..sun }]) && !suns(&[], &[sun]));
+    }
 }

@@ -11,8 +11,8 @@ settings! {
         /// almost no time.
         history_length: u32 = 0, in 0..=4096;
         /// Reject history where emission, opacity, tint or albedo changed in what a pixel sees, and everywhere if the
-        /// sky, the inflow, a sun or an exact lamp changed. Off: old light fades over `history_length` frames and leaves
-        /// trails.
+        /// sky changed, or inflow, a sun or an exact lamp comes, goes or has another brightness. Off: old light fades
+        /// over `history_length` frames and leaves trails.
         reject: bool = true;
     }
 }
