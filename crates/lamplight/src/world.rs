@@ -43,7 +43,8 @@ pub trait WorldSource: Sync {
         Sky::BLACK
     }
 
-    /// The suns of the world.
+    /// The suns of the world, which are part of its sky whatever their [`Sun::direct`] is. Those with an elevation or a mask
+    /// are refused.
     fn suns(&self) -> Vec<Sun> {
         Vec::new()
     }
@@ -561,7 +562,7 @@ impl FarWorld {
     }
 }
 
-/// Checks the settings of a world, and draws its suns into its sky.
+/// Checks what a world is lit by, and draws its suns into its sky.
 fn prepare(
     size: [u32; 2],
     sky: &Sky,
@@ -573,9 +574,22 @@ fn prepare(
         settings.solver.bounces = Bounces::Converged;
     }
     settings.solver.method.takes_inflow()?;
-    let glowing: Vec<Sun> = suns.iter().map(|sun| Sun { direct: Direct::Glow, ..*sun }).collect();
+    let glowing = suns.iter().enumerate().map(|(i, sun)| glowing(i, sun));
+    let glowing = glowing.collect::<Result<Vec<_>>>()?;
     let sky = SunGlow::default().draw(settings.solver.method(), sky, &glowing);
     Ok((settings, sky))
+}
+
+/// Returns a sun as part of the sky.
+fn glowing(number: usize, sun: &Sun) -> Result<Sun> {
+    let sun = Sun { direct: Direct::Glow, ..*sun };
+    if !sun.is_exact() {
+        return Ok(sun);
+    }
+    // The sky has neither.
+    let key = if sun.elevation.is_some() { "elevation" } else { "mask" };
+    let expected = "left out: suns of a world are part of its sky";
+    Err(Error::value(format!("sun[{number}].{key}"), "given", expected))
 }
 
 /// Calls `work` with the number and the cells of each window in turn, and reads those of the next one meanwhile.

@@ -5,6 +5,7 @@ use lamplight::settings::Holographic;
 use lamplight::world::{FarBlocks, FarPart, FarWorld, World, WorldSettings, WorldSource};
 use lamplight::{
     Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Light, Matter, Method, Settings, Sky, Solver,
+    Sun,
 };
 
 const STONE: Matter = Matter { opacity: 1.0, albedo: [0.7, 0.6, 0.5], ..Matter::EMPTY };
@@ -422,6 +423,15 @@ fn what_a_world_cannot_light_is_refused() {
         let settings = WorldSettings::new(Settings::direct(method));
         let error = World::new(&cells, settings, |_, _| ()).map(|_| ()).unwrap_err().to_string();
         assert!(error.starts_with(method.name()) && error.contains("holographic"), "{error}");
+    }
+    for (sun, key) in [
+        (Sun { elevation: Some(0.4), ..Sun::default() }, "`sun[0].elevation`"),
+        (Sun { mask: 2, direct: Direct::Glow, ..Sun::default() }, "`sun[0].mask`"),
+    ] {
+        cells.suns_mut().push(sun);
+        let error = world(&cells);
+        assert!(error.contains(key) && error.contains("sky"), "{error}");
+        cells.suns_mut().clear();
     }
     cells.lamps_mut().push(Lamp { position: [9.0, 5.0], direct: Direct::Exact, ..LAMP });
     let error = world(&cells);
