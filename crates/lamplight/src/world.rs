@@ -21,8 +21,8 @@ use crate::sun_glow::SunGlow;
 pub use crate::tiling::{LitTile, MAX_SIDE, Tiling};
 use crate::tiling::{check_size, expanded, tiles};
 use crate::{
-    Bounces, Cells, Direct, Error, GridWindow, Inflow, Lamp, Light, Result, Settings, Sky, Solver,
-    Sun,
+    Bounces, Cells, Direct, Error, GridWindow, Inflow, Lamp, Light, Panorama, Result, Settings, Sky,
+    Solver, Sun,
 };
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -118,7 +118,7 @@ pub struct WorldSettings {
     /// and takes time. With less than 64 px, what lies between is crossed cell by cell by the rays that enter. Half of it, up
     /// to 32 px, is the rim in which tiles pass into each other: with a margin below 2 px they have seams.
     pub halo: u32,
-    /// Directions of the light that enters a tile. More are sharper shadows of distant lights, and take time and memory.
+    /// Directions of the light that enters a tile, 1 to [`Panorama::MAX_COLUMNS`]. More are sharper shadows of distant lights, and take time and memory.
     pub columns: usize,
 }
 
@@ -330,7 +330,8 @@ impl FarWorld {
     /// Creates that of a world of which nothing has been read.
     ///
     /// # Errors
-    /// Fails if the world is empty or too large, a setting is invalid, or the method does not read inflow.
+    /// Fails if the world is empty or too large, a setting, the sky or a sun is invalid, a sun has an elevation or a mask, or
+    /// the method does not read inflow.
     pub fn new(size: [u32; 2], sky: &Sky, suns: &[Sun], settings: WorldSettings) -> Result<Self> {
         let (settings, sky) = prepare(size, sky, suns, settings)?;
         let far_field = FarField::new(size, sky.clone());
@@ -570,6 +571,13 @@ fn prepare(
     mut settings: WorldSettings,
 ) -> Result<(WorldSettings, Sky)> {
     check_size(size)?;
+    settings.solver.check()?;
+    let most = Panorama::MAX_COLUMNS;
+    if !(1..=most).contains(&settings.columns) {
+        return Err(Error::value("columns", settings.columns, format!("1 to {most}")));
+    }
+    sky.check()?;
+    suns.iter().enumerate().try_for_each(|(i, sun)| sun.check(&format_args!("sun[{i}]")))?;
     if settings.solver.bounces == Bounces::Feedback {
         settings.solver.bounces = Bounces::Converged;
     }

@@ -4,8 +4,8 @@ use crate::common::*;
 use lamplight::settings::Holographic;
 use lamplight::world::{FarBlocks, FarPart, FarWorld, World, WorldSettings, WorldSource};
 use lamplight::{
-    Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Light, Matter, Method, Settings, Sky, Solver,
-    Sun,
+    Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Light, Matter, Method, Panorama, Settings, Sky,
+    Solver, Sun,
 };
 
 const STONE: Matter = Matter { opacity: 1.0, albedo: [0.7, 0.6, 0.5], ..Matter::EMPTY };
@@ -410,6 +410,24 @@ fn cells_of_another_window_are_refused() {
     let beyond = GridWindow { first: [1090, 0], size: [20, 20] };
     let error = far.light(beyond, wrong()).unwrap_err().to_string();
     assert!(error.contains("1100×100"), "{error}");
+}
+
+#[test]
+fn settings_are_checked_before_anything_is_read() {
+    let refused = |settings: WorldSettings, sky: Sky, sun: Sun, key: &str| {
+        let made = FarWorld::new([64; 2], &sky, &[sun], settings);
+        let error = made.map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(key), "{key}: {error}");
+    };
+    let valid = || WorldSettings::new(direct());
+    let black = || Sky::BLACK;
+    for columns in [0, Panorama::MAX_COLUMNS + 1] {
+        refused(WorldSettings { columns, ..valid() }, black(), Sun::default(), "columns");
+    }
+    let solver = Settings { wall_depth: -1.0, ..direct() };
+    refused(WorldSettings::new(solver), black(), Sun::default(), "wall_depth");
+    refused(valid(), Sky::Uniform([f32::NAN; 3]), Sun::default(), "sky");
+    refused(valid(), black(), Sun { angle: 9.0, ..Sun::default() }, "sun[0].angle");
 }
 
 #[test]
