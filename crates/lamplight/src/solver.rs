@@ -341,7 +341,9 @@ impl Solver {
                 &dark
             }
         };
-        let inflow = window::inflow(Level::new(), cells, surfaces, window, columns);
+        let neutral = settings::Raymarch::default();
+        let matter = self.settings.method.as_raymarch().unwrap_or(&neutral);
+        let inflow = window::inflow(Level::new(), cells, matter, surfaces, window, columns);
         if glows {
             self.glow.restore(&mut self.cells);
         }

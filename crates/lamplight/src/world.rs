@@ -15,6 +15,7 @@
 use crate::far_field::{ALIGNMENT, BounceState, FarField, NearCells, PartLight};
 pub use crate::far_field::{FarBlocks, FarPart};
 use crate::grid::class::CellClass;
+use crate::settings::Raymarch;
 use crate::stages::bounce::{CONVERGED, KnownSurfaces, SurfaceLight};
 use crate::stages::glow::Glow;
 use crate::sun_glow::SunGlow;
@@ -25,6 +26,7 @@ use crate::{
     Solver, Sun,
 };
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::sync::{Mutex, PoisonError};
 
 /// The least distance from a tile up to which rays cross cells, px; beyond it they cross blocks of the far field.
@@ -331,7 +333,7 @@ impl FarWorld {
     ///
     /// # Errors
     /// Fails if the world is empty or too large, a setting, the sky or a sun is invalid, a sun has an elevation or a mask, or
-    /// the method does not read inflow.
+    /// the method does not read inflow, or is `raymarch` with an emission multiplier, a threshold or attenuation.
     pub fn new(size: [u32; 2], sky: &Sky, suns: &[Sun], settings: WorldSettings) -> Result<Self> {
         let (settings, sky) = prepare(size, sky, suns, settings)?;
         let far_field = FarField::new(size, sky.clone());
@@ -582,10 +584,30 @@ fn prepare(
         settings.solver.bounces = Bounces::Converged;
     }
     settings.solver.method.takes_inflow()?;
+    settings.solver.method.as_raymarch().map_or(Ok(()), lights_as_the_far_field)?;
     let glowing = suns.iter().enumerate().map(|(i, sun)| glowing(i, sun));
     let glowing = glowing.collect::<Result<Vec<_>>>()?;
     let sky = SunGlow::default().draw(settings.solver.method(), sky, &glowing);
     Ok((settings, sky))
+}
+
+/// Rejects settings by which tiles would have other light of what lies in them than of what lies beyond.
+fn lights_as_the_far_field(raymarch: &Raymarch) -> Result<()> {
+    let Raymarch { emission_multiplier, threshold, attenuation, .. } = *raymarch;
+    let refused = |key: &str, value: &dyn Display, expected: &str| {
+        let expected = format!("{expected} in a world: what lies beyond a tile is seen without it");
+        Err(Error::value(format!("raymarch.{key}"), value, expected))
+    };
+    if emission_multiplier != 1.0 {
+        return refused("emission_multiplier", &emission_multiplier, "1");
+    }
+    if threshold != 0.0 {
+        return refused("threshold", &threshold, "0");
+    }
+    if attenuation {
+        return refused("attenuation", &attenuation, "false");
+    }
+    Ok(())
 }
 
 /// Returns a sun as part of the sky.

@@ -96,6 +96,30 @@ fn a_solver_with_other_settings_reads_the_inflow_anew() {
 }
 
 #[test]
+fn an_inflow_has_the_emission_of_its_settings() {
+    // Behind fog that the threshold takes for empty.
+    let cells = grid(60, 20, |x, _| match x {
+        40..44 => Matter { opacity: 0.3, ..Matter::EMPTY },
+        50.. => GLOW,
+        _ => Matter::EMPTY,
+    });
+    let window = GridWindow { first: [0; 2], size: [20; 2] };
+    let seen = |raymarch: Raymarch| {
+        let mut solver = Solver::new(Settings::direct(raymarch)).unwrap();
+        solver.solve(&cells).unwrap();
+        let inflow = solver.inflow(window, 64).unwrap();
+        // The middle of the right side, in all directions.
+        inflow.strip(30).iter().map(|rgb| rgb[0]).sum::<f32>()
+    };
+    let clear = Raymarch { threshold: 0.5, ..Raymarch::default() };
+    let [plain, doubled] = [1.0, 2.0]
+        .map(|emission_multiplier| seen(Raymarch { emission_multiplier, ..clear.clone() }));
+    assert!(plain > 0.0 && (doubled / plain - 2.0).abs() < 1e-5, "{plain}, {doubled}");
+    let foggy = seen(Raymarch::default());
+    assert!(plain > 1.5 * foggy, "{plain}, {foggy}");
+}
+
+#[test]
 fn an_inflow_of_another_size_is_refused() {
     let mut cells = Cells::new(8, 5).unwrap();
     let other = Inflow::new([5, 8], 4, |_, _| [1.0; 3]).unwrap();

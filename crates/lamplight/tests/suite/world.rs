@@ -1,7 +1,7 @@
 //! Worlds in tiles: the light of one solve of the whole.
 
 use crate::common::*;
-use lamplight::settings::Holographic;
+use lamplight::settings::{Holographic, Raymarch};
 use lamplight::world::{FarBlocks, FarPart, FarWorld, World, WorldSettings, WorldSource};
 use lamplight::{
     Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Light, Matter, Method, Panorama, Settings, Sky,
@@ -426,6 +426,15 @@ fn settings_are_checked_before_anything_is_read() {
     }
     let solver = Settings { wall_depth: -1.0, ..direct() };
     refused(WorldSettings::new(solver), black(), Sun::default(), "wall_depth");
+    // By these, light from beyond a tile would differ from that of its own cells.
+    let plain = Raymarch::default();
+    for (key, raymarch) in [
+        ("emission_multiplier", Raymarch { emission_multiplier: 2.0, ..plain.clone() }),
+        ("threshold", Raymarch { threshold: 0.1, ..plain.clone() }),
+        ("attenuation", Raymarch { attenuation: true, ..plain }),
+    ] {
+        refused(WorldSettings::new(Settings::direct(raymarch)), black(), Sun::default(), key);
+    }
     refused(valid(), Sky::Uniform([f32::NAN; 3]), Sun::default(), "sky");
     refused(valid(), black(), Sun { angle: 9.0, ..Sun::default() }, "sun[0].angle");
 }

@@ -21,18 +21,20 @@ const ALONG: [f32; RAYS] = [1.0, 3.0, 0.0, 2.0];
 /// The least cosine between a ray and the outward normal: columns that look inward see what grazes the border.
 const GRAZING: f32 = 1e-3;
 
-/// Traces the inflow of a window of a grid, whose surfaces send this light on.
+/// Traces the inflow of a window of a grid, whose surfaces send this light on. Emission and occupied cells are those of the
+/// settings; rays are exact.
 pub fn inflow(
     level: Level,
     cells: &Cells,
+    &Raymarch { emission_multiplier, threshold, .. }: &Raymarch,
     surfaces: &Surfaces,
     window: GridWindow,
     columns: usize,
 ) -> Result<Inflow> {
     let mut grid = MediumGrid::default();
-    grid.read(cells, Reading::default());
-    grid.read_emission(cells, 1.0);
-    surfaces.scatter_into(cells, 1.0, &mut grid);
+    grid.read(cells, Reading { threshold, ..Reading::default() });
+    grid.read_emission(cells, emission_multiplier);
+    surfaces.scatter_into(cells, emission_multiplier, &mut grid);
     grid.measure_empty_space(|_, _| false);
     let settings = Raymarch::default();
     let scene = RayScene {
