@@ -99,12 +99,13 @@ impl<S: WorldSource + ?Sized> WorldSource for &S {
     }
 }
 
-/// Returns the lamps that reach into a window, with positions relative to it.
+/// Returns the lamps that reach into a window, with positions relative to it: by their discs, or by their range, as all do in
+/// `polar` and `flood`, and lamps that are lit by a shadow map in every method.
 pub fn lamps_within(lamps: &[Lamp], window: GridWindow) -> Vec<Lamp> {
     let [first, size] = [window.first, window.size].map(|of| of.map(|v| v as f32));
     let relative = |lamp: &Lamp| [0, 1].map(|a| lamp.position[a] - first[a]);
     let reaches = |lamp: &&Lamp| {
-        let reach = lamp.size.max(1.0) + 1.0;
+        let reach = lamp.range.max(lamp.size.max(1.0) + 1.0);
         (0..2).all(|a| (-reach..size[a] + reach).contains(&relative(lamp)[a]))
     };
     let within = lamps.iter().filter(reaches);

@@ -14,7 +14,8 @@ use std::sync::Arc;
 /// The most bytes of maps that are kept. A larger one is kept alone.
 const MAP_BYTES: u64 = 128 << 20;
 
-/// The farthest that a lamp reaches beyond its map, px: the largest disc.
+/// The farthest that a lamp reaches beyond its map, px: the largest disc. One of a greater range, in the methods that light
+/// lamps by it, ends there in windows, so that these read only the maps around them.
 const LAMP_REACH: u32 = 514;
 
 /// A map of Tiled (`.tmx`), a world of them (`.world`), or a project of LDtk (`.ldtk`).
@@ -172,10 +173,38 @@ impl MapWorld {
     /// # Errors
     /// Fails if it is larger than a grid, or as [`WorldSource::cells`].
     pub fn all_cells(&self) -> Result<Cells> {
-        let mut cells = self.cells(GridWindow { first: [0; 2], size: self.size })?;
+        let (mut cells, lamps) = self.drawn(GridWindow { first: [0; 2], size: self.size })?;
+        *cells.lamps_mut() = lamps;
         cells.set_sky(self.sky());
         *cells.suns_mut() = self.suns();
         Ok(cells)
+    }
+
+    /// Draws a window, without lamps. Returns it with those of the maps around it, px of the world.
+    fn drawn(&self, window: GridWindow) -> Result<(Cells, Vec<Lamp>)> {
+        window.check(self.size)?;
+        let mut cells = Cells::new(window.size[0], window.size[1])?;
+        // Nothing is painted between maps.
+        cells.color_mut().fill([0.0; 3]);
+        let mut lamps = Vec::new();
+        for room in self.rooms.iter().filter(|room| room.meets(window, LAMP_REACH)) {
+            let map = self.map(room)?;
+            let corner = [0, 1].map(|a| room.anchor[a] + i64::from(map.first[a]));
+            lamps.extend(map.lamps.iter().map(|lamp| {
+                let position = [0, 1].map(|a| lamp.position[a] + corner[a] as f32);
+                Lamp { position, ..lamp.clone() }
+            }));
+            if room.meets(window, 0) {
+                let within = |v: i64, a: usize| v - i64::from(window.first[a]);
+                let clip = [0, 1].map(|a| {
+                    let end = room.first[a] + i64::from(room.size[a]);
+                    within(room.first[a], a)..within(end, a)
+                });
+                let corner = [0, 1].map(|a| within(corner[a], a));
+                draw(&map, corner, clip, &self.pictures, &mut cells)?;
+            }
+        }
+        Ok((cells, lamps))
     }
 
     fn map(&self, room: &Room) -> Result<Arc<TileMap>> {
@@ -203,28 +232,7 @@ impl WorldSource for MapWorld {
     }
 
     fn cells(&self, window: GridWindow) -> Result<Cells> {
-        window.check(self.size)?;
-        let mut cells = Cells::new(window.size[0], window.size[1])?;
-        // Nothing is painted between maps.
-        cells.color_mut().fill([0.0; 3]);
-        let mut lamps = Vec::new();
-        for room in self.rooms.iter().filter(|room| room.meets(window, LAMP_REACH)) {
-            let map = self.map(room)?;
-            let corner = [0, 1].map(|a| room.anchor[a] + i64::from(map.first[a]));
-            lamps.extend(map.lamps.iter().map(|lamp| {
-                let position = [0, 1].map(|a| lamp.position[a] + corner[a] as f32);
-                Lamp { position, ..lamp.clone() }
-            }));
-            if room.meets(window, 0) {
-                let within = |v: i64, a: usize| v - i64::from(window.first[a]);
-                let clip = [0, 1].map(|a| {
-                    let end = room.first[a] + i64::from(room.size[a]);
-                    within(room.first[a], a)..within(end, a)
-                });
-                let corner = [0, 1].map(|a| within(corner[a], a));
-                draw(&map, corner, clip, &self.pictures, &mut cells)?;
-            }
-        }
+        let (mut cells, lamps) = self.drawn(window)?;
         *cells.lamps_mut() = lamps_within(&lamps, window);
         Ok(cells)
     }

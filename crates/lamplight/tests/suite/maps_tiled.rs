@@ -238,6 +238,35 @@ fn objects_are_lamps_and_suns() {
 }
 
 #[test]
+fn lamps_beyond_the_border_reach_as_far_as_their_range() {
+    let folder = Folder::new();
+    let lamp = |x: i32, more: &[(&str, &str)]| {
+        let own = properties(more);
+        format!("<object id=\"1\" type=\"lamp\" x=\"{x}\" y=\"4\">{own}<point/></object>")
+    };
+    let spot = [("angle", "60deg"), ("range", "40"), ("size", "1")];
+    let body = format!(
+        "<objectgroup>{}{}{}</objectgroup>",
+        lamp(-20, &spot),
+        lamp(-60, &spot),
+        lamp(-30, &[("size", "1")])
+    );
+    folder.write("a.tmx", map(8, 2, body));
+    let world = folder.open("a.tmx").unwrap();
+    let at = |cells: &Cells| cells.lamps().iter().map(|lamp| lamp.position[0]).collect::<Vec<_>>();
+    let all = world.all_cells().unwrap();
+    assert_eq!(at(&all), [-20.0, -60.0, -30.0]);
+    for source in [&world as &dyn WorldSource, &all] {
+        let window = source.cells(GridWindow { first: [16, 0], size: [16, 8] }).unwrap();
+        assert_eq!(at(&window), [-36.0, -46.0]);
+    }
+    // A spot that lights the border is refused like any other.
+    let made = World::new(&world, WorldSettings::new(Settings::default()), |_, _| ());
+    let error = made.map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("(-20, 4)"), "{error}");
+}
+
+#[test]
 fn all_encodings_are_the_same_cells() {
     let folder = Folder::new();
     let gids = [1, 2 | 1 << 31, 0, 7, 5, 3 | 1 << 29];
@@ -308,10 +337,13 @@ fn two_maps() -> Folder {
             rows.iter().flat_map(|row| row[columns.clone()].iter().copied()).collect();
         let width = columns.len();
         let left = 4.0 * columns.start as f32;
+        let range = properties(&[("range", "4")]);
         let objects: String = lamps
             .iter()
             .filter(|lamp| columns.contains(&((lamp[0] / 4.0) as usize)))
-            .map(|[x, y]| format!("<object type=\"lamp\" x=\"{}\" y=\"{y}\"/>", x - left))
+            .map(|[x, y]| {
+                format!("<object type=\"lamp\" x=\"{}\" y=\"{y}\">{range}</object>", x - left)
+            })
             .collect();
         let walls = properties(&[("light", "walls")]);
         let body = format!(
