@@ -84,9 +84,10 @@ impl FarWorld {
     }
 
     /// The parts in which the world is read, each with the window of the cells that it needs.
-    fn parts(&self) -> Vec<(PyWindow, PyWindow)> {
+    fn parts(&self) -> PyResult<Vec<(PyWindow, PyWindow)>> {
         let parts = self.world.parts().into_iter();
-        parts.map(|part| (of_window(part), of_window(self.world.around_part(part)))).collect()
+        let around = |part| self.world.around_part(part).map_err(value_error);
+        parts.map(|part| Ok((of_window(part), of_window(around(part)?)))).collect()
     }
 
     /// Reads a part from its cells.
@@ -141,7 +142,7 @@ impl FarWorld {
 
     /// Returns the window of cells that light a tile.
     fn around_tile(&self, tile: PyWindow) -> PyResult<PyWindow> {
-        Ok(of_window(self.world.around_tile(window(tile)?)))
+        self.world.around_tile(window(tile)?).map(of_window).map_err(value_error)
     }
 
     /// Returns its blocks, or those of them that light a tile.
@@ -152,7 +153,7 @@ impl FarWorld {
         tile: Option<PyWindow>,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let tile = tile.map(window).transpose()?;
-        let blocks = py.detach(|| packed(&self.world.blocks(tile)))?;
+        let blocks = py.detach(|| packed(&self.world.blocks(tile).map_err(value_error)?))?;
         Ok(PyBytes::new(py, &blocks))
     }
 

@@ -255,7 +255,7 @@ def test_other_sources_are_refused():
     with pytest.raises(TypeError, match="list; expected an array"):
         ll.World({"opacity": [[0, 1]]})
     world = ll.World({"opacity": np.zeros((4, 6))})
-    for window in [(0, 0, 5, 6), (0, 0, 0, 6), (-1, 0, 2, 2), (0, 0, 4, 2**40)]:
+    for window in [(0, 0, 5, 6), (0, 0, 0, 6), (-1, 0, 2, 2), (0, 0, 4, 2**40), (10**6, 0, 1, 1)]:
         with pytest.raises(ValueError, match="window|width|y"):
             world.light(*window)
     for side in (0, -1):

@@ -187,15 +187,15 @@ pub(crate) fn check_size([width, height]: [u32; 2]) -> Result<()> {
     Err(Error::value("size", found, format!("1 to {MAX_SIDE} a side")))
 }
 
-/// Returns the windows of tiles, row by row.
+/// Returns the windows of tiles of a side of 1 px or more, row by row.
 pub(crate) fn tiles(size: [u32; 2], side: u32) -> Vec<GridWindow> {
-    let starts = |a: usize| (0..size[a]).step_by(side.max(1) as usize);
+    let starts = |a: usize| (0..size[a]).step_by(side as usize);
     let window =
         |first: [u32; 2]| GridWindow { first, size: [0, 1].map(|a| side.min(size[a] - first[a])) };
     starts(1).flat_map(|y| starts(0).map(move |x| window([x, y]))).collect()
 }
 
-/// Returns a window with a margin, as far as the world goes, that begins at a multiple of `aligned`.
+/// Returns a window in a world with a margin, as far as the world goes, that begins at a multiple of `aligned`.
 pub(crate) fn expanded(
     window: GridWindow,
     margin: u32,

@@ -162,7 +162,7 @@ impl<'a> World<'a> {
             progress(done, most * parts.len());
             done += 1;
         };
-        let around: Vec<_> = parts.iter().map(|&part| far.around_part(part)).collect();
+        let around: Vec<_> = parts.iter().map(|&part| far.with_margin(part, 1, 1)).collect();
         read_ahead(source, &around, |number, cells| {
             next();
             far.add(far.read(parts[number], cells)?)
@@ -170,7 +170,7 @@ impl<'a> World<'a> {
         far.finish();
         while far.goes_on() {
             let mut after = far.after();
-            let around: Vec<_> = parts.iter().map(|&part| far.around_tile(part)).collect();
+            let around: Vec<_> = parts.iter().map(|&part| far.near(part)).collect();
             read_ahead(source, &around, |number, cells| {
                 next();
                 after.add(far.bounce(parts[number], cells)?)
@@ -187,15 +187,18 @@ impl<'a> World<'a> {
         self.far.size()
     }
 
-    /// The windows of all tiles of this side, px, row by row; those at the right and at the bottom may be smaller.
-    pub fn tiles(&self, side: u32) -> Vec<GridWindow> {
-        tiles(self.size(), side)
+    /// Returns the windows of all tiles of this side, px, row by row; those at the right and at the bottom may be smaller.
+    ///
+    /// # Errors
+    /// Fails if the side is 0.
+    pub fn tiles(&self, side: u32) -> Result<Vec<GridWindow>> {
+        Ok(Tiling::new(self.size(), side, self.far.settings.halo)?.tiles())
     }
 
     /// Returns the light that enters a window from the world around it, whose first cell lies at a multiple of 4.
     ///
     /// # Errors
-    /// As [`Inflow::new`].
+    /// Fails if the window does not lie in the world, or as [`Inflow::new`].
     pub fn inflow(&self, window: GridWindow) -> Result<Inflow> {
         self.far.inflow(window)
     }
@@ -206,13 +209,14 @@ impl<'a> World<'a> {
     /// shadow map, which shine from beyond a grid, are left out.
     ///
     /// # Errors
-    /// As [`Inflow::new`].
+    /// Fails if the window does not lie in the world, or as [`Inflow::new`].
     pub fn with_lamps(
         &self,
         window: GridWindow,
         inflow: &Inflow,
         lamps: &[Lamp],
     ) -> Result<Inflow> {
+        window.check(self.size())?;
         self.far.far_field.with_lamps(window, inflow, lamps)
     }
 
@@ -222,8 +226,7 @@ impl<'a> World<'a> {
     /// # Errors
     /// Fails if the window does not lie in the world, if the source fails, or as [`Solver::solve`].
     pub fn light(&self, window: GridWindow) -> Result<Light> {
-        window.check(self.size())?;
-        self.far.light(window, self.source.cells(self.far.around_tile(window))?)
+        self.far.light(window, self.source.cells(self.far.around_tile(window)?)?)
     }
 
     /// Returns the tiles of this side, px, whose light passes from each into the next ([`Tiling`]), to be lit one by one.
@@ -274,7 +277,7 @@ impl LitTiles<'_> {
                     self.known.remove(&first);
                 }
             }
-            let cells = world.source.cells(world.far.around_tile(one))?;
+            let cells = world.source.cells(world.far.near(one))?;
             let light = world.far.light_in(rim, one, cells)?;
             self.known.insert(place(one), light);
         }
@@ -371,19 +374,36 @@ impl FarWorld {
         tiles(self.size, PART)
     }
 
-    /// The window of cells that are read for a part.
-    pub fn around_part(&self, part: GridWindow) -> GridWindow {
-        expanded(part, 1, self.size, 1)
+    /// Returns the window of cells that are read for a part.
+    ///
+    /// # Errors
+    /// Fails if the window is none of the parts.
+    pub fn around_part(&self, part: GridWindow) -> Result<GridWindow> {
+        self.check_part(part)?;
+        Ok(self.with_margin(part, 1, 1))
     }
 
-    /// The window of cells that light a tile, or find the next bounce of a part.
-    pub fn around_tile(&self, tile: GridWindow) -> GridWindow {
-        expanded(tile, self.settings.halo.max(NEAR), self.size, 4)
+    /// Returns the window of cells that light a tile, or find the next bounce of a part.
+    ///
+    /// # Errors
+    /// Fails if the tile does not lie in the world.
+    pub fn around_tile(&self, tile: GridWindow) -> Result<GridWindow> {
+        tile.check(self.size)?;
+        Ok(self.near(tile))
     }
 
-    /// The window of cells in which a tile is solved.
+    /// The window of cells that light a tile in the world.
+    fn near(&self, tile: GridWindow) -> GridWindow {
+        self.with_margin(tile, self.settings.halo.max(NEAR), 4)
+    }
+
+    /// The window of cells in which a tile in the world is solved.
     fn solved(&self, tile: GridWindow) -> GridWindow {
-        expanded(tile, self.settings.halo, self.size, 4)
+        self.with_margin(tile, self.settings.halo, 4)
+    }
+
+    fn with_margin(&self, window: GridWindow, margin: u32, aligned: u32) -> GridWindow {
+        expanded(window, margin, self.size, aligned)
     }
 
     /// Reads a part from the cells [around](Self::around_part) it.
@@ -392,8 +412,7 @@ impl FarWorld {
     /// Fails if the window is none of the parts, a cell is invalid, or there are lamps that are lit by a shadow map,
     /// which are not known beyond a tile.
     pub fn read(&self, part: GridWindow, cells: Cells) -> Result<FarPart> {
-        self.check_part(part)?;
-        let around = self.around_part(part);
+        let around = self.around_part(part)?;
         check_cells(&cells, around)?;
         cells.check()?;
         refuse_exact_lamps(&cells, around.first)?;
@@ -459,22 +478,26 @@ impl FarWorld {
     }
 
     /// Returns the blocks of a finished one: all, or those that light a tile.
-    pub fn blocks(&self, tile: Option<GridWindow>) -> FarBlocks {
-        let around = tile.map(|tile| self.around_tile(tile));
+    ///
+    /// # Errors
+    /// Fails if the tile does not lie in the world.
+    pub fn blocks(&self, tile: Option<GridWindow>) -> Result<FarBlocks> {
+        let around = tile.map(|tile| self.around_tile(tile)).transpose()?;
         let solved = tile.map(|tile| self.solved(tile));
         let surfaces = self.surfaces.iter();
         let surfaces = match around {
             Some(around) => surfaces.filter_map(|part| part.within(around)).collect(),
             None => surfaces.cloned().collect(),
         };
-        FarBlocks { levels: self.far_field.levels(solved), surfaces, state: self.state }
+        Ok(FarBlocks { levels: self.far_field.levels(solved), surfaces, state: self.state })
     }
 
     /// Returns the light that enters a window from the world around it, whose first cell lies at a multiple of 4.
     ///
     /// # Errors
-    /// As [`Inflow::new`].
+    /// Fails if the window does not lie in the world, or as [`Inflow::new`].
     pub fn inflow(&self, window: GridWindow) -> Result<Inflow> {
+        window.check(self.size)?;
         self.far_field.inflow(window, self.settings.columns, &|_| false, None)
     }
 
@@ -535,7 +558,7 @@ impl FarWorld {
 
     /// Returns the cells in which a tile is solved, of those around it, with all light that enters, in so many directions.
     fn lit_from_afar(&self, tile: GridWindow, mut cells: Cells, columns: usize) -> Result<Cells> {
-        let [around, solved] = [self.around_tile(tile), self.solved(tile)];
+        let [around, solved] = [self.near(tile), self.solved(tile)];
         check_cells(&cells, around)?;
         let (mut lit, wide) = if around == solved {
             (cells, None)

@@ -279,7 +279,7 @@ fn levels_have_the_light_of_their_cells() {
     let cells = two.all_cells().unwrap();
     let from_files = World::new(&two, settings(), |_, _| ()).unwrap();
     let from_memory = World::new(&cells, settings(), |_, _| ()).unwrap();
-    for window in from_files.tiles(64) {
+    for window in from_files.tiles(64).unwrap() {
         let [files, memory] = [&from_files, &from_memory].map(|world| world.light(window).unwrap());
         assert!(files.pixels() == memory.pixels(), "{window:?}");
         assert!(files.pixels().as_flattened().iter().any(|&v| v > 0.0));

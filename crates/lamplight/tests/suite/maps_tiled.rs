@@ -397,7 +397,7 @@ fn a_map_has_the_light_of_its_cells() {
     let from_files = World::new(&two, settings(), |_, _| ()).unwrap();
     let from_memory = World::new(&cells, settings(), |_, _| ()).unwrap();
     let mut brightest = 0.0f32;
-    for window in from_files.tiles(64) {
+    for window in from_files.tiles(64).unwrap() {
         let [files, memory] = [&from_files, &from_memory].map(|world| world.light(window).unwrap());
         assert!(files.pixels() == memory.pixels(), "{window:?}");
         brightest = files.pixels().as_flattened().iter().fold(brightest, |most, &v| most.max(v));

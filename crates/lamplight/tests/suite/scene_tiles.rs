@@ -82,7 +82,7 @@ fn a_world_in_files_has_the_light_of_the_same_cells() {
     let source = SceneWorld::new(&tiles).unwrap();
     let from_files = World::new(&source, settings(), |_, _| ()).unwrap();
     let from_memory = World::new(&cells, settings(), |_, _| ()).unwrap();
-    for window in from_files.tiles(64) {
+    for window in from_files.tiles(64).unwrap() {
         let [files, memory] = [&from_files, &from_memory].map(|world| world.light(window).unwrap());
         assert!(files.pixels() == memory.pixels(), "{window:?}");
     }

@@ -305,7 +305,7 @@ fn tiles_are_the_same_in_any_order_and_at_any_edge() {
     cells.lamps_mut().push(Lamp { position: [150.0, 20.0], ..LAMP });
     let settings = WorldSettings { halo: 20, columns: 64, ..WorldSettings::new(direct()) };
     let world = World::new(&cells, settings.clone(), |_, _| ()).unwrap();
-    let windows = world.tiles(128);
+    let windows = world.tiles(128).unwrap();
     assert_eq!(windows.len(), 9);
     assert_eq!(windows[8], GridWindow { first: [256; 2], size: [44; 2] });
     let again = World::new(&cells, settings, |_, _| ()).unwrap();
@@ -323,7 +323,7 @@ fn tiles_that_pass_into_each_other_are_the_same_in_any_order() {
     let world = World::new(&cells, settings, |_, _| ()).unwrap();
     let mut tiles = world.light_tiles(100).unwrap();
     let windows = tiles.windows();
-    assert_eq!(windows, world.tiles(100));
+    assert_eq!(windows, world.tiles(100).unwrap());
     let all: Vec<_> = windows.iter().map(|window| tiles.light(*window).unwrap()).collect();
     let mut others = world.light_tiles(100).unwrap();
     for i in [8, 4, 0, 5, 2] {
@@ -331,6 +331,7 @@ fn tiles_that_pass_into_each_other_are_the_same_in_any_order() {
     }
     assert!(all[4] != world.light(windows[4]).unwrap(), "the middle one is not mixed");
     let other = GridWindow { first: [1, 0], size: [100; 2] };
+    assert!(world.tiles(0).is_err() && world.light_tiles(0).is_err());
     let error = tiles.light(other).unwrap_err().to_string();
     assert!(error.contains("tile"), "{error}");
     assert!(tiles.light(GridWindow { first: [200, 0], size: [200; 2] }).is_err());
@@ -356,16 +357,16 @@ fn parts_read_and_tiles_lit_elsewhere_are_the_same() {
     let empty = || FarWorld::new(cells_size(&cells), cells.sky(), &[], settings.clone()).unwrap();
     let mut far = empty();
     for part in far.parts() {
-        let read = empty().read(part, source(far.around_part(part))).unwrap();
+        let read = empty().read(part, source(far.around_part(part).unwrap())).unwrap();
         far.add(sent::<FarPart>(&read)).unwrap();
     }
     far.finish();
     assert!(far.goes_on());
     let mut after = far.after();
     for part in far.parts() {
-        let blocks = sent(&far.blocks(Some(part)));
+        let blocks = sent(&far.blocks(Some(part)).unwrap());
         let own = FarWorld::of_blocks(far.size(), cells.sky(), &[], settings.clone(), blocks);
-        let found = own.unwrap().bounce(part, source(far.around_tile(part))).unwrap();
+        let found = own.unwrap().bounce(part, source(far.around_tile(part).unwrap())).unwrap();
         after.add(sent::<FarPart>(&found)).unwrap();
     }
     let mut far = after;
@@ -374,22 +375,22 @@ fn parts_read_and_tiles_lit_elsewhere_are_the_same() {
     let of_blocks = |size, blocks: FarBlocks| {
         FarWorld::of_blocks(size, cells.sky(), &[], settings.clone(), sent(&blocks))
     };
-    let whole = of_blocks(far.size(), far.blocks(None)).unwrap();
-    let tiles = world.tiles(300);
+    let whole = of_blocks(far.size(), far.blocks(None).unwrap()).unwrap();
+    let tiles = world.tiles(300).unwrap();
     for tile in &tiles {
         let expected = world.light(*tile).unwrap();
-        let own = of_blocks(far.size(), far.blocks(Some(*tile))).unwrap();
+        let own = of_blocks(far.size(), far.blocks(Some(*tile)).unwrap()).unwrap();
         for other in [&far, &whole, &own] {
-            let around = source(other.around_tile(*tile));
+            let around = source(other.around_tile(*tile).unwrap());
             assert!(other.light(*tile, around).unwrap() == expected, "{tile:?}");
         }
     }
     // The blocks around one tile do not light another.
     let [first, last] = [tiles[0], tiles[tiles.len() - 1]];
-    let wrong = of_blocks(far.size(), far.blocks(Some(first))).unwrap();
-    let light = wrong.light(last, source(wrong.around_tile(last))).unwrap();
+    let wrong = of_blocks(far.size(), far.blocks(Some(first)).unwrap()).unwrap();
+    let light = wrong.light(last, source(wrong.around_tile(last).unwrap())).unwrap();
     assert!(light != world.light(last).unwrap());
-    assert!(of_blocks([width, height + 8], far.blocks(None)).is_err());
+    assert!(of_blocks([width, height + 8], far.blocks(None).unwrap()).is_err());
 }
 
 fn cells_size(cells: &Cells) -> [u32; 2] {
@@ -410,6 +411,11 @@ fn cells_of_another_window_are_refused() {
     let beyond = GridWindow { first: [1090, 0], size: [20, 20] };
     let error = far.light(beyond, wrong()).unwrap_err().to_string();
     assert!(error.contains("1100×100"), "{error}");
+    for first in [[1090, 0], [1 << 20, 0], [0, u32::MAX]] {
+        let beyond = GridWindow { first, size: [20, 20] };
+        assert!(far.around_tile(beyond).is_err() && far.around_part(beyond).is_err());
+        assert!(far.blocks(Some(beyond)).is_err() && far.inflow(beyond).is_err());
+    }
 }
 
 #[test]
