@@ -70,7 +70,13 @@ impl<'a> NearCells<'a> {
             cell[leaves] += ahead[leaves];
             next[leaves] += inverse[leaves];
         }
-        let block = [0, 1].map(|a| (cell[a] + first[a]).div_euclid(SIDE as i64) as i32);
+        let block = [0, 1].map(|a| {
+            let (at, side) = (cell[a] + first[a], SIDE as i64);
+            // Where the window ends with the world, its last block may reach beyond it, and has been crossed.
+            let is_behind = ahead[a] > 0 && cell[a] >= size[a];
+            let at = if is_behind { at + side - 1 } else { at };
+            at.div_euclid(side) as i32
+        });
         NearRay { light, through, block }
     }
 }

@@ -177,6 +177,20 @@ fn small_lamps_throw_no_rays_into_tiles() {
     assert!(rms < 0.03, "{rms}");
 }
 
+#[test]
+fn a_world_that_ends_within_a_block_has_the_light_of_one_with_empty_cells_there() {
+    let fog = Matter { opacity: 0.2, emission: [3.0; 3], ..Matter::EMPTY };
+    let tile = GridWindow { first: [880, 48], size: [60, 32] };
+    let [light, expected] = [1002, 1004].map(|width| {
+        let cells =
+            grid(width, 128, |x, _| if matches!(x, 1000 | 1001) { fog } else { Matter::EMPTY });
+        let settings = WorldSettings { halo: 32, columns: 64, ..WorldSettings::new(direct()) };
+        World::new(&cells, settings, |_, _| ()).unwrap().light(tile).unwrap()
+    });
+    let off = relative_rmse(&light, &expected);
+    assert!(expected.at(59, 16)[0] > 0.1 && off < 1e-6, "{off}");
+}
+
 /// The light of tiles that know nothing of each other.
 fn in_tiles_alone(cells: &Cells, settings: &Settings, tile: u32) -> Light {
     let mut pixels = vec![[0.0; 3]; cells.len()];
