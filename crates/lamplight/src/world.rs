@@ -22,8 +22,8 @@ use crate::sun_glow::SunGlow;
 pub use crate::tiling::{LitTile, MAX_SIDE, Tiling};
 use crate::tiling::{check_size, expanded, tiles};
 use crate::{
-    Bounces, Cells, Direct, Error, GridWindow, Inflow, Lamp, Light, Panorama, Result, Settings, Sky,
-    Solver, Sun,
+    Bounces, Cells, Direct, Error, GridWindow, Inflow, Lamp, Light, Panorama, Result, Settings,
+    Sky, Solver, Sun,
 };
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -359,6 +359,12 @@ impl FarWorld {
     ) -> Result<Self> {
         let (settings, sky) = prepare(size, sky, suns, settings)?;
         let FarBlocks { levels, surfaces, state } = blocks;
+        for part in &surfaces {
+            check_part(part.window(), size)?;
+            if !part.is_sound() {
+                return Err(Error::value("blocks", "damaged", "those of this world"));
+            }
+        }
         let far_field = FarField::of_levels(size, sky.clone(), levels)?;
         let solvers = IdleSolvers::default();
         Ok(Self { size, settings, sky, far_field, surfaces, state, solvers })
@@ -379,7 +385,7 @@ impl FarWorld {
     /// # Errors
     /// Fails if the window is none of the parts.
     pub fn around_part(&self, part: GridWindow) -> Result<GridWindow> {
-        self.check_part(part)?;
+        check_part(part, self.size)?;
         Ok(self.with_margin(part, 1, 1))
     }
 
@@ -424,7 +430,7 @@ impl FarWorld {
     /// # Errors
     /// Fails if the window is none of the parts, the cells are not those around it, or as [`Solver::solve`].
     pub fn bounce(&self, part: GridWindow, cells: Cells) -> Result<FarPart> {
-        self.check_part(part)?;
+        check_part(part, self.size)?;
         let solved = self.solved(part);
         // Surfaces send on light from a half circle, in which edges of shadows blur: half the directions do.
         let cells = self.lit_from_afar(part, cells, self.settings.columns.div_ceil(2))?;
@@ -442,8 +448,13 @@ impl FarWorld {
     /// Adds what was read of a part, or its next bounce.
     ///
     /// # Errors
-    /// Fails if it was read of another world.
+    /// Fails, and changes nothing, if it was read of another world, was damaged on its way, or has been added.
     pub fn add(&mut self, part: FarPart) -> Result<()> {
+        let window = part.window();
+        check_part(window, self.size)?;
+        if self.surfaces.iter().any(|added| added.window() == window) {
+            return Err(Error::value("part", window, "one that has not been added yet"));
+        }
         let (light, [sent, changed]) = self.far_field.insert(part)?;
         self.state.sent += sent;
         self.state.changed += changed;
@@ -528,15 +539,6 @@ impl FarWorld {
         let light = solver.solve_known(&cells, Some(known))?.window(window.within(solved));
         self.solvers.put_back(solver);
         Ok(light)
-    }
-
-    fn check_part(&self, part: GridWindow) -> Result<()> {
-        part.check(self.size)?;
-        if part.first.iter().all(|v| v % PART == 0) && part.size.iter().all(|v| *v <= PART) {
-            return Ok(());
-        }
-        let expected = format!("at multiples of {PART}, and no larger than that");
-        Err(Error::value("part", format!("{part:?}"), expected))
     }
 
     /// Reads a part from the cells of a window around it, whose surfaces send this on.
@@ -662,6 +664,17 @@ fn read_ahead(
         })?;
     }
     Ok(())
+}
+
+/// Rejects a window that is none of the parts of a world.
+fn check_part(part: GridWindow, world: [u32; 2]) -> Result<()> {
+    part.check(world)?;
+    let whole = [0, 1].map(|a| PART.min(world[a] - part.first[a]));
+    if part.first.iter().all(|v| v % PART == 0) && part.size == whole {
+        return Ok(());
+    }
+    let expected = format!("one of the parts, which begin at multiples of {PART} px");
+    Err(Error::value("part", part, expected))
 }
 
 /// Rejects cells that are not those of a window.

@@ -70,10 +70,15 @@ const MEASURED: usize = 7;
 /// The side of the squares in whose multiples cells are added: that of the largest blocks that are measured, px.
 pub const ALIGNMENT: u32 = (SIDE as u32) << MEASURED;
 
+/// The columns and rows of the smallest blocks of so many cells: even, so that those of the next level hold two each.
+fn blocks_of(size: [u32; 2]) -> [i32; 2] {
+    size.map(|side| side.div_ceil(2 * SIDE as u32) as i32 * 2)
+}
+
 impl FarField {
     /// Creates that of an empty world of so many cells.
     pub fn new(size: [u32; 2], sky: Sky) -> Self {
-        let blocks = size.map(|side| side.div_ceil(2 * SIDE as u32) as i32 * 2);
+        let blocks = blocks_of(size);
         let count = (blocks[0] * blocks[1]) as usize;
         let finest =
             BlockLevel { size: blocks, numbers: vec![EMPTY; count], ..BlockLevel::default() };

@@ -9,7 +9,7 @@ use super::march::Rings;
 use super::read::SIDE;
 use super::shut::WallWay;
 use super::surfaces::PartLight;
-use super::{ALIGNMENT, COARSEST, FarField, MEASURED};
+use super::{ALIGNMENT, COARSEST, FarField, MEASURED, blocks_of};
 use crate::stages::bounce::SurfaceLight;
 use crate::{Cells, Error, GridWindow, Result, Sky};
 use serde::{Deserialize, Serialize};
@@ -138,6 +138,11 @@ impl LevelRecord {
 }
 
 impl FarPart {
+    /// The window of the part.
+    pub fn window(&self) -> GridWindow {
+        self.light.window()
+    }
+
     /// Reads the matter of a part, which begins at a multiple of [`ALIGNMENT`], as [`FarField::add`] does. `light` is what
     /// its surfaces send on, in the whole window also `sent`, and `change` that of it.
     pub fn read(
@@ -176,24 +181,17 @@ fn sorted(blocks: HashMap<[i32; 2], FarBlock>) -> Vec<([i32; 2], FarBlock)> {
 }
 
 impl FarField {
-    /// Adds what was read of a part. Returns what its surfaces send on, and the change of it.
+    /// Adds what was read of a part, whose window lies in the world. Returns what its surfaces send on, and the change of it.
     ///
     /// # Errors
-    /// Fails if it does not lie in the world, or was damaged on its way.
+    /// Fails, and changes nothing, if it was damaged on its way.
     pub fn insert(&mut self, part: FarPart) -> Result<(PartLight, [f64; 2])> {
         let damaged = || Error::value("part", "damaged", "one that was read of this world");
         let FarPart { first, finest: found, walls, measured, light, change } = part;
+        let window = light.window();
         // Blocks of a level by which all that was read is moved to its place.
         let moved =
             |level: usize| first.map(|v| ((v as i32 - ALIGNMENT as i32) / SIDE as i32) >> level);
-        let is_aligned = first.iter().all(|v| v % ALIGNMENT == 0 && i32::try_from(*v).is_ok());
-        let of_levels = measured.iter().flatten().map(|(at, _)| at);
-        let fits = |at: &[i32; 2]| at.iter().all(|v| (0..=ALIGNMENT as i32).contains(v));
-        let is_small =
-            fits(&found.size) && walls.iter().map(|(at, _)| at).chain(of_levels).all(fits);
-        if !is_aligned || !is_small || measured.len() != MEASURED {
-            return Err(damaged());
-        }
         let finest = &mut self.levels[0];
         let size = finest.size;
         let place = |[x, y]: [i32; 2], level: usize| {
@@ -201,19 +199,30 @@ impl FarField {
             let is_inside = (0..2).all(|a| (0..size[a] >> level).contains(&at[a]));
             is_inside.then(|| (at[1] * (size[0] >> level) + at[0]) as usize)
         };
+        let place_of_found = |at: usize| {
+            let (at, columns) = (at as i32, found.size[0]);
+            place([at % columns, at / columns], 0)
+        };
+        // All of it is checked before any is written.
+        let expected = blocks_of(window.size.map(|side| ALIGNMENT + side));
+        if first != window.first || found.size != expected || !light.is_sound() {
+            return Err(damaged());
+        }
+        let mut fits = measured.len() == MEASURED;
+        let whole = found.read(FIRST, |at, _| fits &= place_of_found(at).is_some());
+        let near = |at: &[i32; 2]| at.iter().all(|v| (0..=ALIGNMENT as i32).contains(v));
+        fits &= measured.iter().flatten().all(|(at, _)| near(at));
+        fits &= walls.iter().all(|&(at, _)| near(&at) && place(at, 1).is_some());
+        if whole.is_none() || !fits {
+            return Err(damaged());
+        }
         let first_record = finest.blocks.len() as u32;
-        let mut fits = true;
-        found
-            .read(first_record + FIRST, |at, number| {
-                let [at, columns] = [at as i32, found.size[0]];
-                let Some(at) = place([at % columns, at / columns], 0) else {
-                    fits = false;
-                    return;
-                };
+        let written = found.read(first_record + FIRST, |at, number| {
+            if let Some(at) = place_of_found(at) {
                 finest.numbers[at] = number;
-            })
-            .filter(|()| fits)
-            .ok_or_else(damaged)?;
+            }
+        });
+        written.ok_or_else(damaged)?;
         finest.blocks.extend(found.blocks);
         for (at, wall) in walls {
             self.walls[place(at, 1).ok_or_else(damaged)?] = wall;

@@ -26,6 +26,14 @@ impl PartLight {
         GridWindow { first: self.first, size: self.size }
     }
 
+    /// Returns whether all cells are those of the part, which is not empty.
+    pub fn is_sound(&self) -> bool {
+        let count = self.size.map(u64::from).iter().product::<u64>();
+        let walls = self.walls.iter().map(|(cell, _)| *cell);
+        let mut cells = walls.chain(self.media.iter().map(|(cell, _)| *cell));
+        count > 0 && cells.all(|cell| u64::from(cell) < count)
+    }
+
     /// Returns it with no more than the cells of a window, unless none are in both.
     pub fn within(&self, window: GridWindow) -> Option<Self> {
         let end = |of: GridWindow, a: usize| of.first[a] + of.size[a];

@@ -4,9 +4,10 @@ use crate::common::*;
 use lamplight::settings::{Holographic, Raymarch};
 use lamplight::world::{FarBlocks, FarPart, FarWorld, World, WorldSettings, WorldSource};
 use lamplight::{
-    Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Light, Matter, Method, Panorama, Settings, Sky,
-    Solver, Sun,
+    Bounces, Cells, Direct, GridWindow, Inflow, Lamp, Light, Matter, Method, Panorama, Settings,
+    Sky, Solver, Sun,
 };
+use serde_json::json;
 
 const STONE: Matter = Matter { opacity: 1.0, albedo: [0.7, 0.6, 0.5], ..Matter::EMPTY };
 
@@ -405,6 +406,47 @@ fn parts_read_and_tiles_lit_elsewhere_are_the_same() {
     let light = wrong.light(last, source(wrong.around_tile(last).unwrap())).unwrap();
     assert!(light != world.light(last).unwrap());
     assert!(of_blocks([width, height + 8], far.blocks(None).unwrap()).is_err());
+}
+
+#[test]
+fn parts_that_were_damaged_or_added_before_change_nothing() {
+    let cells = open_world(200);
+    let settings = WorldSettings { columns: 64, ..WorldSettings::new(direct()) };
+    let empty = || FarWorld::new([200; 2], &Sky::BLACK, &[], settings.clone()).unwrap();
+    let part = empty().parts()[0];
+    let read = empty().read(part, WorldSource::cells(&cells, part).unwrap()).unwrap();
+    let finished = |mut far: FarWorld| {
+        far.finish();
+        serde_json::to_value(far.blocks(None).unwrap()).unwrap()
+    };
+    let mut far = empty();
+    far.add(read.clone()).unwrap();
+    let expected = finished(far);
+
+    let mut far = empty();
+    let sound = serde_json::to_value(&read).unwrap();
+    for (place, value) in [
+        ("/light/size", json!([0, 200])),
+        ("/light/first", json!([1024, 0])),
+        ("/light/media", json!([[40_000, 0]])),
+        ("/finest/size", json!([8, 8])),
+        ("/finest/blocks", json!([])),
+        ("/walls/0/0", json!([-1, 0])),
+    ] {
+        let mut damaged = sound.clone();
+        *damaged.pointer_mut(place).unwrap() = value;
+        let damaged: FarPart = serde_json::from_value(damaged).unwrap();
+        assert!(far.add(damaged).is_err(), "{place}");
+    }
+    far.add(read.clone()).unwrap();
+    let error = far.add(read).unwrap_err().to_string();
+    assert!(error.contains("added"), "{error}");
+    assert!(finished(far) == expected);
+
+    let mut blocks = expected;
+    *blocks.pointer_mut("/surfaces/0/size").unwrap() = json!([0, 0]);
+    let blocks: FarBlocks = serde_json::from_value(blocks).unwrap();
+    assert!(FarWorld::of_blocks([200; 2], &Sky::BLACK, &[], settings, blocks).is_err());
 }
 
 fn cells_size(cells: &Cells) -> [u32; 2] {
