@@ -110,7 +110,7 @@ pub struct SettingArgs {
     /// the scene [default: the scene's quality, else default]
     #[arg(long, value_name = "QUALITY", value_parser = by_name(Quality::ALL, Quality::name))]
     pub quality: Option<Quality>,
-    /// Times that light is reflected: a number, or `converged` [default: the scene's, else 0]
+    /// Times that light is reflected: a number, `converged` or `feedback` [default: the scene's, else 2]
     #[arg(long, value_name = "N")]
     pub bounces: Option<Bounces>,
     /// Seed for all random numbers; the same seed gives the same bytes [default: 0]

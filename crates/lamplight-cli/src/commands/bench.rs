@@ -30,16 +30,20 @@ const LEAST_RUNS: usize = 5;
 /// and its most runs.
 const MOST_RUNS: usize = 501;
 
+/// The help of `--bounces`, whose default is another one here.
+const BOUNCES: &str = "Times that light is reflected: a number, `converged` or `feedback` [default: 0 in the built-in \
+                       scene; of --scene its own, else 2]";
+
 /// Time methods at several sizes, stage by stage
 #[derive(clap::Args, Debug)]
+#[command(mut_arg("bounces", |arg| arg.help(BOUNCES)))]
 pub struct BenchArgs {
     /// Methods to time, separated by commas [default: all]
     #[arg(long, value_name = "METHOD", value_delimiter = ',',
           value_parser = by_name(Method::ALL, Method::name))]
     method: Vec<Method>,
     /// Sizes of the built-in scene, such as 320x180,512x512 [default: 320x180,640x360,1280x720]. For
-    /// polar it has lamps of range 64, 1000 of them at 1280x720. It is lit without bounces, unless
-    /// `--bounces` says more
+    /// polar it has lamps of range 64, 1000 of them at 1280x720
     #[arg(long, value_name = "WxH", value_delimiter = ',', conflicts_with = "scene")]
     size: Vec<Size>,
     /// Time this scene instead of the built-in one

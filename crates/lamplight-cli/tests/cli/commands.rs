@@ -323,6 +323,19 @@ fn flags_of_compare_are_grouped_as_those_of_render_are() {
 }
 
 #[test]
+fn help_names_the_defaults_that_hold() {
+    let sandbox = Sandbox::new();
+    for (command, expected) in [
+        ("render", "`feedback` [default: the scene's, else 2]"),
+        ("bench", "`feedback` [default: 0 in the built-in scene; of --scene its own, else 2]"),
+    ] {
+        let help = sandbox.run(&format!("{command} --help")).done();
+        let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(expected), "{words}");
+    }
+}
+
+#[test]
 fn help_and_version_go_to_stdout() {
     let sandbox = Sandbox::new();
     let help = sandbox.run("--help").done();
