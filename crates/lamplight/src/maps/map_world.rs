@@ -73,7 +73,7 @@ impl Room {
     fn of_level(level: ldtk::PlacedLevel) -> Self {
         let first = level.first.map(i64::from);
         let map = match level.map {
-            ldtk::LevelMap::Inside(map) => RoomMap::Held(Arc::new(map)),
+            ldtk::LevelMap::Inside(map) => RoomMap::Held(Arc::from(map)),
             ldtk::LevelMap::File(path) => RoomMap::File(path),
         };
         Self { first, size: level.size, anchor: first, map }

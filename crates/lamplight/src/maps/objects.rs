@@ -1,10 +1,12 @@
 //! Objects that are lights: lamps and suns, with the keys of a scene file as custom properties.
 
 use super::properties::{self, Properties};
+use super::tile_map::TileMap;
 use crate::explain::explain;
 use crate::scene::SceneSky;
+use crate::scene::cookie;
 use crate::scene::source::Source;
-use crate::{Lamp, Result, Sky, Sun};
+use crate::{Lamp, Result, Sun};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -14,13 +16,14 @@ const LAMP: &[&str] = &[
     "range",
     "size",
     "falloff",
+    "cookie",
     "height",
     "direct",
     "mask",
     "solid",
     "visible",
 ];
-const CONE: &[&str] = &["direction", "angle", "softness"];
+const CONE: &[&str] = &["direction", "angle", "softness", "profile"];
 const SUN: &[&str] = &["direction", "angle", "color", "intensity", "elevation", "direct", "mask"];
 
 /// A light that stands on a map.
@@ -32,7 +35,7 @@ pub(super) enum MapLight {
 /// Reads an object of a class, or entity of a name, at a place in px. One that is no light is `None`.
 ///
 /// `lamp` and `light` are lamps. One with an `angle` has a cone; its `direction` is the object's rotation, radians, if it
-/// is not given. A `sun` shines from wherever it stands.
+/// is not given. A `sun` shines from wherever it stands. Pictures are not opened.
 pub(super) fn light(
     class: &str,
     position: [f32; 2],
@@ -58,15 +61,30 @@ pub(super) fn light(
         values.insert("cone".into(), Value::Object(cone));
     }
     let lamp: Lamp = properties::from_notation(values)?;
-    lamp.check(&"lamp")?;
+    lamp.check_in_scene(&"lamp")?;
     Ok(Some(MapLight::Lamp(lamp)))
 }
 
 /// Reads the property `sky` of a map: a colour, or the keys of a sky as text. A picture of it lies beside the file.
-pub(super) fn sky(of_map: &Properties, file: &Path) -> Result<Option<Sky>> {
+pub(super) fn read_sky(of_map: &Properties, file: &Path, map: &mut TileMap) -> Result<()> {
     let mut values = of_map.in_scene_notation(&["sky"]);
-    let Some(sky) = values.remove("sky") else { return Ok(None) };
+    let Some(sky) = values.remove("sky") else { return Ok(()) };
     let sky: SceneSky = serde_json::from_value(sky).map_err(|e| explain("sky", &e.to_string()))?;
     sky.check()?;
-    sky.read(Source::Folder(file.parent().unwrap_or(file))).map(Some)
+    let source = folder_of(file);
+    map.files.extend(sky.image().map(|image| source.place(image)));
+    map.sky = Some(sky.read(source)?);
+    Ok(())
+}
+
+/// Reads the pictures of the cookies of a map's lamps, which lie beside the file.
+pub(super) fn read_cookies(file: &Path, map: &mut TileMap) -> Result<()> {
+    let source = folder_of(file);
+    map.files.extend(map.lamps.iter().filter_map(cookie::image).map(|image| source.place(image)));
+    map.lamps = cookie::with_pixels(&map.lamps, source)?;
+    Ok(())
+}
+
+fn folder_of(file: &Path) -> Source<'_> {
+    Source::Folder(file.parent().unwrap_or(file))
 }

@@ -11,6 +11,8 @@ use std::path::PathBuf;
 pub(super) struct TileMap {
     /// The file, for errors.
     pub file: PathBuf,
+    /// The other files that it was read from, except for the images of its tiles.
+    pub files: Vec<PathBuf>,
     /// The place of the upper left corner in the map's own coordinates: infinite maps may begin anywhere.
     pub first: [i32; 2],
     pub size: [u32; 2],

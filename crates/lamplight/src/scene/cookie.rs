@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// The image of a lamp's cookie, as the scene names it.
-pub(super) fn image(lamp: &Lamp) -> Option<&PathBuf> {
+pub fn image(lamp: &Lamp) -> Option<&PathBuf> {
     match &lamp.cookie.as_ref()?.picture {
         CookiePicture::File(path) => Some(path),
         CookiePicture::Pixels(_) => None,
@@ -15,7 +15,7 @@ pub(super) fn image(lamp: &Lamp) -> Option<&PathBuf> {
 }
 
 /// Returns the lamps with the pixels of their cookies. Those of one image share them.
-pub(super) fn with_pixels(lamps: &[Lamp], source: Source) -> Result<Vec<Lamp>> {
+pub fn with_pixels(lamps: &[Lamp], source: Source) -> Result<Vec<Lamp>> {
     let mut read = HashMap::new();
     let mut lamps = lamps.to_vec();
     for (i, lamp) in lamps.iter_mut().enumerate() {

@@ -1,6 +1,6 @@
 //! Scenes as authors write them: layers, shapes, lamps and a sky, in a file or in code.
 
-mod cookie;
+pub(crate) mod cookie;
 pub(crate) mod coverage;
 mod file;
 mod geometry;

@@ -104,7 +104,7 @@ impl SceneSky {
     }
 
     /// The image, as the scene names it.
-    pub(super) fn image(&self) -> Option<&PathBuf> {
+    pub(crate) fn image(&self) -> Option<&PathBuf> {
         match self {
             Self::Radiance(_) => None,
             Self::Picture(sky) => Some(&sky.picture),

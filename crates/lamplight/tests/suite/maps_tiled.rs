@@ -238,6 +238,37 @@ fn objects_are_lamps_and_suns() {
 }
 
 #[test]
+fn lamps_have_cookies_and_profiles() {
+    let folder = Folder::new();
+    folder.image("leaves.png", &RgbaImage::from_fn(2, 1, |x, _| Rgba([255 * x as u8, 0, 0, 255])));
+    let as_text = r#"{&quot;picture&quot;: &quot;leaves.png&quot;, &quot;size&quot;: 20}"#;
+    let own = properties(&[("cookie", as_text), ("angle", "60deg"), ("profile", "[0.2, 1]")]);
+    let as_class = "<properties><property name=\"cookie\" type=\"class\">".to_owned()
+        + &properties(&[("picture", "leaves.png"), ("turn", "90deg")]).replace(
+            "</properties>",
+            "<property name=\"size\" type=\"float\" value=\"8\"/></properties>",
+        )
+        + "</property></properties>";
+    let objects = |own: &str, other: &str| {
+        format!(
+            "<objectgroup><object id=\"1\" type=\"lamp\" x=\"4\" y=\"4\">{own}<point/></object>\
+             <object id=\"2\" type=\"lamp\" x=\"9\" y=\"4\">{other}<point/></object></objectgroup>"
+        )
+    };
+    folder.write("a.tmx", map(4, 2, objects(&own, &as_class)));
+    let cells = folder.cells("a.tmx");
+    let [first, second] = cells.lamps() else { panic!("{:?}", cells.lamps()) };
+    let [cookie, turned] = [first, second].map(|lamp| lamp.cookie.as_ref().unwrap());
+    assert_eq!((cookie.at([5.0, 0.0]), cookie.at([-5.0, 0.0])), ([1.0, 0.0, 0.0], [0.0; 3]));
+    assert!(turned.at([0.0, 2.0])[0] > 0.99);
+    assert!(turned.pixels().unwrap().shares(cookie.pixels().unwrap()));
+    assert!(first.cone.unwrap().profile.is_some());
+    folder.write("a.tmx", map(4, 2, objects(&own.replace("leaves", "twigs"), "")));
+    let error = folder.error("a.tmx");
+    assert!(error.contains("twigs.png") && error.contains("a.tmx"), "{error}");
+}
+
+#[test]
 fn lamps_beyond_the_border_reach_as_far_as_their_range() {
     let folder = Folder::new();
     let lamp = |x: i32, more: &[(&str, &str)]| {

@@ -27,13 +27,13 @@ pub(super) fn map(
     path: &Path,
 ) -> Result<TileMap> {
     let own = notes::of_fields(&level.field_instances);
-    let map = TileMap {
+    let mut map = TileMap {
         file: path.to_owned(),
         size: [level.px_wid, level.px_hei],
         background: notation::hex(&level.background),
-        sky: objects::sky(&own, project)?,
         ..TileMap::default()
     };
+    objects::read_sky(&own, project, &mut map)?;
     check_size(map.size)?;
     let mut reader =
         LevelReader { definitions, project, map, tilesets: HashMap::new(), sets: Vec::new() };
@@ -46,7 +46,9 @@ pub(super) fn map(
         let name = format!("layer \"{}\"", layer.identifier);
         reader.layer(layer, &name).map_err(|e| of(&name, e))?;
     }
-    Ok(reader.map)
+    let mut map = reader.map;
+    objects::read_cookies(project, &mut map)?;
+    Ok(map)
 }
 
 /// A level that is being read.

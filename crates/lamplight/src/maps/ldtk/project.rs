@@ -24,7 +24,7 @@ pub(in crate::maps) struct PlacedLevel {
 
 /// A level, or the file that it is in.
 pub(in crate::maps) enum LevelMap {
-    Inside(TileMap),
+    Inside(Box<TileMap>),
     File(PathBuf),
 }
 
@@ -51,7 +51,7 @@ pub(in crate::maps) fn read_project(path: &Path) -> Result<(Project, Vec<PlacedL
         next = next.saturating_add_unsigned(size[along]);
         let map = match (&found.external_rel_path, &found.layer_instances) {
             (Some(file), None) => LevelMap::File(beside(path, file)),
-            _ => LevelMap::Inside(project.level(&found, path)?),
+            _ => LevelMap::Inside(project.level(&found, path)?.into()),
         };
         placed.push(PlacedLevel { first, size, map });
     }

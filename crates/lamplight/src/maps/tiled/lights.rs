@@ -61,6 +61,7 @@ impl<'a> Lights<'a> {
             let visible = node.attribute("visible") != Some("0");
             let mut object = Object::of(node)?;
             if let Some(template) = node.attribute("template") {
+                map.files.push(beside(self.file, template));
                 object = object.over(self.template(node, template)?);
             }
             let (Some(class), true) = (&object.class, visible) else { continue };

@@ -33,6 +33,7 @@ pub(super) fn read(map_node: Node, file: &Path, map: &mut TileMap) -> Result<Vec
                     let source = format!("tileset {source}");
                     at_line(node, Error::Under { key: source, source: Box::new(e) })
                 })?;
+                map.files.push(path);
             }
         }
     }

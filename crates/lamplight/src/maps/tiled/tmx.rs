@@ -29,9 +29,9 @@ fn map(node: Node, path: &Path) -> Result<TileMap> {
         file: path.to_owned(),
         size: [0, 1].map(|a| cell[a].saturating_mul(count[a])),
         background: color(node, "backgroundcolor")?,
-        sky: objects::sky(&properties(node), path).map_err(|e| at_line(node, e))?,
         ..TileMap::default()
     };
+    objects::read_sky(&properties(node), path, &mut map).map_err(|e| at_line(node, e))?;
     if cell.contains(&0) {
         let found = format!("{}×{}", cell[0], cell[1]);
         return Err(at_line(node, Error::value("map.tilewidth", found, "1×1 px or more")));
@@ -43,6 +43,7 @@ fn map(node: Node, path: &Path) -> Result<TileMap> {
     let lights = Lights::new(path);
     LayerReader { map: &mut map, sets: &sets, cell, infinite, lights }
         .read(node, &Inherited::default())?;
+    objects::read_cookies(path, &mut map)?;
     if infinite {
         crop(&mut map, node)?;
     }
