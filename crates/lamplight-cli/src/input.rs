@@ -7,8 +7,9 @@ use lamplight::scene::SceneWorld;
 use lamplight::world::WorldSource;
 use lamplight::{Cells, Display, Scene, SettingsTable};
 use serde_json::{Value, json};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
 
 /// A scene file or a map, by its ending.
 #[derive(Debug)]
@@ -102,11 +103,11 @@ impl Input {
     }
 
     /// The files that it reads.
-    pub fn files(&self) -> Vec<PathBuf> {
-        match self {
+    pub fn files(&self) -> Result<Vec<PathBuf>> {
+        Ok(match self {
             Self::Scene(scene) => scene.files(),
-            Self::Map(map) => map.files(),
-        }
+            Self::Map(map) => map.files()?,
+        })
     }
 
     /// Its cells, window by window.
@@ -117,11 +118,17 @@ impl Input {
         })
     }
 
-    /// A description that differs if it is another one or was changed.
+    /// A description that differs if it is another one, or a file that it reads was changed.
     pub fn identity(&self) -> Result<Value> {
+        let files = self.files()?;
+        let folder = files.first().and_then(|own| own.parent()).unwrap_or(Path::new(""));
+        let all = || files.iter().map(|file| of_file(file, folder));
         Ok(match self {
-            Self::Scene(scene) => scene.to_toml()?.into(),
-            Self::Map(map) => map.files().iter().map(|file| of_file(file)).collect(),
+            // Of its own file, the values count.
+            Self::Scene(scene) => json!({
+                "text": scene.to_toml()?, "files": all().skip(1).collect::<Vec<_>>(),
+            }),
+            Self::Map(_) => all().collect(),
         })
     }
 }
@@ -136,14 +143,25 @@ fn is_dark(cells: &Cells) -> bool {
     cells.lamps().is_empty() && cells.suns().is_empty() && cells.sky().is_black() && !of_matter
 }
 
-/// The name, the length and the time of a file.
-fn of_file(path: &Path) -> Value {
-    let metadata = path.metadata().ok();
-    let changed = metadata.as_ref().and_then(|data| data.modified().ok());
-    let seconds = changed.and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-    json!({
-        "file": path.display().to_string(),
-        "bytes": metadata.map(|data| data.len()),
-        "changed": seconds.map(|seconds| seconds.as_secs()),
-    })
+/// The name of a file, from a folder on if it lies there, its length and a checksum of its bytes.
+fn of_file(path: &Path, folder: &Path) -> Value {
+    let (bytes, checksum) = checksum(path).unzip();
+    let name = path.strip_prefix(folder).unwrap_or(path);
+    json!({ "file": name.display().to_string(), "bytes": bytes, "crc32": checksum })
+}
+
+/// The length of a file and the CRC-32 of its bytes; none if it cannot be read, which whatever needs it reports.
+fn checksum(path: &Path) -> Option<(u64, u32)> {
+    let mut file = BufReader::with_capacity(1 << 16, File::open(path).ok()?);
+    let (mut length, mut hasher) = (0, crc32fast::Hasher::new());
+    loop {
+        let bytes = file.fill_buf().ok()?;
+        if bytes.is_empty() {
+            return Some((length, hasher.finalize()));
+        }
+        hasher.update(bytes);
+        let count = bytes.len();
+        length += count as u64;
+        file.consume(count);
+    }
 }

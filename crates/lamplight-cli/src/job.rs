@@ -118,7 +118,7 @@ pub fn read_cells(
     if !quiet {
         scene.warnings(&cells).iter().for_each(|text| warn(text));
     }
-    Ok((cells, OutputFiles::protecting(scene.files())))
+    Ok((cells, OutputFiles::protecting(scene.files()?)))
 }
 
 fn warn_of_what_is_ignored(

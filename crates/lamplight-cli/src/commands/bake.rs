@@ -41,7 +41,7 @@ pub struct BakeArgs {
     #[arg(long, value_name = "PX", default_value_t = WorldSettings::HALO,
           value_parser = clap::value_parser!(u32).range(0..=512))]
     halo: u32,
-    /// Keep the tiles that an earlier run with the same scene and flags has written
+    /// Keep the tiles that an earlier run has written with the same scene, the same images and the same flags
     #[arg(long)]
     resume: bool,
     /// Print a summary as one JSON object
@@ -111,7 +111,7 @@ fn bake(args: &BakeArgs) -> Result {
     memory::check(needed, format_args!("lighting {width}×{height} cells in tiles"))?;
 
     let source = scene.source()?;
-    let outputs = OutputFiles::protecting(scene.files());
+    let outputs = OutputFiles::protecting(scene.files()?);
     output::make_directory(&args.output)?;
     let rim = Tiling::new(size, args.tile, args.halo)?.rim();
     let mut manifest = json!({

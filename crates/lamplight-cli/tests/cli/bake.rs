@@ -69,6 +69,24 @@ fn tiles_pass_into_each_other_as_in_the_library() {
 }
 
 #[test]
+fn a_run_does_not_go_on_with_other_images() {
+    let sandbox = sandbox();
+    let image = |grey: u8| {
+        let image = image::GrayImage::from_pixel(8, 8, image::Luma([grey]));
+        image.save(sandbox.path("box.png")).unwrap();
+    };
+    image(200);
+    let sprite = "\n[[shape]]\nsprite = { image = \"box.png\", center = [60, 60] }\nopacity = 1\n";
+    sandbox.write("world.toml", WORLD.to_owned() + sprite);
+    let bake = "bake world.toml -o tiles --tile 128 -q --bounces 0";
+    sandbox.run(bake).done();
+    image(200);
+    sandbox.run(&format!("{bake} --resume")).done();
+    image(100);
+    sandbox.run(&format!("{bake} --resume")).failed(2, &["--resume", "scene"]);
+}
+
+#[test]
 fn a_run_goes_on_where_it_was_broken_off() {
     let sandbox = sandbox();
     sandbox.run("bake world.toml -o tiles --tile 100 --format exr -q").done();

@@ -46,6 +46,11 @@ fn a_map_is_rendered_and_baked() {
     sandbox.write("map.tmx", String::from_utf8(sandbox.read("map.tmx")).unwrap() + "\n");
     let again = sandbox.run("bake two.world -o tiles --tile 160 -q --bounces 0 --resume");
     again.failed(2, &["--resume", "scene"]);
+    // Nor are files of the maps, which are not read before they are needed.
+    sandbox.run("bake two.world -o tiles --tile 160 -q --bounces 0").done();
+    RgbaImage::from_pixel(16, 16, Rgba([90; 4])).save(sandbox.path("wall.png")).unwrap();
+    let again = sandbox.run("bake two.world -o tiles --tile 160 -q --bounces 0 --resume");
+    again.failed(2, &["--resume", "scene"]);
     sandbox.run("probe map.tmx 80,60").done();
 }
 

@@ -8,6 +8,7 @@ use crate::scene::pictures::Pictures;
 use crate::tiling::check_size;
 use crate::world::{WorldSource, lamps_within};
 use crate::{Cells, Error, GridWindow, Lamp, Result, Sky, Sun};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -152,20 +153,24 @@ impl MapWorld {
         self.origin
     }
 
-    /// The files that it reads, except for the images and tilesets of maps that have not been read yet.
-    pub fn files(&self) -> Vec<PathBuf> {
+    /// Returns the files that it reads: maps, tilesets, templates and images. All maps are read for it.
+    ///
+    /// # Errors
+    /// Fails if a map is missing or invalid.
+    pub fn files(&self) -> Result<Vec<PathBuf>> {
         let mut files = vec![self.file.clone()];
         for room in &self.rooms {
-            let map = match &room.map {
-                RoomMap::Held(map) => Some(map.clone()),
-                RoomMap::File(path) => {
-                    files.push(path.clone());
-                    self.maps.find(path)
-                }
-            };
-            files.extend(map.iter().flat_map(|m| m.sheets.iter().map(|sheet| sheet.path.clone())));
+            if let RoomMap::File(path) = &room.map {
+                files.push(path.clone());
+            }
+            let map = self.map(room)?;
+            files.extend(map.files.iter().cloned());
+            files.extend(map.sheets.iter().map(|sheet| sheet.path.clone()));
         }
-        files
+        // Maps share them.
+        let mut known = HashSet::new();
+        files.retain(|file| known.insert(file.clone()));
+        Ok(files)
     }
 
     /// Draws all of it, with its sky and its suns.

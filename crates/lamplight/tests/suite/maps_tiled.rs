@@ -263,6 +263,9 @@ fn lamps_have_cookies_and_profiles() {
     assert!(turned.at([0.0, 2.0])[0] > 0.99);
     assert!(turned.pixels().unwrap().shares(cookie.pixels().unwrap()));
     assert!(first.cone.unwrap().profile.is_some());
+    assert!(
+        folder.open("a.tmx").unwrap().files().unwrap().iter().any(|f| f.ends_with("leaves.png"))
+    );
     folder.write("a.tmx", map(4, 2, objects(&own.replace("leaves", "twigs"), "")));
     let error = folder.error("a.tmx");
     assert!(error.contains("twigs.png") && error.contains("a.tmx"), "{error}");
@@ -605,4 +608,23 @@ fn files_cut_short_or_changed_anywhere_are_errors_and_no_panic() {
 fn draw(folder: &Folder) {
     let corner = GridWindow { first: [0, 0], size: [1, 1] };
     let _ = folder.open("a.tmx").and_then(|map| map.cells(corner));
+}
+
+#[test]
+fn all_files_of_a_world_are_known_before_its_maps_are_drawn() {
+    let folder = Folder::new();
+    let tileset = TILESET.replacen(" firstgid=\"1\"", "", 1);
+    folder
+        .write("art.tsx", tileset)
+        .write("spot.tx", "<template><object type=\"lamp\"/></template>");
+    let body = "<tileset firstgid=\"1\" source=\"art.tsx\"/><objectgroup>\
+                <object id=\"1\" template=\"spot.tx\" x=\"1\" y=\"1\"/></objectgroup>";
+    folder.write("a.tmx", map(2, 1, "")).write("b.tmx", map(2, 1, body));
+    let entry = |name: &str, x: u32| {
+        format!(r#"{{ "fileName": "{name}.tmx", "x": {x}, "y": 0, "width": 8, "height": 4 }}"#)
+    };
+    folder.write("w.world", format!(r#"{{ "maps": [{}, {}] }}"#, entry("a", 0), entry("b", 8)));
+    let files = folder.open("w.world").unwrap().files().unwrap();
+    let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap()).collect();
+    assert_eq!(names, ["w.world", "a.tmx", "b.tmx", "art.tsx", "spot.tx", "tiles.png"]);
 }
