@@ -55,7 +55,7 @@ fn history_ends_where_exact_lights_go_out_and_stays_where_they_move() {
             cells.lamps_mut().push(lamp);
         }
         if n != 6 {
-            cells.suns_mut().push(Sun { direction: f32::from(n), ..Sun::default() });
+            cells.suns_mut().push(Sun { direction: 0.5 * f32::from(n), ..Sun::default() });
         }
         cells
     });
