@@ -53,12 +53,10 @@ impl Matter {
         let above = coverage * self.opacity;
         let under = (1.0 - coverage) * below.opacity;
         let opacity = above + under;
-        // Glass without opacity is mixed by area.
-        let (above, under) = if opacity > 0.0 {
-            (above / opacity, under / opacity)
-        } else {
-            (coverage, 1.0 - coverage)
-        };
+        // Glass without opacity is mixed by area. Weights of 1 in all keep mixed fractions at 1 or less, which two quotients
+        // would not.
+        let above = if opacity > 0.0 { above / opacity } else { coverage };
+        let under = 1.0 - above;
         let mix = |a: Rgb, b: Rgb, wa: f32, wb: f32| -> Rgb {
             std::array::from_fn(|c| a[c] * wa + b[c] * wb)
         };

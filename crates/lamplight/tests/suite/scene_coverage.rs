@@ -227,6 +227,16 @@ fn shapes_lie_over_one_another_in_order() {
 }
 
 #[test]
+fn white_over_white_is_not_whiter() {
+    for i in 0..256 {
+        let fog =
+            |x: f32| Shape::circle([x, 4.0], 2.5).albedo([1.0; 3]).opacity(0.7).antialias(true);
+        let (below, above) = (fog(4.1), fog(4.0 + i as f32 / 256.0));
+        Scene::new(8, 8).shape(below).shape(above).cells().unwrap().check().unwrap();
+    }
+}
+
+#[test]
 fn colour_is_painted_by_the_opacity_of_a_shape() {
     let whole = |shape: Shape| {
         let cells = Scene::new(1, 1).shape(shape).cells().unwrap();
