@@ -8,6 +8,7 @@ use super::pictures::Pictures;
 use super::source::Source;
 use crate::check::BRIGHT;
 use crate::mask::{self, ALL_LAYERS};
+use crate::relief::{self, Normal};
 use crate::{Error, GridWindow, Result, Rgb, srgb};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -91,6 +92,11 @@ impl Pixel<'_> {
         rgb.map(|v| v * alpha)
     }
 
+    /// Returns whether the values are linear: those of an EXR.
+    fn is_linear(&self) -> bool {
+        matches!(self.picture, Picture::Float(_))
+    }
+
     fn error(&self, field: &'static str, value: f32, expected: &'static str) -> Error {
         Error::Cell { x: self.x, y: self.y, field, value, expected }
     }
@@ -139,6 +145,27 @@ impl Layer<'_, '_> {
             if masks[i] == 0 {
                 return Err(pixel.error("mask", 0.0, mask::EXPECTED));
             }
+            Ok(())
+        })
+    }
+
+    /// Sets the normal of every cell from an image in which green stands for `up`, −1 if it stands for down. Components are
+    /// encoded, except in an EXR. Transparent pixels are not tilted.
+    pub fn fill_normals(&self, normals: &mut [Normal], up: f32) -> Result<()> {
+        self.visit(|i, pixel| {
+            let (values, alpha) = pixel.value();
+            if alpha == 0.0 {
+                return Ok(());
+            }
+            let direction = if pixel.is_linear() { values } else { relief::decode(values) };
+            if let Some(&value) = direction.iter().find(|v| !(-1.0..=1.0).contains(*v)) {
+                return Err(pixel.error("normal", value, "-1 to 1"));
+            }
+            if direction == [0.0; 3] && pixel.is_linear() {
+                return Err(pixel.error("normal", 0.0, "of a direction, such as (0, 0, 1)"));
+            }
+            let [x, y, z] = relief::unit(direction);
+            normals[i] = [x, -up * y, z];
             Ok(())
         })
     }

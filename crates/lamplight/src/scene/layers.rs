@@ -4,7 +4,6 @@ use super::layer::{Layer, ScenePlace, grey, tile_names, tile_parts};
 use super::pictures::Pictures;
 use super::source::Source;
 use crate::check;
-use crate::relief::{self, UP};
 use crate::{Cells, Error, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -56,8 +55,8 @@ pub struct Layers {
     /// Colour of the final picture under the light, sRGB-decoded. Default: the albedo layer, else white.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<PathBuf>,
-    /// Normal map of the final picture: `n·½ + ½` per channel, without sRGB decoding, z towards the viewer. Transparent
-    /// pixels are not tilted. `[display.relief]` has how it is lit.
+    /// Normal map of the final picture: `n·½ + ½` per channel, without sRGB decoding, z towards the viewer; in an EXR n
+    /// itself, −1 to 1. Transparent pixels are not tilted. `[display.relief]` has how it is lit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal: Option<PathBuf>,
     /// The direction of green in the normal map: up (OpenGL, most painting programs) or down (DirectX).
@@ -250,15 +249,8 @@ impl Layers {
             layer.paint(cells.color_mut())?;
         }
         if let Some(layer) = layer("normal") {
-            let sign = if self.normal_y == NormalY::Up { 1.0 } else { -1.0 };
-            layer.fill("normal", cells.normals_mut(), -1.0..=1.0, |pixel, _| {
-                let (rgb, alpha) = pixel.value();
-                if alpha == 0.0 {
-                    return UP;
-                }
-                let [x, y, z] = relief::decode(rgb);
-                [x, sign * y, z]
-            })?;
+            let up = if self.normal_y == NormalY::Up { 1.0 } else { -1.0 };
+            layer.fill_normals(cells.normals_mut(), up)?;
         }
         if let Some(layer) = layer("mask") {
             layer.fill_masks(cells.masks_mut())?;

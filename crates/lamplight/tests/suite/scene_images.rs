@@ -159,6 +159,36 @@ fn exr_is_linear_as_it_is() {
     );
 }
 
+#[test]
+fn normals_of_an_exr_are_as_they_are() {
+    let bench = Bench::new();
+    let exr = |normal: [f32; 3]| {
+        let pixel = |x, _| Rgb(if x == 0 { [0.0, 0.0, 1.0] } else { normal });
+        bench.image("n.exr", Rgb32FImage::from_fn(2, 1, pixel));
+    };
+    let scene = "size = [2, 1]\nlayers = { normal = \"n.exr\" }";
+    exr([-0.6, 0.0, 0.8]);
+    assert_eq!(bench.cells(scene).unwrap().normals().unwrap(), [[0.0, 0.0, 1.0], [-0.6, 0.0, 0.8]]);
+    // Green is up, and what was shortened by filters has unit length.
+    exr([0.0, 0.3, 0.4]);
+    assert_eq!(bench.cells(scene).unwrap().normals().unwrap()[1], [0.0, -0.6, 0.8]);
+    for (normal, problem) in [
+        ([0.0, f32::NAN, 1.0], "NaN, but must be -1 to 1"),
+        ([0.0, 0.0, f32::INFINITY], "inf, but must be -1 to 1"),
+        ([0.0, -1.5, 0.0], "-1.5, but must be -1 to 1"),
+        ([0.0; 3], "0, but must be of a direction, such as (0, 0, 1)"),
+    ] {
+        exr(normal);
+        assert_eq!(
+            bench.cells(scene).unwrap_err(),
+            format!("scene.toml: line 2: `layers.normal`: n.exr: cell (1, 0): normal is {problem}")
+        );
+    }
+    bench.image("n.png", pair([128, 255, 128, 255], CLEAR));
+    let cells = bench.cells(&scene.replace("exr", "png")).unwrap();
+    assert_eq!(cells.normals().unwrap(), [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0]]);
+}
+
 /// Writes an EXR with one channel.
 fn one_channel(bench: &Bench, name: &str, channel: &str, values: [f32; 2]) {
     use exr::prelude::*;
