@@ -167,8 +167,9 @@ fn bake(args: &BakeArgs) -> Result {
     let (count, kept) = (windows.len(), windows.len() - lit);
     let took = ms(start.elapsed());
     if args.json {
+        let [scene, output] = [&args.scene, &args.output].map(|path| path.display().to_string());
         return output::print(json!({
-            "scene": args.scene, "output": args.output, "size": size, "tiles": count,
+            "scene": scene, "output": output, "size": size, "tiles": count,
             "kept": kept, "total_ms": took,
         }));
     }

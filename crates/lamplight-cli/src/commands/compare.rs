@@ -98,7 +98,8 @@ pub fn run(args: CompareArgs) -> Result {
         }
         if args.json {
             let mut answer = json!({
-                "scene": args.scene, "width": cells.width(), "height": cells.height(),
+                "scene": args.scene.display().to_string(),
+                "width": cells.width(), "height": cells.height(),
                 "bounces": settings.bounces, "backend": device.backend(), "threads": threads,
                 "reference": { "samples": reference.samples, "cells": args.cells,
                                "ms": ms(reference.time),

@@ -73,7 +73,8 @@ pub fn run(args: RenderArgs) -> Result {
         let device = lit.as_ref().map(|lit| &lit.device).or(fields.as_ref().map(|f| &f.device));
         if args.json {
             let mut summary = json!({
-                "scene": args.scene, "output": output, "stage": stage.name(),
+                "scene": args.scene.display().to_string(), "output": shown.to_string(),
+                "stage": stage.name(),
                 "width": width, "height": height,
                 "backend": device.map_or("cpu", DeviceInfo::backend), "threads": threads,
                 "total_ms": ms(start.elapsed()),

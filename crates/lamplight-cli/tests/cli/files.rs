@@ -1,6 +1,6 @@
 //! Output files: complete or not written, never over an input; and readers that close the pipe.
 
-use super::sandbox::Sandbox;
+use super::sandbox::{Run, Sandbox};
 use std::io::Read;
 use std::process::Stdio;
 
@@ -193,5 +193,20 @@ fn a_closed_stdout_is_not_an_error() {
         let mut err = String::new();
         child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
         assert_eq!((child.wait().unwrap().code(), err.as_str()), (Some(0), ""), "{arguments:?}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn names_that_are_not_utf_8_are_shown_in_json() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let sandbox = Sandbox::small();
+    let name = OsStr::from_bytes(b"a\xff.toml");
+    std::fs::copy(sandbox.path("small.toml"), sandbox.path(name)).unwrap();
+    let compare = ["compare", "--samples", "1", "--cells", "1", "--methods", "polar"];
+    for command in [&["render"][..], &["bake", "-o", "tiles"], &compare] {
+        let run: Run = sandbox.command(command).arg("--json").arg(name).output().unwrap().into();
+        assert!(run.out.contains("\"a\u{fffd}.toml\""), "{command:?}: {}", run.err);
     }
 }
