@@ -301,6 +301,26 @@ fn lamps_beyond_the_border_reach_as_far_as_their_range() {
 }
 
 #[test]
+fn objects_turn_about_their_place() {
+    let folder = Folder::new();
+    let cone = properties(&[("angle", "60deg")]);
+    let body = format!(
+        "{TILESET}<objectgroup>\
+         <object id=\"1\" type=\"lamp\" x=\"10\" y=\"6\" width=\"4\" height=\"2\" rotation=\"90\"/>\
+         <object id=\"2\" type=\"lamp\" gid=\"1\" x=\"10\" y=\"6\" width=\"4\" height=\"4\" rotation=\"-90\"/>\
+         <object id=\"3\" type=\"lamp\" x=\"2\" y=\"3\" rotation=\"450\">{cone}<point/></object></objectgroup>"
+    );
+    let cells = folder.write("a.tmx", map(8, 4, body)).cells("a.tmx");
+    let [rect, tile, spot] = cells.lamps() else { panic!("{:?}", cells.lamps()) };
+    for (lamp, expected) in [(rect, [9.0, 8.0]), (tile, [8.0, 4.0]), (spot, [2.0, 3.0])] {
+        let off = [0, 1].map(|a| (lamp.position[a] - expected[a]).abs());
+        assert!(off[0].max(off[1]) < 1e-5, "{:?} {expected:?}", lamp.position);
+    }
+    let direction = spot.cone.unwrap().direction;
+    assert!((direction - std::f32::consts::FRAC_PI_2).abs() < 1e-6, "{direction}");
+}
+
+#[test]
 fn all_encodings_are_the_same_cells() {
     let folder = Folder::new();
     let gids = [1, 2 | 1 << 31, 0, 7, 5, 3 | 1 << 29];

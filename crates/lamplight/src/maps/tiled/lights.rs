@@ -69,9 +69,13 @@ impl<'a> Lights<'a> {
             // Tiles stand on their place; shapes hang from it.
             let down = if object.is_tile { -0.5 } else { 0.5 };
             let corner = [number(node, "x")?, number(node, "y")?].map(Option::unwrap_or_default);
-            let center = [corner[0] + 0.5 * width, corner[1] + down * height];
+            // Tiled turns objects clockwise about their place, by any number of turns.
+            let rotation = (object.rotation.unwrap_or(0.0) % 360.0).to_radians();
+            let (sin, cos) = rotation.sin_cos();
+            let [across, along] = [0.5 * width, down * height];
+            let center =
+                [corner[0] + cos * across - sin * along, corner[1] + sin * across + cos * along];
             let position = [0, 1].map(|a| center[a] + offset[a] as f32);
-            let rotation = object.rotation.unwrap_or(0.0).to_radians();
             let light = objects::light(class, position, rotation, &object.properties);
             match light.map_err(|e| at_line(node, of(&named(node), e)))? {
                 Some(MapLight::Lamp(lamp)) => map.lamps.push(lamp),
