@@ -301,6 +301,24 @@ fn lamps_beyond_the_border_reach_as_far_as_their_range() {
 }
 
 #[test]
+fn tiles_that_are_objects_have_the_class_and_the_properties_of_their_tile() {
+    let folder = Folder::new();
+    let torch = properties(&[("intensity", "30"), ("size", "2")]);
+    let tileset = TILESET
+        .replace("</tileset>", &format!("<tile id=\"2\" type=\"lamp\">{torch}</tile></tileset>"));
+    let own = properties(&[("size", "5")]);
+    let body = format!(
+        "{tileset}<objectgroup><object id=\"1\" gid=\"{}\" x=\"4\" y=\"4\" width=\"4\" height=\"4\">{own}</object>\
+         <object id=\"2\" gid=\"3\" type=\"chest\" x=\"8\" y=\"4\" width=\"4\" height=\"4\"/>\
+         <object id=\"3\" gid=\"1\" x=\"8\" y=\"4\" width=\"4\" height=\"4\"/></objectgroup>",
+        3u32 | 1 << 31
+    );
+    let cells = folder.write("a.tmx", map(4, 2, body)).cells("a.tmx");
+    let [lamp] = cells.lamps() else { panic!("{:?}", cells.lamps()) };
+    assert_eq!((lamp.position, lamp.intensity, lamp.size), ([6.0, 2.0], 30.0, 5.0));
+}
+
+#[test]
 fn objects_turn_about_their_place() {
     let folder = Folder::new();
     let cone = properties(&[("angle", "60deg")]);

@@ -2,6 +2,7 @@
 
 use super::layer_data;
 use super::lights::Lights;
+use super::tilesets::TileKind;
 use super::xml::{at_line, attribute, child, color, number, pixels, properties, required};
 use crate::maps::properties::{Properties, of};
 use crate::maps::tile_map::{Places, TileLayer, TileMap};
@@ -56,8 +57,8 @@ impl Inherited {
 /// The layers of a map that is being read.
 pub(super) struct LayerReader<'a> {
     pub map: &'a mut TileMap,
-    /// The sets of properties of tiles.
-    pub sets: &'a [Properties],
+    /// The kinds of tiles.
+    pub kinds: &'a [TileKind],
     pub cell: [u32; 2],
     pub infinite: bool,
     pub lights: Lights<'a>,
@@ -88,8 +89,9 @@ impl LayerReader<'_> {
 
     fn tile_layer(&mut self, node: Node, own: &Inherited) -> Result<()> {
         let name = format!("layer \"{}\"", node.attribute("name").unwrap_or_default());
-        let matter = |set: &Properties| TileMatter::of(set, &own.properties, own.visible);
-        let matter = self.sets.iter().map(matter).collect::<Result<_>>();
+        let matter =
+            |kind: &TileKind| TileMatter::of(&kind.properties, &own.properties, own.visible);
+        let matter = self.kinds.iter().map(matter).collect::<Result<_>>();
         let matter = matter.map_err(|e| at_line(node, of(&name, e)))?;
         let size = [required(node, "width")?, required(node, "height")?];
         let chunks = match child(node, "data") {

@@ -1,11 +1,12 @@
 //! Objects that are lights, with what they have from their template (`.tx`).
 
-use super::xml::{at_line, child, children, number, properties, with_root};
+use super::tilesets::TileKind;
+use super::xml::{at_line, attribute, child, children, class, number, properties, with_root};
 use crate::Result;
 use crate::maps::map_file::beside;
 use crate::maps::objects::{self, MapLight};
 use crate::maps::properties::{Properties, of};
-use crate::maps::tile_map::TileMap;
+use crate::maps::tile_map::{CellTile, TileMap};
 use roxmltree::Node;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -13,6 +14,8 @@ use std::path::{Path, PathBuf};
 /// A reader of objects, which reads each template once.
 pub(super) struct Lights<'a> {
     file: &'a Path,
+    /// The kinds of tiles.
+    kinds: &'a [TileKind],
     templates: HashMap<PathBuf, Object>,
 }
 
@@ -28,10 +31,8 @@ struct Object {
 
 impl Object {
     fn of(node: Node) -> Result<Self> {
-        // Tiled 1.9 called it `class`.
-        let class = node.attribute("type").or(node.attribute("class"));
         Ok(Self {
-            class: class.filter(|class| !class.is_empty()).map(str::to_owned),
+            class: class(node),
             size: [number(node, "width")?, number(node, "height")?],
             rotation: number(node, "rotation")?,
             is_tile: node.has_attribute("gid"),
@@ -51,8 +52,8 @@ impl Object {
 }
 
 impl<'a> Lights<'a> {
-    pub fn new(file: &'a Path) -> Self {
-        Self { file, templates: HashMap::new() }
+    pub fn new(file: &'a Path, kinds: &'a [TileKind]) -> Self {
+        Self { file, kinds, templates: HashMap::new() }
     }
 
     /// Reads the lights of an object layer into a map.
@@ -63,6 +64,10 @@ impl<'a> Lights<'a> {
             if let Some(template) = node.attribute("template") {
                 map.files.push(beside(self.file, template));
                 object = object.over(self.template(node, template)?);
+            }
+            if let Some(kind) = self.kind(node, map)? {
+                object.class = object.class.or_else(|| kind.class.clone());
+                object.properties = object.properties.over(&kind.properties);
             }
             let (Some(class), true) = (&object.class, visible) else { continue };
             let [width, height] = object.size.map(|length| length.unwrap_or(0.0));
@@ -84,6 +89,13 @@ impl<'a> Lights<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Returns the kind of an object's tile. That of a template counts by the tilesets of the template, which are not read.
+    fn kind(&self, node: Node, map: &TileMap) -> Result<Option<&TileKind>> {
+        let number = attribute(node, "gid")?.and_then(|bits| CellTile::of_bits(bits).number());
+        let tile = number.and_then(|number| map.tile(number));
+        Ok(tile.map(|tile| &self.kinds[tile.properties as usize]))
     }
 
     fn template(&mut self, node: Node, name: &str) -> Result<&Object> {

@@ -1,7 +1,7 @@
 //! Tilesets, in the map's file or in one of their own (`.tsx`).
 
 use super::xml::{
-    at_line, attribute, child, children, color, pixels, properties, required, with_root,
+    at_line, attribute, child, children, class, color, pixels, properties, required, with_root,
 };
 use crate::maps::map_file::beside;
 use crate::maps::properties::Properties;
@@ -13,13 +13,20 @@ use std::path::Path;
 /// The most tiles of a map's tilesets.
 const MAX_TILES: u32 = 1 << 20;
 
-/// Reads the tilesets of a map into it. Returns the sets of properties that their tiles have; the first one is empty.
-pub(super) fn read(map_node: Node, file: &Path, map: &mut TileMap) -> Result<Vec<Properties>> {
-    let mut sets = vec![Properties::default()];
+/// The class and the properties that tiles have in their tileset.
+#[derive(Clone, Default, PartialEq)]
+pub(super) struct TileKind {
+    pub class: Option<String>,
+    pub properties: Properties,
+}
+
+/// Reads the tilesets of a map into it. Returns the kinds of their tiles; the first one has nothing.
+pub(super) fn read(map_node: Node, file: &Path, map: &mut TileMap) -> Result<Vec<TileKind>> {
+    let mut kinds = vec![TileKind::default()];
     for node in children(map_node, "tileset") {
         let first: u32 = required(node, "firstgid")?;
         let mut read = |node: Node, file: &Path| {
-            Tileset { node, file, first, map: &mut *map, sets: &mut sets }.read()
+            Tileset { node, file, first, map: &mut *map, kinds: &mut kinds }.read()
         };
         match node.attribute("source") {
             None => read(node, file)?,
@@ -37,7 +44,7 @@ pub(super) fn read(map_node: Node, file: &Path, map: &mut TileMap) -> Result<Vec
             }
         }
     }
-    Ok(sets)
+    Ok(kinds)
 }
 
 /// A tileset that is being read.
@@ -47,7 +54,7 @@ struct Tileset<'a, 'n, 'i> {
     /// The number of its first tile in the map.
     first: u32,
     map: &'a mut TileMap,
-    sets: &'a mut Vec<Properties>,
+    kinds: &'a mut Vec<TileKind>,
 }
 
 impl Tileset<'_, '_, '_> {
@@ -72,7 +79,7 @@ impl Tileset<'_, '_, '_> {
                 walls.set("light", "walls".into());
                 own = own.over(&walls);
             }
-            self.set_properties(id, own);
+            self.set_kind(id, TileKind { class: class(tile), properties: own });
         }
         Ok(())
     }
@@ -172,14 +179,14 @@ impl Tileset<'_, '_, '_> {
         Ok(())
     }
 
-    fn set_properties(&mut self, id: u32, own: Properties) {
+    fn set_kind(&mut self, id: u32, own: TileKind) {
         let number = u64::from(self.first) + u64::from(id);
         let tile = self.map.tiles.get_mut(number as usize).and_then(Option::as_mut);
-        let (Some(tile), false) = (tile, own == Properties::default()) else { return };
-        let known = self.sets.iter().position(|set| *set == own);
+        let (Some(tile), false) = (tile, own == TileKind::default()) else { return };
+        let known = self.kinds.iter().position(|kind| *kind == own);
         let index = known.unwrap_or_else(|| {
-            self.sets.push(own);
-            self.sets.len() - 1
+            self.kinds.push(own);
+            self.kinds.len() - 1
         });
         tile.properties = index as u32;
     }

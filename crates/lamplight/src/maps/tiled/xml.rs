@@ -113,6 +113,13 @@ pub(super) fn child<'a, 'i: 'a>(node: Node<'a, 'i>, name: &'static str) -> Optio
     children(node, name).next()
 }
 
+/// Returns the class of an object or a tile.
+pub(super) fn class(node: Node) -> Option<String> {
+    // Tiled 1.9 called it `class`.
+    let class = node.attribute("type").or(node.attribute("class"));
+    class.filter(|class| !class.is_empty()).map(str::to_owned)
+}
+
 /// Reads the custom properties of an element that are meant for lamplight.
 pub(super) fn properties(node: Node) -> Properties {
     let mut properties = Properties::default();
