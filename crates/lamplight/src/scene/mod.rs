@@ -228,23 +228,23 @@ impl Scene {
     /// Warnings about input that is valid and probably a mistake, one sentence each: matter that glows
     /// and emits no light, shapes and lamps that are not visible.
     pub fn warnings(&self, cells: &Cells) -> Vec<String> {
-        let mut warnings = Vec::new();
         let window = Window::grid(cells.width(), cells.height());
-        for (i, shape) in self.shapes.iter().enumerate() {
-            if !matches!(shape.geometry, Geometry::Sprite(_))
-                && raster::covered(shape, &window) == 0
-            {
-                warnings.push(format!(
+        let unseen = |(i, shape): (usize, &Shape)| {
+            let is_sprite = matches!(shape.geometry, Geometry::Sprite(_));
+            (!is_sprite && raster::covered(shape, &window) == 0).then(|| {
+                format!(
                     "`shape[{i}]` covers no cell: it lies outside the grid or, without antialiasing, \
                      between the centres of cells"
-                ));
-            }
-        }
+                )
+            })
+        };
+        let mut warnings = first_of_many(self.shapes.iter().enumerate().filter_map(unseen));
         let [width, height] = [cells.width(), cells.height()].map(|n| n as f32);
+        let [mut bright, mut outside, mut walled_in] = [const { Vec::new() }; 3];
         for (i, lamp) in cells.lamps().iter().enumerate() {
             if lamp.color.iter().any(|&c| c >= EIGHT_BIT) {
                 let [r, g, b] = lamp.color;
-                warnings.push(format!(
+                bright.push(format!(
                     "`lamp[{i}].color` = [{r}, {g}, {b}] is far above 1, like a colour of 0 to 255: write \
                      \"#rrggbb\", or linear values up to 1 and an `intensity`"
                 ));
@@ -253,17 +253,18 @@ impl Scene {
             if !((0.0..=width).contains(&x) && (0.0..=height).contains(&y)) {
                 // Lit by a shadow map, it lights from there as well.
                 if !lamp.is_exact() {
-                    warnings.push(format!(
+                    outside.push(format!(
                         "`lamp[{i}]` is at [{x}, {y}], outside the grid of {width}×{height}: polar \
                          and flood light from there, the others see what of its disc lies inside"
                     ));
                 }
             } else if is_walled_in(lamp, cells) {
-                warnings.push(format!(
+                walled_in.push(format!(
                     "`lamp[{i}]` at [{x}, {y}] is inside a wall, which its light does not leave"
                 ));
             }
         }
+        warnings.extend([bright, outside, walled_in].into_iter().flat_map(first_of_many));
         let mut idle = (0..cells.len()).filter(|&i| {
             let matter = cells.matter(i);
             matter.emission.iter().any(|&e| e > 0.0)
@@ -293,6 +294,20 @@ impl Scene {
 
 /// A channel of a lamp's colour from which on it is probably meant as one of 0 to 255.
 const EIGHT_BIT: f32 = 32.0;
+
+/// The most warnings of a kind that are listed one by one.
+const LISTED: usize = 4;
+
+/// Returns the warnings of a kind, of many the first.
+fn first_of_many(found: impl IntoIterator<Item = String>) -> Vec<String> {
+    let mut found: Vec<_> = found.into_iter().collect();
+    let count = found.len();
+    if count > LISTED {
+        found.truncate(1);
+        found[0] += &format!(" (the first of {count} such)");
+    }
+    found
+}
 
 /// True if every cell that the disc of a lamp covers or touches is solid.
 fn is_walled_in(lamp: &Lamp, cells: &Cells) -> bool {

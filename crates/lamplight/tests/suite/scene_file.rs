@@ -707,3 +707,22 @@ fn warnings_name_likely_mistakes() {
     scene.lamps.clear();
     assert!(scene.warnings(&scene.cells().unwrap()).is_empty());
 }
+
+#[test]
+fn many_warnings_of_a_kind_are_one() {
+    let mut scene = Scene::new(8, 8);
+    for i in 0..400 {
+        let position = [9.5 + i as f32, 4.0];
+        scene.lamps.push(Lamp { position, color: [255.0; 3], ..Lamp::default() });
+        scene.shapes.push(Shape::circle([90.0, 2.0], 3.0));
+    }
+    let warnings = scene.warnings(&scene.cells().unwrap());
+    let begins = ["`shape[0]` covers no cell", "`lamp[0].color` =", "`lamp[0]` is at [9.5, 4]"];
+    assert_eq!(warnings.len(), begins.len(), "{warnings:?}");
+    for (warning, begin) in warnings.iter().zip(begins) {
+        assert!(
+            warning.starts_with(begin) && warning.ends_with("(the first of 400 such)"),
+            "{warning}"
+        );
+    }
+}
