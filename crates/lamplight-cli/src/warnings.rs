@@ -115,10 +115,20 @@ pub fn left_out(renderer: Renderer, cells: &Cells, settings: &Settings) -> Optio
         Bounces::Count(count) => parts.push(format!("the {count} bounces")),
         Bounces::Converged | Bounces::Feedback => parts.push("all bounces".to_owned()),
     }
+    // The others are in the warnings of the scene.
+    if cells.lamps().iter().any(|lamp| !lamp.is_exact() && is_in_wall(lamp.position, cells)) {
+        parts.push("lamps whose centre is inside a wall".to_owned());
+    }
     let (last, others) = parts.split_last()?;
     let parts = match others {
         [] => last.clone(),
         others => format!("{} and {last}", others.join(", ")),
     };
     Some(format!("polar lights by lamps only: it leaves out {parts}"))
+}
+
+/// Returns true if a point lies in a solid cell.
+fn is_in_wall([x, y]: [f32; 2], cells: &Cells) -> bool {
+    let matter = cells.get(x as u32, y as u32).filter(|_| x >= 0.0 && y >= 0.0);
+    matter.is_some_and(|matter| matter.opacity >= 1.0)
 }

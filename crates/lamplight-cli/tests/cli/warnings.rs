@@ -112,6 +112,19 @@ fn polar_names_what_it_leaves_out() {
     warns(&sandbox, "probe glow.toml 2,5 --method polar", &[glow]);
     let bounces = "polar lights by lamps only: it leaves out all bounces";
     warns(&sandbox, "probe wall.toml 2,5 --method polar --bounces converged", &[bounces]);
+    sandbox.write(
+        "inside.toml",
+        format!("size = [17, 17]\n{wall}{}", lamp.replace("8.5, 8.5", "14.5, 1.5")),
+    );
+    let inside = "polar lights by lamps only: it leaves out lamps whose centre is inside a wall";
+    warns(&sandbox, "probe inside.toml 2,5 --method polar --bounces 0", &[inside]);
+    assert!(
+        sandbox
+            .run("probe inside.toml 2,5 --method polar -q")
+            .done()
+            .contains("0.000   0.000   0.000")
+    );
+    warns(&sandbox, "probe inside.toml 2,5", &[]);
     warns(&sandbox, "probe lamp.toml 2,5 --method polar", &[]);
     warns(&sandbox, "probe wall.toml 2,5 --method polar --bounces 0", &[]);
     warns(&sandbox, "probe all.toml 2,5 --method flood", &[]);

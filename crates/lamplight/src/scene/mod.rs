@@ -309,8 +309,13 @@ fn first_of_many(found: impl IntoIterator<Item = String>) -> Vec<String> {
     found
 }
 
-/// True if every cell that the disc of a lamp covers or touches is solid.
+/// True if the light of a lamp in the grid does not leave a wall: every cell that its disc covers or touches is solid or,
+/// if it is lit by a shadow map, the one at its centre.
 fn is_walled_in(lamp: &Lamp, cells: &Cells) -> bool {
+    if lamp.is_exact() {
+        let [x, y] = lamp.position.map(|v| v as u32);
+        return cells.get(x, y).is_some_and(|matter| matter.opacity >= 1.0);
+    }
     let (center, reach) = (lamp.position.map(f64::from), f64::from(lamp.size) + 1.0);
     let window = Window::grid(cells.width(), cells.height());
     let mut solid = true;

@@ -1,5 +1,6 @@
 //! Scene files: what is read, what is written, and what each mistake is answered with.
 
+use crate::common::solve;
 use lamplight::Gradient;
 use lamplight::scene::{Layers, Material, NormalY, SkyPicture};
 use lamplight::{
@@ -725,4 +726,21 @@ fn many_warnings_of_a_kind_are_one() {
             "{warning}"
         );
     }
+}
+
+#[test]
+fn a_lamp_of_a_shadow_map_shines_from_its_centre() {
+    let warns = |x: f32, direct: Direct| {
+        let wall = Shape::rect([20.0, 0.0], [24.0, 40.0]);
+        let lamp = Lamp { position: [x, 20.5], size: 4.0, direct, ..Lamp::default() };
+        let scene = Scene::new(40, 40).shape(wall).lamp(lamp);
+        let cells = scene.cells().unwrap();
+        let light = solve(&Settings::direct(Method::Cascades), &cells);
+        let is_dark = light.pixels().iter().all(|rgb| rgb[1] == 0.0);
+        let warnings = scene.warnings(&cells);
+        assert_eq!(warnings.len(), usize::from(is_dark), "{x}, {direct:?}: {warnings:?}");
+        is_dark
+    };
+    assert!(warns(20.5, Direct::Exact) && warns(23.5, Direct::Exact));
+    assert!(!warns(19.5, Direct::Exact) && !warns(20.5, Direct::Glow));
 }
