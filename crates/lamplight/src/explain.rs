@@ -7,6 +7,9 @@ const LONGEST: usize = 80;
 /// The similarity (Jaro–Winkler, 0 to 1) above which an unknown key is taken for a misspelt one.
 const ALIKE: f64 = 0.8;
 
+/// A description of whole numbers.
+const WHOLE: &str = "a whole number of 0 or more";
+
 /// The error for a message of serde about the value under `path` (serde_path_to_error's).
 pub(crate) fn explain(path: &str, message: &str) -> Error {
     let path = shortened(if path == "." { "" } else { path });
@@ -48,7 +51,9 @@ pub(crate) fn explain(path: &str, message: &str) -> Error {
                 }
                 _ => plain_value(found),
             };
-            Error::value(key, shortened(&found), plain(expected))
+            let is_large = plain(expected) == WHOLE && found.parse::<u128>().is_ok();
+            let expected = if is_large { "smaller".into() } else { plain(expected) };
+            Error::value(key, shortened(&found), expected)
         }
         // The reader of TOML expects this of an enum.
         None if message == "wanted string or table" => {
@@ -90,7 +95,7 @@ fn plain(expected: &str) -> String {
         "f32" | "f64" => "a number",
         // The only bytes are masks.
         "u8" => mask::EXPECTED,
-        "u32" | "u64" | "usize" => "a whole number of 0 or more",
+        "u32" | "u64" | "usize" => WHOLE,
         "a boolean" => "true or false",
         "path string" | "a string" => "a text in quotes",
         "a sequence" => "a list",
@@ -113,6 +118,8 @@ fn plain_value(found: &str) -> String {
             .into_iter()
             .find_map(|kind| found.strip_prefix(kind))
             .unwrap_or(found)
+            // The type of whole numbers that no other holds.
+            .replace(" as i128", "")
             .replace('`', ""),
     }
 }

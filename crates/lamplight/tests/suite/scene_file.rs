@@ -269,6 +269,11 @@ const TOML_MISTAKES: &[Mistake] = &[
     ("size = 4", "line 1: `size` is 4, but must be a list of 2 numbers"),
     ("size = [4.5, 4]", "line 1: `size[0]` is 4.5, but must be a whole number of 0 or more"),
     ("size = [-4, 4]", "line 1: `size[0]` is -4, but must be a whole number of 0 or more"),
+    ("size = [5000000000, 4]", "line 1: `size[0]` is 5000000000, but must be smaller"),
+    (
+        "size = [99999999999999999999, 4]",
+        "line 1: `size[0]` is 99999999999999999999, but must be smaller",
+    ),
     (
         "size = [0, 4]",
         "line 1: a grid of 0×4 cells is refused: each side must be 1 to 16384, and the product at",
