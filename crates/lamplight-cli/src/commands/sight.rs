@@ -35,10 +35,12 @@ pub struct SightArgs {
     #[arg(long, value_name = "FRACTION", default_value_t = Sight::default().fade)]
     fade: f32,
     /// The direction in which viewers look, in degrees from the right downwards [default: all round]
-    #[arg(long, value_name = "DEGREES", requires = "angle", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", requires = "angle", allow_negative_numbers = true,
+          value_parser = degrees(-360.0, 360.0))]
     direction: Option<f32>,
     /// The angle of their field of view, in degrees
-    #[arg(long, value_name = "DEGREES", requires = "direction")]
+    #[arg(long, value_name = "DEGREES", requires = "direction", allow_negative_numbers = true,
+          value_parser = degrees(0.06, 360.0))]
     angle: Option<f32>,
     /// Show each cell as K×K pixels
     #[arg(long, value_name = "K", default_value_t = DisplayArgs::default().scale,
@@ -46,6 +48,14 @@ pub struct SightArgs {
     scale: u32,
     #[command(flatten)]
     machine: MachineArgs,
+}
+
+/// A parser for angles in a range.
+fn degrees(least: f32, most: f32) -> impl Fn(&str) -> Result<f32, String> + Clone {
+    move |text| {
+        let value = text.parse().ok().filter(|value| (least..=most).contains(value));
+        value.ok_or_else(|| format!("an angle is {least} to {most} degrees"))
+    }
 }
 
 impl SightArgs {

@@ -80,6 +80,14 @@ fn sight_draws_what_viewers_see() {
         ("--from 4 -o x.png", "two numbers with a comma"),
         ("--from 4,4 --range 0 -o x.png", "`sight[0].range` is 0, but must be"),
         ("--from 4,4 --angle 20 -o x.png", "--direction"),
+        (
+            "--from 4,4 --direction 400 --angle 20 -o x.png",
+            "'400' for '--direction <DEGREES>': an angle is -360 to 360 degrees",
+        ),
+        (
+            "--from 4,4 --direction 4 --angle -1 -o x.png",
+            "'-1' for '--angle <DEGREES>': an angle is 0.06 to 360 degrees",
+        ),
         ("--from 4,4 --backend gpu -o x.png", "on the CPU only"),
         ("--from 4,4 --scale 2 -o x.exr", "--scale is for pictures"),
     ] {
