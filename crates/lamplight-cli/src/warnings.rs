@@ -1,6 +1,6 @@
 //! Warnings about valid input that has no effect or is ignored.
 
-use crate::args::{DisplayArgs, LightingArgs, Renderer};
+use crate::args::{DisplayArgs, LightingArgs, Position, Renderer};
 use crate::comparison::FEEDBACK_FRAMES;
 use crate::output::Format;
 use crate::stage::Stage;
@@ -125,6 +125,16 @@ pub fn left_out(renderer: Renderer, cells: &Cells, settings: &Settings) -> Optio
         others => format!("{} and {last}", others.join(", ")),
     };
     Some(format!("polar lights by lamps only: it leaves out {parts}"))
+}
+
+/// Viewers inside of walls, one sentence each.
+pub fn blind_viewers(from: &[Position], cells: &Cells) -> Vec<String> {
+    let blind = from.iter().filter(|Position(eye)| is_in_wall(*eye, cells));
+    blind
+        .map(|Position([x, y])| {
+            format!("`--from {x},{y}` is inside a wall, from where nothing is seen")
+        })
+        .collect()
 }
 
 /// Returns true if a point lies in a solid cell.

@@ -2,13 +2,14 @@
 
 use crate::args::{Backend, DisplayArgs, MachineArgs, Position, Renderer};
 use crate::device_info::DeviceInfo;
-use crate::error::{CliError, Result};
+use crate::error::{CliError, Result, warn};
 use crate::input::Input;
 use crate::job::read_cells;
 use crate::lit::ms;
 use crate::memory;
 use crate::output::{self, Format};
 use crate::stage::{check_scale, enlarge};
+use crate::warnings::blind_viewers;
 use lamplight::{Cone, Method, Settings, Sight, SightSolver, debug_views};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -92,9 +93,13 @@ pub fn run(args: SightArgs) -> Result {
                 + memory::estimate_picture(size.cells, args.scale)
         })?;
         outputs.check(&args.output)?;
+        let drawn = cells.drawn();
+        if !quiet {
+            blind_viewers(&args.from, &drawn).iter().for_each(|text| warn(text));
+        }
         let start = Instant::now();
         let mut solver = SightSolver::default();
-        solver.read(&cells.drawn())?;
+        solver.read(&drawn)?;
         let seen = solver.field(&args.sights())?;
         let took = ms(start.elapsed()).round();
         let (width, height) = (cells.width(), cells.height());

@@ -147,6 +147,15 @@ fn a_lamp_inside_a_wall_is_named() {
     warns(&sandbox, "probe beside.toml 5,15", &[]);
 }
 
+#[test]
+fn a_viewer_inside_a_wall_is_named() {
+    let sandbox = Sandbox::small();
+    let sight = |from: &str| format!("sight small.toml {from} -o seen.png");
+    let blind = "`--from 15,10` is inside a wall, from where nothing is seen";
+    warns(&sandbox, &sight("--from 4,4 --from 15,10"), &[blind]);
+    sandbox.run(&sight("--from 4,4 --from=-15,10 --from 15,90")).done();
+}
+
 /// Mesa asks for the display server's folder when GPUs are listed, and prints an error without it.
 #[test]
 fn messages_of_drivers_are_not_printed() {
