@@ -7,7 +7,7 @@ use crate::lit::ms;
 use crate::memory;
 use crate::output::{self, OutputFiles};
 use crate::progress::Progress;
-use lamplight::world::{Tiling, World, WorldSettings};
+use lamplight::world::{MAX_SIDE, Tiling, World, WorldSettings};
 use lamplight::{Cells, Display, GridWindow, Light, Method};
 use serde_json::{Value, json};
 use std::fs;
@@ -16,12 +16,14 @@ use std::time::Instant;
 
 /// The file that says what the tiles of a directory are.
 const MANIFEST: &str = "bake.json";
+/// The smallest and the largest side of a tile, px.
+const TILES: [u32; 2] = [64, 2048];
 
 /// Light a scene or a map of any size, tile by tile, into a directory of pictures
 ///
 /// Each tile has the light of the whole scene. The scene may be larger than a grid (up to 65536 a side); it is then
 /// drawn with shapes, sprites, and layers in tiles, which are read as they are needed. Tiles are named by column and row: 0-0.png is the one at the top left. bake.json says
-/// what they show.
+/// what they show. Tiles that an earlier bake.json there lists are removed.
 #[derive(clap::Args, Debug)]
 pub struct BakeArgs {
     /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
@@ -34,7 +36,7 @@ pub struct BakeArgs {
     format: TileFormat,
     /// The side of a tile in px: larger is faster and takes more memory
     #[arg(long, value_name = "PX", default_value_t = 1024,
-          value_parser = clap::value_parser!(u32).range(64..=2048))]
+          value_parser = clap::value_parser!(u32).range(i64::from(TILES[0])..=i64::from(TILES[1])))]
     tile: u32,
     /// The margin of a tile in px that is lit with it: wider is closer to one solve of the whole, and slower. In half of
     /// it, up to 32 px, tiles pass into each other
@@ -126,9 +128,7 @@ fn bake(args: &BakeArgs) -> Result {
         check_manifest(&args.output, &manifest)?;
     }
 
-    let name = |[column, row]: [u32; 2]| {
-        args.output.join(format!("{column}-{row}.{}", args.format.extension()))
-    };
+    let name = |tile| tile_path(&args.output, tile, args.format);
     for row in 0..height.div_ceil(args.tile) {
         for column in 0..width.div_ceil(args.tile) {
             outputs.check(&name([column, row]))?;
@@ -142,9 +142,9 @@ fn bake(args: &BakeArgs) -> Result {
     let windows = tiles.windows();
     let name = |window: &GridWindow| name(window.first.map(|v| v / args.tile));
     if !args.resume {
-        // Those of another scene would pass for finished ones.
-        for window in &windows {
-            outputs.remove(&name(window))?;
+        // Those of another scene would pass for finished ones, and those of a larger one for more of this.
+        for path in windows.iter().map(name).chain(listed_tiles(&args.output)) {
+            outputs.remove(&path)?;
         }
     }
     let text = serde_json::to_string_pretty(&manifest).unwrap_or_default() + "\n";
@@ -185,6 +185,25 @@ fn bake(args: &BakeArgs) -> Result {
     output::print(format_args!(
         "wrote {count} tiles of {width}×{height} cells into {folder}{of_those}, in {seconds:.1} s"
     ))
+}
+
+/// The file of a tile.
+fn tile_path(directory: &Path, [column, row]: [u32; 2], format: TileFormat) -> PathBuf {
+    directory.join(format!("{column}-{row}.{}", format.extension()))
+}
+
+/// The files of the tiles that the manifest of a directory lists: none, if it cannot be read.
+fn listed_tiles(directory: &Path) -> Vec<PathBuf> {
+    let text = fs::read_to_string(directory.join(MANIFEST)).unwrap_or_default();
+    let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
+    let formats = [TileFormat::Png, TileFormat::Exr];
+    let format = formats.into_iter().find(|format| manifest["format"] == format.extension());
+    let Some(format) = format else { return Vec::new() };
+    let most = u64::from(MAX_SIDE / TILES[0]);
+    let count = |key: &str| manifest[key].as_u64().unwrap_or(0).min(most) as u32;
+    let [columns, rows] = ["columns", "rows"].map(count);
+    let tiles = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
+    tiles.map(|tile| tile_path(directory, tile, format)).collect()
 }
 
 /// Refuses to go on with the tiles of another scene, or of other flags.

@@ -111,6 +111,26 @@ fn a_run_goes_on_where_it_was_broken_off() {
     assert!(sandbox.read(&all[2]) != b"finished before");
 }
 
+#[test]
+fn tiles_of_a_larger_bake_are_removed() {
+    let sandbox = sandbox();
+    sandbox.run("bake world.toml -o tiles --tile 64 --format exr -q --bounces 0").done();
+    assert!(sandbox.path("tiles/3-1.exr").is_file());
+    for other in ["4-0.exr", "3-1.png", "notes.txt"] {
+        sandbox.write(&format!("tiles/{other}"), "mine");
+    }
+    sandbox.write("world.toml", sized("[64, 64]"));
+    sandbox.run("bake world.toml -o tiles --tile 64 --bounces 0 -q").done();
+    let entries = std::fs::read_dir(sandbox.path("tiles")).unwrap();
+    let mut left: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
+    left.sort();
+    assert_eq!(left, ["0-0.png", "3-1.png", "4-0.exr", "bake.json", "notes.txt"]);
+    // A manifest of anything else lists no tiles.
+    sandbox.write("tiles/bake.json", r#"{ "format": "txt", "columns": 1e30, "rows": [] }"#);
+    sandbox.run("bake world.toml -o tiles --tile 64 --bounces 0 -q").done();
+    assert!(sandbox.path("tiles/3-1.png").is_file());
+}
+
 fn sized(size: &str) -> String {
     WORLD.replace("size = [200, 120]", &format!("size = {size}"))
 }
