@@ -182,8 +182,9 @@ fn bake(args: &BakeArgs) -> Result {
     let folder = args.output.display();
     let of_those = if kept > 0 { format!(", {kept} of them from before") } else { String::new() };
     let seconds = took / 1000.0;
+    let tiles = if count == 1 { "tile" } else { "tiles" };
     output::print(format_args!(
-        "wrote {count} tiles of {width}×{height} cells into {folder}{of_those}, in {seconds:.1} s"
+        "wrote {count} {tiles} of {width}×{height} cells into {folder}{of_those}, in {seconds:.1} s"
     ))
 }
 

@@ -120,7 +120,8 @@ fn tiles_of_a_larger_bake_are_removed() {
         sandbox.write(&format!("tiles/{other}"), "mine");
     }
     sandbox.write("world.toml", sized("[64, 64]"));
-    sandbox.run("bake world.toml -o tiles --tile 64 --bounces 0 -q").done();
+    let said = sandbox.run("bake world.toml -o tiles --tile 64 --bounces 0").done();
+    assert!(said.starts_with("wrote 1 tile of 64×64 cells"), "{said}");
     let entries = std::fs::read_dir(sandbox.path("tiles")).unwrap();
     let mut left: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
     left.sort();
