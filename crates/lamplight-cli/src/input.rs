@@ -22,15 +22,16 @@ impl Input {
     /// Reads a file that has to fit a grid.
     pub fn load(path: &Path) -> Result<Self> {
         if !MapWorld::reads(path) {
-            return Ok(Self::Scene(Box::new(Scene::load(path)?)));
+            let scene = Scene::load(path).map_err(|e| match Scene::load_world(path) {
+                Ok(_) => larger_than_a_grid(e, path),
+                Err(_) => e.into(),
+            });
+            return Ok(Self::Scene(Box::new(scene?)));
         }
         let map = MapWorld::open(path)?;
         let [width, height] = map.size();
         let fits = Cells::check_size(width.into(), height.into());
-        fits.map_err(|e| {
-            CliError::from(e.in_file(path))
-                .hint(format_args!("`lamplight bake {}` lights worlds of any size", path.display()))
-        })?;
+        fits.map_err(|e| larger_than_a_grid(e.in_file(path), path))?;
         Ok(Self::Map(Box::new(map)))
     }
 
@@ -131,6 +132,12 @@ impl Input {
             Self::Map(_) => all().collect(),
         })
     }
+}
+
+/// The error for a file that only `bake` can light.
+fn larger_than_a_grid(error: lamplight::Error, path: &Path) -> CliError {
+    CliError::from(error)
+        .hint(format_args!("`lamplight bake {}` lights worlds of any size", path.display()))
 }
 
 /// Most maps have no lights yet when they are first lit.

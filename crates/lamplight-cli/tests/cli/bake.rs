@@ -140,7 +140,9 @@ fn sized(size: &str) -> String {
 fn scenes_are_larger_than_a_grid() {
     let sandbox = sandbox();
     sandbox.write("world.toml", sized("[17000, 120]"));
-    sandbox.run("render world.toml").failed(2, &["17000×120", "16384"]);
+    sandbox
+        .run("render world.toml")
+        .failed(2, &["17000×120", "16384", "`lamplight bake world.toml`"]);
     sandbox
         .run("bake world.toml -o tiles --tile 2048 --halo 16 --bounces 0 --quality fast -q")
         .done();
