@@ -176,6 +176,9 @@ fn misplaced(text: &str) -> Option<CliError> {
     Some(CliError::bad_input(message).hint(hint))
 }
 
+/// The help of `--backend` of commands that compute on the CPU.
+pub const ON_THE_CPU: &str = "The device that computes: auto or cpu; both are the CPU so far";
+
 /// Flags of the device, and of how much is printed meanwhile.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Lighting")]

@@ -1,6 +1,6 @@
 //! `lamplight bake`: light a scene of any size, tile by tile.
 
-use crate::args::{Backend, DisplayArgs, MachineArgs, Renderer, SettingArgs, by_name};
+use crate::args::{Backend, DisplayArgs, MachineArgs, ON_THE_CPU, Renderer, SettingArgs, by_name};
 use crate::error::{CliError, Result, warn};
 use crate::input::Input;
 use crate::lit::ms;
@@ -16,6 +16,8 @@ use std::time::Instant;
 
 /// The file that says what the tiles of a directory are.
 const MANIFEST: &str = "bake.json";
+/// Methods that know light from beyond a tile.
+const METHODS: &[Method] = &[Method::Raymarch, Method::Cascades, Method::Holographic];
 /// The smallest and the largest side of a tile, px.
 const TILES: [u32; 2] = [64, 2048];
 
@@ -25,6 +27,7 @@ const TILES: [u32; 2] = [64, 2048];
 /// drawn with shapes, sprites, and layers in tiles, which are read as they are needed. Tiles are named by column and row: 0-0.png is the one at the top left. bake.json says
 /// what they show. Tiles that an earlier bake.json there lists are removed.
 #[derive(clap::Args, Debug)]
+#[command(mut_arg("scale", |arg| arg.hide(true)), mut_arg("backend", |arg| arg.help(ON_THE_CPU)))]
 pub struct BakeArgs {
     /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,
@@ -50,7 +53,7 @@ pub struct BakeArgs {
     #[arg(long)]
     json: bool,
     /// The method that computes the light [default: the scene's method, else holographic]
-    #[arg(long, value_name = "METHOD", value_parser = by_name(Method::ALL, Method::name))]
+    #[arg(long, value_name = "METHOD", value_parser = by_name(METHODS, Method::name))]
     method: Option<Method>,
     #[command(flatten)]
     settings: SettingArgs,

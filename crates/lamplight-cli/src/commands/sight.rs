@@ -1,6 +1,6 @@
 //! `lamplight sight`: what viewers see of a scene, as a picture.
 
-use crate::args::{Backend, DisplayArgs, MachineArgs, Position, Renderer};
+use crate::args::{Backend, DisplayArgs, MachineArgs, ON_THE_CPU, Position, Renderer};
 use crate::device_info::DeviceInfo;
 use crate::error::{CliError, Result, warn};
 use crate::input::Input;
@@ -16,6 +16,7 @@ use std::time::Instant;
 
 /// Write a picture of what viewers see of a scene: white is seen
 #[derive(clap::Args, Debug)]
+#[command(mut_arg("backend", |arg| arg.help(ON_THE_CPU)))]
 pub struct SightArgs {
     /// The scene file (TOML or JSON), or a map (.tmx, .world, .ldtk)
     scene: PathBuf,

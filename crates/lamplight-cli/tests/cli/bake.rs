@@ -132,6 +132,23 @@ fn tiles_of_a_larger_bake_are_removed() {
     assert!(sandbox.path("tiles/3-1.png").is_file());
 }
 
+#[test]
+fn the_help_offers_only_what_can_be_baked() {
+    let sandbox = sandbox();
+    let help = sandbox.run("bake --help").done();
+    for wrong in ["--scale", "polar", "flood", "or gpu"] {
+        assert!(!help.contains(wrong), "{wrong} is in {help}");
+    }
+    assert!(
+        help.contains("auto or cpu") && help.contains("raymarch, cascades, holographic"),
+        "{help}"
+    );
+    let error = sandbox.run("bake world.toml -o tiles --quality paper");
+    let error = error.failed(2, &["holographic as its paper has it", "another quality"]);
+    assert!(!error.contains("or holographic"), "{error}");
+    sandbox.run("bake world.toml -o tiles --method polar").failed(2, &["'polar'", "holographic"]);
+}
+
 fn sized(size: &str) -> String {
     WORLD.replace("size = [200, 120]", &format!("size = {size}"))
 }

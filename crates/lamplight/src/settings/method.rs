@@ -133,18 +133,18 @@ impl MethodSettings {
     /// # Errors
     /// Fails if it is one.
     pub fn takes_inflow(&self) -> Result<()> {
-        let takes_it = match self {
-            Self::Raymarch(_) | Self::Cascades(_) => true,
-            Self::Holographic(settings) => settings.variant != Variant::Paper,
-            Self::Polar(_) | Self::Flood(_) => false,
+        let problem = match self {
+            Self::Raymarch(_) | Self::Cascades(_) => return Ok(()),
+            Self::Holographic(settings) if settings.variant != Variant::Paper => return Ok(()),
+            Self::Holographic(_) => {
+                "as its paper has it knows no light from beyond a grid; choose another quality than paper, or \
+                 raymarch or cascades"
+            }
+            Self::Polar(_) | Self::Flood(_) => {
+                "knows no light from beyond a grid; choose raymarch, cascades or holographic"
+            }
         };
-        let problem = "knows no light from beyond a grid; choose raymarch, cascades, or holographic with its \
-                       own variant";
-        if takes_it {
-            Ok(())
-        } else {
-            Err(Error::Unsuited { method: self.method().name(), problem })
-        }
+        Err(Error::Unsuited { method: self.method().name(), problem })
     }
 
     /// Returns the bounces that the method makes where some are `wanted`: the published variant of `holographic` has
