@@ -80,6 +80,20 @@ impl Room {
         Self { first, size: level.size, anchor: first, map }
     }
 
+    /// Returns the place of the upper left corner of its map.
+    fn corner(&self, map: &TileMap) -> [i64; 2] {
+        [0, 1].map(|a| self.anchor[a] + i64::from(map.first[a]))
+    }
+
+    /// Returns the lamps of its map in their place.
+    fn lamps(&self, map: &TileMap) -> impl Iterator<Item = Lamp> {
+        let corner = self.corner(map).map(|v| v as f32);
+        map.lamps.iter().map(move |lamp| {
+            let position = [0, 1].map(|a| lamp.position[a] + corner[a]);
+            Lamp { position, ..lamp.clone() }
+        })
+    }
+
     /// Returns whether a window with a margin has a part of it.
     fn meets(&self, window: GridWindow, margin: u32) -> bool {
         (0..2).all(|a| {
@@ -194,22 +208,31 @@ impl MapWorld {
         let mut lamps = Vec::new();
         for room in self.rooms.iter().filter(|room| room.meets(window, LAMP_REACH)) {
             let map = self.map(room)?;
-            let corner = [0, 1].map(|a| room.anchor[a] + i64::from(map.first[a]));
-            lamps.extend(map.lamps.iter().map(|lamp| {
-                let position = [0, 1].map(|a| lamp.position[a] + corner[a] as f32);
-                Lamp { position, ..lamp.clone() }
-            }));
+            lamps.extend(room.lamps(&map));
             if room.meets(window, 0) {
                 let within = |v: i64, a: usize| v - i64::from(window.first[a]);
                 let clip = [0, 1].map(|a| {
                     let end = room.first[a] + i64::from(room.size[a]);
                     within(room.first[a], a)..within(end, a)
                 });
+                let corner = room.corner(&map);
                 let corner = [0, 1].map(|a| within(corner[a], a));
                 draw(&map, corner, clip, &self.pictures, &mut cells)?;
             }
         }
         Ok((cells, lamps))
+    }
+
+    /// Returns all lamps, with positions in px of the world. Some may lie outside of it.
+    ///
+    /// # Errors
+    /// Fails if a map cannot be read.
+    pub fn lamps(&self) -> Result<Vec<Lamp>> {
+        let mut lamps = Vec::new();
+        for room in &self.rooms {
+            lamps.extend(room.lamps(&*self.map(room)?));
+        }
+        Ok(lamps)
     }
 
     fn map(&self, room: &Room) -> Result<Arc<TileMap>> {
