@@ -93,4 +93,9 @@ fn a_project_of_ldtk_is_baked() {
     assert!(left > 40 && right < left / 8, "{left}, {right}");
     sandbox.write("game.ldtk", project.replace("\"pxWid\": 128", "\"pxWid\": \"wide\""));
     sandbox.run("bake game.ldtk -o tiles").failed(2, &["game.ldtk", "levels[0].pxWid", "wide"]);
+    let outside = project
+        .replace("\"layerInstances\": [\n", "\"externalRelPath\": \"a.ldtkl\", \"layers\": [\n");
+    sandbox.write("game.ldtk", outside);
+    let error = sandbox.run("render game.ldtk").failed(2, &["game.ldtk: cannot read a.ldtkl"]);
+    assert!(!error.contains("hint"), "{error}");
 }

@@ -238,9 +238,12 @@ impl MapWorld {
     fn map(&self, room: &Room) -> Result<Arc<TileMap>> {
         match &room.map {
             RoomMap::Held(map) => Ok(map.clone()),
-            RoomMap::File(path) => self.maps.find_or(path, || match &self.project {
-                Some(project) => project.read_level(path),
-                None => tiled::read_map(path),
+            RoomMap::File(path) => self.maps.find_or(path, || {
+                let read = match &self.project {
+                    Some(project) => project.read_level(path),
+                    None => tiled::read_map(path),
+                };
+                read.map_err(|e| named_in(&self.file, e))
             }),
         }
     }
@@ -270,6 +273,14 @@ fn ending(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
 }
 
+/// Adds the file that names a map to the error of a map that cannot be opened.
+fn named_in(file: &Path, error: Error) -> Error {
+    match error {
+        Error::Read { .. } => Error::InFile { path: file.to_owned(), source: Box::new(error) },
+        error => error,
+    }
+}
+
 /// The maps of a world of Tiled. Those whose size it does not have are read.
 fn rooms_of_world(path: &Path) -> Result<Vec<Room>> {
     let room = |entry: tiled::WorldEntry| match entry.size {
@@ -277,7 +288,10 @@ fn rooms_of_world(path: &Path) -> Result<Vec<Room>> {
             let first = entry.first.map(i64::from);
             Ok(Room { first, size, anchor: first, map: RoomMap::File(entry.map) })
         }
-        None => Ok(Room::of(tiled::read_map(&entry.map)?, entry.first)),
+        None => {
+            let map = tiled::read_map(&entry.map).map_err(|e| named_in(path, e))?;
+            Ok(Room::of(map, entry.first))
+        }
     };
     tiled::read_world(path)?.into_iter().map(room).collect()
 }

@@ -326,7 +326,8 @@ fn errors_name_the_file_the_level_and_the_layer() {
         );
     }
     fs::remove_file(folder.0.path().join("l.ldtkl")).unwrap();
-    assert!(folder.error("out.ldtk").contains("l.ldtkl"));
+    let error = folder.error("out.ldtk");
+    assert!(error.contains("out.ldtk: cannot read ") && error.contains("l.ldtkl: "), "{error}");
     folder.write("a.ldtk", &project(vec![]));
     assert!(folder.error("a.ldtk").contains("has no level"));
 }

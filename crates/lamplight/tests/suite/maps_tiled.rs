@@ -592,7 +592,11 @@ fn errors_name_the_file_the_line_and_the_remedy() {
         ("a.world", "{", "not a world of Tiled"),
         ("a.world", "{ \"maps\": [] }", "has no map"),
         ("a.world", "{ \"patterns\": [{}] }", "list them under `maps`"),
-        ("a.world", "{ \"maps\": [{ \"fileName\": \"gone.tmx\" }] }", "gone.tmx"),
+        (
+            "a.world",
+            "{ \"maps\": [{ \"fileName\": \"gone.tmx\" }] }",
+            "a.world: cannot read gone.tmx: ",
+        ),
         ("a.map", "", ".tmx"),
     ] {
         folder.write(name, text);
