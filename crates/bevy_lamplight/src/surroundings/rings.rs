@@ -16,7 +16,7 @@ use lamplight_wgpu::{GridPlacement, VisibleRect};
 pub struct CameraRings {
     grid: GridPlace,
     rings: RingSurroundings,
-    /// What each ring shows; empty if all of them are.
+    /// The pictures of all rings; empty if these are.
     drawn: Vec<DrawnRing>,
     /// The cells of each ring.
     cells: Vec<Cells>,
@@ -57,7 +57,7 @@ struct RingPicture {
     digest: u64,
 }
 
-/// What a ring shows.
+/// The picture of a ring.
 #[derive(Default)]
 struct DrawnRing {
     /// `None` if it has to be drawn.

@@ -140,7 +140,7 @@ fn are_lit_alike(a: &Cells, b: &Cells) -> bool {
 /// Returns whether exact lamps and suns are the same but for their places and directions.
 pub fn shine_alike(lamps: [&[Lamp]; 2], suns: [&[Sun]; 2]) -> bool {
     let still = |lamp: &Lamp| {
-        let cone = lamp.cone.clone().map(|cone| Cone { direction: 0.0, ..cone });
+        let cone = lamp.cone.map(|cone| Cone { direction: 0.0, ..cone });
         Lamp { position: [0.0; 2], cone, ..lamp.clone() }
     };
     let [lamps, others] = lamps.map(|lamps| lamps.iter().filter(|lamp| lamp.is_exact()).map(still));
@@ -159,10 +159,14 @@ mod tests {
         let drawn = Lamp { direct: Direct::Glow, ..Lamp::default() };
         let moved = Lamp { position: [5.0, 6.0], ..lamp.clone() };
         let dim = Lamp { intensity: 0.5, ..lamp.clone() };
-        let lamps = |a: &[Lamp], b: &[Lamp]| shine_alike([a, b], [&[], &[]]);
-        assert!(lamps(&[lamp.clone()], &[moved]));
-        assert!(lamps(&[lamp.clone(), drawn], &[lamp.clone()]), "it is matter");
-        assert!(!lamps(&[lamp.clone()], &[dim]) && !lamps(&[lamp], &[]));
+        let alike = |a: &[&Lamp], b: &[&Lamp]| {
+            let [a, b] =
+                [a, b].map(|lamps| lamps.iter().map(|&lamp| lamp.clone()).collect::<Vec<_>>());
+            shine_alike([&a, &b], [&[], &[]])
+        };
+        assert!(alike(&[&lamp], &[&moved]));
+        assert!(alike(&[&lamp, &drawn], &[&lamp]), "it is matter");
+        assert!(!alike(&[&lamp], &[&dim]) && !alike(&[&lamp], &[]));
         let sun = Sun::default();
         let suns = |a: &[Sun], b: &[Sun]| shine_alike([&[], &[]], [a, b]);
         assert!(suns(&[sun], &[Sun { direction: 1.0, ..sun }]));
