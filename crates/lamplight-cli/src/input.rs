@@ -95,8 +95,8 @@ impl Input {
     pub fn warnings(&self, cells: &Cells) -> Vec<String> {
         match self {
             Self::Scene(scene) => scene.warnings(cells),
-            Self::Map(map) => {
-                let own = is_dark(cells).then(|| why_dark(map));
+            Self::Map(_) => {
+                let own = is_dark(cells).then(|| DARK.to_owned());
                 let of_cells = Scene::new(cells.width(), cells.height()).warnings(cells);
                 own.into_iter().chain(of_cells).collect()
             }
@@ -143,18 +143,6 @@ fn larger_than_a_grid(error: lamplight::Error, path: &Path) -> CliError {
 /// Most maps have no lights yet when they are first lit.
 const DARK: &str = "nothing in the map gives light: add a lamp (in Tiled a point of class `lamp`, in LDtk an entity `Lamp`), a \
                     `sky`, or tiles with `emission`";
-
-/// The reason why nothing gives light in a map.
-fn why_dark(map: &MapWorld) -> String {
-    let lamps = map.lamps().unwrap_or_default();
-    let Some(lamp) = lamps.first() else { return DARK.to_owned() };
-    let ([left, top], [width, height]) = (map.origin(), map.size());
-    let [x, y] = [lamp.position[0] + left as f32, lamp.position[1] + top as f32];
-    format!(
-        "nothing in the map gives light: its lamps lie outside of its {width}×{height} px from ({left}, {top}) \
-         on, the first at ({x}, {y})"
-    )
-}
 
 fn is_dark(cells: &Cells) -> bool {
     let shines = |light: &[lamplight::Rgb]| light.as_flattened().iter().any(|&v| v > 0.0);

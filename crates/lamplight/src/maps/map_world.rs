@@ -223,18 +223,6 @@ impl MapWorld {
         Ok((cells, lamps))
     }
 
-    /// Returns all lamps, with positions in px of the world. Some may lie outside of it.
-    ///
-    /// # Errors
-    /// Fails if a map cannot be read.
-    pub fn lamps(&self) -> Result<Vec<Lamp>> {
-        let mut lamps = Vec::new();
-        for room in &self.rooms {
-            lamps.extend(room.lamps(&*self.map(room)?));
-        }
-        Ok(lamps)
-    }
-
     fn map(&self, room: &Room) -> Result<Arc<TileMap>> {
         match &room.map {
             RoomMap::Held(map) => Ok(map.clone()),
