@@ -2,6 +2,7 @@
 
 use crate::common::{device, raymarch_of};
 use crate::compare::{middle, scenes};
+use crate::direct::without_media;
 use crate::frames::{FRAMES, frames_agree, moving};
 use lamplight::settings::{Denoise, Hit, Raymarch, Temporal};
 use lamplight::{Bounces, Direct, Lamp, Settings, Sun};
@@ -48,7 +49,7 @@ fn rays_that_tire_on_their_way_past_changes_agree() {
 fn history_ends_where_exact_lights_go_out_and_stays_where_they_move() {
     let settings = Settings { bounces: Bounces::Count(1), ..accumulating(true) };
     let frames = (0..8u8).map(|n| {
-        let mut cells = moving(48, 32, 0);
+        let mut cells = without_media(moving(48, 32, 0));
         let position = [20.0 + f32::from(n), 12.0];
         let lamp = Lamp { position, range: 40.0, direct: Direct::Exact, ..Lamp::default() };
         if n < 4 {
