@@ -16,6 +16,8 @@ enum Bytes {
     Color,
     /// ÷ 255.
     Value,
+    /// A component of a normal, −1 to 1: from 128 on, ÷ 127.
+    Normal,
 }
 
 /// Reduces a name to letters, digits, `-` and `_`, so that it is a valid file name on every system and cannot
@@ -66,9 +68,8 @@ impl Canvas {
             scene.layers.color = layer("color", color, Bytes::Color)?;
         }
         if let Some(normals) = cells.normals() {
-            let map = |&[x, y, z]: &Normal| [x, -y, z].map(|v| (127.0 * v + 128.0) / 255.0);
-            let map: Vec<Rgb> = normals.iter().map(map).collect();
-            scene.layers.normal = layer("normal", &map, Bytes::Value)?;
+            let green_up: Vec<Rgb> = normals.iter().map(|&[x, y, z]: &Normal| [x, -y, z]).collect();
+            scene.layers.normal = layer("normal", &green_up, Bytes::Normal)?;
         }
         if let Some(masks) = cells.masks() {
             let masks: Vec<Rgb> = masks.iter().map(|&mask| [f32::from(mask) / 255.0; 3]).collect();
@@ -89,6 +90,10 @@ impl Canvas {
                 Bytes::Value => {
                     let byte = (v * 255.0).round() as u8;
                     (byte, f32::from(byte) / 255.0)
+                }
+                Bytes::Normal => {
+                    let byte = (127.0 * v + 128.0).round() as u8;
+                    (byte, (f32::from(byte) - 128.0) / 127.0)
                 }
             };
             (back == v).then_some(byte)
