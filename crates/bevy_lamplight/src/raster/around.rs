@@ -61,6 +61,17 @@ pub fn digest_around(
     digest.finish()
 }
 
+/// Returns a number that differs if the matter of a scene does, but for the texels of images.
+pub fn digest_of(scene: &ExtractedScene) -> u64 {
+    let mut digest = FixedHasher.build_hasher();
+    for group in &scene.groups {
+        group.image.hash(&mut digest);
+        digest.write(bytemuck::cast_slice(scene.quads_of(group)));
+    }
+    digest.write(bytemuck::cast_slice(&scene.materials));
+    digest.finish()
+}
+
 /// Returns the images that [`rasterize_around`] reads.
 pub fn images_around<'a>(
     scene: &'a ExtractedScene,

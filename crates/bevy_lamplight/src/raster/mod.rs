@@ -2,7 +2,7 @@
 
 mod around;
 
-pub use around::{digest_around, images_around, rasterize_around};
+pub use around::{digest_around, digest_of, images_around, rasterize_around};
 
 use crate::placement::Placement;
 use crate::quads::{

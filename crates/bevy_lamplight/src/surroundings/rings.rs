@@ -2,7 +2,7 @@
 
 use crate::placement::Placement;
 use crate::quads::{ExtractedScene, SceneAssets};
-use crate::raster::{digest_around, images_around, rasterize_around};
+use crate::raster::{digest_around, digest_of, images_around, rasterize_around};
 use bevy::asset::AssetId;
 use bevy::camera::visibility::RenderLayers;
 use bevy::image::Image;
@@ -18,6 +18,8 @@ pub struct CameraRings {
     rings: RingSurroundings,
     /// The pictures of all rings; empty if these are.
     drawn: Vec<DrawnRing>,
+    /// The [`digest_of`] the scene that they show; `None` if it is not known.
+    scene: Option<u64>,
     /// The cells of each ring.
     cells: Vec<Cells>,
 }
@@ -70,13 +72,14 @@ impl CameraRings {
     /// Returns empty rings around a grid.
     pub fn new(grid: GridPlace, count: usize) -> lamplight::Result<Self> {
         let rings = RingSurroundings::new(grid.size, grid.origin, count)?;
-        Ok(Self { grid, rings, drawn: Vec::new(), cells: Vec::new() })
+        Ok(Self { grid, rings, drawn: Vec::new(), scene: None, cells: Vec::new() })
     }
 
     /// Places them around another grid.
     pub fn place(&mut self, grid: GridPlace, count: usize) -> lamplight::Result<()> {
         self.rings.place(grid.size, grid.origin, count)?;
         self.grid = grid;
+        self.scene = None;
         Ok(())
     }
 
@@ -100,6 +103,7 @@ impl CameraRings {
     pub fn forget(&mut self, image: AssetId<Image>) {
         for drawn in self.drawn.iter_mut().filter(|drawn| drawn.images.contains(&image)) {
             drawn.picture = None;
+            self.scene = None;
         }
     }
 
@@ -111,11 +115,18 @@ impl CameraRings {
         layers: &RenderLayers,
         assets: &SceneAssets,
     ) -> lamplight::Result<usize> {
-        let Self { grid, rings, drawn, cells } = self;
+        let Self { grid, rings, drawn, scene: shown, cells } = self;
         if scene.groups.is_empty() {
             rings.clear();
+            *shown = None;
             return Ok(drawn.drain(..).count());
         }
+        // In most frames nothing has changed, which takes less time to see than what each ring shows.
+        let digest = Some(digest_of(scene));
+        if *shown == digest {
+            return Ok(0);
+        }
+        *shown = None;
         drawn.resize_with(rings.rings(), DrawnRing::default);
         while cells.len() < rings.rings() {
             cells.push(Cells::new(1, 1)?);
@@ -141,6 +152,7 @@ impl CameraRings {
             drawn.picture = picture;
             count += 1;
         }
+        *shown = digest;
         Ok(count)
     }
 }
