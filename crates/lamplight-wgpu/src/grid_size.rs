@@ -3,6 +3,14 @@
 use crate::error::{PrepareError, Result};
 use wgpu::Device;
 
+/// Rejects a grid of more columns or rows than the textures of a device have, before a host makes its own for it.
+///
+/// # Errors
+/// Returns [`PrepareError::TooLarge`], as [`crate::Lighting::prepare`] would.
+pub fn check_grid(device: &Device, size: [u32; 2]) -> Result<()> {
+    GridSize::new(device, size).map(|_| ())
+}
+
 /// Columns and rows, checked once against the limits of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GridSize {

@@ -81,6 +81,7 @@ pub use draw_program::Target;
 pub use error::Error;
 pub use frame_input::{FrameInput, Lights, SceneInput};
 pub use frame_plan::FramePlan;
+pub use grid_size::check_grid;
 pub use lighting::Lighting;
 pub use matter::Textures;
 pub use options::{Backend, LightingOptions};

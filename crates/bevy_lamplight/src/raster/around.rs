@@ -24,6 +24,7 @@ pub fn rasterize_around(
     to.clear();
     let cells = [to.width(), to.height()];
     for (group, quad) in quads_around(scene, grid, area, layers) {
+        let Some(image) = image_of(group, assets) else { continue };
         let material = &scene.materials[quad.material as usize];
         let (opacity, tint) = material.over(grid.cell);
         let glows = material.glows();
@@ -31,7 +32,6 @@ pub fn rasterize_around(
             map if opacity == 1.0 => at_least_a_cell(map),
             map => (map, 1.0),
         };
-        let Some(image) = image_of(group, assets) else { continue };
         let piece = Piece { quad, image, by_area: quad.is_by_area(material), is_colored: glows };
         for_each_cell(&piece, &map, cells, |x, y, color| {
             let rgb = color.truncate().to_array();

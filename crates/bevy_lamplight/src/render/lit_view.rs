@@ -11,7 +11,6 @@ use bevy::log::{error, warn};
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::{Entity, Resource};
 use lamplight::Settings;
-use lamplight_wgpu::error::PrepareError;
 use lamplight_wgpu::wgpu::util::TextureBlitter;
 use lamplight_wgpu::wgpu::{
     BindGroup, Device, Extent3d, Queue, TextureDescriptor, TextureDimension, TextureFormat,
@@ -19,6 +18,7 @@ use lamplight_wgpu::wgpu::{
 };
 use lamplight_wgpu::{
     Backend, Compose, Error, FrameInput, Lighting, LightingOptions, Lights, Textures, VisibleRect,
+    check_grid,
 };
 use std::fmt::Display;
 
@@ -126,12 +126,7 @@ pub struct MatterTextures {
 
 impl MatterTextures {
     fn new(device: &Device, pipelines: &Pipelines, size: [u32; 2]) -> Result<Self, Error> {
-        let ([width, height], side) = (size, size[0].max(size[1]));
-        let most = device.limits().max_texture_dimension_2d;
-        if side > most {
-            let (what, needed, allowed) = ("px a side", side.into(), most.into());
-            return Err(PrepareError::TooLarge { width, height, what, needed, allowed }.into());
-        }
+        check_grid(device, size)?;
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
         let sums = SUMS.map(|format| texture(device, "lamplight sums", size, format, usage));
         Ok(Self {

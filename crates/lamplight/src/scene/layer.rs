@@ -116,11 +116,7 @@ impl Layer<'_, '_> {
             cells[i] = value(pixel, &cells[i]);
             match cells[i].channels().iter().find(|v| !range.contains(v)) {
                 Some(&value) => {
-                    let expected = match (*range.start(), *range.end()) {
-                        (0.0, 1.0) => "0 to 1",
-                        (-1.0, _) => "-1 to 1",
-                        _ => "0 to 1e12",
-                    };
+                    let expected = if *range.end() == 1.0 { "0 to 1" } else { "0 to 1e12" };
                     Err(pixel.error(field, value, expected))
                 }
                 None => Ok(()),
