@@ -402,7 +402,7 @@ impl Lighting {
             cpu.solve(&planner, input)?;
         }
         self.keep_panorama(if inflow.is_some() { &Sky::BLACK } else { sky })?;
-        self.keep_inflow(inflow)?;
+        self.keep_inflow(inflow, input.settings)?;
         let Shared { device, queue, compiler, .. } = &self.shared;
         let method = match self.cpu {
             None => {
@@ -573,13 +573,15 @@ impl Lighting {
         Ok(())
     }
 
-    /// Keeps a texture for the inflow.
-    fn keep_inflow(&mut self, inflow: Option<&Inflow>) -> Result<()> {
+    /// Keeps a texture for the inflow, as the method reads it.
+    fn keep_inflow(&mut self, inflow: Option<&Inflow>, settings: &Settings) -> Result<()> {
         let device = &self.shared.device;
+        let holographic = settings.method.as_holographic();
+        let spacing = holographic.map_or(1, |settings| settings.lattice_spacing);
         self.inflow = match (inflow, self.inflow.take()) {
-            (Some(inflow), Some(kept)) if kept.holds(inflow) => Some(kept),
+            (Some(inflow), Some(kept)) if kept.holds(inflow, spacing) => Some(kept),
             (Some(inflow), _) => {
-                Some(with_error_scope(device, || InflowTexture::new(device, inflow))?)
+                Some(with_error_scope(device, || InflowTexture::new(device, inflow, spacing))?)
             }
             _ => None,
         };

@@ -148,7 +148,7 @@ pub mod temporal {
 
 /// Light that enters a grid by place.
 pub mod inflow {
-    pub use crate::inflow::border_cells;
+    pub use crate::inflow::{ColumnWeights, border_cells};
 }
 
 /// The light that solid cells show.

@@ -7,38 +7,17 @@
 // The mean light between two columns at a place along a side: 0 for the top, 1 for the right, 2 for the bottom, 3 for the
 // left.
 fn entering(side: u32, along: f32, columns: vec2f) -> vec3f {
-    return entering_between_points(side, along, 0u, columns);
-}
-
-// The same between points that lie 2^spacing_level px apart: `along` counts them, and each has the mean light of its cells.
-fn entering_between_points(side: u32, along: f32, spacing_level: u32, columns: vec2f) -> vec3f {
-    let points = points_along(side, spacing_level);
-    let at = clamp(along - 0.5, 0.0, f32(points - 1u));
-    let before = min(u32(at), max(points, 2u) - 2u);
-    let past = at - f32(before);
+    let cells = frame.size[side & 1u];
+    let first = (side & 1u) * frame.size.x + (side >> 1u) * (frame.size.x + frame.size.y);
+    let at = clamp(along - 0.5, 0.0, f32(cells - 1u));
+    let past = fract(at);
     // In a loop, which compilers for CPUs leave where no lane is at the border.
     var light = vec3f(0.0);
     for (var next = 0u; next < 2u; next++) {
         let weight = select(1.0 - past, past, next == 1u);
-        light += weight * entering_at_point(side, before + next, spacing_level, columns);
+        light += weight * mean_of_columns(first + min(u32(at) + next, cells - 1u), columns);
     }
     return light;
-}
-
-// The number of points along a side.
-fn points_along(side: u32, spacing_level: u32) -> u32 {
-    return ((frame.size[side & 1u] - 1u) >> spacing_level) + 1u;
-}
-
-fn entering_at_point(side: u32, point: u32, spacing_level: u32, columns: vec2f) -> vec3f {
-    let first = (side & 1u) * frame.size.x + (side >> 1u) * (frame.size.x + frame.size.y);
-    let count = 1u << spacing_level;
-    var sum = vec3f(0.0);
-    for (var i = 0u; i < count; i++) {
-        let cell = min(count * point + i, points_along(side, 0u) - 1u);
-        sum += mean_of_columns(first + cell, columns);
-    }
-    return sum / f32(count);
 }
 
 // The same at a place on the border, on the side that is nearest to it.

@@ -6,7 +6,7 @@ use crate::frames::{frames_agree, moving};
 use crate::moments;
 use crate::sky::seeing_directions;
 use lamplight::settings::Holographic;
-use lamplight::{Bounces, Cells, Inflow, Lamp, Method, Panorama, Rgb, Settings, Sky};
+use lamplight::{Bounces, Cells, Inflow, Lamp, Method, Panorama, Rgb, Settings, Sky, Solver};
 use lamplight_wgpu::FrameInput;
 
 /// Every method that reads inflow, with its variants.
@@ -70,6 +70,18 @@ fn the_moment_of_inflow_agrees() {
     for (name, settings) in variants() {
         let mut both = Both::new(&gpu, Settings { moment: true, ..settings });
         moments::agree(&gpu, &mut both, name, &cells);
+    }
+}
+
+#[test]
+fn points_of_the_border_follow_the_settings() {
+    let gpu = device();
+    let cells = entered(cells(61, 43, 9), 60, 1);
+    let settings = |preset| Settings::direct(Holographic::preset(preset).unwrap());
+    let mut both = Both::new(&gpu, settings("default"));
+    for preset in ["default", "fast", "default"] {
+        both.solver = Solver::new(settings(preset)).unwrap();
+        both.agree(&gpu, preset, &cells);
     }
 }
 

@@ -1,11 +1,11 @@
 // The light behind the last plane and beside the rows of a quadrant: that of the sky in each cone or, with INFLOW, the light
 // that enters the grid where the middle of the cone leaves it (`border.rs` of the library). The importing shader binds the
-// table `cones`, which then has, in place of a panorama's light, the columns between which each cone sees, the slope of the
-// middle, and the number of its ray, from 1 on, if both half cones along it see the same.
+// table `cones`, which then has, in place of a panorama's light, what each cone sees: the first column of a strip, their
+// number, the slope of the middle, and the entry at which the weights of the columns begin, four to an entry.
 
 #import methods/holographic/light_pair
 #import methods/holographic/sky
-#import shared/inflow
+#import shared/sky
 
 // The light of a cone, by its entry, at a point of the lattice beyond the border.
 fn beyond(entry: u32, slab: u32, row: i32) -> vec3f {
@@ -20,19 +20,21 @@ fn pair_beyond(entry: u32, slab: u32, row: i32) -> LightPair {
     if !INFLOW {
         return LightPair(sky_at(entry), sky_at(entry + 1u));
     }
-    let ray = cones[entry + sweep.sky].w;
-    let see_the_same = ray > 0.0 && ray == cones[entry + 1u + sweep.sky].w;
-    var seen: array<vec3f, 2>;
+    let see_the_same = all(cones[entry + sweep.sky] == cones[entry + 1u + sweep.sky]);
+    // Not in an array, since one that is indexed in a loop lies in memory.
+    var first = vec3f(0.0);
+    var second = vec3f(0.0);
     for (var i = 0u; i < select(2u, 1u, see_the_same); i++) {
-        seen[i] = entering_in(cones[entry + i + sweep.sky], slab, row);
+        first = second;
+        second = entering_in(cones[entry + i + sweep.sky], slab, row);
     }
-    let second = select(seen[1], seen[0], see_the_same);
-    return LightPair(cones[entry].x * seen[0], cones[entry + 1u].x * second);
+    first = select(first, second, see_the_same);
+    return LightPair(cones[entry].x * first, cones[entry + 1u].x * second);
 }
 
 // The mean light that a cone sees, as the table has it.
-fn entering_in(cone: vec4f, slab: u32, row: i32) -> vec3f {
-    let slope = cone.z;
+fn entering_in(view: vec4f, slab: u32, row: i32) -> vec3f {
+    let slope = view.z;
     let size = vec2f(vec2u(sweep.depth, sweep.rows));
     let at = vec2f(f32(slab), f32(row)) + 0.5;
     let back = sweep.reversed == 1u;
@@ -45,5 +47,21 @@ fn entering_in(cone: vec4f, slab: u32, row: i32) -> vec3f {
         along = at.x + (select(0.0, size.y, high) - at.y) / slope;
         along = select(along, size.x - along, back);
     }
-    return entering_between_points(side, along, sweep.spacing_level, cone.xy);
+    // Light is linear between points.
+    let points = select(vec2u(sweep.rows, sweep.depth), vec2u(sweep.depth, sweep.rows), sweep.axis == 0u);
+    let last = points[side & 1u] - 1u;
+    let place = clamp(along - 0.5, 0.0, f32(last));
+    let past = fract(place);
+    let strip = (side & 1u) * points.x + (side >> 1u) * (points.x + points.y) + u32(place);
+    let next_strip = strip + select(0u, 1u, u32(place) < last);
+    var texel = on_strip(strip, view.x);
+    var next_texel = on_strip(next_strip, view.x);
+    var light = vec3f(0.0);
+    for (var column = 0u; column < u32(view.y); column++) {
+        let weight = cones[u32(view.w) + column / 4u][column % 4u];
+        light += weight * mix(textureLoad(panorama, texel, 0).rgb, textureLoad(panorama, next_texel, 0).rgb, past);
+        texel = next_on_strip(strip, texel);
+        next_texel = next_on_strip(next_strip, next_texel);
+    }
+    return light;
 }

@@ -184,7 +184,9 @@ fn weights_behind(pixel: Pixel, rows: i32, past: f32) -> vec3f {
         let i = firstTrailingBit(in_media);
         let row = i32(pixel.row) + rows + i32(i) - 1;
         let tint_opacity = textureLoad(matter, cell_of(pixel.slab + pixel.ahead, u32(row)), 0);
-        weights[i] *= (1.0 - tint_opacity.a) * tint_opacity.r;
+        // A component that is found while the shader runs would be written in memory.
+        let passes = (1.0 - tint_opacity.a) * tint_opacity.r;
+        weights = select(weights, passes * weights, vec3u(0u, 1u, 2u) == vec3u(i));
         in_media &= in_media - 1u;
     }
     return weights;

@@ -163,14 +163,14 @@ fn sees(start: vec2f, end: vec2f) -> bool {
 fn transmittance_at(lamp: Lamp, at: f32, distance: f32) -> vec3f {
     let first = select(u32(at), u32(at + 0.5), SHADOW_FILTER == NEAREST_RAY);
     let rays = select(2u, 1u, SHADOW_FILTER == NEAREST_RAY);
-    var transmittance: array<vec3f, 2>;
+    // Not in an array, since one that is indexed in a loop lies in memory.
+    var before = vec3f(0.0);
+    var own = vec3f(0.0);
     for (var i = 0u; i < rays; i++) {
-        transmittance[i] = along_ray(lamp, wrapped(lamp, first + i), distance);
+        before = own;
+        own = along_ray(lamp, wrapped(lamp, first + i), distance);
     }
-    if rays == 1u {
-        return transmittance[0];
-    }
-    return transmittance[0] + (transmittance[1] - transmittance[0]) * (at - f32(first));
+    return select(before + (own - before) * (at - f32(first)), own, rays == 1u);
 }
 
 fn along_ray(lamp: Lamp, ray: u32, distance: f32) -> vec3f {

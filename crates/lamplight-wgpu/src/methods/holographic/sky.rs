@@ -1,6 +1,6 @@
 //! The light of the sky in the cones of all quadrants, as shaders/methods/holographic/sky.wgsl reads it.
 
-use super::border::cones_at_border;
+use super::border::views_at_border;
 use crate::error::Result;
 use crate::planner::FramePlanner;
 use lamplight::internals::holographic::lattice::{self, on_grid};
@@ -115,7 +115,7 @@ impl ConeTable {
         (1 + 2 * axis + reversed) * entries
     }
 
-    /// Creates the buffer, with room for the light of a panorama if the sky is one. With inflow it has the places of cones
+    /// Creates the buffer, with room for the light of a panorama if the sky is one. With inflow it has what cones see
     /// instead.
     pub fn buffer(&self, planner: &FramePlanner) -> Result<Buffer> {
         let mut entries = self.weights.clone();
@@ -125,7 +125,7 @@ impl ConeTable {
         if let (Some(columns), ConeLevels::Bundles { first, ends }) =
             (planner.inflow_columns, self.levels)
         {
-            entries.extend(cones_at_border(first, ends, columns));
+            entries.extend(views_at_border(first, ends, columns as usize, entries.len()));
         }
         planner.filled("cones", BufferUsages::STORAGE, bytemuck::cast_slice(&entries))
     }
