@@ -31,7 +31,9 @@ pub mod cookie {
 
 /// The edge-aware blur.
 pub mod denoise {
-    pub use crate::filters::denoise::{DEVIATIONS, Denoiser, KERNEL, OPACITY};
+    pub use crate::filters::denoise::{
+        DEVIATIONS, Denoiser, KERNEL, OPACITY, WALL_DEVIATIONS, WALL_REACH, WALL_SPREAD,
+    };
 }
 
 /// The curves of tone maps.

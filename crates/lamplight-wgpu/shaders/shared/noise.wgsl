@@ -36,3 +36,9 @@ fn jitter(here: vec2u) -> f32 {
     }
     return unit(at.x * STEP_X + at.y * STEP_Y + frame.number * GOLDEN + frame.seed);
 }
+
+// The jitter of a face at a place along its wall, whatever the noise.
+fn jitter_along(here: u32, axis: u32) -> f32 {
+    let along = here + bitcast<u32>(frame.origin[axis]);
+    return unit(along * GOLDEN + frame.number * STEP_X + STEP_Y + frame.seed);
+}

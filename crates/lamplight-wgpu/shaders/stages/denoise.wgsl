@@ -15,6 +15,11 @@ override KERNEL_2: f32;
 override DEVIATIONS: f32;
 // The weight of a difference in opacity.
 override OPACITY: f32;
+// The widest spread of taps along walls, px.
+override WALL_SPREAD: i32;
+// The range of light along walls, in standard deviations of the noise, and the distance from which that is known, px.
+override WALL_DEVIATIONS: f32;
+override WALL_REACH: i32;
 // True if `near` holds distances instead of squares of empty space.
 override BY_DISTANCE: bool;
 
@@ -83,6 +88,70 @@ fn tap(at: vec2i, place: vec2i, spread: i32) -> f32 {
     return weights[abs(place.x)] * weights[abs(place.y)];
 }
 
+// The sides to which a solid cell is open: left, right, upper, lower; none of another.
+fn open_sides(at: vec2i) -> vec4<bool> {
+    var sides = vec4<bool>(false);
+    if !open(at) {
+        sides.x = is_open_within(at - vec2i(1, 0));
+        sides.y = is_open_within(at + vec2i(1, 0));
+        sides.z = is_open_within(at - vec2i(0, 1));
+        sides.w = is_open_within(at + vec2i(0, 1));
+    }
+    return sides;
+}
+
+fn is_open_within(at: vec2i) -> bool {
+    return inside(at) && open(at);
+}
+
+// The direction along a wall in which a cell is blurred, if it is open to the left and the right only or above and below only.
+fn direction_along(sides: vec4<bool>) -> vec2i {
+    let horizontal = any(sides.zw);
+    return select(vec2i(0), select(vec2i(0, 1), vec2i(1, 0), horizontal), any(sides.xy) != horizontal);
+}
+
+// Returns whether a cell belongs to a wall that is open to these sides.
+fn continues(at: vec2i, sides: vec4<bool>) -> bool {
+    return inside(at) && all(open_sides(at) == sides);
+}
+
+// The variance of a solid cell, smoothed along its wall.
+fn variance_along_wall(at: vec2i) -> f32 {
+    let sides = open_sides(at);
+    let along = direction_along(sides);
+    var sum = traced[index(vec2u(at))].x;
+    var weight = 1.0;
+    for (var way = -1; way <= 1 && any(along != vec2i(0)); way += 2) {
+        for (var away = 1; away <= WALL_REACH && continues(at + way * away * along, sides); away++) {
+            sum += traced[index(vec2u(at + way * away * along))].x;
+            weight += 1.0;
+        }
+    }
+    return sum / weight;
+}
+
+// The light of a solid cell, blurred along its wall.
+fn light_along_wall(at: vec2i, spread: i32) -> vec3f {
+    let here = before[index(vec2u(at))];
+    let sides = open_sides(at);
+    let along = direction_along(sides);
+    let range = WALL_DEVIATIONS * sqrt(here.w) + MIN_POSITIVE;
+    let weights = vec3f(KERNEL_0, KERNEL_1, KERNEL_2);
+    var sum = KERNEL_0 * here.rgb;
+    var weight = KERNEL_0;
+    for (var way = -1; way <= 1 && any(along != vec2i(0)); way += 2) {
+        for (var away = 1; away <= 2 * spread && continues(at + way * away * along, sides); away++) {
+            if away % spread == 0 {
+                let there = before[index(vec2u(at + way * away * along))].rgb;
+                let w = weights[away / spread] * exp(-abs(luminance(there) - luminance(here.rgb)) / range);
+                sum += w * there;
+                weight += w;
+            }
+        }
+    }
+    return sum / weight;
+}
+
 // Smooths the variance, itself an estimate from few rays, over the visible taps.
 @compute @workgroup_size(8, 8)
 fn begin(@builtin(global_invocation_id) id: vec3u) {
@@ -104,7 +173,7 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     }
-    after[i] = vec4f(light[i].rgb, sum / weight);
+    after[i] = vec4f(light[i].rgb, select(variance_along_wall(at), sum / weight, open(at)));
     if MOMENT {
         let x = moment_index(0u, i);
         let y = moment_index(1u, i);
@@ -121,15 +190,18 @@ fn blur(@builtin(global_invocation_id) id: vec3u) {
     let at = vec2i(id.xy);
     let i = index(id.xy);
     let here = before[i];
+    let spread = 1i << (step - 1u);
     if !open(at) {
         after[i] = here;
+        if spread <= WALL_SPREAD {
+            after[i] = vec4f(light_along_wall(at, spread), here.w);
+        }
         if MOMENT {
             after[moment_index(0u, i)] = before[moment_index(0u, i)];
             after[moment_index(1u, i)] = before[moment_index(1u, i)];
         }
         return;
     }
-    let spread = 1i << (step - 1u);
     let range = DEVIATIONS * sqrt(here.w) + MIN_POSITIVE;
     var sum = vec4f(0.0);
     var moment_x = vec4f(0.0);

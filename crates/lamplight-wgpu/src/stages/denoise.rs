@@ -5,7 +5,9 @@ use crate::error::Result;
 use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::{programs, shaders};
-use lamplight::internals::denoise::{DEVIATIONS, KERNEL, OPACITY};
+use lamplight::internals::denoise::{
+    DEVIATIONS, KERNEL, OPACITY, WALL_DEVIATIONS, WALL_REACH, WALL_SPREAD,
+};
 use lamplight::internals::distance::MARGIN;
 use lamplight::internals::empty_space::LONGEST;
 use lamplight::settings::{Hit, Raymarch};
@@ -29,6 +31,9 @@ impl Denoise {
             ("KERNEL_2", f64::from(KERNEL[2])),
             ("DEVIATIONS", f64::from(DEVIATIONS * settings.denoise.strength)),
             ("OPACITY", f64::from(OPACITY)),
+            ("WALL_SPREAD", WALL_SPREAD as f64),
+            ("WALL_DEVIATIONS", f64::from(WALL_DEVIATIONS * settings.denoise.strength)),
+            ("WALL_REACH", WALL_REACH as f64),
             ("BY_DISTANCE", f64::from(by_distance)),
             shaders::moment(moment),
         ];
@@ -37,7 +42,7 @@ impl Denoise {
         Self { pipelines, passes: settings.denoise.passes }
     }
 
-    /// Plans the blur of the light of open cells. `near` is the field that rays go by: squares of empty space,
+    /// Plans the blur of the light of all cells. `near` is the field that rays go by: squares of empty space,
     /// or distances.
     pub fn plan(
         &self,

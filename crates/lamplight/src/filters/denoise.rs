@@ -5,7 +5,10 @@
 //! counts by `exp(−|ΔL| / (2·strength·σ))`, with σ the standard deviation of the noise there, and by
 //! `exp(−8·|Δα|)` for opacity; and not at all where the straight line to it meets a solid cell. That
 //! is read off empty squares ([`crate::grid::empty_space`]) or, near walls, cell by cell, so light
-//! does not leak through walls of any thickness. Solid cells keep their light.
+//! does not leak through walls of any thickness.
+//!
+//! Cells of a wall are blurred along it in the first passes, together with those that are open to the same side alone. All
+//! other solid cells keep their light.
 //!
 //! The method estimates the noise of each cell from neighbouring rays, so that real gradients and
 //! edges are not taken for noise: light without noise stays as it is.
@@ -26,6 +29,14 @@ pub const KERNEL: [f32; 3] = [3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0];
 pub const DEVIATIONS: f32 = 2.0;
 /// The rate at which a difference in opacity ends the blur.
 pub const OPACITY: f32 = 8.0;
+
+/// The widest spread of taps along walls, px: shadows on walls are to have edges.
+pub const WALL_SPREAD: usize = 4;
+/// As [`DEVIATIONS`], along walls. Most faces of a wall along which a small light shines see nothing of it, so that the noise
+/// is as large as the light.
+pub const WALL_DEVIATIONS: f32 = 6.0;
+/// The distance along walls from which the noise is known, px: within it some faces see such a light.
+pub const WALL_REACH: usize = 12;
 
 /// Taps of the kernel along each axis.
 const TAPS: usize = 5;
@@ -60,7 +71,7 @@ struct Noisy {
 }
 
 impl Denoiser {
-    /// Blurs the light of open cells in place.
+    /// Blurs the light of all cells in place.
     pub fn denoise(
         &mut self,
         settings: &settings::Denoise,
@@ -81,7 +92,7 @@ impl Denoiser {
         self.smooth_variance(cells, variance, light);
         for pass in 0..settings.passes {
             self.spread(cells, 1 << pass);
-            self.pass(settings, cells);
+            self.pass(settings, cells, 1 << pass);
             std::mem::swap(&mut self.noisy, &mut self.blurred);
             std::mem::swap(&mut self.moment, &mut self.blurred_moment);
         }
@@ -107,30 +118,36 @@ impl Denoiser {
         }
     }
 
-    /// Smooths the variance, itself an estimate from few rays, over the cells that a cell sees.
+    /// Smooths the variance, itself an estimate from few rays, over the cells that a cell sees, or along its wall.
     fn smooth_variance(&mut self, cells: &Cells, variance: &[f32], light: &[Rgb]) {
         let mut noisy = std::mem::take(&mut self.noisy);
-        let visible = self.visibility(cells);
+        let (visible, walls) = (self.visibility(cells), self.walls(cells));
         noisy.par_iter_mut().enumerate().for_each(|(i, noisy)| {
             let (mut sum, mut weight) = (0.0, f32::MIN_POSITIVE);
-            if !self.empty_space.is_solid(i) {
-                visible.taps(i, |j, kernel| {
-                    (sum, weight) = (sum + kernel * variance[j], weight + kernel);
-                });
+            let mut add = |j: usize, kernel| {
+                (sum, weight) = (sum + kernel * variance[j], weight + kernel);
+            };
+            if self.empty_space.is_solid(i) {
+                walls.along(i, WALL_REACH, |j, _| add(j, 1.0));
+            } else {
+                visible.taps(i, add);
             }
             *noisy = Noisy { light: light[i], variance: sum / weight };
         });
         self.noisy = noisy;
     }
 
-    fn pass(&mut self, settings: &settings::Denoise, cells: &Cells) {
+    fn pass(&mut self, settings: &settings::Denoise, cells: &Cells, spread: usize) {
         let mut blurred = std::mem::take(&mut self.blurred);
         let mut blurred_moment = std::mem::take(&mut self.blurred_moment);
-        let visible = self.visibility(cells);
+        let (visible, walls) = (self.visibility(cells), self.walls(cells));
         let blur = |i: usize, blurred: &mut Noisy, moment: Option<&mut Moment>| {
             let here = self.noisy[i];
             *blurred = here;
             if self.empty_space.is_solid(i) {
+                if spread <= WALL_SPREAD {
+                    blurred.light = self.along_wall(settings, &walls, i, spread);
+                }
                 return;
             }
             let l = luminance(here.light);
@@ -165,6 +182,35 @@ impl Denoiser {
             both.for_each(|(i, (blurred, moment))| blur(i, blurred, Some(moment)));
         }
         (self.blurred, self.blurred_moment) = (blurred, blurred_moment);
+    }
+
+    /// Returns the light of a solid cell, blurred along its wall.
+    fn along_wall(
+        &self,
+        settings: &settings::Denoise,
+        walls: &Walls,
+        i: usize,
+        spread: usize,
+    ) -> Rgb {
+        let here = self.noisy[i];
+        let l = luminance(here.light);
+        let range = WALL_DEVIATIONS * settings.strength * here.variance.sqrt() + f32::MIN_POSITIVE;
+        let (mut light, mut weight) = ([0.0f32; 3], 0.0f32);
+        walls.along(i, 2 * spread, |j, away| {
+            if away % spread == 0 {
+                let there = self.noisy[j].light;
+                let difference = (luminance(there) - l).abs() / range;
+                let w = KERNEL[away / spread] * (-difference).exp();
+                (0..3).for_each(|c| light[c] += w * there[c]);
+                weight += w;
+            }
+        });
+        light.map(|v| v / weight)
+    }
+
+    fn walls<'a>(&'a self, cells: &Cells) -> Walls<'a> {
+        let size = [cells.width() as usize, cells.height() as usize];
+        Walls { size, empty_space: &self.empty_space }
     }
 
     fn visibility<'a>(&'a self, cells: &Cells) -> Visibility<'a> {
@@ -202,5 +248,50 @@ impl Visibility<'_> {
         let is_solid = |offset| self.empty_space.is_solid(i.wrapping_add_signed(offset));
         x.abs().max(y.abs()) < side(square)
             || !tap.line.iter().any(|pair| is_solid(pair[0]) && is_solid(pair[1]))
+    }
+}
+
+/// The walls along which light is blurred.
+struct Walls<'a> {
+    size: [usize; 2],
+    empty_space: &'a EmptySpace,
+}
+
+impl Walls<'_> {
+    /// Calls `each` with the index of a solid cell and its distance, 0, and, if it is open to the left and the right only or
+    /// above and below only, with those of the cells along its wall that are open to the same sides, up to a distance.
+    #[inline]
+    fn along(&self, i: usize, reach: usize, mut each: impl FnMut(usize, usize)) {
+        each(i, 0);
+        let [w, h] = self.size;
+        let own = self.open_sides(i);
+        let [left, right, upper, lower] = own;
+        let (step, place, side) = match (left || right, upper || lower) {
+            (false, true) => (1, i % w, w),
+            (true, false) => (w, i / w, h),
+            _ => return,
+        };
+        let before = (1..=reach.min(place)).map(|away| (i - away * step, away));
+        let after = (1..=reach.min(side - 1 - place)).map(|away| (i + away * step, away));
+        let same = |&(j, _): &(usize, usize)| self.open_sides(j) == own;
+        before.take_while(same).for_each(|(j, away)| each(j, away));
+        after.take_while(same).for_each(|(j, away)| each(j, away));
+    }
+
+    /// The sides to which a solid cell is open: left, right, upper, lower; none of another cell.
+    #[inline]
+    fn open_sides(&self, i: usize) -> [bool; 4] {
+        let [w, h] = self.size;
+        let (x, y) = (i % w, i / w);
+        let solid = |i: usize| self.empty_space.is_solid(i);
+        if !solid(i) {
+            return [false; 4];
+        }
+        [
+            x > 0 && !solid(i - 1),
+            x + 1 < w && !solid(i + 1),
+            y > 0 && !solid(i - w),
+            y + 1 < h && !solid(i + w),
+        ]
     }
 }

@@ -9,7 +9,7 @@ pub struct Estimate {
     pub light: Vec<Rgb>,
     /// First moment of the light; none if it was not asked for.
     pub moment: Option<Vec<Moment>>,
-    /// Variance of the noise of the light's luminance; 0 in walls.
+    /// Variance of the noise of the light's luminance; 0 inside walls.
     pub variance: Vec<f32>,
     /// True if anything that the cell sees changed since the frame before.
     pub invalidated: Vec<bool>,

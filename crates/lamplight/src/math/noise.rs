@@ -60,6 +60,15 @@ pub fn jitter(noise: Noise, x: u32, y: u32, frame: u32, seed: u64) -> f32 {
     }
 }
 
+/// Returns the jitter of a face at a place along its wall, whatever the noise: few rays of a face find a small light that
+/// shines along it, and neighbours on a lattice find it evenly, so that their mean is neither black nor too bright.
+#[inline]
+pub fn jitter_along(along: u32, frame: u32, seed: u64) -> f32 {
+    // From somewhere on: rays that run exactly along a face would be ties.
+    let first = R2[1].wrapping_add(fold(seed)).wrapping_add(frame.wrapping_mul(R2[0]));
+    unit(along.wrapping_mul(GOLDEN).wrapping_add(first))
+}
+
 /// Mixes a seed into 32 bits: seeds that differ by 1 end up far apart.
 #[inline]
 pub fn fold(seed: u64) -> u32 {

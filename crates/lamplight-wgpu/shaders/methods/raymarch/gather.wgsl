@@ -56,7 +56,8 @@ fn over_circle(at: vec2u) -> Mean {
 // The irradiance of a face: the mean over rays that start evenly along it and leave with a density of
 // ½cosθ.
 fn over_face(at: vec2u, face: u32, normal: vec2f) -> Mean {
-    let offset = jitter(at);
+    let axis = select(1u, 0u, normal.x == 0.0);
+    let offset = jitter_along(at[axis], axis);
     let shift = jitter(at + vec2u(17u * (face + 1u), 29u));
     let tangent = vec2f(-normal.y, normal.x);
     let centre = vec2f(at) + 0.5 + 0.5 * normal;
@@ -71,7 +72,7 @@ fn over_face(at: vec2u, face: u32, normal: vec2f) -> Mean {
     return mean(sum);
 }
 
-// The mean over the faces of a solid cell, without its variance, which nothing reads.
+// The mean over the faces of a solid cell.
 fn over_faces(at: vec2u) -> Mean {
     var sum = Mean();
     var count = 0.0;
@@ -79,11 +80,13 @@ fn over_faces(at: vec2u) -> Mean {
         if exposed(at, face) {
             let irradiance = over_face(at, face, vec2f(normal(face)));
             sum.light += irradiance.light;
+            sum.variance += irradiance.variance;
             sum.invalidated = max(sum.invalidated, irradiance.invalidated);
             count += 1.0;
         }
     }
     sum.light /= max(count, 1.0);
+    sum.variance /= max(count * count, 1.0);
     return sum;
 }
 

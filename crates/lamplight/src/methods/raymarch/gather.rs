@@ -81,14 +81,35 @@ impl Gather<'_> {
     pub fn faces(&self, wall: &Wall) -> (Faces, [bool; 4]) {
         let mut irradiance = Faces::default();
         let mut changed = [false; 4];
+        self.each_face(wall, |face, seen| {
+            (irradiance[face], changed[face]) = (seen.light, seen.changed);
+        });
+        (irradiance, changed)
+    }
+
+    /// Returns the mean irradiance, ÷ 2, of the exposed faces of a wall.
+    pub fn mean_irradiance(&self, wall: &Wall) -> Mean {
+        let (mut mean, mut count) = (Mean::default(), 0.0);
+        self.each_face(wall, |_, seen| {
+            (0..3).for_each(|c| mean.light[c] += seen.light[c]);
+            mean.variance += seen.variance;
+            mean.changed |= seen.changed;
+            count += 1.0;
+        });
+        Mean {
+            light: mean.light.map(|v| v / count),
+            variance: mean.variance / (count * count),
+            ..mean
+        }
+    }
+
+    /// Calls `take` with each exposed face of a wall.
+    fn each_face(&self, wall: &Wall, mut take: impl FnMut(usize, Mean)) {
         for (face, exposed) in wall.exposed.into_iter().enumerate() {
             if exposed {
-                let seen = dispatch!(self.level, simd => self.over_face(simd, wall.cell, face));
-                irradiance[face] = seen.light;
-                changed[face] = seen.changed;
+                take(face, dispatch!(self.level, simd => self.over_face(simd, wall.cell, face)));
             }
         }
-        (irradiance, changed)
     }
 
     #[inline(always)]
@@ -128,7 +149,8 @@ impl Gather<'_> {
     fn over_face<S: Simd>(&self, simd: S, cell: u32, face: usize) -> Mean {
         let rays = self.scene.settings.rays;
         let [x, y] = self.place(cell);
-        let jitter = self.jitter(x, y);
+        let along = if NORMALS[face][0] == 0 { x } else { y };
+        let jitter = noise::jitter_along(along, self.frame, self.seed);
         // The origins take another part of the noise than the directions.
         let shift = self.jitter(x + 17 * (face as u32 + 1), y + 29);
         let normal = NORMALS[face].map(|n| n as f32);

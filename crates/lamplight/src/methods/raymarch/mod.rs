@@ -25,7 +25,7 @@ use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::grid::packet::LANES;
 use crate::settings::{Bounces, Hit, Raymarch};
-use crate::stages::bounce::{FrameBounces, Surfaces, mean_over_faces, solve_bounces};
+use crate::stages::bounce::{FrameBounces, Surfaces, solve_bounces};
 use crate::stages::direct::DirectLight;
 use crate::stages::faces::Faces;
 use crate::{Cells, moment};
@@ -264,11 +264,8 @@ impl RaymarchSolver {
 
     /// Returns the light of a solid cell: the mean over its exposed faces, 0 inside a wall.
     fn on_wall(&self, gather: &Gather, i: u32) -> Mean {
-        let Some(slot) = self.surfaces.slot(i as usize) else { return Mean::default() };
-        let wall = &self.surfaces.walls[slot];
-        let (faces, changed) = gather.faces(wall);
-        let changed = changed.contains(&true);
-        Mean { light: mean_over_faces(wall, &faces), changed, ..Mean::default() }
+        let slot = self.surfaces.slot(i as usize);
+        slot.map_or_else(Mean::default, |slot| gather.mean_irradiance(&self.surfaces.walls[slot]))
     }
 
     fn gatherer<'a>(&'a self, input: Input<'a>) -> Gather<'a> {
