@@ -188,7 +188,7 @@ impl Denoiser {
     fn along_wall(
         &self,
         settings: &settings::Denoise,
-        walls: &Walls,
+        walls: &WallRuns,
         i: usize,
         spread: usize,
     ) -> Rgb {
@@ -208,9 +208,9 @@ impl Denoiser {
         light.map(|v| v / weight)
     }
 
-    fn walls<'a>(&'a self, cells: &Cells) -> Walls<'a> {
+    fn walls<'a>(&'a self, cells: &Cells) -> WallRuns<'a> {
         let size = [cells.width() as usize, cells.height() as usize];
-        Walls { size, empty_space: &self.empty_space }
+        WallRuns { size, empty_space: &self.empty_space }
     }
 
     fn visibility<'a>(&'a self, cells: &Cells) -> Visibility<'a> {
@@ -252,12 +252,12 @@ impl Visibility<'_> {
 }
 
 /// The walls along which light is blurred.
-struct Walls<'a> {
+struct WallRuns<'a> {
     size: [usize; 2],
     empty_space: &'a EmptySpace,
 }
 
-impl Walls<'_> {
+impl WallRuns<'_> {
     /// Calls `each` with the index of a solid cell and its distance, 0, and, if it is open to the left and the right only or
     /// above and below only, with those of the cells along its wall that are open to the same sides, up to a distance.
     #[inline]

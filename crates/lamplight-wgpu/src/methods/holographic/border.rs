@@ -1,16 +1,20 @@
 //! The cones of all quadrants at the border of a grid with inflow, as shaders/methods/holographic/border.wgsl reads them.
 
-use super::sky::ConeEntry;
 use lamplight::internals::holographic::lattice::{cones, on_grid};
 use lamplight::internals::holographic::{border_view, is_shared};
 use lamplight::internals::inflow::ColumnWeights;
 
 /// Weights of columns in an entry.
-const WEIGHTS: usize = size_of::<ConeEntry>() / size_of::<f32>();
+const WEIGHTS: usize = 4;
 
 /// Returns what each cone sees of strips of so many columns, quadrant by quadrant: those of the levels above `first`, up to
 /// the last of each axis, in the order of the table of cones. Their weights follow. All of it is put `after` as many entries.
-pub fn views_at_border(first: u32, ends: [u32; 2], columns: usize, after: usize) -> Vec<ConeEntry> {
+pub fn views_at_border(
+    first: u32,
+    ends: [u32; 2],
+    columns: usize,
+    after: usize,
+) -> Vec<[f32; WEIGHTS]> {
     let levels = || ends.into_iter().flat_map(|end| first + 1..=end);
     let all = 4 * levels().map(cones).sum::<usize>();
     let (mut views, mut weights) = (Vec::with_capacity(all), Vec::new());
