@@ -339,6 +339,29 @@ fn objects_turn_about_their_place() {
 }
 
 #[test]
+fn tiles_that_are_objects_stand_as_their_tileset_says() {
+    let folder = Folder::new();
+    let aligned = |alignment: &str| {
+        let alignment = format!("name=\"art\" objectalignment=\"{alignment}\"");
+        TILESET.replacen("name=\"art\"", &alignment, 1)
+    };
+    let object = "<objectgroup><object id=\"1\" type=\"lamp\" gid=\"3\" x=\"10\" y=\"6\" width=\"4\" height=\"2\"/>\
+                  </objectgroup>";
+    for (alignment, center) in [
+        ("unspecified", [12.0, 5.0]),
+        ("bottomleft", [12.0, 5.0]),
+        ("center", [10.0, 6.0]),
+        ("topright", [8.0, 7.0]),
+        ("bottom", [10.0, 5.0]),
+    ] {
+        folder.write("a.tmx", map(8, 4, aligned(alignment) + object));
+        assert_eq!(folder.cells("a.tmx").lamps()[0].position, center, "{alignment}");
+    }
+    let error = folder.write("a.tmx", map(8, 4, aligned("middle") + object)).error("a.tmx");
+    assert!(error.contains("`objectalignment` is middle"), "{error}");
+}
+
+#[test]
 fn all_encodings_are_the_same_cells() {
     let folder = Folder::new();
     let gids = [1, 2 | 1 << 31, 0, 7, 5, 3 | 1 << 29];

@@ -1,6 +1,6 @@
 //! Objects that are lights, with what they have from their template (`.tx`).
 
-use super::tilesets::TileKind;
+use super::tilesets::{BOTTOM_LEFT, TileKind, Tilesets};
 use super::xml::{at_line, attribute, child, children, class, number, properties, with_root};
 use crate::Result;
 use crate::maps::map_file::beside;
@@ -14,8 +14,7 @@ use std::path::{Path, PathBuf};
 /// A reader of objects, which reads each template once.
 pub(super) struct Lights<'a> {
     file: &'a Path,
-    /// The kinds of tiles.
-    kinds: &'a [TileKind],
+    tilesets: &'a Tilesets,
     templates: HashMap<PathBuf, Object>,
 }
 
@@ -52,8 +51,8 @@ impl Object {
 }
 
 impl<'a> Lights<'a> {
-    pub fn new(file: &'a Path, kinds: &'a [TileKind]) -> Self {
-        Self { file, kinds, templates: HashMap::new() }
+    pub fn new(file: &'a Path, tilesets: &'a Tilesets) -> Self {
+        Self { file, tilesets, templates: HashMap::new() }
     }
 
     /// Reads the lights of an object layer into a map.
@@ -65,19 +64,24 @@ impl<'a> Lights<'a> {
                 map.files.push(beside(self.file, template));
                 object = object.over(self.template(node, template)?);
             }
-            if let Some(kind) = self.kind(node, map)? {
+            let tile = tile_of(node)?;
+            if let Some(kind) = tile.and_then(|tile| self.kind(tile, map)) {
                 object.class = object.class.or_else(|| kind.class.clone());
                 object.properties = object.properties.over(&kind.properties);
             }
             let (Some(class), true) = (&object.class, visible) else { continue };
             let [width, height] = object.size.map(|length| length.unwrap_or(0.0));
             // Tiles stand on their place; shapes hang from it.
-            let down = if object.is_tile { -0.5 } else { 0.5 };
+            let anchor = match tile {
+                Some(tile) => self.tilesets.anchor(tile),
+                None if object.is_tile => BOTTOM_LEFT,
+                None => [0.0; 2],
+            };
             let corner = [number(node, "x")?, number(node, "y")?].map(Option::unwrap_or_default);
             // Tiled turns objects clockwise about their place, by any number of turns.
             let rotation = (object.rotation.unwrap_or(0.0) % 360.0).to_radians();
             let (sin, cos) = rotation.sin_cos();
-            let [across, along] = [0.5 * width, down * height];
+            let [across, along] = [(0.5 - anchor[0]) * width, (0.5 - anchor[1]) * height];
             let center =
                 [corner[0] + cos * across - sin * along, corner[1] + sin * across + cos * along];
             let position = [0, 1].map(|a| center[a] + offset[a] as f32);
@@ -91,11 +95,8 @@ impl<'a> Lights<'a> {
         Ok(())
     }
 
-    /// Returns the kind of an object's tile. That of a template counts by the tilesets of the template, which are not read.
-    fn kind(&self, node: Node, map: &TileMap) -> Result<Option<&TileKind>> {
-        let number = attribute(node, "gid")?.and_then(|bits| CellTile::of_bits(bits).number());
-        let tile = number.and_then(|number| map.tile(number));
-        Ok(tile.map(|tile| &self.kinds[tile.properties as usize]))
+    fn kind(&self, tile: u32, map: &TileMap) -> Option<&TileKind> {
+        map.tile(tile).map(|tile| &self.tilesets.kinds[tile.properties as usize])
     }
 
     fn template(&mut self, node: Node, name: &str) -> Result<&Object> {
@@ -110,6 +111,11 @@ impl<'a> Lights<'a> {
         }
         Ok(&self.templates[&path])
     }
+}
+
+/// Returns the number of an object's tile. That of a template counts by the tilesets of the template, which are not read.
+fn tile_of(node: Node) -> Result<Option<u32>> {
+    Ok(attribute(node, "gid")?.and_then(|bits| CellTile::of_bits(bits).number()))
 }
 
 fn named(node: Node) -> String {

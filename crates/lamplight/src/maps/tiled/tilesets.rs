@@ -20,13 +20,55 @@ pub(super) struct TileKind {
     pub properties: Properties,
 }
 
-/// Reads the tilesets of a map into it. Returns the kinds of their tiles; the first one has nothing.
-pub(super) fn read(map_node: Node, file: &Path, map: &mut TileMap) -> Result<Vec<TileKind>> {
-    let mut kinds = vec![TileKind::default()];
+/// The tilesets of a map, beside their tiles.
+#[derive(Default)]
+pub(super) struct Tilesets {
+    /// The kinds of their tiles; the first one has nothing.
+    pub kinds: Vec<TileKind>,
+    /// The first tile of each, and the point by which its tiles stand on their place as objects, as fractions of their size.
+    anchors: Vec<(u32, [f32; 2])>,
+}
+
+impl Tilesets {
+    /// Returns the point by which a tile stands on its place as an object.
+    pub fn anchor(&self, number: u32) -> [f32; 2] {
+        let own = self.anchors.iter().filter(|(first, _)| *first <= number);
+        own.max_by_key(|(first, _)| *first).map_or(BOTTOM_LEFT, |(_, anchor)| *anchor)
+    }
+}
+
+/// Where tiles stand as objects if nothing else is said.
+pub(super) const BOTTOM_LEFT: [f32; 2] = [0.0, 1.0];
+
+/// Reads the `objectalignment` of a tileset.
+fn anchor(node: Node) -> Result<[f32; 2]> {
+    let name = node.attribute("objectalignment").unwrap_or("unspecified");
+    Ok(match name {
+        "unspecified" | "bottomleft" => BOTTOM_LEFT,
+        "topleft" => [0.0, 0.0],
+        "top" => [0.5, 0.0],
+        "topright" => [1.0, 0.0],
+        "left" => [0.0, 0.5],
+        "center" => [0.5, 0.5],
+        "right" => [1.0, 0.5],
+        "bottom" => [0.5, 1.0],
+        "bottomright" => [1.0, 1.0],
+        _ => {
+            let expected = "an alignment of Tiled, such as center or bottomleft";
+            return Err(at_line(node, Error::value("objectalignment", name, expected)));
+        }
+    })
+}
+
+/// Reads the tilesets of a map into it.
+pub(super) fn read(map_node: Node, file: &Path, map: &mut TileMap) -> Result<Tilesets> {
+    let mut read = Tilesets { kinds: vec![TileKind::default()], ..Tilesets::default() };
+    let Tilesets { kinds, anchors } = &mut read;
     for node in children(map_node, "tileset") {
         let first: u32 = required(node, "firstgid")?;
         let mut read = |node: Node, file: &Path| {
-            Tileset { node, file, first, map: &mut *map, kinds: &mut kinds }.read()
+            anchors.push((first, anchor(node)?));
+            Tileset { node, file, first, map: &mut *map, kinds: &mut *kinds }.read()
         };
         match node.attribute("source") {
             None => read(node, file)?,
@@ -44,7 +86,7 @@ pub(super) fn read(map_node: Node, file: &Path, map: &mut TileMap) -> Result<Vec
             }
         }
     }
-    Ok(kinds)
+    Ok(read)
 }
 
 /// A tileset that is being read.

@@ -39,9 +39,9 @@ fn map(node: Node, path: &Path) -> Result<TileMap> {
     if !infinite {
         check_size(map.size).map_err(|e| at_line(node, e))?;
     }
-    let kinds = tilesets::read(node, path, &mut map)?;
-    let lights = Lights::new(path, &kinds);
-    LayerReader { map: &mut map, kinds: &kinds, cell, infinite, lights }
+    let tilesets = tilesets::read(node, path, &mut map)?;
+    let lights = Lights::new(path, &tilesets);
+    LayerReader { map: &mut map, kinds: &tilesets.kinds, cell, infinite, lights }
         .read(node, &Inherited::default())?;
     objects::read_cookies(path, &mut map)?;
     if infinite {
