@@ -11,14 +11,14 @@ override MARGIN: f32;
 override KERNEL_0: f32;
 override KERNEL_1: f32;
 override KERNEL_2: f32;
-// The range of light, in standard deviations of the noise.
+// The range of light, in standard deviations of the noise, and that in the first pass and along walls.
 override DEVIATIONS: f32;
+override WIDE_DEVIATIONS: f32;
 // The weight of a difference in opacity.
 override OPACITY: f32;
 // The widest spread of taps along walls, px.
 override WALL_SPREAD: i32;
-// The range of light along walls, in standard deviations of the noise, and the distance from which that is known, px.
-override WALL_DEVIATIONS: f32;
+// The distance along walls from which the noise is known, px.
 override WALL_REACH: i32;
 // True if `near` holds distances instead of squares of empty space.
 override BY_DISTANCE: bool;
@@ -135,7 +135,7 @@ fn light_along_wall(at: vec2i, spread: i32) -> vec3f {
     let here = before[index(vec2u(at))];
     let sides = open_sides(at);
     let along = direction_along(sides);
-    let range = WALL_DEVIATIONS * sqrt(here.w) + MIN_POSITIVE;
+    let range = WIDE_DEVIATIONS * sqrt(here.w) + MIN_POSITIVE;
     let weights = vec3f(KERNEL_0, KERNEL_1, KERNEL_2);
     var sum = KERNEL_0 * here.rgb;
     var weight = KERNEL_0;
@@ -202,7 +202,7 @@ fn blur(@builtin(global_invocation_id) id: vec3u) {
         }
         return;
     }
-    let range = DEVIATIONS * sqrt(here.w) + MIN_POSITIVE;
+    let range = select(DEVIATIONS, WIDE_DEVIATIONS, spread == 1) * sqrt(here.w) + MIN_POSITIVE;
     var sum = vec4f(0.0);
     var moment_x = vec4f(0.0);
     var moment_y = vec4f(0.0);

@@ -5,7 +5,8 @@
 //! counts by `exp(−|ΔL| / (2·strength·σ))`, with σ the standard deviation of the noise there, and by
 //! `exp(−8·|Δα|)` for opacity; and not at all where the straight line to it meets a solid cell. That
 //! is read off empty squares ([`crate::grid::empty_space`]) or, near walls, cell by cell, so light
-//! does not leak through walls of any thickness.
+//! does not leak through walls of any thickness. In the first pass 6 takes the place of 2
+//! ([`WIDE_DEVIATIONS`]).
 //!
 //! Cells of a wall are blurred along it in the first passes, together with those that are open to the same side alone. All
 //! other solid cells keep their light.
@@ -27,14 +28,14 @@ pub const KERNEL: [f32; 3] = [3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0];
 /// Differences in light count against this many standard deviations of the noise: of 1 to 4 the one
 /// with the least error over the example scenes.
 pub const DEVIATIONS: f32 = 2.0;
+/// Likewise in the first pass, and along walls. Of a small light far away most pixels see nothing and a few too much; if
+/// those did not count, its light would be too dark, and the pattern of its noise would stay.
+pub const WIDE_DEVIATIONS: f32 = 6.0;
 /// The rate at which a difference in opacity ends the blur.
 pub const OPACITY: f32 = 8.0;
 
 /// The widest spread of taps along walls, px: shadows on walls are to have edges.
 pub const WALL_SPREAD: usize = 4;
-/// As [`DEVIATIONS`], along walls. Most faces of a wall along which a small light shines see nothing of it, so that the noise
-/// is as large as the light.
-pub const WALL_DEVIATIONS: f32 = 6.0;
 /// The distance along walls from which the noise is known, px: within it some faces see such a light.
 pub const WALL_REACH: usize = 12;
 
@@ -151,7 +152,8 @@ impl Denoiser {
                 return;
             }
             let l = luminance(here.light);
-            let range = DEVIATIONS * settings.strength * here.variance.sqrt() + f32::MIN_POSITIVE;
+            let deviations = if spread == 1 { WIDE_DEVIATIONS } else { DEVIATIONS };
+            let range = deviations * settings.strength * here.variance.sqrt() + f32::MIN_POSITIVE;
             let (mut light, mut variance, mut weight) = ([0.0f32; 3], 0.0f32, 0.0f32);
             let mut sum = Moment::default();
             visible.taps(i, |j, kernel| {
@@ -194,7 +196,7 @@ impl Denoiser {
     ) -> Rgb {
         let here = self.noisy[i];
         let l = luminance(here.light);
-        let range = WALL_DEVIATIONS * settings.strength * here.variance.sqrt() + f32::MIN_POSITIVE;
+        let range = WIDE_DEVIATIONS * settings.strength * here.variance.sqrt() + f32::MIN_POSITIVE;
         let (mut light, mut weight) = ([0.0f32; 3], 0.0f32);
         walls.along(i, 2 * spread, |j, away| {
             if away % spread == 0 {

@@ -152,6 +152,35 @@ fn walls_of_one_cell_keep_their_light_at_any_size() {
 }
 
 #[test]
+fn far_from_a_small_lamp_there_is_neither_a_pattern_nor_too_little_light() {
+    let mut cells = grid(160, 100, |_, _| Matter::EMPTY);
+    cells.lamps_mut().push(Lamp { position: [60.0, 50.0], size: 3.0, ..LAMP });
+    let lit = |rays, passes| {
+        let settings =
+            settings(|s| (raymarch_of(s).rays, raymarch_of(s).denoise.passes) = (rays, passes));
+        solve(&settings, &cells)
+    };
+    let right = lit(4096, 0);
+    // The mean relative light, and the deviation of cells from the mean of their neighbours.
+    let seen = |light: &Light| {
+        let relative = |x: u32, y: u32| light.at(x, y)[1] / right.at(x, y)[1];
+        let far = || (130..154).flat_map(|x| (6..30).map(move |y| [x, y]));
+        let count = far().count() as f32;
+        let mean = far().map(|[x, y]| relative(x, y)).sum::<f32>() / count;
+        let pattern = far().map(|[x, y]| {
+            let beside = [[x - 1, y], [x + 1, y], [x, y - 1], [x, y + 1]];
+            let around = beside.iter().map(|&[x, y]| relative(x, y)).sum::<f32>() / 4.0;
+            (relative(x, y) - around).powi(2)
+        });
+        (mean, (pattern.sum::<f32>() / count).sqrt())
+    };
+    let [raw, smoothed] = [lit(32, 0), lit(32, 4)].map(|light| seen(&light));
+    println!("mean and pattern: {raw:?} before, {smoothed:?} after");
+    assert!((0.96..1.02).contains(&smoothed.0) && smoothed.1 < 0.015);
+    assert!(raw.1 > 0.5, "what is measured is there without the blur");
+}
+
+#[test]
 fn noise_of_a_wall_falls_along_each_side_of_it() {
     // A wall of three px, from which a bright room and a dark one are seen.
     let cells = grid(64, 24, |_, y| if (10..13).contains(&y) { WALL } else { Matter::EMPTY });
