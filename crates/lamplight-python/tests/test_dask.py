@@ -266,6 +266,29 @@ def test_a_sweep_is_a_table(client):
         assert row["method"] == case["method"]
 
 
+def test_what_changes_after_the_call_has_no_part_in_it():
+    table = {"rays": 4}
+    case = {"method": "raymarch", "raymarch": table, "bounces": 0}
+
+    def errors(lazy):
+        # On one thread, whose solver could remember the settings of the sweep before.
+        return [row["relative_rmse"] for row in lazy.compute(scheduler="sync")]
+
+    few = ll.dask.sweep([frame(0)], [case], samples=16)
+    before = errors(few)
+    table["rays"] = 64
+    assert errors(few) == before
+    assert errors(ll.dask.sweep([frame(0)], [case], samples=16)) != before
+
+    display = {"exposure": 1}
+    pictures = ll.dask.render_frames([frame(0)], display=display)
+    before = pictures.compute(scheduler="sync")
+    display["exposure"] = -3
+    np.testing.assert_array_equal(pictures.compute(scheduler="sync"), before)
+    other = ll.dask.render_frames([frame(0)], display=display).compute(scheduler="sync")
+    assert not np.array_equal(other, before)
+
+
 def test_bad_input_is_refused_at_once():
     with pytest.raises(ValueError, match="empty"):
         ll.dask.render_frames([])

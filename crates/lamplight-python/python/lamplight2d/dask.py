@@ -10,6 +10,7 @@ must be able to read; cells travel with all of their arrays.
 
 from __future__ import annotations
 
+import copy
 import ctypes
 import operator
 import os
@@ -75,6 +76,8 @@ def render_frames(
         if not isinstance(frame, Delayed):
             _check_shape(f"frame {index}", frame.shape, shape)
     if display is not None:
+        # Of its own: what the caller changes later has no part in frames that are computed then.
+        display = copy.deepcopy(dict(display))
         # Refuses bad keys here instead of on a worker.
         Light([[[0, 0, 0]]]).compose(Cells((1, 1)), **display)
     settings = None if solver is None else solver.settings
@@ -221,6 +224,7 @@ def reference(source: Source, samples: int = 256, *, parts: int = 64, **settings
     if parts < 1:
         raise ValueError(f"parts is {parts}; expected 1 or more")
     _check_source("source", source)
+    settings = copy.deepcopy(settings)
     # Refuses bad settings here instead of on a worker.
     trace_part(Cells((1, 1)), 0, 0, samples, **settings)
     # Cells are a task of their own, so that a worker receives them once.
@@ -257,8 +261,10 @@ def sweep(
         frame on one thread. ``pandas.DataFrame`` takes it as it is.
     """
     named = scenes.items() if isinstance(scenes, Mapping) else enumerate(scenes)
+    # Of their own: a caller who changes a table for the next sweep does not change this one.
+    own = [copy.deepcopy(dict(case)) for case in settings]
     # Settings are checked here, and the bounces of defaults and presets are known.
-    cases = [(dict(case), Solver(**case).settings["bounces"]) for case in settings]
+    cases = [(case, Solver(**case).settings["bounces"]) for case in own]
     measure = dask.delayed(_measure, pure=False)
     rows = []
     for name, source in named:
