@@ -314,8 +314,21 @@ def test_bad_input_is_refused_at_once():
         ll.dask.render_frames([dask.delayed(frame)(0)], shape=(9, 9)).compute(scheduler="sync")
     with pytest.raises(TypeError, match="a frame is a NoneType"):
         ll.dask.render_frames([dask.delayed(print)()], shape=(9, 9)).compute(scheduler="sync")
-    with pytest.raises(TypeError, match="one Delayed; expected an iterable"):
-        ll.dask.render_frames(dask.delayed(frame)(0), shape=(30, 40))
+    for one in [dask.delayed(frame)(0), frame(0), ll.Scene.from_toml("size = [8, 6]")]:
+        with pytest.raises(TypeError, match=f"frames is one {type(one).__name__}; expected an iterable"):
+            ll.dask.render_frames(one, shape=(30, 40))
+        with pytest.raises(TypeError, match=f"scenes is one {type(one).__name__}; expected an iterable"):
+            ll.dask.sweep(one, [{}])
+    with pytest.raises(TypeError, match="settings is one dict; expected an iterable"):
+        ll.dask.sweep([frame(0)], {"bounces": 1})
+    with pytest.raises(TypeError, match="settings 1 is a str; expected a dict"):
+        ll.dask.sweep([frame(0)], [{}, "bounces"])
+    with pytest.raises(ValueError, match="settings 0 has threads; expected none"):
+        ll.dask.sweep([frame(0)], [{"threads": 2}])
+    for shape in [(30, 40, 3), 30, (30.0, 40.0), (-30, 40), (0, 40)]:
+        with pytest.raises(ValueError, match="shape is .*; expected two whole numbers, rows and columns"):
+            ll.dask.render_frames([dask.delayed(frame)(0)], shape=shape)
+    assert ll.dask.render_frames([frame(0)], shape=np.array([30, 40])).shape == (1, 30, 40, 3)
     with pytest.raises(TypeError, match=r"solver is a dict; expected a Solver"):
         ll.dask.render_frames([frame(0)], {"bounces": 1})
 
@@ -344,6 +357,8 @@ def test_bad_worlds_are_refused_at_once():
         ll.dask.light_world(ll.World(ll.Cells((4, 6))), halo=5)
     with pytest.raises(TypeError, match="int; expected a Scene"):
         ll.dask.light_world(5)
+    with pytest.raises(TypeError, match="source is a Delayed; expected a callable"):
+        ll.dask.light_world(dask.delayed(frame)(0))
     with pytest.raises(TypeError, match="solver is a dict; expected a Solver"):
         ll.dask.light_world(fields, solver={"bounces": 1})
     for tile in ["64", 2.5, (64, 64), None]:

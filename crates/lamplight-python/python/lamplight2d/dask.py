@@ -59,8 +59,8 @@ def render_frames(
     dask.array.Array of shape (frames, H, W, 3)
         A chunk per frame: linear light, float32, or pictures, uint8.
     """
-    if isinstance(frames, Delayed):
-        raise TypeError("frames is one Delayed; expected an iterable of them")
+    if isinstance(frames, (Scene, Cells, Delayed)):
+        raise TypeError(f"frames is one {type(frames).__name__}; expected an iterable of them")
     _check_solver(solver)
     frames = list(frames)
     if not frames:
@@ -70,7 +70,7 @@ def render_frames(
             raise ValueError("shape is missing: that of a Delayed is not known before it is computed")
         _check_source("frame 0", frames[0])
         shape = frames[0].shape
-    height, width = shape
+    height, width = shape = _rows_and_columns(shape)
     for index, frame in enumerate(frames):
         _check_source(f"frame {index}", frame)
         if not isinstance(frame, Delayed):
@@ -84,7 +84,7 @@ def render_frames(
     threads = 1 if solver is None else solver.threads
     dtype = np.float32 if display is None else np.uint8
     task = dask.delayed(_frame, pure=False)
-    arguments = ((height, width), settings, threads, display)
+    arguments = (shape, settings, threads, display)
     chunks = (da.from_delayed(task(frame, *arguments), (1, height, width, 3), dtype) for frame in frames)
     return da.concatenate(list(chunks))
 
@@ -134,6 +134,9 @@ def light_world(
             raise ValueError("source is a World, which has its own solver, halo, columns, shape, lamps, sky and suns")
         reader, empty, far = source._reader, source._empty, source._far
     else:
+        # It can be called too, but makes another Delayed.
+        if isinstance(source, Delayed):
+            raise TypeError("source is a Delayed; expected a callable, which workers ask for the Cells of a window")
         if isinstance(source, (str, os.PathLike)):
             source = opened(source)
         if solver is None:
@@ -248,7 +251,7 @@ def sweep(
     scenes : dict or iterable of Scene, Cells or Delayed
         With their names; without, they are numbered.
     settings : iterable of dict
-        Keywords of `Solver`.
+        Keywords of `Solver`, without ``threads``.
     samples : int, optional
         Paths per cell of the reference, of which there is one per scene and number of bounces.
     parts : int, optional
@@ -260,9 +263,13 @@ def sweep(
         A row per scene and settings: ``scene``, the keywords, the errors of `Measures`, and ``seconds``, the time of one
         frame on one thread. ``pandas.DataFrame`` takes it as it is.
     """
+    if isinstance(scenes, (Scene, Cells, Delayed)):
+        raise TypeError(f"scenes is one {type(scenes).__name__}; expected an iterable of them")
+    if isinstance(settings, Mapping):
+        raise TypeError("settings is one dict; expected an iterable of them")
     named = scenes.items() if isinstance(scenes, Mapping) else enumerate(scenes)
     # Of their own: a caller who changes a table for the next sweep does not change this one.
-    own = [copy.deepcopy(dict(case)) for case in settings]
+    own = [_own_case(index, case) for index, case in enumerate(settings)]
     # Settings are checked here, and the bounces of defaults and presets are known.
     cases = [(case, Solver(**case).settings["bounces"]) for case in own]
     measure = dask.delayed(_measure, pure=False)
@@ -319,6 +326,25 @@ def _check_source(name: str, source: Source) -> None:
 def _check_solver(solver: Solver | None) -> None:
     if not isinstance(solver, (Solver, type(None))):
         raise TypeError(f"solver is a {type(solver).__name__}; expected a Solver, as Solver(bounces=1) is")
+
+
+def _own_case(index: int, case: Mapping[str, Any]) -> dict[str, Any]:
+    if not isinstance(case, Mapping):
+        raise TypeError(f"settings {index} is a {type(case).__name__}; expected a dict, as {{'bounces': 1}} is")
+    if "threads" in case:
+        raise ValueError(f"settings {index} has threads; expected none, because every frame is timed on one thread")
+    return copy.deepcopy(dict(case))
+
+
+def _rows_and_columns(shape: Any) -> tuple[int, int]:
+    try:
+        height, width = map(operator.index, shape)
+    except (TypeError, ValueError):
+        # No sequence, of another length, or not of whole numbers.
+        height = width = 0
+    if height < 1 or width < 1:
+        raise ValueError(f"shape is {shape!r}; expected two whole numbers, rows and columns")
+    return height, width
 
 
 def _check_shape(name: str, found: tuple[int, int], expected: tuple[int, int]) -> None:
