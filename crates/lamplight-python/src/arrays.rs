@@ -5,6 +5,7 @@ use numpy::ndarray::{ArrayView, Dimension};
 use numpy::{
     Element, PyArray, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArrayMethods,
 };
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -46,7 +47,7 @@ fn cast<T: Element + Copy>(
     let array = numpy.call_method1("asarray", (value,));
     let array = array
         .and_then(|array| array.call_method("astype", (numpy::dtype::<T>(py),), Some(&options)));
-    let array = array.map_err(|e| value_error(format!("{name}: {}", e.value(py))))?;
+    let array = array.map_err(|error| unsuitable(py, name, error))?;
     // Arrays over received bytes, as from a pickle that came in frames, may lie at odd addresses.
     let array = numpy.call_method1("require", (array, py.None(), ["C", "A"]))?;
     let array = array.cast::<PyArrayDyn<T>>()?;
@@ -54,6 +55,24 @@ fn cast<T: Element + Copy>(
     let array = array.try_readonly().map_err(value_error)?;
     into.copy_from_slice(array.as_slice().map_err(value_error)?);
     Ok(())
+}
+
+/// The error of an array that could not be read. Only those about its values get its name: Ctrl-C during the reading of a
+/// file, or what that file raises, is what the caller waits for.
+fn unsuitable(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
+    if !error.is_instance_of::<PyTypeError>(py) && !error.is_instance_of::<PyValueError>(py) {
+        return error;
+    }
+    let named = value_error(format!("{name}: {}", error.value(py)));
+    named.set_cause(py, Some(error));
+    named
+}
+
+/// The shape of an array, or of what can become one.
+pub fn shape(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<usize>> {
+    let py = value.py();
+    let shape = py.import("numpy")?.call_method1("shape", (value,));
+    shape.map_err(|error| unsuitable(py, name, error))?.extract()
 }
 
 /// The array that the caller gave to be filled: float32 in C order, writable, of the given shape.

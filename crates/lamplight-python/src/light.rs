@@ -1,6 +1,6 @@
 //! `Light`: the result, with queries and pictures.
 
-use crate::arrays::{read, view};
+use crate::arrays::{self, read, view};
 use crate::cells::Cells;
 use crate::json::{self, value_error};
 use crate::threads::SHARED;
@@ -41,8 +41,7 @@ impl Light {
         moment: Option<&Bound<'_, PyAny>>,
         elevation: f32,
     ) -> PyResult<Self> {
-        let shape: Vec<usize> =
-            rgb.py().import("numpy")?.call_method1("shape", (rgb,))?.extract()?;
+        let shape = arrays::shape("rgb", rgb)?;
         let [height, width, 3] = shape[..] else {
             return Err(value_error(format!(
                 "rgb has the shape {shape:?}; expected [height, width, 3]"
@@ -120,7 +119,7 @@ impl Light {
     /// ndarray of shape (N, 3)
     fn sample<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let py = points.py();
-        let shape: Vec<usize> = py.import("numpy")?.call_method1("shape", (points,))?.extract()?;
+        let shape = arrays::shape("points", points)?;
         let [count, 2] = shape[..] else {
             return Err(value_error(format!("points has the shape {shape:?}; expected [N, 2]")));
         };

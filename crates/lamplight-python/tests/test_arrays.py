@@ -90,6 +90,35 @@ def test_numbers_of_other_kinds_are_refused():
             call()
 
 
+class Fails:
+    """An array in a file, whose reading ends with an error."""
+
+    shape = (4, 6, 3)
+
+    def __init__(self, error):
+        self.error = error
+
+    def __array__(self, dtype=None, copy=None):
+        raise self.error
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, MemoryError, OSError("the disk is gone")])
+def test_what_is_not_about_values_comes_out_as_it_is(error):
+    kind = error if isinstance(error, type) else type(error)
+    for call in [lambda: ll.Cells((4, 6), albedo=Fails(error)), lambda: ll.Light(Fails(error))]:
+        with pytest.raises(kind):
+            call()
+    with pytest.raises(ValueError, match="albedo: of mud") as caught:
+        ll.Cells((4, 6), albedo=Fails(TypeError("of mud")))
+    assert isinstance(caught.value.__cause__, TypeError)
+
+
+def test_arrays_of_no_shape_are_named():
+    for name, call in [("rgb", ll.Light), ("points", ll.Light(np.zeros((1, 1, 3))).sample)]:
+        with pytest.raises(ValueError, match=f"{name}: .*inhomogeneous"):
+            call([[1], [1, 2]])
+
+
 def test_an_unknown_field_is_refused():
     with pytest.raises(TypeError, match="opaque"):
         ll.Cells((4, 6), opaque=np.zeros((4, 6)))
