@@ -3,7 +3,7 @@
 use crate::arrays::{read, read_bytes, view};
 use crate::json::{object, value_error, without_line, write};
 use crate::threads::SHARED;
-use crate::window::window;
+use crate::window::{rows_and_columns, window};
 use lamplight::world::WorldSource;
 use lamplight::{Error, Rgb};
 use numpy::ndarray::{Dim, Ix2, Ix3};
@@ -44,10 +44,10 @@ impl Cells {
     #[new]
     #[pyo3(signature = (shape, **fields), text_signature = "(shape, *, emission=None, glow=None, opacity=None, \
         tint=None, albedo=None, color=None, normals=None, masks=None, lamps=None, suns=None, sky=None)")]
-    fn new(shape: [Bound<'_, PyAny>; 2], fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let py = shape[0].py();
+    fn new(shape: &Bound<'_, PyAny>, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let py = shape.py();
         let scene = PyDict::new(py);
-        let [height, width] = &shape;
+        let [height, width] = rows_and_columns(shape)?;
         scene.set_item("size", (width, height))?;
         let mut arrays = Vec::new();
         for (name, value) in fields.into_iter().flatten().filter(|(_, value)| !value.is_none()) {

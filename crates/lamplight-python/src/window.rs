@@ -1,8 +1,21 @@
 //! Windows of a grid or a world, as Python has them.
 
-use crate::json::whole;
-use lamplight::GridWindow;
+use crate::json::{value_error, whole};
+use lamplight::{Error, GridWindow};
 use pyo3::prelude::*;
+
+/// Rows and columns as Python has them.
+pub fn rows_and_columns(shape: &Bound<'_, PyAny>) -> PyResult<[u32; 2]> {
+    let sides = shape.extract::<[i128; 2]>().map(|sides| sides.map(u32::try_from));
+    match sides {
+        Ok([Ok(height), Ok(width)]) => Ok([height, width]),
+        // No sequence, of another length, not of whole numbers, below 0, or larger than any grid.
+        _ => {
+            let found = shape.repr()?.to_string();
+            Err(value_error(Error::value("shape", found, "two whole numbers, rows and columns")))
+        }
+    }
+}
 
 /// A window as Python has it: y, x, height, width.
 pub type PyWindow = (i128, i128, i128, i128);

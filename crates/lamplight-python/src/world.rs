@@ -6,7 +6,7 @@ use crate::cells::Cells;
 use crate::json::{object, value_error, whole, without_line, write};
 use crate::light::Light;
 use crate::solver::Solver;
-use crate::window::{PyWindow, of_window, window};
+use crate::window::{PyWindow, of_window, rows_and_columns, window};
 use lamplight::world::{FarPart, WorldSettings, lamps_within};
 use lamplight::{Error, Lamp, Panorama, Scene};
 use pyo3::prelude::*;
@@ -43,7 +43,7 @@ impl FarWorld {
     #[pyo3(signature = (shape, around, solver, halo, columns, blocks=None))]
     fn new(
         py: Python<'_>,
-        shape: [i128; 2],
+        shape: &Bound<'_, PyAny>,
         around: Py<Cells>,
         solver: Py<Solver>,
         halo: i128,
@@ -59,8 +59,8 @@ impl FarWorld {
             halo: whole("halo", halo, "0 or more")?,
             columns: columns as usize,
         };
-        let side = |v: i128| whole("shape", v, "two whole numbers from 1 on");
-        let size = [side(shape[1])?, side(shape[0])?];
+        let [height, width] = rows_and_columns(shape)?;
+        let size = [width, height];
         let (sky, suns) = (around.get().0.sky(), around.get().0.suns());
         let has_blocks = blocks.is_some();
         let world = py.detach(|| match blocks {
@@ -198,10 +198,10 @@ impl FarWorld {
 
     /// The far world of the same source and settings with other blocks.
     fn with(&self, py: Python<'_>, blocks: Option<PyBackedBytes>) -> PyResult<Self> {
-        let shape = <[u32; 2]>::from(self.shape()).map(i128::from);
+        let shape = self.shape().into_pyobject(py)?;
         let (around, solver) = (self.around.clone_ref(py), self.solver.clone_ref(py));
         let WorldSettings { halo, columns, .. } = self.settings;
-        Self::new(py, shape, around, solver, halo.into(), columns as i128, blocks)
+        Self::new(py, shape.as_any(), around, solver, halo.into(), columns as i128, blocks)
     }
 }
 
