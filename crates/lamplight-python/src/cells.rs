@@ -3,9 +3,9 @@
 use crate::arrays::{read, read_bytes, view};
 use crate::json::{object, value_error, without_line, write};
 use crate::threads::SHARED;
-use crate::window::{rows_and_columns, window};
+use crate::window::{PyWindow, rows_and_columns, window};
 use lamplight::world::WorldSource;
-use lamplight::{Error, Rgb};
+use lamplight::{Error, GridWindow, Rgb};
 use numpy::ndarray::{Dim, Ix2, Ix3};
 use numpy::{PyArray2, PyArray3};
 use pyo3::exceptions::PyTypeError;
@@ -45,27 +45,7 @@ impl Cells {
     #[pyo3(signature = (shape, **fields), text_signature = "(shape, *, emission=None, glow=None, opacity=None, \
         tint=None, albedo=None, color=None, normals=None, masks=None, lamps=None, suns=None, sky=None)")]
     fn new(shape: &Bound<'_, PyAny>, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let py = shape.py();
-        let scene = PyDict::new(py);
-        let [height, width] = rows_and_columns(shape)?;
-        scene.set_item("size", (width, height))?;
-        let mut arrays = Vec::new();
-        for (name, value) in fields.into_iter().flatten().filter(|(_, value)| !value.is_none()) {
-            let name: String = name.extract()?;
-            match name.as_str() {
-                "lamps" => scene.set_item("lamp", value)?,
-                "suns" => scene.set_item("sun", value)?,
-                "sky" => scene.set_item("sky", value)?,
-                _ => arrays.push((name, value)),
-            }
-        }
-        let scene = lamplight::Scene::from_json(&write(&scene)?).map_err(without_line)?;
-        let mut cells = scene.cells().map_err(value_error)?;
-        for (name, value) in arrays {
-            set(&mut cells, &name, &value)?;
-        }
-        SHARED.run(py, || cells.check())?.map_err(value_error)?;
-        Ok(Self(cells))
+        Self::of_fields(shape.py(), rows_and_columns(shape)?, fields, [0, 0])
     }
 
     /// Rows and columns, (H, W).
@@ -207,6 +187,62 @@ impl Cells {
         }
         Ok((PyTuple::new(py, [slf.get().shape()])?, fields))
     }
+}
+
+impl Cells {
+    /// Cells from keywords. In errors `first` is added to the place of a cell, x and y.
+    fn of_fields(
+        py: Python<'_>,
+        [height, width]: [u32; 2],
+        fields: Option<&Bound<'_, PyDict>>,
+        first: [u32; 2],
+    ) -> PyResult<Self> {
+        let scene = PyDict::new(py);
+        scene.set_item("size", (width, height))?;
+        let mut arrays = Vec::new();
+        for (name, value) in fields.into_iter().flatten().filter(|(_, value)| !value.is_none()) {
+            let name: String = name.extract()?;
+            match name.as_str() {
+                "lamps" => scene.set_item("lamp", value)?,
+                "suns" => scene.set_item("sun", value)?,
+                "sky" => scene.set_item("sky", value)?,
+                _ => arrays.push((name, value)),
+            }
+        }
+        let scene = lamplight::Scene::from_json(&write(&scene)?).map_err(without_line)?;
+        let mut cells = scene.cells().map_err(value_error)?;
+        for (name, value) in arrays {
+            set(&mut cells, &name, &value)?;
+        }
+        SHARED.run(py, || cells.check())?.map_err(|error| value_error(moved(error, first)))?;
+        Ok(Self(cells))
+    }
+}
+
+/// Returns an error in which a cell has its place in a world, of which `first` is the window's first cell.
+fn moved(error: Error, [left, top]: [u32; 2]) -> Error {
+    match error {
+        Error::Cell { x, y, field, value, expected } => Error::Cell {
+            x: x.saturating_add(left),
+            y: y.saturating_add(top),
+            field,
+            value,
+            expected,
+        },
+        other => other,
+    }
+}
+
+/// Makes the cells of a window of a world, for `lamplight2d.World`: errors name cells of the world.
+#[pyfunction]
+#[pyo3(signature = (within, **fields))]
+pub fn cells_within(
+    py: Python<'_>,
+    within: PyWindow,
+    fields: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Cells> {
+    let GridWindow { first, size: [width, height] } = window(within)?;
+    Cells::of_fields(py, [height, width], fields, first)
 }
 
 /// Every field, by the name of its keyword; the first ones are arrays.

@@ -21,7 +21,7 @@ use pyo3::pymodule;
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use crate::cells::Cells;
+    use crate::cells::{Cells, cells_within};
     #[pymodule_export]
     use crate::command::run_command;
     #[pymodule_export]

@@ -220,6 +220,16 @@ def test_errors_of_the_source_come_out():
         world.light(0, 0, 10, 10)
 
 
+@pytest.mark.parametrize(("field", "value"), [("opacity", np.nan), ("albedo", 2), ("masks", 0)])
+def test_a_bad_cell_has_its_place_in_the_world(field, value):
+    """Also one in a part that is read from its own first cell on."""
+    x, y = 1090, 150
+    fields = {**arrays(), "masks": np.ones((HEIGHT, WIDTH), np.uint8)}
+    fields[field][y, x] = value
+    with pytest.raises(ValueError, match=rf"cell \({x}, {y}\): {field.rstrip('s')} "):
+        ll.World(fields, **SETTINGS)
+
+
 @pytest.mark.parametrize(
     ("source", "options", "text"),
     [

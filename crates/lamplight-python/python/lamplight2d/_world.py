@@ -8,7 +8,7 @@ from typing import Any, Union
 
 import numpy as np
 
-from lamplight2d._core import Cells, FarWorld, Lamps, Light, Map, Scene, Solver, Tiling
+from lamplight2d._core import Cells, FarWorld, Lamps, Light, Map, Scene, Solver, Tiling, cells_within
 
 Window = tuple[int, int, int, int]
 """Row and column of its first cell, its height and its width."""
@@ -276,7 +276,7 @@ class ArrayReader:
 def cells_of(lamps: Lamps, window: Window, fields: dict[str, Any]) -> Cells:
     """The cells of a window with these fields."""
     arrays: dict[str, Any] = {name: np.asarray(field) for name, field in fields.items()}
-    return Cells(window[2:], **arrays, lamps=lamps.within(window))
+    return cells_within(window, **arrays, lamps=lamps.within(window))
 
 
 class CallableReader:
