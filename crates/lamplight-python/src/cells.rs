@@ -176,11 +176,6 @@ impl Cells {
         slf: &Bound<'py, Self>,
     ) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
         let py = slf.py();
-        if slf.get().0.lamps().iter().any(|lamp| lamp.cookie.is_some()) {
-            return Err(PyTypeError::new_err(
-                "a lamp has a cookie: pickle the Scene, not its Cells",
-            ));
-        }
         let fields = PyDict::new(py);
         for name in FIELDS {
             fields.set_item(name, slf.getattr(name)?)?;

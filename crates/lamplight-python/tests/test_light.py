@@ -1,5 +1,6 @@
 """Light against closed forms, the reference, and another run of itself."""
 
+import copy
 import math
 import os
 import pathlib
@@ -9,6 +10,7 @@ import threading
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import lamplight2d as ll
 
@@ -96,6 +98,20 @@ def test_pickles():
     assert repr(pickle.loads(pickle.dumps(measures))) == repr(measures)
     for scene in [ll.Scene.load(SCENES / "grove.toml"), ll.Scene.from_toml("size = [8, 6]")]:
         assert pickle.loads(pickle.dumps(scene)).to_toml() == scene.to_toml()
+
+
+def test_a_pickle_has_the_cookies_of_lamps(tmp_path):
+    """Their pictures too, in full, so that no file is needed where it is read."""
+    picture = np.random.default_rng(5).integers(0, 256, (9, 17, 3), np.uint8)
+    Image.fromarray(picture).save(tmp_path / "leaves.png")
+    cookie = {"picture": str(tmp_path / "leaves.png"), "size": 30, "turn": "20deg"}
+    cells = ll.Cells((40, 50), lamps=[{"position": [20.5, 20.5], "cookie": cookie}])
+    (tmp_path / "leaves.png").unlink()
+    expected = ll.Solver().solve(cells).rgb
+    for again in [pickle.loads(pickle.dumps(cells)), copy.copy(cells), copy.deepcopy(cells)]:
+        np.testing.assert_array_equal(ll.Solver().solve(again).rgb, expected)
+    bare = ll.Cells((40, 50), lamps=[{**cells.lamps[0], "cookie": {**cells.lamps[0]["cookie"], "turn": 0}}])
+    assert not np.array_equal(ll.Solver().solve(bare).rgb, expected)
 
 
 def test_settings_are_checked():
