@@ -3,7 +3,8 @@
 use crate::json::value_error;
 use numpy::ndarray::{ArrayView, Dimension};
 use numpy::{
-    Element, PyArray, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArrayMethods,
+    BorrowError, Element, PyArray, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn,
+    PyUntypedArrayMethods,
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -52,7 +53,7 @@ fn cast<T: Element + Copy>(
     let array = numpy.call_method1("require", (array, py.None(), ["C", "A"]))?;
     let array = array.cast::<PyArrayDyn<T>>()?;
     check_shape(name, array.shape(), shape)?;
-    let array = array.try_readonly().map_err(value_error)?;
+    let array = array.try_readonly().map_err(|_| in_use(name))?;
     into.copy_from_slice(array.as_slice().map_err(value_error)?);
     Ok(())
 }
@@ -88,10 +89,20 @@ pub fn writable<'py>(
     if !array.is_c_contiguous() {
         return Err(value_error(expected()));
     }
-    let mut array = array.try_readwrite().map_err(|_| value_error(expected()))?;
+    let mut array = array.try_readwrite().map_err(|error| match error {
+        BorrowError::AlreadyBorrowed => in_use("out"),
+        _ => value_error(expected()),
+    })?;
     // It may be misaligned.
     array.as_slice_mut().map_err(|_| value_error(expected()))?;
     Ok(array)
+}
+
+/// The error of an array into which a solver writes now, without the GIL.
+fn in_use(name: &str) -> PyErr {
+    value_error(format!(
+        "{name}: another thread solves into this array; wait for it, or use an array per thread"
+    ))
 }
 
 fn check_shape(name: &str, found: &[usize], expected: &[usize]) -> PyResult<()> {

@@ -1,5 +1,7 @@
 """Arrays in and out: casts, views, shapes, values out of range."""
 
+import threading
+
 import numpy as np
 import pytest
 
@@ -136,6 +138,22 @@ def test_out_receives_the_light():
     out = np.empty((9, 8, 3), np.float32)
     assert solver.solve(cells, out=out) is out
     np.testing.assert_array_equal(out, expected)
+
+
+def test_an_out_that_is_written_is_refused_with_the_reason():
+    # Large enough that the thread is still at work when it is asked.
+    cells = ll.Cells((300, 300), albedo=np.full((300, 300, 3), 0.5), opacity=np.full((300, 300), 0.1), sky=[1, 1, 1])
+    solver, out = ll.Solver(bounces=2, threads=1), np.zeros((300, 300, 3), np.float32)
+    thread = threading.Thread(target=solver.solve, args=(cells,), kwargs={"out": out})
+    thread.start()
+    reason = "another thread solves into this array; wait for it, or use an array per thread"
+    with pytest.raises(ValueError, match=f"glow: {reason}"):
+        while thread.is_alive():
+            ll.Cells((300, 300), glow=out)
+    with pytest.raises(ValueError, match=f"out: {reason}"):
+        solver.solve(cells, out=out)
+    thread.join()
+    assert ll.Cells((300, 300), glow=out)
 
 
 @pytest.mark.parametrize(
