@@ -21,7 +21,12 @@ use pyo3::types::{PyDict, PyTuple};
 /// moment : array_like of shape (H, W, 2, 3), optional
 ///     The x and the y component of the first moment.
 /// elevation : float, optional
-///     The elevation at which light arrives at tilted surfaces, radians.
+///     The elevation at which light with a ``moment`` arrives at tilted surfaces, radians, in the range of a solver's.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a shape is wrong, or the elevation is out of its range. Light may have any values.
 #[pyclass(module = "lamplight2d", frozen)]
 pub struct Light(pub lamplight::Light);
 
@@ -41,6 +46,8 @@ impl Light {
         moment: Option<&Bound<'_, PyAny>>,
         elevation: f32,
     ) -> PyResult<Self> {
+        // The range of a solver's.
+        Settings { elevation, ..Settings::default() }.check().map_err(value_error)?;
         let shape = arrays::shape("rgb", rgb)?;
         let [height, width, 3] = shape[..] else {
             return Err(value_error(format!(

@@ -114,6 +114,14 @@ def test_a_pickle_has_the_cookies_of_lamps(tmp_path):
     assert not np.array_equal(ll.Solver().solve(bare).rgb, expected)
 
 
+@pytest.mark.parametrize("elevation", [math.nan, math.inf, 0, -1, 1.6])
+def test_light_has_the_elevations_of_solvers(elevation):
+    fields = {"rgb": np.ones((4, 6, 3)), "moment": np.zeros((4, 6, 2, 3))}
+    with pytest.raises(ValueError, match="`elevation` is .*, but must be from 0.05 to 1.5"):
+        ll.Light(**fields, elevation=elevation)
+    assert ll.Light(**fields, elevation=1.5).elevation == 1.5
+
+
 def test_settings_are_checked():
     with pytest.raises(ValueError, match="holographic"):
         ll.Solver(method="magic")
