@@ -174,8 +174,17 @@ def test_a_forked_child_has_threads_of_its_own():
     assert os.waitstatus_to_exitcode(status) == 0
 
 
-def test_history_is_forgotten():
-    solver, cells = ll.Solver(method="raymarch", temporal={"history_length": 8}), room()
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"method": "raymarch"},
+        {"method": "raymarch", "temporal": {"history_length": 8}},
+        {"method": "flood"},
+        {"bounces": "feedback"},
+    ],
+)
+def test_history_is_forgotten(settings):
+    solver, cells = ll.Solver(**settings), room()
     first, second = (solver.solve(cells).rgb.copy() for _ in range(2))
     assert not np.array_equal(first, second)
     solver.reset()
