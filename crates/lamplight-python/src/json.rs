@@ -3,7 +3,7 @@
 use lamplight::{Display, Error, Scene, Settings, SettingsTable};
 use pyo3::exceptions::{PyAttributeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyFloat, PyList};
 use serde::Serialize;
 
 /// A `ValueError` with the library's text.
@@ -27,17 +27,52 @@ pub fn write(value: &Bound<'_, PyAny>) -> PyResult<String> {
         .set_item("default", py.import("operator")?.call_method1("methodcaller", ("tolist",))?)?;
     // JSON has no NaN and no infinity.
     options.set_item("allow_nan", false)?;
-    let text = py.import("json")?.call_method("dumps", (value,), Some(&options));
+    let json = py.import("json")?;
+    let text = json.call_method("dumps", (value,), Some(&options));
     let text = text.map_err(|error| {
         if error.is_instance_of::<PyAttributeError>(py) {
-            PyTypeError::new_err("a value is neither a number, text, a list, a dict nor an array")
-        } else if error.is_instance_of::<PyValueError>(py) {
-            value_error("a number is NaN or infinite; all must be finite")
-        } else {
-            error
+            return PyTypeError::new_err(
+                "a value is neither a number, text, a list, a dict nor an array",
+            );
+        }
+        if !error.is_instance_of::<PyValueError>(py) {
+            return error;
+        }
+        // Python's error does not say where; its own notation has these numbers, so that they can be searched for.
+        let found = options.del_item("allow_nan").and_then(|()| {
+            let text = json.call_method("dumps", (value,), Some(&options))?;
+            not_finite(&json.call_method1("loads", (text,))?, "")
+        });
+        match found {
+            Ok(Some((key, value))) => value_error(Error::value(key, value, "finite")),
+            _ => error,
         }
     });
     text?.extract()
+}
+
+/// The key of the first number that is NaN or infinite, under a key, and that number.
+fn not_finite(value: &Bound<'_, PyAny>, key: &str) -> PyResult<Option<(String, f64)>> {
+    if let Ok(table) = value.cast::<PyDict>() {
+        for (name, value) in table {
+            let dot = if key.is_empty() { "" } else { "." };
+            let found = not_finite(&value, &format!("{key}{dot}{name}"))?;
+            if found.is_some() {
+                return Ok(found);
+            }
+        }
+    } else if let Ok(list) = value.cast::<PyList>() {
+        for (i, value) in list.iter().enumerate() {
+            let found = not_finite(&value, &format!("{key}[{i}]"))?;
+            if found.is_some() {
+                return Ok(found);
+            }
+        }
+    } else if value.is_instance_of::<PyFloat>() {
+        let number: f64 = value.extract()?;
+        return Ok((!number.is_finite()).then(|| (key.to_owned(), number)));
+    }
+    Ok(None)
 }
 
 /// A value of the library as Python objects.

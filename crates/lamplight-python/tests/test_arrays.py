@@ -84,6 +84,23 @@ def test_bad_cells_are_refused(shape, fields, text):
         ll.Cells(shape, **fields)
 
 
+def test_a_number_that_is_not_finite_has_its_key():
+    lamps = [{"position": [1, 1]}, {"position": np.array([1, np.inf])}]
+    cells = ll.Cells((4, 6))
+    for call, text in [
+        (lambda: ll.Cells((4, 6), lamps=lamps), r"`lamp\[1\].position\[1\]` is inf, but must be finite"),
+        (lambda: ll.Cells((4, 6), sky={"zenith": [0, np.nan, 0]}), r"`sky.zenith\[1\]` is NaN, but must be finite"),
+        (lambda: ll.Solver(raymarch={"noise": "blue", "hit": -np.inf}), "`raymarch.hit` is -inf, but must be finite"),
+        (lambda: ll.Solver().solve(cells).compose(cells, exposure=np.nan), "`display.exposure` is NaN"),
+    ]:
+        with pytest.raises(ValueError, match=text):
+            call()
+    lamps[1]["color"] = lamps
+    lamps[1]["position"] = [1, 1]
+    with pytest.raises(ValueError, match="[Cc]ircular"):
+        ll.Cells((4, 6), lamps=lamps)
+
+
 def test_numbers_of_other_kinds_are_refused():
     with pytest.raises(TypeError, match="array"):
         ll.Cells((4, 6), lamps=[{"position": {1, 2}}])
