@@ -140,9 +140,16 @@ impl FarWorld {
         Ok(far)
     }
 
-    /// Returns the window of cells that light a tile.
+    /// Returns the window of cells that light a tile. It is refused here if it is no grid, before anybody reads its cells.
     fn around_tile(&self, tile: PyWindow) -> PyResult<PyWindow> {
-        self.world.around_tile(window(tile)?).map(of_window).map_err(value_error)
+        let tile = window(tile)?;
+        let around = self.world.around_tile(tile).map_err(value_error)?;
+        let [width, height] = around.size.map(u64::from);
+        lamplight::Cells::check_size(width, height).map_err(|error| {
+            let [width, height] = tile.size;
+            value_error(format!("a tile of {width}×{height} cells with its halo: {error}"))
+        })?;
+        Ok(of_window(around))
     }
 
     /// Returns its blocks, or those of them that light a tile.

@@ -345,6 +345,8 @@ def test_bad_worlds_are_refused_at_once():
     ]:
         with pytest.raises(ValueError, match=text):
             ll.dask.light_world(fields, **options)
+    with pytest.raises(ValueError, match="a tile of 20000×4 cells with its halo: a grid of .* is refused"):
+        ll.dask.light_world({"opacity": da.zeros((4, 20000))}, tile=20000)
     with pytest.raises(ValueError, match=r"albedo has the shape \(4, 560, 3\); expected \(160, 1100\) cells"):
         ll.dask.light_world({**fields, "albedo": da.zeros((4, 560, 3))})
     with pytest.raises(ValueError, match="opaque is not a field"):

@@ -275,6 +275,21 @@ def test_other_sources_are_refused():
             world.tiles(side)
 
 
+def test_a_tile_that_is_no_grid_is_refused_before_its_cells_are_read():
+    asked = []
+
+    def source(y, x, height, width):
+        asked.append((height, width))
+        return ll.Cells((height, width))
+
+    world = ll.World(source, shape=(4100, 4100), solver=ll.Solver(bounces=0), columns=8)
+    asked.clear()
+    for call in [lambda: world.light(0, 0, 4090, 4090), lambda: next(world.light_tiles(4099))]:
+        with pytest.raises(ValueError, match="a tile of .* cells with its halo: a grid of 4100×4100 cells is refused"):
+            call()
+    assert asked == []
+
+
 def test_progress_counts_the_parts_and_their_bounces():
     seen = []
     cells = ll.Cells((8, 1100), albedo=np.full((8, 1100, 3), 0.5), opacity=np.eye(8, 1100), sky=SKY)
