@@ -31,9 +31,11 @@ pub fn write(value: &Bound<'_, PyAny>) -> PyResult<String> {
     let text = json.call_method("dumps", (value,), Some(&options));
     let text = text.map_err(|error| {
         if error.is_instance_of::<PyAttributeError>(py) {
-            return PyTypeError::new_err(
-                "a value is neither a number, text, a list, a dict nor an array",
-            );
+            let value = error.value(py).getattr("obj").and_then(|value| value.get_type().name());
+            let kind = value.map_or_else(|_| "value".to_owned(), |name| name.to_string());
+            return PyTypeError::new_err(format!(
+                "a {kind} is given; expected a number, text, a list, a dict or an array"
+            ));
         }
         if !error.is_instance_of::<PyValueError>(py) {
             return error;

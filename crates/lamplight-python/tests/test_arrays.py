@@ -1,6 +1,7 @@
 """Arrays in and out: casts, views, shapes, values out of range."""
 
 import threading
+from pathlib import PurePosixPath
 
 import numpy as np
 import pytest
@@ -102,8 +103,14 @@ def test_a_number_that_is_not_finite_has_its_key():
 
 
 def test_numbers_of_other_kinds_are_refused():
-    with pytest.raises(TypeError, match="array"):
-        ll.Cells((4, 6), lamps=[{"position": {1, 2}}])
+    lamps = [{"position": [1, 1]}]
+    for call, kind in [
+        (lambda: ll.Cells((4, 6), lamps=[{"position": {1, 2}}]), "set"),
+        (lambda: ll.Cells((4, 6), lamps=(lamp for lamp in lamps)), "generator"),
+        (lambda: ll.Cells((4, 6), sky={"picture": PurePosixPath("stars.png")}), "PurePosixPath"),
+    ]:
+        with pytest.raises(TypeError, match=f"a {kind} is given; expected a number, text, a list, a dict or an array"):
+            call()
     for call in [
         lambda: ll.Solver(threads=-1),
         lambda: ll.reference(ll.Cells((4, 6)), -1),
