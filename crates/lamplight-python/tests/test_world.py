@@ -288,6 +288,11 @@ def test_a_tile_that_is_no_grid_is_refused_before_its_cells_are_read():
         with pytest.raises(ValueError, match="a tile of .* cells with its halo: a grid of 4100×4100 cells is refused"):
             call()
     assert asked == []
+    # Bounces light the parts as tiles.
+    for bounces in [1, "converged"]:
+        with pytest.raises(ValueError, match="a tile of 1024×1024 cells with its halo: a grid of 4100×4100 cells"):
+            ll.World(source, shape=(4100, 4100), solver=ll.Solver(bounces=bounces), halo=4000)
+    assert asked == []
 
 
 def test_progress_counts_the_parts_and_their_bounces():

@@ -226,7 +226,13 @@ def prepare(
         else:
             expected = "a Scene, a Map, the path of one, Cells, a dict of arrays, or a callable"
             raise TypeError(f"source is a {type(source).__name__}; expected {expected}")
-    return reader, FarWorld(shape, around, Solver() if solver is None else solver, halo, columns)
+    solver = Solver() if solver is None else solver
+    empty = FarWorld(shape, around, solver, halo, columns)
+    if solver.settings["bounces"] != 0:
+        # For bounces parts are lit as tiles. One that is too large with its halo is refused before all of them are read.
+        for part, _ in empty.parts():
+            empty.around_tile(part)
+    return reader, empty
 
 
 def opened(path: str | os.PathLike[str]) -> Scene | Map:
