@@ -66,7 +66,8 @@ impl PictureFrame {
         if !self.place.is_positive() {
             return Pointer::default();
         }
-        let over = self.response.contains_pointer();
+        // Unlike `contains_pointer`, this is false over what lies on the picture, such as the divider of a split one.
+        let over = self.response.hovered();
         // A drag that started inside continues outside.
         let at = self.response.interact_pointer_pos().or(self.response.hover_pos());
         Pointer {
@@ -91,11 +92,13 @@ mod tests {
         context: Context,
         size: Vec2,
         whole: bool,
+        /// The place of something to drag that lies on the picture.
+        grip: Option<Rect>,
     }
 
     impl Window {
         fn new(size: Vec2, whole: bool) -> Self {
-            Self { context: Context::default(), size, whole }
+            Self { context: Context::default(), size, whole, grip: None }
         }
 
         /// The place of the picture and the pointer in a frame at this time in seconds.
@@ -106,6 +109,9 @@ mod tests {
             let mut output = self.context.run_ui(input, |ui| {
                 let view = PictureFrame::new(ui, [32, 18], self.whole);
                 seen = Some((view.place, view.pointer(ui)));
+                if let Some(grip) = self.grip {
+                    ui.interact(grip, ui.scope_id().with("grip"), Sense::drag());
+                }
             });
             // No renderer takes the font's texture: egui panics on deltas dropped in silence.
             output.textures_delta.clear();
@@ -116,6 +122,11 @@ mod tests {
     fn press(pos: Pos2) -> Event {
         let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
         Event::PointerButton { pos, button, pressed: true, modifiers }
+    }
+
+    fn release(pos: Pos2) -> Event {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        Event::PointerButton { pos, button, pressed: false, modifiers }
     }
 
     /// The place of the picture, and a pointer that presses the centre of the window.
@@ -135,6 +146,24 @@ mod tests {
             let [x, y] = pointer.at.unwrap();
             assert!((x - 16.0).abs() < 0.5 && (y - 9.0).abs() < 0.5, "{x} {y}");
             assert!(pointer.pressed && pointer.held && !pointer.other);
+        }
+    }
+
+    #[test]
+    fn what_lies_on_the_picture_is_dragged_without_painting() {
+        let mut window = Window::new(Vec2::new(400.0, 300.0), false);
+        window.grip = Some(Rect::from_center_size(Pos2::new(200.0, 150.0), Vec2::splat(16.0)));
+        for (start, at, paints) in
+            [(0.0, Pos2::new(200.0, 150.0), false), (10.0, Pos2::new(100.0, 150.0), true)]
+        {
+            window.frame(start, vec![Event::PointerMoved(at)]);
+            window.frame(start + 0.1, Vec::new());
+            let (_, pointer) = window.frame(start + 0.2, vec![press(at)]);
+            assert_eq!([pointer.pressed, pointer.held], [paints; 2], "{at}");
+            window.frame(start + 0.3, vec![release(at)]);
+            // Both in one frame, as a slow one sees a quick click.
+            let (_, pointer) = window.frame(start + 0.4, vec![press(at), release(at)]);
+            assert_eq!(pointer.pressed, paints, "{at}");
         }
     }
 
