@@ -11,7 +11,7 @@ use crate::window::probe::meter;
 use crate::window::subject::Subject;
 use crate::window::view::{PictureFrame, Pointer};
 use anyhow::Result;
-use eframe::egui::{Color32, Context, Key, Stroke, Ui};
+use eframe::egui::{Color32, Context, Event, Key, Stroke, Ui};
 use lamplight::resample::upsample;
 use lamplight_sandbox::worlds::{Input, STEP};
 
@@ -136,8 +136,13 @@ impl Tools {
                 |keys: [Key; 2]| f32::from(u8::from(keys.iter().any(|&key| input.key_down(key))));
             let right = down([Key::ArrowRight, Key::D]) - down([Key::ArrowLeft, Key::A]);
             let lower = down([Key::ArrowDown, Key::S]) - down([Key::ArrowUp, Key::W]);
-            let action = input.key_pressed(Key::Space) || input.key_pressed(Key::E);
-            ([right, lower], action, input.key_pressed(Key::F))
+            // Systems repeat the press of a key that is held: doors would flap.
+            let pressed = |wanted| {
+                input.events.iter().any(|event| {
+                    matches!(event, Event::Key { key, pressed: true, repeat: false, .. } if *key == wanted)
+                })
+            };
+            ([right, lower], pressed(Key::Space) || pressed(Key::E), pressed(Key::F))
         });
         Input { direction, action, switch, ..self.pointing(pointer) }
     }
@@ -153,5 +158,35 @@ impl Tools {
             radius: self.radius,
             ..Input::default()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Modifiers, RawInput};
+
+    #[test]
+    fn a_key_that_is_held_acts_once() {
+        let context = Context::default();
+        let input = |repeat| {
+            let event = |key| Event::Key {
+                key,
+                physical_key: None,
+                pressed: true,
+                repeat,
+                modifiers: Modifiers::NONE,
+            };
+            let events = [Key::Space, Key::F, Key::ArrowLeft].map(event).to_vec();
+            let mut seen = Input::default();
+            let mut output = context.run_ui(RawInput { events, ..RawInput::default() }, |ui| {
+                seen = Tools::default().input(ui, Pointer::default());
+            });
+            // No renderer takes the font's texture: egui panics on deltas dropped in silence.
+            output.textures_delta.clear();
+            (seen.action, seen.switch, seen.direction)
+        };
+        assert_eq!(input(false), (true, true, [-1.0, 0.0]));
+        assert_eq!(input(true), (false, false, [-1.0, 0.0]));
     }
 }
