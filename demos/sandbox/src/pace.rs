@@ -28,6 +28,8 @@ impl Pace {
     ///
     /// If `light` is unknown, the factor never decreases: frames in time do not show how much time is left.
     pub fn advise(&mut self, frame: f64, light: Option<f64>, factor: u32, max_factor: u32) -> u32 {
+        // The picture may have become smaller.
+        let factor = factor.min(max_factor);
         // Frames while the window is dragged or hidden do not count.
         let frame = frame.clamp(0.0, 0.25);
         let finer = f64::from(factor) / f64::from((factor - 1).max(1));

@@ -144,6 +144,8 @@ fn small_pictures_stay_worth_looking_at() {
     let mut pace = Pace::default();
     let factor = (0..300).fold(1, |factor, _| pace.advise(0.1, None, factor, max_factor(160)));
     assert_eq!(factor, 2);
+    // Frames in time, of a picture that has become smaller.
+    assert_eq!(pace.advise(FRAME, None, MAX_FACTOR, max_factor(160)), 2);
 }
 
 #[test]
