@@ -4,7 +4,7 @@ use super::{CELLS, Dropped, File, Handover};
 use crate::message::message;
 use anyhow::{Context as _, Result, bail};
 use eframe::egui::DroppedFileHandle;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 use std::sync::mpsc::Sender;
@@ -34,9 +34,7 @@ pub fn read_dropped(file: DroppedFileHandle, to: Sender<Result<Dropped>>) {
 
 /// Writes files and returns a message with their location.
 pub fn save(files: &[File]) -> Result<String> {
-    for (name, bytes) in files {
-        std::fs::write(name, bytes).with_context(|| format!("cannot write {name}"))?;
-    }
+    write_all(Path::new(""), files)?;
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     let folder = std::env::current_dir()
         .map_or_else(|_| "this folder".to_owned(), |at| at.display().to_string());
@@ -46,6 +44,27 @@ pub fn save(files: &[File]) -> Result<String> {
 /// Opens another window in another process, and ends this one, which cannot be drawn any more. If that
 /// fails, saves the canvas here and prints the error.
 pub fn hand_over(next: &Handover, closes: bool) -> Result<()> {
+/// Writes files into a folder. Each is written beside its place first, so that the former files stay whole if one of
+/// them cannot be written, as on a full disk.
+fn write_all(folder: &Path, files: &[File]) -> Result<()> {
+    let beside = |name: &str| folder.join(format!("{name}.part"));
+    let done = (|| {
+        for (name, bytes) in files {
+            std::fs::write(beside(name), bytes).with_context(|| format!("cannot write {name}"))?;
+        }
+        for (name, _) in files {
+            std::fs::rename(beside(name), folder.join(name))
+                .with_context(|| format!("cannot write {name}"))?;
+        }
+        Ok(())
+    })();
+    if done.is_err() {
+        // Those that were not written or are in their place are not there.
+        files.iter().for_each(|(name, _)| drop(std::fs::remove_file(beside(name))));
+    }
+    done
+}
+
     let Err(why) = open_another(next, closes) else { std::process::exit(0) };
     eprintln!("error: the GPU was lost, and no other window can be opened: {}", message(&why));
     if !next.files.is_empty() {
@@ -90,4 +109,24 @@ pub fn say(word: &str) {
 /// The next script; on a desktop there is none.
 pub fn next_script() -> Option<String> {
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_written_leaves_the_former_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, text: &str| (name.to_owned(), text.as_bytes().to_vec());
+        write_all(folder.path(), &[file("a.toml", "before"), file("a.png", "before")]).unwrap();
+        // No file system takes a name as long as this.
+        let long = "a".repeat(5000);
+        let why = write_all(folder.path(), &[file("a.toml", "after"), file(&long, "after")]);
+        assert!(why.unwrap_err().to_string().starts_with("cannot write a"));
+        assert_eq!(std::fs::read_to_string(folder.path().join("a.toml")).unwrap(), "before");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "parts are left");
+        write_all(folder.path(), &[file("a.toml", "after")]).unwrap();
+        assert_eq!(std::fs::read_to_string(folder.path().join("a.toml")).unwrap(), "after");
+    }
 }
