@@ -33,16 +33,27 @@ impl Display {
     }
 
     /// Opens the sandbox with a script. Calls `heard` with each printed line and the id of the process.
-    fn play(&self, args: &[&str], script: &str, mut heard: impl FnMut(&str, u32)) -> Result<()> {
-        let folder = tempfile::tempdir()?;
-        let path = folder.path().join("script.txt");
+    fn play(&self, args: &[&str], script: &str, heard: impl FnMut(&str, u32)) -> Result<()> {
+        self.play_in(tempfile::tempdir()?.path(), args, script, heard)
+    }
+
+    /// As [`Self::play`], in a folder, where saved files go.
+    fn play_in(
+        &self,
+        folder: &Path,
+        args: &[&str],
+        script: &str,
+        mut heard: impl FnMut(&str, u32),
+    ) -> Result<()> {
+        let path = folder.join("script.txt");
         std::fs::write(&path, script)?;
         let mut sandbox = Command::new(env!("CARGO_BIN_EXE_lamplight-sandbox"))
             .args(args)
             .arg("--script")
             .arg(&path)
             .env("DISPLAY", &self.name)
-            .env("XDG_RUNTIME_DIR", folder.path())
+            .env("XDG_RUNTIME_DIR", folder)
+            .current_dir(folder)
             .stdout(Stdio::piped())
             .spawn()?;
         let said = sandbox.stdout.take().context("no output")?;
@@ -187,6 +198,54 @@ fn on_the_gpu_a_method_that_cannot_light_says_why_until_another_does() {
     display.play(&args, script, |line, _| said.push(line.to_owned())).unwrap();
     assert!(said.len() == 2 && said[0].contains("lights lamps only"), "{said:?}");
     assert_eq!(said[1], "all is well");
+}
+
+#[test]
+fn on_the_gpu_everything_that_is_asked_for_is_saved() {
+    let display = Display::new().unwrap();
+    for backend in ["gpu", "cpu"] {
+        let folder = tempfile::tempdir().unwrap();
+        // Without a frame between them, and none after the last one.
+        let script = format!("{LIGHT}frames 2\nsave picture\nsave scene\nsave light\n");
+        let args = ["--backend", backend, "--size", "96x54"];
+        display.play_in(folder.path(), &args, &script, |_, _| ()).unwrap();
+        for name in ["painting.png", "painting.toml", "painting-light.exr"] {
+            assert!(folder.path().join(name).is_file(), "{backend}: {name} is missing");
+        }
+        assert!(brightness(&open(&folder.path().join("painting.png")).unwrap()) > 20.0);
+    }
+}
+
+#[test]
+fn on_the_gpu_only_a_canvas_is_saved_as_a_scene() {
+    let display = Display::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut said = Vec::new();
+    let script = format!("{LIGHT}world sand\nsave scene\nframes 4\ntell\n");
+    let args = ["--backend", "cpu", "--size", "96x54"];
+    display.play_in(folder.path(), &args, &script, |line, _| said.push(line.to_owned())).unwrap();
+    assert_eq!(said, ["only a canvas is saved as a scene"]);
+    assert!(!folder.path().join("painting.png").exists());
+}
+
+#[test]
+fn on_the_gpu_a_picture_in_coarser_light_is_saved_with_all_bounces() {
+    let display = Display::new().unwrap();
+    for backend in ["cpu", "gpu"] {
+        let saved = [1, 2].map(|factor| {
+            let folder = tempfile::tempdir().unwrap();
+            let script = format!(
+                "set method=holographic\nset holographic.preset=fast\nset wall_depth=16\nfactor {factor}\n\
+                 frames 30\nsave picture\n"
+            );
+            let args = ["--backend", backend, "--size", "96x54"];
+            display.play_in(folder.path(), &args, &script, |_, _| ()).unwrap();
+            open(&folder.path().join("painting.png")).unwrap()
+        });
+        let off = difference(&saved[0], &saved[1]);
+        println!("{backend}: {off:.2} apart");
+        assert!(off < 0.5, "{backend}: {off:.2}");
+    }
 }
 
 #[test]

@@ -1,11 +1,12 @@
 //! Saving of scenes, pictures and light.
 
-use crate::platform::{self, File};
+use crate::platform::File;
 use crate::window::light::{Asked, Lit};
 use anyhow::{Context, Result};
 use image::{DynamicImage, ImageBuffer, ImageFormat};
 use lamplight::{Cells, Display, Light};
 use lamplight_sandbox::canvas::plain_name;
+use std::collections::VecDeque;
 use std::io::Cursor;
 
 /// The kind of a saved file.
@@ -41,36 +42,48 @@ impl SaveKind {
     }
 }
 
-/// A file that waits for its light.
+/// Files that wait for their light, in the order in which it was requested.
 #[derive(Default)]
 pub struct Saving {
-    /// The requested light, and the cells that it belongs to.
-    waiting: Option<(SaveKind, Option<Asked>, Cells)>,
+    waiting: VecDeque<Waiting>,
+}
+
+/// The requested light of a file, and the cells that it belongs to.
+struct Waiting {
+    kind: SaveKind,
+    light: Option<Asked>,
+    cells: Cells,
 }
 
 impl Saving {
     /// Requests the light of the last frame, which was of these cells.
     pub fn begin(&mut self, kind: SaveKind, lit: &Lit, cells: &Cells) -> Result<()> {
-        self.waiting = Some((kind, Some(lit.ask(cells)?), cells.clone()));
+        let light = Some(lit.ask(cells)?);
+        self.waiting.push_back(Waiting { kind, light, cells: cells.clone() });
         Ok(())
     }
 
-    /// Saves light that has arrived. Returns a message with the location.
-    pub fn go_on(&mut self, lit: &Lit, display: Display, name: &str) -> Result<Option<String>> {
-        let Some((kind, asked, cells)) = &mut self.waiting else { return Ok(None) };
-        let Some(light) = lit.take(asked)? else {
-            if asked.is_none() {
-                self.waiting = None;
-            }
+    /// Returns true if files are not saved yet.
+    pub fn is_waiting(&self) -> bool {
+        !self.waiting.is_empty()
+    }
+
+    /// The next file whose light has arrived.
+    pub fn go_on(&mut self, lit: &Lit, display: Display, name: &str) -> Result<Option<File>> {
+        let Some(first) = self.waiting.front_mut() else { return Ok(None) };
+        let come = lit.take(&mut first.light);
+        // The request is gone if it failed or was answered.
+        let Some(Waiting { kind, cells, .. }) = self.waiting.pop_front_if(|w| w.light.is_none())
+        else {
             return Ok(None);
         };
+        let Some(light) = come? else { return Ok(None) };
         let name = &plain_name(name);
-        let file = match kind {
+        match kind {
             SaveKind::Light => light_file(&light, name),
-            SaveKind::Scene | SaveKind::Picture => picture_file(&light, cells, display, name),
-        };
-        self.waiting = None;
-        platform::save(&[file?]).map(Some)
+            SaveKind::Scene | SaveKind::Picture => picture_file(&light, &cells, display, name),
+        }
+        .map(Some)
     }
 }
 
@@ -90,4 +103,27 @@ fn encode(picture: &DynamicImage, format: ImageFormat) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     picture.write_to(&mut bytes, format)?;
     Ok(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::window::light::Shown;
+    use eframe::egui::Context;
+    use lamplight::Settings;
+
+    #[test]
+    fn a_file_that_is_asked_for_does_not_replace_one_that_waits() {
+        let settings = Settings::default();
+        let mut lit = Lit::on_cpu(&Context::default(), &settings).unwrap();
+        let cells = Cells::new(8, 8).unwrap();
+        lit.find(&cells, &cells, &settings, Shown::default()).unwrap();
+        let mut saving = Saving::default();
+        saving.begin(SaveKind::Picture, &lit, &cells).unwrap();
+        saving.begin(SaveKind::Light, &lit, &cells).unwrap();
+        let mut next = || saving.go_on(&lit, Display::default(), "a").unwrap().map(|file| file.0);
+        assert_eq!([next(), next()], [Some("a.png".into()), Some("a-light.exr".into())]);
+        assert_eq!(next(), None);
+        assert!(!saving.is_waiting());
+    }
 }

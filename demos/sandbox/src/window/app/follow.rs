@@ -20,7 +20,9 @@ impl App {
         if self.shot.is_some() {
             return;
         }
-        if let Some(over) = self.script.take_if(|script| script.is_over())
+        // What is being saved would be lost.
+        if let Some(over) =
+            self.script.take_if(|script| script.is_over() && !self.saving.is_waiting())
             && over.closes
         {
             context.send_viewport_cmd(ViewportCommand::Close);

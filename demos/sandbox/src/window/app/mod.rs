@@ -14,7 +14,7 @@ use crate::window::folded::{Folded, Side};
 use crate::window::fonts::fonts;
 use crate::window::gpu_loss::{GpuGuard, handover};
 use crate::window::halves::{Half, Halves};
-use crate::window::inspect::Inspector;
+use crate::window::inspect::{Inspector, PictureView};
 use crate::window::light::{self, Backend, Lit, Shown};
 use crate::window::panels::timings::Timings;
 use crate::window::panels::tools::Tools;
@@ -27,13 +27,14 @@ use crate::window::script::Script;
 use crate::window::start::Start;
 use crate::window::subject::{Choice, Subject};
 use crate::window::view::PictureFrame;
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use eframe::CreationContext;
 use eframe::egui::{
     self, Button, CentralPanel, CollapsingHeader, Color32, Context, Event, Frame, Key,
     KeyboardShortcut, Label, Modifiers, RawInput, RichText, ScrollArea, TextEdit, Theme, Ui,
 };
 
+use lamplight::Settings;
 /// The state of the window.
 pub struct App {
     choice: Choice,
@@ -310,14 +311,23 @@ impl App {
     /// Saves a file, or requests the light for it. Returns a message.
     fn save(&mut self, kind: SaveKind) -> Result<Option<String>> {
         let Half { settings, lit, .. } = &mut self.halves.left;
-        if let (SaveKind::Scene, Subject::Canvas(_)) = (kind, &self.subject) {
+        if kind == SaveKind::Scene {
             let files = self.subject.scene(settings, self.shown.display, &self.name)?;
             return platform::save(&files).map(Some);
         }
         // At full size in every view.
         let cells = self.relief.shown(self.subject.cells(), false);
-        lit.find(cells, cells, settings, self.shown)?;
-        self.saving.begin(kind, lit, cells)?;
+        if self.resolution.factor == 1 && self.inspector.view == PictureView::Picture {
+            lit.find(cells, cells, settings, self.shown)?;
+            self.saving.begin(kind, lit, cells)?;
+        } else {
+            // The window has not lit these cells, over whose frames light would grow.
+            let bounces = settings.bounces.within_a_frame();
+            let settings = &Settings { bounces, ..settings.clone() };
+            let mut lit = lit.beside(settings)?;
+            lit.find(cells, cells, settings, self.shown)?;
+            self.saving.begin(kind, &lit, cells)?;
+        }
         Ok(None)
     }
 
@@ -358,6 +368,7 @@ impl App {
             canvas.redo();
         } else if is_pressed(Modifiers::COMMAND, Key::Z) {
             canvas.undo();
+            ensure!(!files.is_empty(), "only a canvas is saved as a scene");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::App;
 use crate::message::message;
+use crate::platform;
 use crate::window::benchmark::Benchmark;
 use crate::window::halves::{Half, Halves};
 use crate::window::inspect::PictureView;
@@ -42,7 +43,8 @@ impl App {
         } else {
             self.inspector.draw(ui.painter(), view.place);
         }
-        let saved = self.saving.go_on(&self.halves.left.lit, self.shown.display, &self.name);
+        let next = self.saving.go_on(&self.halves.left.lit, self.shown.display, &self.name);
+        let saved = next.and_then(|file| file.map(|file| platform::save(&[file])).transpose());
         self.say(saved);
         if self.subject.has_meter()
             && let (Subject::World(playing), Some(light)) = (&self.subject, self.probe.light())

@@ -84,16 +84,18 @@ impl OnGpu {
         let name = Some(state.adapter.get_info().name).filter(|name| !name.is_empty());
         let name = name.unwrap_or_else(|| "the GPU".to_owned());
         let host = (state.device.clone(), state.queue.clone());
-        Self::on(name, options, host, state.target_format, settings)
+        let lighting = Lighting::new(&host.0, &host.1, &options)?;
+        Self::on(name, options, host, state.target_format, lighting, settings)
     }
 
-    /// Another one on the same device.
+    /// Another one on the same device, with the same pipelines.
     pub fn beside(&self, settings: &Settings) -> Result<Self> {
         Self::on(
             self.name.clone(),
             self.options,
             (self.device.clone(), self.queue.clone()),
             self.target,
+            self.lighting.beside(&self.options)?,
             settings,
         )
     }
@@ -103,9 +105,9 @@ impl OnGpu {
         options: LightingOptions,
         (device, queue): (Device, Queue),
         target: TextureFormat,
+        mut lighting: Lighting,
         settings: &Settings,
     ) -> Result<Self> {
-        let mut lighting = Lighting::new(&device, &queue, &options)?;
         lighting.precompile(settings)?;
         Ok(Self {
             name,
