@@ -375,6 +375,9 @@ fn scenes_that_are_not_are_refused() {
 
 #[test]
 fn sizes_beyond_a_canvas_are_refused() {
+    let large = Scene::new(4096, 4096);
+    let refused = Canvas::of_scene(&large, |_| panic!("16 million cells are drawn first"));
+    assert!(refused.unwrap_err().to_string().contains("more than a canvas has"));
     for size in [[0, 5], [4000, 3000], [u32::MAX, 1]] {
         assert!(Canvas::new(size).is_err(), "{size:?}");
         assert!(Canvas::welcome(size).is_err(), "{size:?}");

@@ -4,7 +4,7 @@ use super::{Canvas, Error, Result, Stuff};
 use crate::look::Look;
 use crate::paint::{mix, scale};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use lamplight::{Rgb, Scene, srgb};
+use lamplight::{Cells, Rgb, Scene, srgb};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -89,18 +89,25 @@ impl Canvas {
         } else {
             Scene::from_toml(text)?
         };
-        Self::check_size(scene.size)?;
-        if scene.lamps.len() > Self::MAX_LAMPS {
-            return Err(Error::Lamps(scene.lamps.len()));
-        }
         let given = |path: &Path| {
             let find = |path: &Path| files.iter().find(|(name, _)| Path::new(name) == path);
             // Browsers provide files without their folders.
             let named = find(path).or_else(|| find(Path::new(path.file_name()?)));
             named.map(|(_, bytes)| bytes.as_slice())
         };
-        let cells = scene.cells_with(given)?;
-        Self::of(cells, Look::of(&scene.resolve_settings()?, scene.display))
+        Self::of_scene(&scene, |scene| scene.cells_with(given))
+    }
+
+    /// Loads a canvas from a scene with the cells that `draw` makes of it. Its size is checked before.
+    pub fn of_scene(
+        scene: &Scene,
+        draw: impl FnOnce(&Scene) -> lamplight::Result<Cells>,
+    ) -> Result<Self> {
+        Self::check_size(scene.size)?;
+        if scene.lamps.len() > Self::MAX_LAMPS {
+            return Err(Error::Lamps(scene.lamps.len()));
+        }
+        Self::of(draw(scene)?, Look::of(&scene.resolve_settings()?, scene.display))
     }
 }
 
