@@ -409,6 +409,34 @@ fn on_the_gpu_a_window_that_loses_it_goes_on_in_another() {
 }
 
 #[test]
+fn on_the_gpu_what_was_painted_is_there_after_a_world() {
+    let display = Display::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let shot = |name: &str| folder.path().join(format!("{name}.png"));
+    let script = format!(
+        "{LIGHT}clear\nlamp\nframes 1\nmove 20 20\npress\nframes 1\nrelease\nmove 94 52\nframes 2\nshot {}\n\
+         world sand\nframes 2\nworld paint\nframes 2\nshot {}\nworld bodies\nframes 2\nlose\nframes 3\n\
+         world paint\nmove 94 52\nframes 2\nshot {}\ntell\n",
+        shot("before").display(),
+        shot("after").display(),
+        shot("elsewhere").display()
+    );
+    let mut said = Vec::new();
+    let args = ["--backend", "gpu", "--size", "96x54"];
+    display.play(&args, &script, |line, _| said.push(line.to_owned())).unwrap();
+    assert_eq!(said, ["The GPU was lost; this window goes on where the other one was."]);
+    let [before, after, elsewhere] =
+        ["before", "after", "elsewhere"].map(|name| open(&shot(name)).unwrap());
+    let off = difference(&before, &after);
+    println!("{off:.2} apart");
+    assert!(off < 5.0, "{off:.2}");
+    // The line at the bottom moves the picture in the other window.
+    let (was, is) = (brightness(&before), brightness(&elsewhere));
+    println!("mean {was:.1} before, {is:.1} in the other window");
+    assert!(was > 30.0 && (was - is).abs() < 0.1 * was, "{was:.1}, then {is:.1}");
+}
+
+#[test]
 fn on_the_gpu_a_window_of_any_size_stays_open() {
     let display = Display::new().unwrap();
     let script = format!(

@@ -30,7 +30,7 @@ pub struct Dropped {
 pub struct Handover {
     /// Its arguments.
     pub arguments: Vec<String>,
-    /// A canvas as a scene, which comes first, and its images. Empty for worlds, which restart.
+    /// A canvas as a scene, which comes first, and its images; for worlds, which restart, the one from before them.
     pub files: Vec<File>,
     /// Lines of a script that it runs first.
     pub lines: Vec<String>,

@@ -5,7 +5,6 @@ use crate::window::subject::Subject;
 use anyhow::{Context, Result, bail};
 use lamplight::Scene;
 use lamplight_sandbox::canvas::{As, Canvas};
-use lamplight_sandbox::look::Look;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -47,14 +46,8 @@ impl Inbox {
         self.waiting.try_recv().ok()
     }
 
-    /// Opens a scene as a canvas, or paints an image on the current canvas. Returns a message.
-    pub fn open(
-        &mut self,
-        file: Dropped,
-        now: f64,
-        kind: As,
-        subject: &mut Subject,
-    ) -> Result<Option<String>> {
+    /// Opens a scene as a canvas, or paints an image on a copy of the current canvas.
+    pub fn open(&mut self, file: Dropped, now: f64, kind: As, subject: &Subject) -> Result<Opened> {
         match file.bytes {
             None => open(&file.path, kind, subject),
             Some(bytes) => {
@@ -70,8 +63,8 @@ impl Inbox {
         bytes: Vec<u8>,
         now: f64,
         kind: As,
-        subject: &mut Subject,
-    ) -> Result<Option<String>> {
+        subject: &Subject,
+    ) -> Result<Opened> {
         if now - self.at > TOGETHER {
             self.files.clear();
         }
@@ -86,13 +79,27 @@ impl Inbox {
             let canvas = Canvas::from_scene(text, &self.files).with_context(|| {
                 format!("{scene} (a scene is dropped together with its images)")
             })?;
-            *subject = Subject::Canvas(Box::new(canvas));
-            return Ok(None);
+            return Ok(Opened::scene(canvas));
         }
         match self.files.last() {
             Some((_, png)) if is_picture => lay(png, kind, subject),
             _ => bail!("{name} {NEITHER}"),
         }
+    }
+}
+
+/// The canvas of a file.
+pub struct Opened {
+    pub canvas: Box<Canvas>,
+    /// False if it is the current canvas, with an image.
+    pub is_scene: bool,
+    /// A message.
+    pub said: Option<String>,
+}
+
+impl Opened {
+    fn scene(canvas: Canvas) -> Self {
+        Self { canvas: Box::new(canvas), is_scene: true, said: None }
     }
 }
 
@@ -118,14 +125,12 @@ impl FileKind {
 }
 
 /// Opens a file on disk. A scene is opened with its images.
-fn open(path: &Path, kind: As, subject: &mut Subject) -> Result<Option<String>> {
+fn open(path: &Path, kind: As, subject: &Subject) -> Result<Opened> {
     check_length(path.display(), std::fs::metadata(path).map_or(0, |about| about.len()))?;
     match FileKind::of(path) {
         FileKind::Scene => {
             let scene = Scene::load(path)?;
-            let look = Look::of(&scene.resolve_settings()?, scene.display);
-            *subject = Subject::Canvas(Box::new(Canvas::of(scene.cells()?, look)?));
-            Ok(None)
+            Ok(Opened::scene(Canvas::of_scene(&scene, Scene::cells)?))
         }
         FileKind::Picture => {
             let png = std::fs::read(path);
@@ -143,12 +148,11 @@ fn check_length(name: impl std::fmt::Display, bytes: u64) -> Result<()> {
 }
 
 /// Paints an image on the current canvas or on a new one.
-fn lay(png: &[u8], kind: As, subject: &mut Subject) -> Result<Option<String>> {
+fn lay(png: &[u8], kind: As, subject: &Subject) -> Result<Opened> {
     let mut canvas = match subject {
         Subject::Canvas(canvas) => canvas.clone(),
         Subject::World(playing) => Box::new(Canvas::new(playing.world.size())?),
     };
     let said = canvas.place_image(png, kind)?;
-    *subject = Subject::Canvas(canvas);
-    Ok(said)
+    Ok(Opened { canvas, is_scene: false, said })
 }

@@ -2,6 +2,7 @@
 //! window opens and continues where this one was.
 
 use crate::platform::Handover;
+use crate::window::former::Former;
 use crate::window::light::Backend;
 use crate::window::subject::{Choice, Subject};
 use anyhow::Result;
@@ -57,6 +58,7 @@ const NAME: &str = "handover";
 pub fn handover(
     (choice, size, seed, backend): (Choice, [u32; 2], u64, Backend),
     subject: &mut Subject,
+    former: &Former,
     settings: &Settings,
     display: Display,
 ) -> Result<Handover> {
@@ -67,8 +69,13 @@ pub fn handover(
         format!("--seed={seed}"),
         format!("--backend={}", named(backend)),
     ];
-    let files = subject.scene(settings, display, NAME)?;
+    let mut files = subject.scene(settings, display, NAME)?;
     let mut lines = Vec::new();
+    if let Subject::World(_) = subject {
+        // Opened first, so that it is the former canvas there, too.
+        files = former.scene(NAME)?;
+        lines.push(format!("world {}", named(choice)));
+    }
     flatten("", &serde_json::to_value(settings)?, &mut lines);
     lines.push(format!("warn {MESSAGE}"));
     Ok(Handover { arguments, files, lines })

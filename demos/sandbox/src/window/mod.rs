@@ -5,6 +5,7 @@ mod benchmark;
 mod files;
 mod folded;
 mod fonts;
+mod former;
 mod gpu_loss;
 mod halves;
 mod inspect;

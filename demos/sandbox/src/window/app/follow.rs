@@ -78,7 +78,7 @@ impl App {
             Line::Release => self.played.push(button(false, there)),
             Line::Clear => {
                 if let Subject::Canvas(canvas) = &mut self.subject {
-                    canvas.clear();
+                    self.tools.clear(canvas);
                 }
             }
             Line::Lamp => self.tools.choose_lamp(),

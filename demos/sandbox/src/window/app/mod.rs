@@ -9,9 +9,10 @@ use shot::Shot;
 use crate::message::message;
 use crate::platform::{self, CELLS};
 use crate::window::benchmark::Benchmark;
-use crate::window::files::Inbox;
+use crate::window::files::{Inbox, Opened};
 use crate::window::folded::{Folded, Side};
 use crate::window::fonts::fonts;
+use crate::window::former::Former;
 use crate::window::gpu_loss::{GpuGuard, handover};
 use crate::window::halves::{Half, Halves};
 use crate::window::inspect::{Inspector, PictureView};
@@ -34,10 +35,13 @@ use eframe::egui::{
     KeyboardShortcut, Label, Modifiers, RawInput, RichText, ScrollArea, TextEdit, Theme, Ui,
 };
 
+use lamplight_sandbox::look::Look;
+
 use lamplight::Settings;
 /// The state of the window.
 pub struct App {
     choice: Choice,
+    former: Former,
     subject: Subject,
     size: [u32; 2],
     seed: u64,
@@ -91,6 +95,7 @@ impl App {
         Ok(Self {
             choice: start.world,
             probe: Probe::default(),
+            former: Former::default(),
             subject,
             size,
             seed: start.seed,
@@ -120,17 +125,48 @@ impl App {
         })
     }
 
-    /// Switches to another subject and its look. The method stays.
+    /// Switches to another subject and its look. The method stays. From a world, Paint leads back to the canvas.
     fn choose(&mut self, choice: Choice) {
-        match Subject::new(choice, self.size, self.seed) {
+        let from_world = matches!(self.subject, Subject::World(_));
+        let back = if choice == Choice::Paint && from_world { self.former.take() } else { None };
+        let next = match back {
+            Some(canvas) => Ok(Subject::Canvas(canvas)),
+            None => Subject::new(choice, self.size, self.seed),
+        };
+        match next {
             Ok(subject) => {
-                (self.choice, self.subject) = (choice, subject);
-                self.tools.reset();
-                self.take_look();
+                self.choice = choice;
+                self.replace(subject);
             }
             Err(why) => self.message = Some(why.to_string()),
         }
     }
+    /// Replaces the subject and its look. A canvas is set aside.
+    fn replace(&mut self, subject: Subject) {
+        let is_canvas = matches!(subject, Subject::Canvas(_));
+        let look = Look::of(&self.halves.left.settings, self.shown.display);
+        let before = std::mem::replace(&mut self.subject, subject);
+        if self.former.keep(before, look) && is_canvas {
+            self.message = Some("Undo brings the former canvas back".into());
+        }
+        self.tools.reset();
+        self.take_look();
+    }
+
+    /// Undoes the last edit of the canvas, or its replacement by one that has no edits.
+    fn undo(&mut self) {
+        let Subject::Canvas(canvas) = &mut self.subject else { return };
+        if !self.former.precedes(canvas) {
+            return self.tools.undo(canvas);
+        }
+        if let Some(former) = self.former.take() {
+            self.subject = Subject::Canvas(former);
+            self.message = None;
+            self.tools.reset();
+            self.take_look();
+        }
+    }
+
 
     /// Applies the look of the subject.
     fn take_look(&mut self) {
@@ -242,7 +278,12 @@ impl App {
 
     fn tools(&mut self, ui: &mut Ui) {
         match &mut self.subject {
-            Subject::Canvas(canvas) => self.tools.show_canvas(ui, canvas),
+            Subject::Canvas(canvas) => {
+                let has_former = self.former.precedes(canvas);
+                if self.tools.show_canvas(ui, canvas, has_former) {
+                    self.undo();
+                }
+            }
             Subject::World(playing) => self.tools.show_world(ui, playing.world.brushes()),
         }
     }
@@ -253,18 +294,21 @@ impl App {
             platform::read_dropped(file, self.inbox.sender());
         }
         while let Some(file) = self.inbox.next() {
-            let (kind, before) = (self.tools.image(), self.subject.look());
-            let opened = file
-                .and_then(|file| self.inbox.open(file, context.time(), kind, &mut self.subject));
+            let kind = self.tools.image();
+            let opened =
+                file.and_then(|file| self.inbox.open(file, context.time(), kind, &self.subject));
             match opened {
-                Ok(said) => {
-                    self.choice = Choice::Paint;
-                    self.tools.reset();
-                    // A picture on a canvas keeps the canvas's look.
-                    if self.subject.look() != before {
-                        self.take_look();
+                Ok(Opened { canvas, is_scene, said }) => {
+                    (self.choice, self.message) = (Choice::Paint, said);
+                    let canvas = Subject::Canvas(canvas);
+                    match self.subject {
+                        // A picture on a canvas is an edit, and keeps the look.
+                        Subject::Canvas(_) if !is_scene => {
+                            self.subject = canvas;
+                            self.tools.reset();
+                        }
+                        _ => self.replace(canvas),
                     }
-                    self.message = said;
                 }
                 Err(why) => self.message = Some(message(&why)),
             }
@@ -335,7 +379,8 @@ impl App {
     fn reopen(&mut self) -> Result<()> {
         let begins = (self.choice, self.size, self.seed, self.backend);
         let settings = &self.halves.left.settings;
-        let mut next = handover(begins, &mut self.subject, settings, self.shown.display)?;
+        let mut next =
+            handover(begins, &mut self.subject, &self.former, settings, self.shown.display)?;
         let closes = self.script.as_ref().is_some_and(|script| script.closes);
         next.lines.extend(self.script.iter().flat_map(Script::rest).map(str::to_owned));
         platform::hand_over(&next, closes)
@@ -365,10 +410,9 @@ impl App {
         if is_pressed(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
             || is_pressed(Modifiers::COMMAND, Key::Y)
         {
-            canvas.redo();
+            self.tools.redo(canvas);
         } else if is_pressed(Modifiers::COMMAND, Key::Z) {
-            canvas.undo();
-            ensure!(!files.is_empty(), "only a canvas is saved as a scene");
+            self.undo();
         }
     }
 }

@@ -60,8 +60,8 @@ impl Default for Tools {
 }
 
 impl Tools {
-    /// Shows the tools of a canvas.
-    pub fn show_canvas(&mut self, ui: &mut Ui, canvas: &mut Canvas) {
+    /// Shows the tools of a canvas, which may have replaced a former one. Returns true if the user undoes.
+    pub fn show_canvas(&mut self, ui: &mut Ui, canvas: &mut Canvas, has_former: bool) -> bool {
         for (kind, name, words) in BrushKind::ALL {
             ui.selectable_value(&mut self.kind, kind, name).on_hover_text(words);
         }
@@ -103,17 +103,35 @@ impl Tools {
         }
         ui.separator();
         let [undo, redo] = canvas.history_depth();
-        ui.horizontal(|ui| {
-            if ui.add_enabled(undo > 0, Button::new("Undo")).clicked() {
-                canvas.undo();
-            }
+        let undoes = ui.horizontal(|ui| {
+            let undoes = ui.add_enabled(undo > 0 || has_former, Button::new("Undo")).clicked();
             if ui.add_enabled(redo > 0, Button::new("Redo")).clicked() {
-                canvas.redo();
+                self.redo(canvas);
             }
+            undoes
         });
         if ui.button("Clear").clicked() {
-            canvas.clear();
+            self.clear(canvas);
         }
+        undoes.inner
+    }
+
+    /// Undoes an edit. The pointer lets go of its lamp, which may no longer be there.
+    pub fn undo(&mut self, canvas: &mut Canvas) {
+        self.dragged = None;
+        canvas.undo();
+    }
+
+    /// Redoes an edit; see [`Self::undo`].
+    pub fn redo(&mut self, canvas: &mut Canvas) {
+        self.dragged = None;
+        canvas.redo();
+    }
+
+    /// Clears the canvas; see [`Self::undo`].
+    pub fn clear(&mut self, canvas: &mut Canvas) {
+        self.dragged = None;
+        canvas.clear();
     }
 
     /// Shows the brushes of a world.
