@@ -195,7 +195,14 @@ impl Tools {
         // Lamps can be dragged with any brush.
         let lamp = canvas.lamp_at(at);
         if let (Some(lamp), true) = (lamp, other) {
+            // It may be the one that the other button drags; the indices of others change.
+            self.dragged = None;
             return canvas.remove_lamp(lamp).map_err(|e| e.to_string());
+        }
+        // Nobody sees a lamp outside, and the other button removes.
+        let adds = !other && is_inside(canvas.size(), at);
+        if lamp.is_none() && self.kind == BrushKind::Lamp && !adds {
+            return Ok(());
         }
         if lamp.is_some() || self.kind == BrushKind::Lamp {
             canvas.begin();
@@ -234,5 +241,93 @@ impl Tools {
             BrushKind::Backdrop => Stuff::Backdrop(color),
             BrushKind::Erase | BrushKind::Lamp => Stuff::Erase,
         }
+    }
+}
+
+fn is_inside([w, h]: [u32; 2], [x, y]: [f32; 2]) -> bool {
+    (0.0..w as f32).contains(&x) && (0.0..h as f32).contains(&y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pointer(at: [f32; 2]) -> Pointer {
+        Pointer { at: Some(at), held: true, ..Pointer::default() }
+    }
+
+    fn press(at: [f32; 2]) -> Pointer {
+        Pointer { pressed: true, ..pointer(at) }
+    }
+
+    /// A canvas with lamps at these places.
+    fn canvas(lamps: &[[f32; 2]]) -> Canvas {
+        let mut canvas = Canvas::new([64, 36]).unwrap();
+        for &position in lamps {
+            canvas.add_lamp(Lamp { position, ..Lamp::default() }).unwrap();
+        }
+        canvas
+    }
+
+    #[test]
+    fn a_lamp_that_is_removed_while_it_is_dragged_moves_no_other() {
+        let mut canvas = canvas(&[[10.0, 10.0], [50.0, 10.0]]);
+        let mut tools = Tools::default();
+        tools.apply(&mut canvas, press([10.0, 10.0])).unwrap();
+        tools.apply(&mut canvas, pointer([20.0, 20.0])).unwrap();
+        tools.apply(&mut canvas, Pointer { other: true, ..press([20.0, 20.0]) }).unwrap();
+        tools.apply(&mut canvas, Pointer { other: true, ..pointer([30.0, 30.0]) }).unwrap();
+        let places: Vec<_> = canvas.lamps().iter().map(|lamp| lamp.position).collect();
+        assert_eq!(places, [[50.0, 10.0]]);
+    }
+
+    #[test]
+    fn a_lamp_that_is_undone_or_cleared_while_it_is_dragged_is_let_go() {
+        let acts: [fn(&mut Tools, &mut Canvas); 2] = [Tools::undo, Tools::clear];
+        for (i, act) in acts.into_iter().enumerate() {
+            let mut canvas = canvas(&[]);
+            let mut tools = Tools::default();
+            tools.choose_lamp();
+            tools.apply(&mut canvas, press([10.0, 10.0])).unwrap();
+            act(&mut tools, &mut canvas);
+            for x in 11..20 {
+                tools.apply(&mut canvas, pointer([x as f32, 10.0])).unwrap();
+            }
+            let end = Pointer { released: true, held: false, ..pointer([20.0, 10.0]) };
+            tools.apply(&mut canvas, end).unwrap();
+            assert!(canvas.lamps().is_empty());
+            assert_eq!(canvas.history_depth()[0], 0, "{i}");
+        }
+    }
+
+    #[test]
+    fn a_move_that_is_undone_while_it_goes_on_ends() {
+        let mut canvas = canvas(&[[10.0, 10.0]]);
+        let mut tools = Tools::default();
+        tools.apply(&mut canvas, press([10.0, 10.0])).unwrap();
+        tools.apply(&mut canvas, pointer([20.0, 10.0])).unwrap();
+        tools.undo(&mut canvas);
+        for x in 21..30 {
+            tools.apply(&mut canvas, pointer([x as f32, 10.0])).unwrap();
+        }
+        assert_eq!(canvas.lamps()[0].position, [10.0, 10.0]);
+        assert_eq!(canvas.history_depth(), [1, 1]);
+    }
+
+    #[test]
+    fn lamps_are_placed_in_the_picture_only() {
+        let mut canvas = canvas(&[]);
+        let mut tools = Tools::default();
+        tools.choose_lamp();
+        for at in [[-3.0, 10.0], [64.5, 10.0], [10.0, -9.0], [10.0, 36.0]] {
+            tools.apply(&mut canvas, press(at)).unwrap();
+            tools.apply(&mut canvas, Pointer { released: true, ..Pointer::default() }).unwrap();
+        }
+        assert!(canvas.lamps().is_empty() && canvas.history_depth() == [0, 0]);
+        let missed = Pointer { other: true, ..press([30.0, 10.0]) };
+        tools.apply(&mut canvas, missed).unwrap();
+        assert!(canvas.lamps().is_empty(), "the button that removes lamps adds one");
+        tools.apply(&mut canvas, press([0.5, 0.5])).unwrap();
+        assert_eq!(canvas.lamps().len(), 1);
     }
 }
