@@ -13,6 +13,9 @@ use std::time::{Duration, Instant};
 /// Default columns and rows if light is computed on the CPU.
 pub const CELLS_ON_CPU: [u32; 2] = CELLS;
 
+/// True if a scene finds its images beside it.
+pub const HAS_FOLDERS: bool = true;
+
 /// The flag of a window that continues another one.
 const CONTINUED: &str = "--continued";
 /// If a continued window loses its GPU within this time, the GPU is gone for good.
@@ -41,9 +44,6 @@ pub fn save(files: &[File]) -> Result<String> {
     Ok(format!("saved {} in {folder}", names.join(", ")))
 }
 
-/// Opens another window in another process, and ends this one, which cannot be drawn any more. If that
-/// fails, saves the canvas here and prints the error.
-pub fn hand_over(next: &Handover, closes: bool) -> Result<()> {
 /// Writes files into a folder. Each is written beside its place first, so that the former files stay whole if one of
 /// them cannot be written, as on a full disk.
 fn write_all(folder: &Path, files: &[File]) -> Result<()> {
@@ -65,6 +65,9 @@ fn write_all(folder: &Path, files: &[File]) -> Result<()> {
     done
 }
 
+/// Opens another window in another process, and ends this one, which cannot be drawn any more. If that
+/// fails, saves the canvas here and prints the error.
+pub fn hand_over(next: &Handover, closes: bool) -> Result<()> {
     let Err(why) = open_another(next, closes) else { std::process::exit(0) };
     eprintln!("error: the GPU was lost, and no other window can be opened: {}", message(&why));
     if !next.files.is_empty() {

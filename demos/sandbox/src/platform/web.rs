@@ -13,6 +13,9 @@ use web_sys::{Blob, Document, HtmlAnchorElement, Url, UrlSearchParams, console};
 /// Default columns and rows if light is computed on the CPU, in one thread.
 pub const CELLS_ON_CPU: [u32; 2] = [160, 90];
 
+/// False: a page has only the files that it is given, so a scene comes with its images.
+pub const HAS_FOLDERS: bool = false;
+
 /// The id of the message in `web/index.html`.
 const WORDS: &str = "words";
 

@@ -124,6 +124,13 @@ impl FileKind {
     }
 }
 
+/// Leaves out what is dropped together with a scene, which finds its images itself.
+pub fn without_layers<T>(dropped: Vec<T>, path: impl Fn(&T) -> &Path) -> Vec<T> {
+    let is_scene = |file: &T| FileKind::of(path(file)) == FileKind::Scene;
+    let has_scene = dropped.iter().any(is_scene);
+    dropped.into_iter().filter(|file| !has_scene || is_scene(file)).collect()
+}
+
 /// Opens a file on disk. A scene is opened with its images.
 fn open(path: &Path, kind: As, subject: &Subject) -> Result<Opened> {
     check_length(path.display(), std::fs::metadata(path).map_or(0, |about| about.len()))?;
@@ -155,4 +162,16 @@ fn lay(png: &[u8], kind: As, subject: &Subject) -> Result<Opened> {
     };
     let said = canvas.place_image(png, kind)?;
     Ok(Opened { canvas, is_scene: false, said })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_dropped_with_a_scene_are_its_layers() {
+        let kept = |names: &[&'static str]| without_layers(names.to_vec(), |name| Path::new(name));
+        assert_eq!(kept(&["a-color.png", "a.toml", "a-tint.exr"]), ["a.toml"]);
+        assert_eq!(kept(&["a.png", "b.PNG"]), ["a.png", "b.PNG"]);
+    }
 }

@@ -9,7 +9,7 @@ use shot::Shot;
 use crate::message::message;
 use crate::platform::{self, CELLS};
 use crate::window::benchmark::Benchmark;
-use crate::window::files::{Inbox, Opened};
+use crate::window::files::{Inbox, Opened, without_layers};
 use crate::window::folded::{Folded, Side};
 use crate::window::fonts::fonts;
 use crate::window::former::Former;
@@ -34,15 +34,14 @@ use eframe::egui::{
     self, Button, CentralPanel, CollapsingHeader, Color32, Context, Event, Frame, Key,
     KeyboardShortcut, Label, Modifiers, RawInput, RichText, ScrollArea, TextEdit, Theme, Ui,
 };
-
+use lamplight::Settings;
 use lamplight_sandbox::look::Look;
 
-use lamplight::Settings;
 /// The state of the window.
 pub struct App {
     choice: Choice,
-    former: Former,
     subject: Subject,
+    former: Former,
     size: [u32; 2],
     seed: u64,
     backend: Backend,
@@ -95,8 +94,8 @@ impl App {
         Ok(Self {
             choice: start.world,
             probe: Probe::default(),
-            former: Former::default(),
             subject,
+            former: Former::default(),
             size,
             seed: start.seed,
             backend: start.backend,
@@ -141,6 +140,7 @@ impl App {
             Err(why) => self.message = Some(why.to_string()),
         }
     }
+
     /// Replaces the subject and its look. A canvas is set aside.
     fn replace(&mut self, subject: Subject) {
         let is_canvas = matches!(subject, Subject::Canvas(_));
@@ -166,7 +166,6 @@ impl App {
             self.take_look();
         }
     }
-
 
     /// Applies the look of the subject.
     fn take_look(&mut self) {
@@ -290,7 +289,11 @@ impl App {
 
     /// Opens files that were dropped on the window.
     fn take_files(&mut self, context: &Context) {
-        for file in context.input(|input| input.raw.dropped_files.clone()) {
+        let mut dropped = context.input(|input| input.raw.dropped_files.clone());
+        if platform::HAS_FOLDERS {
+            dropped = without_layers(dropped, |file| file.path());
+        }
+        for file in dropped {
             platform::read_dropped(file, self.inbox.sender());
         }
         while let Some(file) = self.inbox.next() {
@@ -357,6 +360,7 @@ impl App {
         let Half { settings, lit, .. } = &mut self.halves.left;
         if kind == SaveKind::Scene {
             let files = self.subject.scene(settings, self.shown.display, &self.name)?;
+            ensure!(!files.is_empty(), "only a canvas is saved as a scene");
             return platform::save(&files).map(Some);
         }
         // At full size in every view.
