@@ -7,7 +7,7 @@ use common::{hash, range, seeded};
 use fastrand::Rng;
 use image::{ImageFormat, RgbaImage};
 use lamplight::{Cells, Lamp, Scene, Sky, UP};
-use lamplight_sandbox::canvas::{As, Brush, Canvas, Stuff, Tool};
+use lamplight_sandbox::canvas::{As, Brush, Canvas, Stuff, Tool, plain_name};
 use std::io::Cursor;
 
 const SIZE: [u32; 2] = [48, 32];
@@ -340,6 +340,21 @@ fn walls_are_flat_and_erasing_them_brings_the_normals_back() {
 }
 
 #[test]
+fn names_of_files_are_valid_on_every_system() {
+    for (given, name) in [
+        ("../a b.c", "abc"),
+        ("", "canvas"),
+        ("ü", "canvas"),
+        ("con", "con_"),
+        ("Lpt1", "Lpt1_"),
+        ("com", "com"),
+        ("console", "console"),
+    ] {
+        assert_eq!(plain_name(given), name);
+    }
+}
+
+#[test]
 fn what_eight_bits_say_is_saved_as_png() {
     let mut canvas = Canvas::new(SIZE).unwrap();
     canvas.fill(Stuff::Backdrop([1.0, 0.0, 0.0]), [0.0, 0.0]);
@@ -360,6 +375,9 @@ fn scenes_that_are_not_are_refused() {
     assert!(refuse("not a scene", &[]).contains("line 1"));
     assert!(refuse("size = [16000, 1000]", &[]).contains("more than a canvas has"));
     assert!(refuse("size = [99999999, 3]", &[]).contains("refused"));
+    let large = Scene::new(4096, 4096);
+    let refused = Canvas::of_scene(&large, |_| panic!("16 million cells are drawn first"));
+    assert!(refused.unwrap_err().to_string().contains("more than a canvas has"));
     let layers = "size = [4, 4]\n[layers]\nopacity = \"o.png\"";
     assert!(refuse(layers, &[]).contains("not among the files"), "{}", refuse(layers, &[]));
     let absolute = "size = [4, 4]\n[layers]\nopacity = \"/etc/hostname\"";
@@ -375,9 +393,6 @@ fn scenes_that_are_not_are_refused() {
 
 #[test]
 fn sizes_beyond_a_canvas_are_refused() {
-    let large = Scene::new(4096, 4096);
-    let refused = Canvas::of_scene(&large, |_| panic!("16 million cells are drawn first"));
-    assert!(refused.unwrap_err().to_string().contains("more than a canvas has"));
     for size in [[0, 5], [4000, 3000], [u32::MAX, 1]] {
         assert!(Canvas::new(size).is_err(), "{size:?}");
         assert!(Canvas::welcome(size).is_err(), "{size:?}");

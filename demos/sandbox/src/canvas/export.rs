@@ -25,7 +25,19 @@ enum Bytes {
 pub fn plain_name(given: &str) -> String {
     let plain = |c: &char| c.is_ascii_alphanumeric() || *c == '-' || *c == '_';
     let name: String = given.chars().filter(plain).take(64).collect();
-    if name.is_empty() { "canvas".to_owned() } else { name }
+    match name.as_str() {
+        "" => "canvas".to_owned(),
+        device if is_device(device) => name + "_",
+        _ => name,
+    }
+}
+
+/// Returns true if Windows takes files of this name for a device, whatever their extension.
+fn is_device(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let port = name.strip_prefix("com").or(name.strip_prefix("lpt"));
+    let is_port = port.is_some_and(|port| port.len() == 1 && port.as_bytes()[0].is_ascii_digit());
+    is_port || matches!(name.as_str(), "con" | "prn" | "aux" | "nul")
 }
 
 impl Canvas {
