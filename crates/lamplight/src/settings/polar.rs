@@ -53,7 +53,7 @@ settings! {
     /// The settings of `polar`.
     #[schemars(transform = with_preset(Self::PRESETS))]
     pub struct Polar in "polar" {
-        /// Rays per px of the circle at a lamp's range: a lamp of range R has `⌈2πR·density⌉` rays.
+        /// Rays per px of the circle at a lamp's range: a lamp of range R has `2πR·density` rays.
         /// Higher: finer shadows of thin things. The cost of tracing grows with it, that of lighting
         /// pixels does not.
         density: f32 = 1.0, in 0.25..=8.0;
