@@ -34,14 +34,16 @@ impl Server {
     }
 
     fn answer(&self, request: Request) {
-        let path = request.url().split(['?', '#']).next().unwrap_or_default();
-        let path = self.folder.join(if path == "/" { "index.html" } else { &path[1..] });
-        // Nothing beside the folder; who hangs up early hears no answer.
-        let inside = !path.components().any(|part| part == Component::ParentDir);
-        let _ = match File::open(&path).ok().filter(|_| inside && path.is_file()) {
-            Some(file) => {
+        let file = file_of(request.url()).and_then(|path| {
+            let path = self.folder.join(path);
+            let file = File::open(&path).ok().filter(|_| path.is_file())?;
+            Some((file, content_type(&path)))
+        });
+        // Who hangs up early hears no answer.
+        let _ = match file {
+            Some((file, content_type)) => {
                 let mut response = Response::from_file(file);
-                for header in [content_type(&path), "Cache-Control: no-store"] {
+                for header in [content_type, "Cache-Control: no-store"] {
                     if let Ok(header) = header.parse::<Header>() {
                         response.add_header(header);
                     }
@@ -53,11 +55,39 @@ impl Server {
     }
 }
 
+/// The file that an address means, by its path from the folder; `None` if that leads out of the folder, as `//etc/hosts`
+/// would.
+fn file_of(url: &str) -> Option<&Path> {
+    let path = url.split(['?', '#']).next()?.strip_prefix('/')?;
+    let path = Path::new(if path.is_empty() { "index.html" } else { path });
+    path.components().all(|part| matches!(part, Component::Normal(_))).then_some(path)
+}
+
 fn content_type(path: &Path) -> &'static str {
     match path.extension().and_then(|ending| ending.to_str()) {
         Some("html") => "Content-Type: text/html; charset=utf-8",
         Some("js") => "Content-Type: text/javascript; charset=utf-8",
         Some("wasm") => "Content-Type: application/wasm",
         _ => "Content-Type: application/octet-stream",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_means_a_file_of_the_folder_or_none() {
+        for (url, file) in [
+            ("/", "index.html"),
+            ("/?world=sand", "index.html"),
+            ("/lamplight.js", "lamplight.js"),
+            ("/a/b.wasm#c", "a/b.wasm"),
+        ] {
+            assert_eq!(file_of(url), Some(Path::new(file)), "{url}");
+        }
+        for url in ["", "?x", "*", "//etc/hosts", "/../a", "/a/../../b", "/..", "http://a/b"] {
+            assert_eq!(file_of(url), None, "{url}");
+        }
     }
 }
