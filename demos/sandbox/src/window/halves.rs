@@ -78,6 +78,14 @@ impl Halves {
         }
     }
 
+    /// The half in which a place lies, 0 (left edge) to 1.
+    pub fn under(&mut self, across: f32) -> &mut Half {
+        match &mut self.right {
+            Some(right) if across > self.divider => right,
+            _ => &mut self.left,
+        }
+    }
+
     /// Splits the picture. Both lights use the same backend.
     pub fn split(&mut self, settings: Settings) -> Result<()> {
         let lit = self.left.lit.beside(&settings)?;
@@ -152,6 +160,22 @@ mod tests {
     use super::*;
     use eframe::egui::Context;
     use lamplight::settings::Raymarch;
+
+    #[test]
+    fn a_place_lies_in_the_half_that_is_drawn_there() {
+        let settings = Settings::new(Method::Polar);
+        let lit = Lit::on_cpu(&Context::default(), &settings).unwrap();
+        let mut halves = Halves::new(settings, lit);
+        let methods =
+            |halves: &mut Halves| [0.2, 0.4].map(|across| halves.under(across).settings.method());
+        assert_eq!(methods(&mut halves), [Method::Polar; 2]);
+        halves.split(Settings::new(Method::Raymarch)).unwrap();
+        halves.divider = 0.3;
+        assert_eq!(methods(&mut halves), [Method::Polar, Method::Raymarch]);
+        // Whichever half the panel shows.
+        halves.edits_right = false;
+        assert_eq!(methods(&mut halves), [Method::Polar, Method::Raymarch]);
+    }
 
     #[test]
     fn a_method_keeps_its_settings_while_another_is_chosen() {

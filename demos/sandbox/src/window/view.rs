@@ -82,6 +82,11 @@ impl PictureFrame {
     }
 }
 
+/// Returns true if a position in cells is in a picture of this size.
+pub fn is_inside([w, h]: [u32; 2], [x, y]: [f32; 2]) -> bool {
+    (0.0..w as f32).contains(&x) && (0.0..h as f32).contains(&y)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

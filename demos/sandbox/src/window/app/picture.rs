@@ -10,7 +10,7 @@ use crate::window::light::Lit;
 use crate::window::panels::tools::Tools;
 use crate::window::probe::meter;
 use crate::window::subject::Subject;
-use crate::window::view::{PictureFrame, Pointer};
+use crate::window::view::{PictureFrame, Pointer, is_inside};
 use anyhow::Result;
 use eframe::egui::{Color32, Context, Event, Key, Stroke, Ui};
 use lamplight::resample::upsample;
@@ -83,11 +83,16 @@ impl App {
         } else {
             Ok(())
         };
-        // Views do not need light, and each half has its own.
-        let Half { settings, lit, .. } = self.halves.edited();
+        // Views do not need light, and each half has its own: the pointer is in one of them.
+        let at = at.filter(|at| view.is_lit() && is_inside(self.subject.size(), *at));
+        let half = match at {
+            Some([x, _]) => self.halves.under(x / cells.width() as f32),
+            None => self.halves.edited(),
+        };
+        let Half { settings, lit, .. } = half;
         let (cells, settings) = (self.resolution.cells(cells), self.resolution.settings(settings));
         if found.is_ok() {
-            self.probe.look(lit, cells, at.filter(|_| view.is_lit()), asks)?;
+            self.probe.look(lit, cells, at, asks)?;
         }
         let looked = self.inspector.look(cells, &settings, self.shown.display, self.probe.light());
         found.and(looked)

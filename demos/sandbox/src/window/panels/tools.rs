@@ -1,6 +1,6 @@
 //! The tools of the pointer: brushes of a world, or tools of the canvas.
 
-use crate::window::view::Pointer;
+use crate::window::view::{Pointer, is_inside};
 use eframe::egui::{Button, ComboBox, Slider, Ui, color_picker};
 use lamplight::{Lamp, Rgb};
 use lamplight_sandbox::canvas::{As, Brush, Canvas, Stuff, Tool};
@@ -242,10 +242,6 @@ impl Tools {
             BrushKind::Erase | BrushKind::Lamp => Stuff::Erase,
         }
     }
-}
-
-fn is_inside([w, h]: [u32; 2], [x, y]: [f32; 2]) -> bool {
-    (0.0..w as f32).contains(&x) && (0.0..h as f32).contains(&y)
 }
 
 #[cfg(test)]
