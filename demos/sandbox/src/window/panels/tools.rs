@@ -326,4 +326,42 @@ mod tests {
         tools.apply(&mut canvas, press([0.5, 0.5])).unwrap();
         assert_eq!(canvas.lamps().len(), 1);
     }
+
+    #[test]
+    fn whatever_the_pointer_does_can_be_undone() {
+        let seed = fastrand::u64(..);
+        println!("seed {seed}");
+        let mut rng = fastrand::Rng::with_seed(seed);
+        for _ in 0..40 {
+            let mut canvas = canvas(&[[10.0, 10.0], [50.0, 10.0]]);
+            canvas.set_history_limit(usize::MAX);
+            let undone = |canvas: &mut Canvas| {
+                while canvas.undo() {}
+                canvas.cells().clone()
+            };
+            let first = undone(&mut canvas.clone());
+            let mut tools = Tools::default();
+            let mut held = false;
+            for _ in 0..300 {
+                (tools.kind, _, _) = BrushKind::ALL[rng.usize(..BrushKind::ALL.len())];
+                tools.tool = [Tool::Free, Tool::Line, Tool::Rectangle { filled: true }, Tool::Fill]
+                    [rng.usize(..4)];
+                match rng.usize(..20) {
+                    0 => tools.undo(&mut canvas),
+                    1 => tools.redo(&mut canvas),
+                    2 if rng.usize(..8) == 0 => tools.clear(&mut canvas),
+                    _ => {}
+                }
+                let pressed = rng.usize(..4) == 0;
+                let released = rng.usize(..4) == 0;
+                held = (held || pressed) && !released;
+                let at = [80.0 * rng.f32() - 8.0, 52.0 * rng.f32() - 8.0];
+                let at = (rng.usize(..10) > 0).then_some(at);
+                let pointer = Pointer { at, held, pressed, released, other: rng.usize(..3) == 0 };
+                tools.apply(&mut canvas, pointer).unwrap();
+                canvas.cells().check().unwrap();
+            }
+            assert!(undone(&mut canvas) == first);
+        }
+    }
 }
