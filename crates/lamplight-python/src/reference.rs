@@ -250,7 +250,7 @@ impl Measures {
 /// Raises
 /// ------
 /// ValueError
-///     If the shapes differ.
+///     If the shapes differ, or all cells of ``truth`` are solid.
 #[pyfunction]
 pub fn compare(py: Python<'_>, light: &Light, truth: &Light) -> PyResult<Measures> {
     if light.size() != truth.size() {
@@ -258,6 +258,9 @@ pub fn compare(py: Python<'_>, light: &Light, truth: &Light) -> PyResult<Measure
         return Err(value_error(format!("light has the shape {found:?}; expected {expected:?}")));
     }
     let (light, truth) = (&light.0, &truth.0);
+    if truth.solid().iter().all(|&solid| solid) {
+        return Err(value_error("truth: all cells are solid; there is no light to compare"));
+    }
     let measure = || lamplight_truth::Measures::of(light.pixels(), truth.pixels(), truth.solid());
     SHARED.run(py, measure).map(Measures)
 }

@@ -51,6 +51,9 @@ def test_the_comparison_sees_a_perturbation():
     assert ll.compare(brighter, truth.light).bias == pytest.approx(0.1, rel=1e-3)
     with pytest.raises(ValueError, match="shape"):
         ll.compare(ll.Light(np.zeros((2, 2, 3))), truth.light)
+    solid = ll.Light(truth.light.rgb, solid=np.ones_like(truth.light.solid))
+    with pytest.raises(ValueError, match="truth: all cells are solid"):
+        ll.compare(brighter, solid)
 
 
 def test_the_same_bytes_on_any_number_of_threads():

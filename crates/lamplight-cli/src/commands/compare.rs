@@ -65,6 +65,10 @@ pub fn run(args: CompareArgs) -> Result {
         let (cells, outputs) = read_cells(&scene, &args.scene, quiet, |size| {
             needed(&args, &entries, &settings, size)
         })?;
+        if (0..cells.len()).all(|i| cells.is_solid(i)) {
+            let error = CliError::bad_input("every cell is solid: there is no light to compare");
+            return Err(error.hint("methods are compared by the light of open cells"));
+        }
         if !quiet {
             warn_of_what_is_ignored(&args, methods, &cells, &settings);
         }

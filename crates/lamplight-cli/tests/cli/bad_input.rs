@@ -65,6 +65,7 @@ const CASES: &[Case] = &[
     ("probe dark.toml 1,1 --method polar", 2, &["polar lights lamps only"]),
     ("stages dark.toml -o there --method polar", 2, &["polar lights lamps only"]),
     ("compare dark.toml --methods polar", 2, &["polar lights lamps only"]),
+    ("compare solid.toml", 2, &["every cell is solid", "hint: "]),
     ("bench --scene dark.toml --method polar", 2, &["polar lights lamps only"]),
     ("compare small.toml --methods raymarch,magic", 2, &["'magic'", "raymarch"]),
     ("compare small.toml --samples 0", 2, &["'0'", "--samples"]),
@@ -92,6 +93,8 @@ fn bad_input_is_explained_and_leaves_no_files() {
     sandbox.write("not.toml", "this is no scene\n");
     sandbox.write("huge.toml", "size = [40000, 40000]\n");
     sandbox.write("dark.toml", "size = [8, 8]\n");
+    sandbox
+        .write("solid.toml", "size = [4, 4]\n[[shape]]\nrect = { min = [0, 0], max = [4, 4] }\n");
     sandbox.write("wide.toml", "size = [1000, 1000]\n");
     sandbox.write("typo.toml", "size = [4, 4]\n[[lamps]]\n");
     for folder in ["folder", "folder.png"] {
