@@ -37,7 +37,7 @@ impl Tilesets {
     }
 }
 
-/// Where tiles stand as objects if nothing else is said.
+/// The anchor of tiles of which nothing else is said.
 pub(super) const BOTTOM_LEFT: [f32; 2] = [0.0, 1.0];
 
 /// Reads the `objectalignment` of a tileset.
