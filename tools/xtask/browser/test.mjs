@@ -353,7 +353,7 @@ const TESTS = {
     await sandbox.play("frames 30");
     await sandbox.play(SCENE.replace("world paint\n", ""));
     const [said] = await sandbox.play("tell");
-    check(said === "all is well", `after the drop the page says: ${said}`);
+    check(said === "Undo brings the former canvas back", `after the drop the page says: ${said}`);
     const again = differs(painted, await sandbox.picture());
     check(again <= SAME, `the scene that came back is ${again.toFixed(1)} from what was saved`);
     await sandbox.close();
