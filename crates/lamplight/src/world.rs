@@ -2,7 +2,7 @@
 //!
 //! A tile that is lit alone misses all that lies around it, and light in the plane fades only as 1/distance: with a
 //! margin as wide as itself a tile of an open world is still a fifth too dark. So the world is read once, in parts,
-//! into its [far field](crate::far_field), which is small enough to be held whole. Then every tile is solved with a
+//! into its far field, which is small enough to be held whole. Then every tile is solved with a
 //! narrow margin of its own cells and with the light that enters there from everywhere else ([`Inflow`]).
 //!
 //! Bounces go around all parts one after the other: each part is solved for what its surfaces send on, and from that

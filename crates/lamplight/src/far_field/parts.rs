@@ -143,7 +143,7 @@ impl FarPart {
         self.light.window()
     }
 
-    /// Reads the matter of a part, which begins at a multiple of [`ALIGNMENT`], as [`FarField::add`] does. `light` is what
+    /// Reads the matter of a part, which begins at a multiple of `ALIGNMENT`, as `add` does. `light` is what
     /// its surfaces send on, in the whole window also `sent`, and `change` that of it.
     pub fn read(
         part: GridWindow,
