@@ -4,7 +4,7 @@ use crate::common::*;
 use lamplight::internals::Estimate;
 use lamplight::internals::denoise::Denoiser;
 use lamplight::settings;
-use lamplight::{Cells, Lamp, Light, Matter, Rgb, Sky};
+use lamplight::{Cells, Lamp, Light, Matter, Rgb, Settings, Sky};
 
 /// The most error that the blur may leave of a frame of 32 rays.
 const LEFT_OF_NOISE: f64 = 0.6;
@@ -24,6 +24,11 @@ fn blurred(cells: &Cells, light: &[Rgb], variance: f32, passes: u32) -> Vec<Rgb>
     estimate.light
 }
 
+/// Settings with so many rays, and passes of the blur.
+fn of_rays(rays: u32, passes: u32) -> Settings {
+    settings(|s| (raymarch_of(s).rays, raymarch_of(s).denoise.passes) = (rays, passes))
+}
+
 /// A hall with pillars, a lamp and a dim sky seen through a window.
 fn hall() -> Cells {
     let mut cells = grid(80, 50, |x, y| {
@@ -41,11 +46,7 @@ fn hall() -> Cells {
 fn noise_falls_and_features_stay() {
     let cells = hall();
     let truth = solve(&settings(|s| (raymarch_of(s).rays, s.seed) = (4096, 9)), &cells);
-    let with = |rays, passes| {
-        let settings =
-            settings(|s| (raymarch_of(s).rays, raymarch_of(s).denoise.passes) = (rays, passes));
-        relative_rmse(&solve(&settings, &cells), &truth)
-    };
+    let with = |rays, passes| relative_rmse(&solve(&of_rays(rays, passes), &cells), &truth);
     let before = with(32, 0);
     let after = [1, 3, 5].map(|passes| with(32, passes));
     let percent = after.map(|e| format!("{:.2} %", 100.0 * e));
@@ -155,11 +156,7 @@ fn walls_of_one_cell_keep_their_light_at_any_size() {
 fn far_from_a_small_lamp_there_is_neither_a_pattern_nor_too_little_light() {
     let mut cells = grid(160, 100, |_, _| Matter::EMPTY);
     cells.lamps_mut().push(Lamp { position: [60.0, 50.0], size: 3.0, ..LAMP });
-    let lit = |rays, passes| {
-        let settings =
-            settings(|s| (raymarch_of(s).rays, raymarch_of(s).denoise.passes) = (rays, passes));
-        solve(&settings, &cells)
-    };
+    let lit = |rays, passes| solve(&of_rays(rays, passes), &cells);
     let right = lit(4096, 0);
     // The mean relative light, and the deviation of cells from the mean of their neighbours.
     let seen = |light: &Light| {
@@ -216,9 +213,7 @@ fn walls_along_which_a_small_light_shines_are_not_black() {
     });
     cells.lamps_mut().push(Lamp { position: [40.0, 30.0], size: 3.0, ..LAMP });
     let lit = |rays, passes| {
-        let settings =
-            settings(|s| (raymarch_of(s).rays, raymarch_of(s).denoise.passes) = (rays, passes));
-        let light = solve(&settings, &cells);
+        let light = solve(&of_rays(rays, passes), &cells);
         (82..108).map(|x| light.at(x, 40)[1]).collect::<Vec<_>>()
     };
     let right = lit(4096, 0);
@@ -264,11 +259,7 @@ fn two_lights_leave_no_grain_between_them() {
         let near = |l: &[i32; 2]| (l[0] - x as i32).abs().max((l[1] - y as i32).abs()) < 2;
         if lights.iter().any(near) { GLOW } else { Matter::EMPTY }
     });
-    let grain_after = |passes| {
-        let settings =
-            settings(|s| (raymarch_of(s).rays, raymarch_of(s).denoise.passes) = (32, passes));
-        grain(&solve(&settings, &cells), lights)
-    };
+    let grain_after = |passes| grain(&solve(&of_rays(32, passes), &cells), lights);
     let (raw, blurred) = (grain_after(0), grain_after(4));
     println!("grain {raw:.2} before, {blurred:.2} after");
     assert!(blurred < SMOOTH);
