@@ -3,6 +3,7 @@
 
 #import shared/luminance
 #import shared/moment
+#import shared/normal
 #import shared/uniforms
 
 override MAX_SKIP: u32;
@@ -88,31 +89,25 @@ fn tap(at: vec2i, place: vec2i, spread: i32) -> f32 {
     return weights[abs(place.x)] * weights[abs(place.y)];
 }
 
-// The sides to which a solid cell is open: left, right, upper, lower; none of another.
-fn open_sides(at: vec2i) -> vec4<bool> {
-    var sides = vec4<bool>(false);
-    if !open(at) {
-        sides.x = is_open_within(at - vec2i(1, 0));
-        sides.y = is_open_within(at + vec2i(1, 0));
-        sides.z = is_open_within(at - vec2i(0, 1));
-        sides.w = is_open_within(at + vec2i(0, 1));
+// The sides to which a solid cell is open, a bit each: left, right, upper, lower; none of another cell.
+fn open_sides(at: vec2i) -> u32 {
+    var sides = 0u;
+    for (var side = 0u; side < 4u && !open(at); side++) {
+        let beside = at + normal(side);
+        sides |= select(0u, 1u << side, inside(beside) && open(beside));
     }
     return sides;
 }
 
-fn is_open_within(at: vec2i) -> bool {
-    return inside(at) && open(at);
-}
-
 // The direction along a wall in which a cell is blurred, if it is open to the left and the right only or above and below only.
-fn direction_along(sides: vec4<bool>) -> vec2i {
-    let horizontal = any(sides.zw);
-    return select(vec2i(0), select(vec2i(0, 1), vec2i(1, 0), horizontal), any(sides.xy) != horizontal);
+fn direction_along(sides: u32) -> vec2i {
+    let horizontal = (sides & 12u) != 0u;
+    return select(vec2i(0), select(vec2i(0, 1), vec2i(1, 0), horizontal), ((sides & 3u) != 0u) != horizontal);
 }
 
 // Returns whether a cell belongs to a wall that is open to these sides.
-fn continues(at: vec2i, sides: vec4<bool>) -> bool {
-    return inside(at) && all(open_sides(at) == sides);
+fn continues(at: vec2i, sides: u32) -> bool {
+    return inside(at) && open_sides(at) == sides;
 }
 
 // The variance of a solid cell, smoothed along its wall.
