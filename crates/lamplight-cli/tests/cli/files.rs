@@ -80,7 +80,9 @@ fn a_read_only_file_stays_and_permissions_are_kept() {
 fn scene_of_images() -> Sandbox {
     let sandbox = Sandbox::new();
     std::fs::create_dir(sandbox.path("art")).unwrap();
-    let picture = image::RgbImage::from_pixel(8, 8, image::Rgb([9, 8, 7]));
+    let mut picture = image::RgbaImage::from_pixel(8, 8, image::Rgba([9, 8, 7, 255]));
+    // `compare` wants a cell that is open.
+    picture.put_pixel(0, 0, image::Rgba([0; 4]));
     for name in ["art/emission.png", "art/00.png", "art/scene.png", "art/sky.png"] {
         picture.save(sandbox.path(name)).unwrap();
     }
