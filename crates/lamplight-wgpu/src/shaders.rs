@@ -78,6 +78,7 @@ const FILES: &[(&str, &str)] = files! {
     "methods/holographic/paper/merge"
     "methods/holographic/paper/source"
     "methods/holographic/paper/trace"
+    "methods/holographic/point_rows"
     "methods/holographic/prefilter"
     "methods/holographic/quadrant"
     "methods/holographic/sky"

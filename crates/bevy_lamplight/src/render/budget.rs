@@ -42,8 +42,7 @@ impl Budget {
             self.quality = None;
             return wanted;
         }
-        let AutoQuality { is_fast, .. } = self.quality.get_or_insert_default();
-        if *is_fast { LightQuality::Fast } else { LightQuality::Default }
+        self.quality.get_or_insert_default().chosen()
     }
 
     /// Takes account of the stages of a frame on the CPU, if it found light in it.
@@ -60,7 +59,7 @@ impl Budget {
         encoder: &mut CommandEncoder,
     ) -> Result<(), RecordError> {
         self.frame += 1;
-        let choice = self.quality.as_mut().filter(|quality| !quality.is_fast);
+        let choice = self.quality.as_mut().filter(|quality| !quality.is_lowest());
         let (every, has_use) = match choice {
             Some(_) => (EVERY_OF_CHOICE, true),
             None => (EVERY, !self.late.has_warned),
@@ -80,24 +79,42 @@ impl Budget {
     }
 }
 
-/// The time from which on light is slow: half of a frame.
-const SLOW: Duration = Duration::from_millis(8);
 /// Consecutive slow frames on the CPU, where every frame is timed and the first allocate memory, that change the quality.
 const FRAMES_ON_CPU: u32 = 12;
+
+/// The qualities from which one is chosen, each with the time from which on its light is too slow: half of a frame, and
+/// all of it, since the last one is seen to be softer.
+const QUALITIES: [(LightQuality, Duration); 3] = [
+    (LightQuality::Default, Duration::from_millis(8)),
+    (LightQuality::Fast, FRAME),
+    (LightQuality::Coarse, Duration::MAX),
+];
 
 /// The choice of a quality.
 #[derive(Default)]
 struct AutoQuality {
     /// Consecutive slow frames.
     slow: u32,
-    is_fast: bool,
+    /// The index of the quality.
+    chosen: usize,
 }
 
 impl AutoQuality {
-    /// Takes account of a frame. So many slow ones in a row change the quality, once.
+    /// Takes account of a frame. So many slow ones in a row change the quality, for good.
     fn observe(&mut self, time: Duration, patience: u32) {
-        self.slow = if time > SLOW { self.slow + 1 } else { 0 };
-        self.is_fast |= self.slow >= patience;
+        let (_, limit) = QUALITIES[self.chosen];
+        self.slow = if time > limit { self.slow + 1 } else { 0 };
+        if self.slow >= patience {
+            (self.slow, self.chosen) = (0, self.chosen + 1);
+        }
+    }
+
+    fn chosen(&self) -> LightQuality {
+        QUALITIES[self.chosen].0
+    }
+
+    fn is_lowest(&self) -> bool {
+        self.chosen + 1 == QUALITIES.len()
     }
 }
 
@@ -160,14 +177,18 @@ mod tests {
     #[test]
     fn slow_frames_in_a_row_change_the_quality_for_good() {
         let mut quality = AutoQuality::default();
-        let mut is_fast = |slow: &[bool]| {
-            let time = |slow: bool| if slow { SLOW * 2 } else { SLOW };
-            slow.iter().for_each(|&slow| quality.observe(time(slow), 3));
-            quality.is_fast
+        let mut chosen = |milliseconds: &[u64]| {
+            let times = milliseconds.iter().map(|&time| Duration::from_millis(time));
+            times.for_each(|time| quality.observe(time, 3));
+            quality.chosen()
         };
-        assert!(!is_fast(&[true, true, false, true, true, false]));
-        assert!(is_fast(&[true, true, true]));
-        assert!(is_fast(&[false; 100]));
+        assert_eq!(chosen(&[9, 9, 8, 90, 90, 8]), LightQuality::Default);
+        assert_eq!(chosen(&[9, 9, 9]), LightQuality::Fast);
+        assert_eq!(chosen(&[16; 9]), LightQuality::Fast, "less than a frame");
+        assert_eq!(chosen(&[17, 17, 16, 17, 17, 16]), LightQuality::Fast);
+        assert_eq!(chosen(&[17; 3]), LightQuality::Coarse);
+        assert_eq!(chosen(&[1000; 9]), LightQuality::Coarse);
+        assert_eq!(chosen(&[1; 100]), LightQuality::Coarse);
     }
 
     #[test]

@@ -35,7 +35,7 @@ const CASES: &[(&str, &[&str])] = &[
         "render small.toml --qualty fast",
         &["'--qualty'", "tip: a similar argument exists: '--quality'"],
     ),
-    ("render small.toml --quality best", &["'best'", "fast, default, high, paper"]),
+    ("render small.toml --quality best", &["'best'", "coarse, fast, default, high, paper"]),
 ];
 
 #[test]

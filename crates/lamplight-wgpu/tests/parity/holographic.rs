@@ -28,7 +28,7 @@ fn solid(width: u32, height: u32, seed: u64) -> Cells {
 fn direct_light_agrees_at_every_size() {
     let gpu = device();
     for [w, h] in SIZES {
-        for preset in ["default", "fast"] {
+        for preset in ["default", "fast", "coarse"] {
             // The largest size costs a software GPU seconds.
             if w * h > 1 << 15 && preset != "default" {
                 continue;
@@ -45,7 +45,7 @@ fn every_preset_agrees_with_bounces_and_under_any_sky() {
     let gpu = device();
     let [zenith, horizon, ground] = [[0.1, 0.4, 2.0], [1.0, 0.8, 0.2], [0.05, 0.0, 0.0]];
     let gradient = Sky::Gradient(Gradient { zenith, horizon, ground });
-    for preset in ["default", "fast", "quality"] {
+    for preset in ["default", "fast", "coarse", "quality"] {
         for (bounces, [w, h], sky) in [
             (0, [45, 70], gradient.clone()),
             (1, [61, 43], Sky::Uniform([0.2; 3])),
@@ -70,7 +70,7 @@ fn every_setting_agrees() {
     for (gather_level, gather_length, gather_rays, bundle_rays) in
         [(1, 15, 1, 1), (2, 1, 3, 16), (3, 5, 16, 3), (4, 15, 2, 8)]
     {
-        for lattice_spacing in [1, 2] {
+        for lattice_spacing in [1, 2, 4] {
             let settings = Holographic {
                 variant: Variant::Bundles,
                 lattice_spacing,

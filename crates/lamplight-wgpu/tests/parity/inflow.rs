@@ -12,8 +12,11 @@ use lamplight_wgpu::FrameInput;
 /// Every method that reads inflow, with its variants.
 fn variants() -> Vec<(&'static str, Settings)> {
     let holographic = |preset| Settings::direct(Holographic::preset(preset).unwrap());
-    let own =
-        [("high holographic", holographic("high")), ("fast holographic", holographic("fast"))];
+    let own = [
+        ("high holographic", holographic("high")),
+        ("fast holographic", holographic("fast")),
+        ("coarse holographic", holographic("coarse")),
+    ];
     seeing_directions().into_iter().chain(own).collect()
 }
 
@@ -79,7 +82,7 @@ fn points_of_the_border_follow_the_settings() {
     let cells = entered(cells(61, 43, 9), 60, 1);
     let settings = |preset| Settings::direct(Holographic::preset(preset).unwrap());
     let mut both = Both::new(&gpu, settings("default"));
-    for preset in ["default", "fast", "default"] {
+    for preset in ["default", "fast", "coarse", "default"] {
         both.solver = Solver::new(settings(preset)).unwrap();
         both.agree(&gpu, preset, &cells);
     }

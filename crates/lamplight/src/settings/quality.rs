@@ -27,6 +27,9 @@ use std::str::FromStr;
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Quality {
+    /// For large pictures on weak GPUs: `holographic` on a lattice of a quarter of the resolution, with softer shadows.
+    /// Other methods are as with `fast`.
+    Coarse,
     /// The fewest rays with which light still looks right.
     Fast,
     /// For games and previews.
@@ -40,11 +43,13 @@ pub enum Quality {
 
 impl Quality {
     /// All levels.
-    pub const ALL: &'static [Self] = &[Self::Fast, Self::Default, Self::High, Self::Paper];
+    pub const ALL: &'static [Self] =
+        &[Self::Coarse, Self::Fast, Self::Default, Self::High, Self::Paper];
 
     /// The name in files and flags.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Coarse => "coarse",
             Self::Fast => "fast",
             Self::Default => "default",
             Self::High => "high",
@@ -59,6 +64,9 @@ impl Quality {
             (Self::Paper, Method::Flood) => "seed",
             (Self::Paper, Method::Polar) => "gamemaker",
             (Self::Paper, Method::Cascades) => "plain",
+            (Self::Coarse, Method::Raymarch | Method::Flood | Method::Polar | Method::Cascades) => {
+                "fast"
+            }
             _ => self.name(),
         }
     }

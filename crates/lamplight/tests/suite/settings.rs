@@ -425,7 +425,7 @@ fn keys_and_presets_win_over_the_quality_of_their_layer() {
 fn an_unknown_quality_is_rejected_with_the_valid_ones() {
     for text in ["quality=ultra", "quality=3"] {
         let error = flags(&[text]).resolve().unwrap_err().to_string();
-        assert!(error.contains("fast, default, high, paper"), "{error}");
+        assert!(error.contains("coarse, fast, default, high, paper"), "{error}");
     }
     let error = Settings::default().set_preset("best").unwrap_err().to_string();
     assert!(error.contains("holographic.preset") && error.contains("high"), "{error}");

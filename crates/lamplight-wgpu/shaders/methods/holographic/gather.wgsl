@@ -11,8 +11,8 @@
 // step that begins k px beside the cell in front blocks the fraction `clamp(s − k, 0, 1)`.
 
 #import methods/holographic/border
-#import methods/holographic/footprint
 #import methods/holographic/light_pair
+#import methods/holographic/point_rows
 #import shared/moment
 
 // Added to the sum of the weights at a ray's end, so that opaque cells let no light through, instead of 0 / 0.
@@ -23,8 +23,6 @@ override REACH: u32;
 override PIXELS: bool;
 // Cones of a pixel.
 override CONES: u32;
-// Rows of cells to a point of the lattice, 1 or 2.
-override SPACING: u32;
 // Slabs of a workgroup.
 override DEPTH: u32;
 // Cones whose light it holds at a time, an even number; the rows of the plane of which it holds that, and those before
@@ -109,38 +107,103 @@ fn light_at(on: PlaneLight, pair: u32, point: i32) -> LightPair {
     return unpack_pair(words);
 }
 
-// The share of the next point's light at a row of the plane: ¼ (Chaikin 1974) if the row that touches it is open, on the
-// `side` of it, and no border lies between them.
-fn share_of_next(pixel: Pixel, row: i32, side: i32) -> f32 {
-    let end = 2 * i32(sweep.rows);
-    // The second row of the last point may lie beyond the grid.
-    if row == i32(sweep.cell_rows) && row < end {
+// The rows of the plane ahead: those that are open and those that points stand for.
+struct PlaneRows {
+    // Row of the grid of the first bit.
+    first: i32,
+    open: vec4u,
+    in_points: vec4u,
+}
+
+fn plane_rows(pixel: Pixel) -> PlaneRows {
+    let first = i32(pixel.first_row);
+    let open = open_rows(own_slab + pixel.ahead, first);
+    return PlaneRows(first - ASIDE, open, rows_in_points(open));
+}
+
+fn is_among(rows: vec4u, at: i32) -> bool {
+    return has(select(rows.xy, rows.zw, at >= 64), u32(at) % 64u);
+}
+
+// Returns whether light of a row counts in the one after it: a point stands for each of them, and no border lies between.
+fn is_joined(rows: PlaneRows, row: i32) -> bool {
+    let end = i32(SPACING * sweep.rows);
+    // Nothing comes back into the grid, and light within it is not mixed with that beyond.
+    if row == -1 || row == end - 1 {
+        return false;
+    }
+    let at = row - rows.first;
+    return row < 0 || row >= end || (is_among(rows.in_points, at) && is_among(rows.in_points, at + 1));
+}
+
+// The share of its neighbour's light in the half of `width` rows that a row lies in: ¼ (Chaikin 1974) if the rows that
+// touch are joined.
+fn share_of_next(rows: PlaneRows, row: i32, width: i32) -> f32 {
+    let first = row & ~(width - 1);
+    let in_second = (row & (width >> 1u)) != 0;
+    // Rows of the last point may lie beyond the grid.
+    let is_beyond = first < i32(SPACING * sweep.rows) && first + (width >> 1u) >= i32(sweep.cell_rows);
+    if in_second && is_beyond {
         return 1.0;
     }
-    // Nothing comes back into the grid, and light within it is not mixed with that beyond.
-    if row == -1 || row == 0 || row == end - 1 || row == end {
-        return 0.0;
+    return select(0.0, 0.25, is_joined(rows, select(first - 1, first + width - 1, in_second)));
+}
+
+// The weights of points in the light of a row of the plane: its own, the nearest other, and that on the other side.
+fn weights_of_points(rows: PlaneRows, row: i32) -> vec3f {
+    if SPACING == 2u {
+        let share = share_of_next(rows, row, 2);
+        return vec3f(1.0 - share, share, 0.0);
     }
-    return select(0.25, 0.0, is_solid(0u, i32(pixel.ahead), row + side - i32(pixel.first_row)));
+    let offset = row & 3;
+    let side = select(-1, 1, offset >= 2);
+    let is_outer = offset == 0 || offset == 3;
+    var share = share_of_next(rows, row, 2);
+    let at = row - rows.first;
+    if is_among(rows.open, at) && !is_among(rows.in_points, at) {
+        // No point stands for it; it has the light of the point beside it, if that stands for the row there.
+        if !is_among(rows.in_points, at + side) {
+            return vec3f(0.0);
+        }
+        share = 1.0;
+    }
+    // Its half of the point, and the half beside it: across the border of the point, or in its middle.
+    let own = share_of_next(rows, row, 4);
+    let beside = share_of_next(rows, row + select(-side, side, is_outer), 4);
+    let of_own = (1.0 - share) * (1.0 - own);
+    let of_next = (1.0 - share) * own;
+    return select(
+        vec3f(of_own + share * (1.0 - beside), of_next, share * beside),
+        vec3f(of_own + share * beside, of_next + share * (1.0 - beside), 0.0),
+        is_outer,
+    );
 }
 
 // Holds the light of some cones, from one on, on the plane ahead.
 fn hold(pixel: Pixel, plane: u32, first_cone: u32, lane: u32) {
     let on = plane_light(plane);
+    let rows = plane_rows(pixel);
     let count = min(HELD_CONES, CONES - first_cone) / 2u * HELD_ROWS;
     for (var i = lane; i < count; i += TILE * DEPTH) {
         let pair = first_cone / 2u + i / HELD_ROWS;
         let row = i32(pixel.first_row + i % HELD_ROWS) - i32(ROWS_BEFORE);
         // Rounded down, below 0 too.
-        let point = row >> (SPACING - 1u);
+        let point = row >> firstTrailingBit(SPACING);
         var light = light_at(on, pair, point);
-        if SPACING == 2u {
-            let side = 2 * (row & 1) - 1;
-            let share = share_of_next(pixel, row, side);
-            if share > 0.0 {
-                let other = light_at(on, pair, point + side);
-                light.first = mix(light.first, other.first, share);
-                light.second = mix(light.second, other.second, share);
+        if SPACING > 1u {
+            let weights = weights_of_points(rows, row);
+            let side = select(-1, 1, (u32(row) & (SPACING >> 1u)) != 0u);
+            light.first *= weights.x;
+            light.second *= weights.x;
+            if weights.y > 0.0 {
+                let next = light_at(on, pair, point + side);
+                light.first += weights.y * next.first;
+                light.second += weights.y * next.second;
+            }
+            if weights.z > 0.0 {
+                let other = light_at(on, pair, point - side);
+                light.first += weights.z * other.first;
+                light.second += weights.z * other.second;
             }
         }
         let at = (2u * pair - first_cone) * HELD_ROWS + i % HELD_ROWS;

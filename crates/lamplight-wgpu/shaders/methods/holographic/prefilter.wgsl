@@ -14,21 +14,15 @@ fn exchanged(bundle: u32, bundles: u32) -> f32 {
     return EXCHANGED + EXCHANGED_DIAGONAL * slope * slope;
 }
 
-// The rows of a tile that exchange light with the row after them: both are open at the plane, and the bundle of one
-// may meet a small source.
-fn exchanging(open: vec2u, small: vec2u) -> vec2u {
-    return open & row_after(open) & (small | row_after(small));
+// The rows of a tile that exchange light with the row after them: points stand for both at the plane, and the bundle of
+// one may meet a small source.
+fn exchanging(in_points: vec2u, small: vec2u) -> vec2u {
+    return in_points & row_after(in_points) & (small | row_after(small));
 }
 
 // Bits of rows as those of the rows before them.
 fn row_after(rows: vec2u) -> vec2u {
     return (rows >> vec2u(1u)) | vec2u(rows.y << 31u, 0u);
-}
-
-// Bits of rows as those of both rows of their pair.
-fn either_of_pairs(rows: vec2u) -> vec2u {
-    let first = (rows | (rows >> vec2u(1u))) & vec2u(0x55555555u);
-    return first | (first << vec2u(1u));
 }
 
 // The light of a bundle of another row less a bundle's own, by the words of their intervals that hold it.

@@ -1,14 +1,12 @@
 // Traces the first level of intervals: bundles, each the mean of parallel rays, from every point of the planes,
-// and filters the light of small sources across rows (prefilter.wgsl). A lane is a row of cells. If two rows share a
-// point, its bundle is the mean over those of the open ones, so that no path leads through a wall.
+// and filters the light of small sources across rows (prefilter.wgsl). A lane is a row of cells. If several rows share a
+// point, its bundle is the mean over those from the rows that it stands for, so that no path leads through a wall.
 
-#import methods/holographic/footprint
 #import methods/holographic/interval
+#import methods/holographic/point_rows
 #import methods/holographic/prefilter
 #import methods/holographic/store_interval
 
-// Rows of cells to a point, 1 or 2.
-override SPACING: u32;
 // Rows that a workgroup stores. It traces those of one more point to each side.
 override STORED: u32 = TILE - 2u * SPACING;
 // Bundles from a row, and rays of each.
@@ -24,8 +22,8 @@ var<workgroup> meets: array<vec4u, BUNDLES>;
 var<workgroup> rays: array<vec4u, RAYS * BUNDLES>;
 // The light of a bundle from each row: of even bundles, and of odd ones.
 var<workgroup> traced: array<vec2u, 2u * TILE>;
-// The light and the transmittance of the bundles of all rows of cells, where two share a point.
-var<workgroup> halves: array<vec3u, 2u * TILE>;
+// The light and the transmittance of the bundles of all rows of cells, where several share a point.
+var<workgroup> of_rows: array<vec3u, 2u * TILE>;
 
 // The first entry of a bundle: a mask with an entry per slab, then the crossings of each ray.
 fn entry_of(bundle: u32, slabs: u32) -> u32 {
@@ -49,24 +47,20 @@ fn mean_of_rays(bundle: u32, slabs: u32, slab: u32, row: u32, lane: u32) -> Inte
     return Interval(sum.light / f32(RAYS), sum.transmittance / f32(RAYS));
 }
 
-// Returns whether light from a lane's row of cells counts: it is open, and its ray does not end beyond the last row
-// where the next segment begins within, perhaps behind the end of a wall.
-fn counts(lane: u32, row: i32, rise: i32) -> bool {
-    let rows = i32(sweep.cell_rows);
-    return !is_solid(lane, 0, 0) && row < rows && (rows % 2 == 0 || row + rise != rows);
-}
-
-// The mean over the two rows of a lane's point. Nothing passes where neither counts.
-fn mean_of_pair(lane: u32, row: i32, rise: i32) -> Interval {
-    let first = 2u * (lane & ~1u);
-    let low = row & ~1;
-    let one = f32(counts(lane & ~1u, low, rise));
-    let other = f32(counts(lane | 1u, low + 1, rise));
-    let share = 1.0 / max(one + other, 1.0);
-    return Interval(
-        share * (one * bitcast<vec3f>(halves[first]) + other * bitcast<vec3f>(halves[first + 2u])),
-        share * (one * bitcast<vec3f>(halves[first + 1u]) + other * bitcast<vec3f>(halves[first + 3u])),
-    );
+// The mean over the rows of a lane's point that count. Nothing passes if none does.
+fn mean_of_point(lane: u32, counting: vec2u) -> Interval {
+    let first = lane - lane % SPACING;
+    var sum = Interval(vec3f(0.0), vec3f(0.0));
+    var count = 0.0;
+    for (var row = first; row < first + SPACING; row++) {
+        if has(counting, row) {
+            sum.light += bitcast<vec3f>(of_rows[2u * row]);
+            sum.transmittance += bitcast<vec3f>(of_rows[2u * row + 1u]);
+            count += 1.0;
+        }
+    }
+    let share = 1.0 / max(count, 1.0);
+    return Interval(share * sum.light, share * sum.transmittance);
 }
 
 @compute @workgroup_size(64)
@@ -95,7 +89,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let inside = row >= 0 && row < i32(sweep.cell_rows);
     let point = row / i32(SPACING);
     let stores = inside && group.y < sweep.planes && lane % SPACING == 0u && lane >= SPACING && lane < SPACING + STORED;
-    let open = ~solid_rows(0u);
+    let in_points = rows_in_points(open_rows(0u, first_row)).yz;
+    let apart = rows_apart(length, first_row);
     let odd = (plane & 1u) == 1u;
     let place = plane / 2u - sweep.stored;
     let base = select(sweep.even, sweep.odd, odd);
@@ -106,11 +101,12 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         if inside && has(met.xy, lane) {
             interval = mean_of_rays(bundle, slabs, slab, u32(row), lane);
         }
-        if SPACING == 2u {
-            halves[2u * lane] = bitcast<vec3u>(interval.light);
-            halves[2u * lane + 1u] = bitcast<vec3u>(interval.transmittance);
+        if SPACING > 1u {
+            of_rows[2u * lane] = bitcast<vec3u>(interval.light);
+            of_rows[2u * lane + 1u] = bitcast<vec3u>(interval.transmittance);
             workgroupBarrier();
-            interval = mean_of_pair(lane, row, 2 * i32(bundle) - i32(length));
+            let ends_apart = shifted(apart, u32(ASIDE) + SPACING * bundle - length);
+            interval = mean_of_point(lane, in_points & ~ends_apart);
         }
         var words = pack(interval);
         let side = TILE * (bundle % 2u);
@@ -118,8 +114,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         workgroupBarrier();
         if stores {
             // Bits of rows that exchange light with the row after them.
-            let small = select(met.zw, either_of_pairs(met.zw), SPACING == 2u);
-            let exchange = exchanging(open, small);
+            let exchange = exchanging(in_points, any_of_points(met.zw));
             var light = vec3f(0.0);
             if point > 0 && has(exchange, lane - 1u) {
                 light += gained(words.xy, traced[side + lane - SPACING]);

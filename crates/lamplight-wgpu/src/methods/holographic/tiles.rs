@@ -113,7 +113,9 @@ mod tests {
     #[test]
     fn the_light_held_for_gathers_fits_into_the_memory_of_workgroups() {
         for level in 1..=4 {
-            for (min_length, spacing_level) in [(1, 0), (2, 0), (15, 0), (1, 1), (15, 1)] {
+            for (min_length, spacing_level) in
+                [(1, 0), (2, 0), (15, 0), (1, 1), (15, 1), (1, 2), (15, 2)]
+            {
                 let settings = Holographic {
                     gather_level: level,
                     gather_length: min_length,
@@ -135,7 +137,7 @@ mod tests {
     #[test]
     fn what_rays_of_bundles_meet_fits_into_the_memory_of_workgroups() {
         let most = wgpu::Limits::default().max_compute_workgroup_storage_size;
-        // Arrays of trace.wgsl: the bits of cells, what bundles and rays meet, light, and the halves of points.
+        // Arrays of trace.wgsl: the bits of cells, what bundles and rays meet, light, and that of rows that share points.
         let others = GatherTile::NEAR + TILE * (2 * 8 + 2 * 16) + 5 * 16;
         for [level, rays] in [[1, 16], [4, 12], [4, 16]] {
             let bundles = lamplight::internals::holographic::lattice::rays(level) as u32;

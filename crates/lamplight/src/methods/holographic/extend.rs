@@ -22,9 +22,7 @@ use super::interval::{LANES, PAD, RowIntervals, empty, words};
 use super::lattice::{GatherGeometry, bent, bundle, levels, planes, points, rays};
 use super::prefilter::Prefilter;
 use super::slabs::Slabs;
-use super::trace::{
-    BundleRays, BundleSet, CellBits, PointPairs, TILE, TracedPlane, bit, mask, trace_tile,
-};
+use super::trace::{BundleRays, BundleSet, CellBits, TILE, TracedPlane, bit, mask, trace_tile};
 use crate::simd::dispatch_wide;
 use fearless_simd::{Level, prelude::*};
 
@@ -124,7 +122,7 @@ impl IntervalLevels {
         let (level, stride) = ([self.first, self.spacing_level], slabs.stride as isize);
         if self.bundles_for != (level, width, stride) {
             self.bundles_for = (level, width, stride);
-            // Two rows of cells share a point, and the rays of its bundles.
+            // The rows of cells that share a point share the rays of its bundles.
             let width = width.div_ceil(1 << self.spacing_level);
             let rays_of =
                 |ray| BundleRays { footprints: bundle(level, ray, width), others: Vec::new() };
@@ -154,9 +152,8 @@ impl IntervalLevels {
         prefilter.begin(rows, self.first);
         for row in (0..slabs.rows).step_by(TILE) {
             let small = prefilter.small_sources(row / (TILE << spacing_level));
-            let pairs =
-                (spacing_level > 0).then(|| PointPairs::new(slabs, [slab, row], self.first));
-            let to = TracedPlane { intervals: &mut *made, stride: self.stride, small, pairs };
+            let levels = [self.first, spacing_level];
+            let to = TracedPlane { intervals: &mut *made, stride: self.stride, small, levels };
             trace_tile::<S, K>(simd, slabs, [slab, row], set, &mut self.cells, to);
         }
         prefilter.filter::<S, K>(simd, slabs, [slab, spacing_level as usize], made, self.stride);

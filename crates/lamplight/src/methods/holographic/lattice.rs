@@ -163,8 +163,10 @@ pub fn bundle([level, spacing_level]: [u32; 2], ray: usize, width: u32) -> Vec<V
     (0..width).map(|i| footprint(length, slope, across(i))).collect()
 }
 
-/// The most rows that rays of the final gather rise by: masks of footprints have room for one more to either side.
-const MAX_RISE: usize = 30;
+/// The longest rays of the final gather, px, by the level of spacing. Masks of footprints have room for 31 rows to either
+/// side. A ray reads one beside its end, in lattices of fewer points some more, and of fewer cones, which are wider, the
+/// outermost rise by more rows than they are long.
+const LONGEST: [usize; 3] = [30, 29, 25];
 
 /// The geometry of the final gather.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -182,11 +184,10 @@ pub struct GatherGeometry {
 impl GatherGeometry {
     /// Returns the geometry that settings ask for.
     pub fn new(settings: &settings::Holographic) -> Self {
-        let level = settings.gather_level;
         let spacing_level = settings.lattice_spacing.ilog2();
-        // Of fewer cones, which are wider, the outermost rise by more rows than they are long.
-        let longest = MAX_RISE - spacing_level as usize;
-        let most = (1 << level).min(longest + 1 - (1 << level));
+        // Planes lie no closer than points.
+        let level = settings.gather_level.max(spacing_level);
+        let most = (1 << level).min(LONGEST[spacing_level as usize] + 1 - (1 << level));
         let min_length = most.min(settings.gather_length as usize);
         Self { level, spacing_level, min_length, rays: settings.gather_rays }
     }

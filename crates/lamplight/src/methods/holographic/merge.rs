@@ -231,10 +231,10 @@ impl MergedLight {
     pub fn prepare(&mut self, slabs: &Slabs, intervals: &IntervalLevels, geometry: GatherGeometry) {
         let GatherGeometry { spacing_level, .. } = geometry;
         // Rays of the final gather rise by no more rows than their length.
-        let pad = TILE + (geometry.max_length() + 1).next_multiple_of(LANES);
+        let pad = TILE + (geometry.max_length() + 1).next_multiple_of(2 * LANES);
         self.reach = (geometry.max_length() >> spacing_level) + 1;
         let [depth, rows] = [slabs.depth, slabs.rows].map(|side| points(side, spacing_level));
-        self.fine.prepare(slabs.rows, pad);
+        self.fine.prepare(slabs.rows, pad, spacing_level);
         let now = (depth, rows, spacing_level, intervals.first, pad);
         if now == (self.depth, self.rows, self.spacing_level, self.first, self.pad) {
             return;

@@ -18,7 +18,8 @@
 
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::rays;
-use super::slabs::{Slabs, is_open};
+use super::point_rows::is_in_point;
+use super::slabs::Slabs;
 use super::trace::{TILE, mask};
 use fearless_simd::{f32x16, prelude::*};
 
@@ -74,19 +75,19 @@ impl Prefilter {
             return;
         }
         let cells = &slabs.classes[slabs.start(slab)..][..slabs.rows];
-        self.find_open_pairs(cells, 1 << spacing_level);
+        self.find_open_pairs(cells, spacing_level as u32);
         for (ray, intervals) in plane.chunks_exact_mut(words(K) * stride).enumerate() {
             self.spread::<S, K>(simd, ray, intervals, stride);
         }
     }
 
     /// Finds the pairs of rows of the lattice that are both open where they touch, from the classes of cells.
-    fn find_open_pairs(&mut self, cells: &[u8], spacing: usize) {
-        let is_open = |row: usize| cells.get(row).is_some_and(|&class| is_open(class));
+    fn find_open_pairs(&mut self, cells: &[u8], spacing_level: u32) {
+        let is_open = |row: usize| is_in_point(cells, row as isize, spacing_level);
         self.open_pairs.clear();
         for tile in 0..self.small.len() / self.rays {
             let bits = (0..TILE).fold(0, |bits, row| {
-                let after = (tile * TILE + row + 1) * spacing;
+                let after = (tile * TILE + row + 1) << spacing_level;
                 bits | u64::from(is_open(after - 1) && is_open(after)) << row
             });
             self.open_pairs.push(bits);

@@ -5,7 +5,8 @@
 
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::{Crossing, Face};
-use super::slabs::{EMISSIVE, MEDIUM, PRIMARY, SMALL, SOLID_EXTINCTION, Slabs, is_open};
+use super::point_rows::{PointRows, RowSums};
+use super::slabs::{EMISSIVE, MEDIUM, PRIMARY, SMALL, SOLID_EXTINCTION, Slabs};
 use crate::math::transmittance::attenuation_lanes;
 use fearless_simd::{f32x16, mask32x16, prelude::*, u8x64};
 
@@ -130,79 +131,8 @@ struct StoredRay<'a> {
     words: &'a mut [u32],
     /// From one word of an interval to the next.
     stride: usize,
-    /// The rows of the tile that count, if two share a point.
-    pairs: Option<u64>,
-}
-
-/// The pairs of rows that share a point of a lattice with points 2 px apart. A bundle from such a point is the mean
-/// over those from the cells of the pair that are open. Where one segment of a path ends and the next one
-/// begins, light so moves between two open cells side by side, and crosses no wall, however thin.
-#[derive(Clone, Copy)]
-pub struct PointPairs {
-    /// Bit mask of the rows of the tile that are open and in the grid.
-    open: u64,
-    /// Rows from the first of the tile to the one beyond the grid that shares a point with the last, if there is one.
-    beyond: Option<isize>,
-    /// The level that is traced.
-    level: u32,
-}
-
-impl PointPairs {
-    /// Finds the pairs in 64 rows of a slab.
-    pub fn new(slabs: &Slabs, [slab, row]: [usize; 2], level: u32) -> Self {
-        let cells = &slabs.classes[slabs.start(slab) + row..][..TILE.min(slabs.rows - row)];
-        let each = cells.iter().enumerate();
-        let open = each.fold(0, |bits, (row, &class)| bits | u64::from(is_open(class)) << row);
-        let beyond = (slabs.rows % 2 == 1).then_some(slabs.rows as isize - row as isize);
-        Self { open, beyond, level }
-    }
-
-    /// Returns the bit mask of the rows from which light of a ray counts. One that ends beyond the grid, where
-    /// the next segment begins within, may have passed the end of a wall.
-    #[inline(always)]
-    fn rows(&self, ray: usize) -> u64 {
-        let rise = 2 * (ray as isize - (1 << self.level));
-        self.open & !self.beyond.map_or(0, |beyond| bit(beyond - rise))
-    }
-
-    /// Returns the mean over pairs of rows, 32 from `first` on: nothing passes where neither row counts.
-    #[inline(always)]
-    fn mean<S: Simd, const K: usize>(
-        simd: S,
-        [low, high]: [RowIntervals<S, K>; 2],
-        rows: u64,
-        first: usize,
-    ) -> RowIntervals<S, K> {
-        let bits = rows >> first;
-        let [one, other] = [even_bits(bits), even_bits(bits >> 1)];
-        let [zero, half, whole] = [0.0, 0.5, 1.0].map(|v| f32x16::splat(simd, v));
-        let share = |own, beside| {
-            mask(simd, own, 0).select(mask(simd, beside, 0).select(half, whole), zero)
-        };
-        let [one, other] = [share(one, other), share(other, one)];
-        let mean_of = |low: f32x16<S>, high: f32x16<S>| {
-            let (first, second) = low.deinterleave(high);
-            first.mul_add(one, second * other)
-        };
-        let mut mean = low;
-        for c in 0..3 {
-            mean.light[c] = mean_of(low.light[c], high.light[c]);
-        }
-        for k in 0..K {
-            mean.transmittance[k] = mean_of(low.transmittance[k], high.transmittance[k]);
-        }
-        mean
-    }
-}
-
-/// Returns the sixteen bits of even index among the lowest 32.
-#[inline(always)]
-fn even_bits(bits: u64) -> u64 {
-    let bits = bits & 0x5555_5555;
-    let bits = (bits | bits >> 1) & 0x3333_3333;
-    let bits = (bits | bits >> 2) & 0x0f0f_0f0f;
-    let bits = (bits | bits >> 4) & 0x00ff_00ff;
-    (bits | bits >> 8) & 0xffff
+    /// The number of rows that share a point, and the bit mask of those from which light counts, if several do.
+    shared: Option<(usize, u64)>,
 }
 
 /// The output of tracing a tile.
@@ -213,8 +143,8 @@ pub struct TracedPlane<'a> {
     pub stride: usize,
     /// A bit mask per bundle: the rows from which it may meet a small source, in tiles of points.
     pub small: &'a mut [u64],
-    /// None if each row of cells has a point of its own.
-    pub pairs: Option<PointPairs>,
+    /// The level that is traced, and `2^level` px from point to point.
+    pub levels: [u32; 2],
 }
 
 /// Traces the bundles of a level from 64 rows of a slab. `cells` is scratch space for one entry per cell of the
@@ -228,13 +158,15 @@ pub fn trace_tile<S: Simd, const K: usize>(
     cells: &mut [CellBits],
     to: TracedPlane,
 ) {
-    let TracedPlane { intervals, stride, small, pairs } = to;
+    let TracedPlane { intervals, stride, small, levels } = to;
     let start = slabs.start(slab) + row;
     let near = classes_at(simd, &slabs.classes, start, set.cells.iter().copied());
     if near.matter != 0 {
         read_cells(simd, &slabs.classes, start, &set.cells, cells);
     }
     let tile = Tile { row, start, cells };
+    let is_shared = levels[1] > 0;
+    let shared = is_shared.then(|| PointRows::new(slabs, [slab, row], levels, near.matter == 0));
     for (i, words) in intervals.chunks_exact_mut(words(K) * stride).enumerate() {
         let bundle = &set.bundles[i];
         let crossed = match (near.matter, near.medium) {
@@ -244,16 +176,13 @@ pub fn trace_tile<S: Simd, const K: usize>(
         };
         if near.small != 0 {
             let bits = classes_at(simd, &slabs.classes, start, set.offsets(i)).small;
-            small[i] |= match pairs {
+            small[i] |= match &shared {
                 None => bits,
-                Some(_) => {
-                    let either = bits | bits >> 1;
-                    let points = even_bits(either) | even_bits(either >> 32) << 16;
-                    points << (row / 2 % TILE)
-                }
+                Some(shared) => shared.any(bits) << (row / shared.count() % TILE),
             };
         }
-        let to = StoredRay { words, stride, pairs: pairs.map(|pairs| pairs.rows(i)) };
+        let shared = shared.map(|shared| (shared.count(), shared.of_ray(i)));
+        let to = StoredRay { words, stride, shared };
         trace_bundle::<S, K>(simd, slabs, tile, bundle, crossed, to);
     }
 }
@@ -287,8 +216,10 @@ fn trace_bundle<S: Simd, const K: usize>(
             }
         }
     }
-    let mut before = RowIntervals::<S, K>::empty(simd);
-    for v in 0..VECTORS.min((slabs.rows - tile.row).next_multiple_of(2 * LANES) / LANES) {
+    // Those of the vectors before that share points with it.
+    let mut sums = [RowSums::<S, K>::none(simd); 2];
+    let per_point = to.shared.map_or(1, |(count, _)| count);
+    for v in 0..VECTORS.min((slabs.rows - tile.row).next_multiple_of(per_point * LANES) / LANES) {
         let first = v * LANES;
         let mut intervals = RowIntervals::<S, K>::empty(simd);
         if let Some(classes) = crossed.of_vector(first) {
@@ -311,18 +242,22 @@ fn trace_bundle<S: Simd, const K: usize>(
                 }
             }
         }
-        match to.pairs {
-            None => {
-                if tile.row + first < slabs.rows {
-                    intervals.store(to.words, to.stride, PAD + tile.row + first);
-                }
-            }
-            Some(_) if v % 2 == 0 => before = intervals,
-            Some(rows) => {
-                let first = first - LANES;
-                let mean = PointPairs::mean(simd, [before, intervals], rows, first);
-                mean.store(to.words, to.stride, PAD + (tile.row + first) / 2);
-            }
+        let Some((count, rows)) = to.shared else {
+            intervals.store(to.words, to.stride, PAD + tile.row + first);
+            continue;
+        };
+        let mut sum = RowSums::of(simd, intervals, rows, v);
+        // Two vectors of rows become one, and two of these again if four rows share a point.
+        let mut level = 0;
+        while v >> level & 1 == 1 && 2 << level <= count {
+            sum = sums[level].halved(sum);
+            level += 1;
+        }
+        if 1 << level < count {
+            sums[level] = sum;
+        } else {
+            let at = (tile.row + first + LANES) / count - LANES;
+            sum.mean(simd).store(to.words, to.stride, PAD + at);
         }
     }
 }
