@@ -73,13 +73,14 @@ fn holographic_fuses_levels_and_takes_little_memory() {
 
 /// Dispatches and megabytes at 1920×1080, with light that sinks into walls: each quadrant is one chunk.
 const LARGE: (usize, u64) = (50, 400);
-/// Megabytes that `fast` may move there; `default` moves 3100.
-const FAST: f64 = 1010.0;
+/// Megabytes that presets may move there. Memory of 40 GB/s moves 660 in a frame at 60 Hz.
+const MOVED_THERE: [(&str, f64); 4] =
+    [("default", 3150.0), ("fast", 1010.0), ("coarse", 430.0), ("high", 2500.0)];
 
 #[test]
 fn a_large_grid_takes_few_dispatches() {
     let gpu = device();
-    for preset in ["default", "fast", "high"] {
+    for (preset, most_moved) in MOVED_THERE {
         let settings = Settings { wall_depth: Settings::default().wall_depth, ..direct(preset) };
         let cost = cost(&gpu, &settings, [1920, 1080], LightingOptions::MAX_FUSED_LEVELS);
         let (dispatches, held) = (cost.dispatches(), cost.memory / 1_000_000);
@@ -90,7 +91,7 @@ fn a_large_grid_takes_few_dispatches() {
         );
         let most = most_held(&gpu, LARGE.1);
         assert!(dispatches <= LARGE.0 && held <= most, "{preset}: {dispatches}, {held} MB");
-        assert!(preset != "fast" || moved <= FAST, "{preset}: {moved} MB");
+        assert!(moved <= most_moved, "{preset}: {moved} MB");
     }
 }
 

@@ -95,22 +95,22 @@ fn hold(name: &str, kind: impl Fn(u64) -> Cells, bounds: [f64; 4]) {
 
 #[test]
 fn large_emitters_are_right() {
-    hold("large emitters", large_emitters, [0.012, 0.006, 0.022, 9.0]);
+    hold("large emitters", large_emitters, [0.012, 0.006, 0.022, 0.034]);
 }
 
 #[test]
 fn a_grove_of_small_lights_is_right() {
-    hold("grove", grove, [0.03, 0.017, 0.06, 9.0]);
+    hold("grove", grove, [0.03, 0.017, 0.06, 0.095]);
 }
 
 #[test]
 fn a_dungeon_of_small_lamps_is_right() {
-    hold("dungeon", dungeon, [0.055, 0.028, 0.15, 9.0]);
+    hold("dungeon", dungeon, [0.055, 0.028, 0.15, 0.235]);
 }
 
 #[test]
 fn fog_tint_and_sky_are_right() {
-    hold("weather", weather, [0.01, 0.006, 0.018, 9.0]);
+    hold("weather", weather, [0.01, 0.006, 0.018, 0.026]);
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn bounces_converge_to_the_truth() {
 /// Angles of a wall beside a lamp, and the largest error of the light on its faces.
 const SLANTS: [f32; 5] = [0.1, 0.3, 0.46, 0.6, std::f32::consts::FRAC_PI_4];
 const ON_WALLS: [(&str, f64); 4] =
-    [("default", 0.04), ("quality", 0.04), ("fast", 0.08), ("coarse", 9.0)];
+    [("default", 0.04), ("quality", 0.04), ("fast", 0.08), ("coarse", 0.085)];
 
 #[test]
 fn stairs_of_slanted_walls_shade_each_other() {
@@ -253,7 +253,7 @@ const RIPPLE: [(&str, [f64; 2]); 4] = [
     ("default", [0.006, 0.04]),
     ("quality", [0.007, 0.045]),
     ("fast", [0.007, 0.065]),
-    ("coarse", [9.0, 9.0]),
+    ("coarse", [0.008, 0.075]),
 ];
 
 #[test]
@@ -269,8 +269,9 @@ fn the_light_of_a_lone_lamp_has_no_bricks() {
 
 /// The place of a lone lamp.
 const LAMP: [f64; 2] = [80.5, 40.5];
-/// The bound for [`ticks`].
-const TICKS: f64 = 0.03;
+/// The bounds for [`ticks`].
+const TICKS: [(&str, f64); 4] =
+    [("default", 0.03), ("fast", 0.03), ("coarse", 0.04), ("quality", 0.03)];
 
 /// The largest difference between a cell on the border and the mean of its neighbours there, relative to their light,
 /// at least 24 px from the lamp.
@@ -290,7 +291,7 @@ fn ticks([width, height]: [u32; 2], light: impl Fn(u32, u32) -> f64) -> f64 {
 #[test]
 fn the_light_of_a_lone_lamp_has_no_ticks_along_the_border() {
     for size in [[160, 100], [161, 101], [162, 103]] {
-        for preset in ["default", "fast", "coarse", "quality"] {
+        for (preset, most) in TICKS {
             let mut cells = Cells::new(size[0], size[1]).unwrap();
             let position = LAMP.map(|side| side as f32);
             cells.lamps_mut().push(Lamp { position, size: 3.0, ..Lamp::default() });
@@ -298,9 +299,9 @@ fn the_light_of_a_lone_lamp_has_no_ticks_along_the_border() {
             let luminance = |x, y| f64::from(light.at(x, y)[0]);
             let found = ticks(size, luminance);
             println!("{preset}, {size:?}: {:.2} %", 100.0 * found);
-            assert!(found < TICKS, "{preset}, {size:?}: {found}");
-            let every_fourth = |x, y| if x % 4 == 3 { 0.96 } else { 1.0 } * luminance(x, y);
-            assert!(ticks(size, every_fourth) > TICKS, "{preset}, {size:?}: ticks pass");
+            assert!(found < most, "{preset}, {size:?}: {found}");
+            let every_fourth = |x, y| if x % 4 == 3 { 0.95 } else { 1.0 } * luminance(x, y);
+            assert!(ticks(size, every_fourth) > most, "{preset}, {size:?}: ticks pass");
         }
     }
 }
@@ -393,9 +394,10 @@ fn cross(preset: &str) -> f64 {
     most
 }
 
-/// Bounds for the cross. Measured at 4.0, 2.0 and 3.1 %; `fast` at 8.4 if rays of all slopes exchange the same.
+/// Bounds for the cross. Measured at 4.0, 2.0, 3.1 and 15.6 %; `fast` at 8.4 if rays of all slopes exchange the same. These
+/// lamps are smaller than the distance of two points of `coarse`.
 const CROSS: [(&str, f64); 4] =
-    [("fast", 0.045), ("default", 0.024), ("quality", 0.035), ("coarse", 9.0)];
+    [("fast", 0.045), ("default", 0.024), ("quality", 0.035), ("coarse", 0.165)];
 
 #[test]
 fn the_light_of_a_small_lamp_has_no_cross() {
@@ -454,7 +456,7 @@ fn flicker(settings: &Settings, by: [u32; 2]) -> f64 {
 
 /// The largest flicker of each preset.
 const FLICKER: [(&str, f64); 4] =
-    [("default", 0.035), ("quality", 0.025), ("fast", 0.07), ("coarse", 9.0)];
+    [("default", 0.035), ("quality", 0.025), ("fast", 0.07), ("coarse", 0.105)];
 
 #[test]
 fn light_is_steady_when_the_camera_moves_by_one_px() {
