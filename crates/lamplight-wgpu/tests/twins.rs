@@ -18,6 +18,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("cpu stage estimate", "three lists of light and its noise; a buffer on the GPU"),
     ("cpu holographic axis_sweep", "SIMD over rows; a workgroup does that on the GPU"),
     ("cpu holographic fine_rows", "weights_of_points of gather.wgsl"),
+    ("cpu holographic row_bits", "rows of a tile as a word; vectors of words in footprint.wgsl"),
     ("cpu holographic published", "the solver around the published cascades"),
     ("cpu polar lit_ranges", "bounds of shadow_bounds.wgsl; direct.wgsl has no shadow map"),
     ("cpu polar sun_map", "suns are in direct.wgsl, without a shadow map"),

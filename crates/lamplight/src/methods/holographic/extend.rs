@@ -21,8 +21,9 @@
 use super::interval::{LANES, PAD, RowIntervals, empty, words};
 use super::lattice::{GatherGeometry, bent, bundle, levels, planes, points, rays};
 use super::prefilter::Prefilter;
+use super::row_bits::{TILE, bit, mask};
 use super::slabs::Slabs;
-use super::trace::{BundleRays, BundleSet, CellBits, TILE, TracedPlane, bit, mask, trace_tile};
+use super::trace::{BundleRays, BundleSet, CellBits, TracedPlane, trace_tile};
 use crate::simd::dispatch_wide;
 use fearless_simd::{Level, prelude::*};
 

@@ -14,8 +14,8 @@
 use super::gather::FinalGather;
 use super::interval::LANES;
 use super::lattice::Face;
+use super::row_bits::TILE;
 use super::slabs::{Axis, MATTER, MEDIUM, Slabs};
-use super::trace::TILE;
 use crate::Cells;
 use crate::stages::bounce::Surfaces;
 use crate::stages::faces::NORMALS;

@@ -11,11 +11,11 @@
 use super::interval::{LANES, RowIntervals};
 use super::lattice::{ConeRays, GatherGeometry, GatherRay, cones};
 use super::merge::{ConeLight, MergedLight, WEIGHT_EPSILON};
+use super::row_bits::{TILE, VECTORS, any_in_vector, bit, mask, whole_vectors};
 use super::slabs::Slabs;
 use super::trace::{
-    BundleRays, BundleSet, CellBits, CellStep, SolidRays, TILE, Tile, TileClasses, TileLight,
-    VECTORS, VectorClasses, any_in_vector, bit, classes_at, classes_of, march, march_solid, mask,
-    read_cells, whole_vectors,
+    BundleRays, BundleSet, CellBits, CellStep, SolidRays, Tile, TileClasses, TileLight,
+    VectorClasses, classes_at, classes_of, march, march_solid, read_cells,
 };
 use fearless_simd::{f32x16, prelude::*, u8x64};
 use std::ops::Range;

@@ -39,8 +39,9 @@ use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::{
     BEYOND, GatherGeometry, angles, cones, cones_of_halves, edges, halves, planes, points,
 };
+use super::row_bits::{TILE, VECTORS, any_in_vector, mask};
 use super::slabs::Slabs;
-use super::trace::{TILE, TileLight, VECTORS, any_in_vector, mask};
+use super::trace::TileLight;
 use crate::simd::dispatch_wide;
 use crate::{Inflow, Rgb};
 use fearless_simd::{Level, f32x16, prelude::*, u32x16};

@@ -50,6 +50,7 @@ pub mod paper;
 mod point_rows;
 mod prefilter;
 mod published;
+mod row_bits;
 mod slabs;
 mod trace;
 

@@ -9,8 +9,8 @@
 //! for which no point stands has no light from beyond the plane ahead.
 
 use super::interval::RowIntervals;
+use super::row_bits::{TILE, mask};
 use super::slabs::{Slabs, is_open};
-use super::trace::{TILE, mask};
 use fearless_simd::{f32x16, prelude::*};
 
 /// Rows before a tile of whose points rays may end.

@@ -19,8 +19,8 @@
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::rays;
 use super::point_rows::is_in_point;
+use super::row_bits::{TILE, mask};
 use super::slabs::Slabs;
-use super::trace::{TILE, mask};
 use fearless_simd::{f32x16, prelude::*};
 
 /// Returns the fraction of the difference between two rows that bundles of a level exchange: along the axis, and what is

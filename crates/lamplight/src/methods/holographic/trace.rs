@@ -6,15 +6,10 @@
 use super::interval::{LANES, PAD, RowIntervals, words};
 use super::lattice::{Crossing, Face};
 use super::point_rows::{PointRows, RowSums};
+use super::row_bits::{TILE, VECTORS, any_in_vector, mask, whole_vectors};
 use super::slabs::{EMISSIVE, MEDIUM, PRIMARY, SMALL, SOLID_EXTINCTION, Slabs};
 use crate::math::transmittance::attenuation_lanes;
-use fearless_simd::{f32x16, mask32x16, prelude::*, u8x64};
-
-/// Rows that are processed together: a word of bits.
-pub const TILE: usize = 64;
-
-/// Vectors in a tile.
-pub const VECTORS: usize = TILE / LANES;
+use fearless_simd::{f32x16, prelude::*, u8x64};
 
 /// Light of a tile by channel.
 pub type TileLight<S> = [[f32x16<S>; VECTORS]; 3];
@@ -357,18 +352,6 @@ pub fn read_cells<S: Simd>(
     }
 }
 
-/// Returns a vector of a tile's bit mask.
-#[inline(always)]
-pub fn mask<S: Simd>(simd: S, bits: u64, vector: usize) -> mask32x16<S> {
-    mask32x16::from_bitmask(simd, bits >> (vector * LANES) & 0xffff)
-}
-
-/// Returns the bit mask of one row of a tile; none if it is not in the tile.
-#[inline(always)]
-pub fn bit(row: isize) -> u64 {
-    if (0..TILE as isize).contains(&row) { 1 << row } else { 0 }
-}
-
 #[inline(always)]
 fn load<S: Simd>(simd: S, from: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &from[at..at + LANES])
@@ -455,22 +438,4 @@ pub fn classes_of(cells: &[CellBits], crossed: &[usize]) -> TileClasses {
         primary |= cells[cell].primary;
     }
     TileClasses { matter, medium: 0, emissive, small: 0, primary }
-}
-
-/// Returns the mask with all bits set in each vector that has any.
-#[inline(always)]
-pub fn whole_vectors(bits: u64) -> u64 {
-    let mut whole = 0;
-    for v in 0..VECTORS {
-        if any_in_vector(bits, v * LANES) {
-            whole |= 0xffff << (v * LANES);
-        }
-    }
-    whole
-}
-
-/// Returns whether any of sixteen bits is set.
-#[inline(always)]
-pub fn any_in_vector(bits: u64, first: usize) -> bool {
-    bits >> first & 0xffff != 0
 }
