@@ -1,5 +1,6 @@
 // The final gather: pixels trace the few px to the plane ahead themselves, with one ray through the middle of
-// each cone or, if the cone contains an emitter, several, and take the light of the plane where those end.
+// each cone or, if the cone contains an emitter or, where cones are few, anything at all, several, and take the light of the
+// plane where those end.
 //
 // A workgroup takes some slabs that look at the same plane, whose light it unpacks once for all, some cones at a time.
 // A lane per slab and cone finds what rays meet, from all rows of the tile. Most meet nothing, and are summed first; most
@@ -49,7 +50,7 @@ var<workgroup> meets: array<vec2u, 3u * CONES * DEPTH>;
 const MET: u32 = 0u;
 // Those from which the ray along the middle is stopped by a dark wall.
 const STOPPED: u32 = 1u;
-// Those from which it has to be traced; in both of these: in place of it, several that meet an emitter.
+// Those from which it has to be traced; in both of these: in place of it, several.
 const TRACED: u32 = 2u;
 // The light on the plane ahead, by cone and row.
 var<workgroup> held: array<vec4u, HELD_CONES * HELD_ROWS>;

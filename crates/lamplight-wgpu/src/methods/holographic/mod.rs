@@ -265,9 +265,10 @@ impl Holographic {
     ) -> Self {
         let geometry = GatherGeometry::new(settings);
         let tile = GatherTile::new(geometry);
+        let split_at = if geometry.splits_cones_at_matter() { MATTER_BIT } else { PRIMARY_BIT };
         let gather = |pixels: bool| {
             let own = [
-                ("FOURTH", PRIMARY_BIT),
+                ("FOURTH", split_at),
                 ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
                 ("PIXELS", f64::from(pixels)),
@@ -531,6 +532,7 @@ const SOLID: &[(&str, f64)] =
 /// With that of those that emit.
 const CELLS: &[(&str, f64)] = &[SOLID[0], SOLID[1], ("EMITTING", EMISSIVE.trailing_zeros() as f64)];
 const SMALL_BIT: f64 = SMALL.trailing_zeros() as f64;
+const MATTER_BIT: f64 = MATTER.trailing_zeros() as f64;
 const PRIMARY_BIT: f64 = PRIMARY.trailing_zeros() as f64;
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.
 const MARCH: &[(&str, f64)] = &[("MAX_OPTICAL_DEPTH", MAX_OPTICAL_DEPTH as f64)];

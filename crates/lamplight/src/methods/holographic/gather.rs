@@ -68,10 +68,10 @@ pub struct GatherCone {
 }
 
 impl GatherCone {
-    /// Returns the rays to send: several if something in the cone emits light, otherwise one.
+    /// Returns the rays to send: that along the middle, or those that replace it.
     #[inline(always)]
-    fn rays(&self, primary: bool) -> Range<usize> {
-        if primary { 1..self.ends.len() } else { 0..1 }
+    fn rays(&self, several: bool) -> Range<usize> {
+        if several { 1..self.ends.len() } else { 0..1 }
     }
 }
 
@@ -203,9 +203,14 @@ impl FinalGather {
             far.add(simd, at, &middle.weights, !busy, &mut sum);
             // Decided per pixel, so that the light of one does not depend on its neighbours.
             let busy = busy & lit;
-            let groups = [(false, busy & !crossed.primary), (true, busy & crossed.primary)];
-            for (primary, lit) in groups.into_iter().filter(|(_, lit)| *lit != 0) {
-                let rays = cone.rays(primary);
+            let several = if self.geometry.splits_cones_at_matter() {
+                crossed.matter
+            } else {
+                crossed.primary
+            };
+            let groups = [(false, busy & !several), (true, busy & several)];
+            for (several, lit) in groups.into_iter().filter(|(_, lit)| *lit != 0) {
+                let rays = cone.rays(several);
                 let weight = 1.0 / rays.len() as f32;
                 let angle = cone.angle;
                 for (end, steps) in cone.ends[rays.clone()].iter().zip(&bundle.rays[rays]) {

@@ -177,7 +177,7 @@ pub struct GatherGeometry {
     pub spacing_level: u32,
     /// The minimum distance from a pixel to its plane, px; the maximum is `2^level − 1` more.
     pub min_length: usize,
-    /// Rays per cone where something in it emits light.
+    /// Rays per cone where something in it emits light ([`Self::splits_cones_at_matter`]).
     pub rays: u32,
 }
 
@@ -195,6 +195,13 @@ impl GatherGeometry {
     /// Returns the level of the lattice whose planes pixels gather from: its first.
     pub fn first(&self) -> u32 {
         self.level - self.spacing_level
+    }
+
+    /// Returns whether several rays replace that along the middle of each cone in which there is matter, and not only where
+    /// something emits light. A wall beside a pixel shuts wide cones in part, and one ray would be stopped in some
+    /// columns and in others not: dashes along the wall.
+    pub fn splits_cones_at_matter(&self) -> bool {
+        self.spacing_level > 1
     }
 
     /// Returns the maximum distance from a pixel to its plane, px.
