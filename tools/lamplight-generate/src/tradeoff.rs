@@ -15,7 +15,7 @@ pub const SIZE: &str = "512x512";
 /// `lattice_spacing`, `gather_level`, `gather_length`, `gather_rays` and `bundle_rays` of each row.
 const ROWS: [[u32; 5]; 17] = [
     [4, 2, 1, 2, 8],
-    [4, 3, 1, 2, 8],
+    [4, 3, 2, 3, 8],
     [2, 2, 1, 2, 8],
     [2, 3, 2, 3, 8],
     [1, 1, 1, 1, 4],

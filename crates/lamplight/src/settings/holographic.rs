@@ -40,9 +40,8 @@ settings! {
         /// 2^level count as 2^level. Higher: fewer stars round small lights; the gather's time grows
         /// in proportion.
         gather_length: u32 = 2, in 1..=15;
-        /// Rays per cone of the final gather if something in it glows, or with a `lattice_spacing` of 4 if there is
-        /// anything in it; other cones take one. Higher: smoother light right beside small lights, for time where there
-        /// are some.
+        /// Rays per cone of the final gather if something in it glows; other cones take one. Higher:
+        /// smoother light right beside small lights, for time where there are some.
         gather_rays: u32 = 3, in 1..=16;
         /// Parallel rays of a bundle; a traced ray of the lattice is their mean. Higher: fewer
         /// stripes far from small lights, for a little time where there is matter.
@@ -70,13 +69,7 @@ impl Holographic {
             // columns the ray along the middle of the lowest would end in the wall.
             "fast" => Self { lattice_spacing: 2, gather_length: 1, gather_rays: 2, ..default },
             // Of half as many rays stars and steps around lamps would be seen.
-            "coarse" => Self {
-                lattice_spacing: 4,
-                gather_level: 3,
-                gather_length: 1,
-                gather_rays: 2,
-                ..default
-            },
+            "coarse" => Self { lattice_spacing: 4, gather_level: 3, ..default },
             "high" | "quality" => Self {
                 gather_level: 4,
                 gather_length: 6,

@@ -11,8 +11,7 @@
 override OCCUPIED: u32;
 override MEDIUM: u32;
 override EMITTING: u32;
-// The bit that is read as the last of four: for bundles that of small sources, for pixels that of what they send several
-// rays at, own light or all matter.
+// The bit that is read as the last of four: that of small sources for bundles, that of own light for pixels.
 override FOURTH: u32;
 const LAST: u32 = 3u;
 

@@ -1,6 +1,5 @@
 // The final gather: pixels trace the few px to the plane ahead themselves, with one ray through the middle of
-// each cone or, if the cone contains an emitter or, where cones are few, anything at all, several, and take the light of the
-// plane where those end.
+// each cone or, if the cone contains an emitter, several, and take the light of the plane where those end.
 //
 // A workgroup takes some slabs that look at the same plane, whose light it unpacks once for all, some cones at a time.
 // A lane per slab and cone finds what rays meet, from all rows of the tile. Most meet nothing, and are summed first; most
@@ -24,6 +23,8 @@ override REACH: u32;
 override PIXELS: bool;
 // Cones of a pixel.
 override CONES: u32;
+// True if pixels send several rays through the two cones beside the axis wherever there is matter.
+override SPLITS_AT_MATTER: bool;
 // Slabs of a workgroup.
 override DEPTH: u32;
 // Cones whose light it holds at a time, an even number; the rows of the plane of which it holds that, and those before
@@ -382,7 +383,9 @@ fn find_met(ahead: u32, lane: u32) {
         // Solid cells gather nothing.
         let rows = ~solid_rows(slab);
         let mask = entry + FIRST_RAY + 2u * (sweep.rays + 1u);
-        let several = rows & meeting(LAST, mask, slab, ahead - slab + 1u);
+        let is_beside_axis = i % CONES == CONES / 2u || i % CONES + 1u == CONES / 2u;
+        let split_at = select(LAST, OCCUPIED, SPLITS_AT_MATTER && is_beside_axis);
+        let several = rows & meeting(split_at, mask, slab, ahead - slab + 1u);
         // The ray along the middle, from the rows that need no other.
         let met = first_met(footprints[entry + FIRST_RAY], slab, rows & ~several);
         let stopped = several | met.xy;

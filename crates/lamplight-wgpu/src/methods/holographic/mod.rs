@@ -265,14 +265,14 @@ impl Holographic {
     ) -> Self {
         let geometry = GatherGeometry::new(settings);
         let tile = GatherTile::new(geometry);
-        let split_at = if geometry.splits_cones_at_matter() { MATTER_BIT } else { PRIMARY_BIT };
         let gather = |pixels: bool| {
             let own = [
-                ("FOURTH", split_at),
+                ("FOURTH", PRIMARY_BIT),
                 ("WEIGHT_EPSILON", f64::from(WEIGHT_EPSILON)),
                 ("REACH", REACH as f64),
                 ("PIXELS", f64::from(pixels)),
                 ("CONES", lattice::shown(geometry.first() + 1) as f64),
+                ("SPLITS_AT_MATTER", f64::from(geometry.splits_at_matter())),
                 ("DEPTH", tile.depth.into()),
                 ("HELD_CONES", tile.cones.into()),
                 ("HELD_ROWS", tile.rows.into()),
@@ -532,7 +532,6 @@ const SOLID: &[(&str, f64)] =
 /// With that of those that emit.
 const CELLS: &[(&str, f64)] = &[SOLID[0], SOLID[1], ("EMITTING", EMISSIVE.trailing_zeros() as f64)];
 const SMALL_BIT: f64 = SMALL.trailing_zeros() as f64;
-const MATTER_BIT: f64 = MATTER.trailing_zeros() as f64;
 const PRIMARY_BIT: f64 = PRIMARY.trailing_zeros() as f64;
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.
 const MARCH: &[(&str, f64)] = &[("MAX_OPTICAL_DEPTH", MAX_OPTICAL_DEPTH as f64)];

@@ -62,6 +62,8 @@ pub struct GatherCone {
     /// Their differences from those of the next cone, or from 0 after the last: light through all cones up to
     /// each, times these, adds up to the first moment.
     turns: [f32; 2],
+    /// Several rays replace that along its middle wherever there is matter.
+    splits_at_matter: bool,
     /// The ends of its rays: first that along the middle, then those that replace it where something
     /// emits light.
     ends: Vec<RayEnd>,
@@ -108,6 +110,7 @@ impl GatherTable {
                 number: cone.number,
                 angle: cone.angle,
                 cosines: cone.cosines,
+                splits_at_matter: cone.splits_at_matter,
                 turns: [0, 1].map(|a| cone.cosines[a] - next[a]),
                 ends: cone.rays.iter().map(end).collect(),
             }
@@ -203,11 +206,7 @@ impl FinalGather {
             far.add(simd, at, &middle.weights, !busy, &mut sum);
             // Decided per pixel, so that the light of one does not depend on its neighbours.
             let busy = busy & lit;
-            let several = if self.geometry.splits_cones_at_matter() {
-                crossed.matter
-            } else {
-                crossed.primary
-            };
+            let several = if cone.splits_at_matter { crossed.matter } else { crossed.primary };
             let groups = [(false, busy & !several), (true, busy & several)];
             for (several, lit) in groups.into_iter().filter(|(_, lit)| *lit != 0) {
                 let rays = cone.rays(several);

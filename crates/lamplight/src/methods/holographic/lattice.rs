@@ -177,7 +177,7 @@ pub struct GatherGeometry {
     pub spacing_level: u32,
     /// The minimum distance from a pixel to its plane, px; the maximum is `2^level − 1` more.
     pub min_length: usize,
-    /// Rays per cone where something in it emits light ([`Self::splits_cones_at_matter`]).
+    /// Rays per cone where something in it emits light ([`Self::splits_at_matter`]).
     pub rays: u32,
 }
 
@@ -197,10 +197,10 @@ impl GatherGeometry {
         self.level - self.spacing_level
     }
 
-    /// Returns whether several rays replace that along the middle of each cone in which there is matter, and not only where
-    /// something emits light. A wall beside a pixel shuts wide cones in part, and one ray would be stopped in some
-    /// columns and in others not: dashes along the wall.
-    pub fn splits_cones_at_matter(&self) -> bool {
+    /// Returns whether several rays replace that along the middle of the two cones beside the axis wherever there is matter,
+    /// and not only where something emits light. A wall along the axis shuts such a cone in part if there are few, and the
+    /// one ray would be stopped in some columns and in others not: dashes along the wall.
+    pub fn splits_at_matter(&self) -> bool {
         self.spacing_level > 1
     }
 
@@ -232,7 +232,11 @@ impl GatherGeometry {
             let places = std::iter::once(0.0).chain((0..self.rays).map(across));
             let ray = |place: f64| GatherRay::new(distance, (middle + place).tan());
             let cosines = [middle.cos() as f32, middle.sin() as f32];
-            ConeRays { number, angle: angle as f32, cosines, rays: places.map(ray).collect() }
+            // Those beyond the edges of the quadrant come before, as many as after.
+            let is_beside_axis = [number, number + 1].contains(&(angles.len() / 2));
+            let splits_at_matter = self.splits_at_matter() && is_beside_axis;
+            let rays = places.map(ray).collect();
+            ConeRays { number, angle: angle as f32, cosines, splits_at_matter, rays }
         };
         // The outermost have no light.
         (1..cones(fine) - 1).map(cone).collect()
@@ -248,6 +252,8 @@ pub struct ConeRays {
     pub angle: f32,
     /// Cosines between the middle of the cone and the axis, and the direction of higher rows.
     pub cosines: [f32; 2],
+    /// [`GatherGeometry::splits_at_matter`], and it is beside the axis.
+    pub splits_at_matter: bool,
     /// The ray along the middle, then those that replace it where something emits light.
     pub rays: Vec<GatherRay>,
 }
