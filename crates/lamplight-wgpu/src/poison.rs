@@ -94,7 +94,9 @@ mod tests {
     #[test]
     fn nothing_is_read_from_workgroup_memory_before_it_is_written() {
         let (device, queue) = device();
-        for (preset, glass) in [("default", true), ("fast", false), ("fast", true)] {
+        for (preset, glass) in
+            [("default", true), ("fast", false), ("fast", true), ("coarse", true)]
+        {
             let mut cells = cells(glass);
             if !glass {
                 let inflow = Inflow::new([59, 41], 16, |_, angle| [angle as f32, 0.2, 0.1]);

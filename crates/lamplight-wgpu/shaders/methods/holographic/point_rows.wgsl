@@ -10,7 +10,7 @@ override SPACING: u32;
 fn first_rows(count: i32) -> vec4u {
     let ones = vec4u(clamp(vec4i(count) - vec4i(0, 32, 64, 96), vec4i(0), vec4i(32)));
     // WGSL has no shift by 32.
-    return select((vec4u(1u) << (ones & vec4u(31u))) - 1u, vec4u(0xffffffffu), ones == vec4u(32u));
+    return select((vec4u(1u) << (ones & vec4u(31u))) - 1u, ~vec4u(0u), ones == vec4u(32u));
 }
 
 // The open rows in a slab of a workgroup, from 32 before its first, within the grid.
