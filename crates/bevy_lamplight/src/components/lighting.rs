@@ -137,8 +137,8 @@ pub enum LightMethod {
 #[non_exhaustive]
 pub enum LightQuality {
     /// `Default`, unless the light of a camera takes longer than 8 ms, half of a frame at 60 Hz: then `Fast`, and if that
-    /// takes longer than a whole frame, `Coarse`, until another quality is set or the camera goes. Pictures differ a little
-    /// from device to device.
+    /// takes a GPU longer than a whole frame, `Coarse`, until another quality is set or the camera goes. Pictures differ a
+    /// little from device to device.
     Auto,
     /// For large views on weak GPUs: under half of the memory traffic of `Fast`, and softer shadows, with
     /// [`LightMethod::Holographic`]. Other methods are as with `Fast`.

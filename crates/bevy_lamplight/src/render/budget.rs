@@ -45,9 +45,11 @@ impl Budget {
         self.quality.get_or_insert_default().chosen()
     }
 
-    /// Takes account of the stages of a frame on the CPU, if it found light in it.
+    /// Takes account of the stages of a frame on the CPU, if it found light in it. `Coarse` saves memory traffic, which the
+    /// CPU does not wait for, so it is not chosen there.
     pub fn spend(&mut self, stages: &[(&str, Duration)]) {
-        if let Some(quality) = self.quality.as_mut().filter(|_| !stages.is_empty()) {
+        let choice = self.quality.as_mut().filter(|auto| auto.chosen() == LightQuality::Default);
+        if let Some(quality) = choice.filter(|_| !stages.is_empty()) {
             quality.observe(total(stages), FRAMES_ON_CPU);
         }
     }
