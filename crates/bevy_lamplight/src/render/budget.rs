@@ -45,12 +45,10 @@ impl Budget {
         self.quality.get_or_insert_default().chosen()
     }
 
-    /// Takes account of the stages of a frame on the CPU, if it found light in it. `Coarse` saves memory traffic, which the
-    /// CPU does not wait for, so it is not chosen there.
+    /// Takes account of the stages of a frame on the CPU, if it found light in it.
     pub fn spend(&mut self, stages: &[(&str, Duration)]) {
-        let choice = self.quality.as_mut().filter(|auto| auto.chosen() == LightQuality::Default);
-        if let Some(quality) = choice.filter(|_| !stages.is_empty()) {
-            quality.observe(total(stages), FRAMES_ON_CPU);
+        if let Some(quality) = self.quality.as_mut().filter(|_| !stages.is_empty()) {
+            quality.observe_on_cpu(total(stages));
         }
     }
 
@@ -108,6 +106,14 @@ impl AutoQuality {
         self.slow = if time > limit { self.slow + 1 } else { 0 };
         if self.slow >= patience {
             (self.slow, self.chosen) = (0, self.chosen + 1);
+        }
+    }
+
+    /// Takes account of a frame on the CPU. `Coarse` saves memory traffic, which the CPU does not wait for, so it is not
+    /// chosen there.
+    fn observe_on_cpu(&mut self, time: Duration) {
+        if self.chosen() == LightQuality::Default {
+            self.observe(time, FRAMES_ON_CPU);
         }
     }
 
@@ -191,6 +197,9 @@ mod tests {
         assert_eq!(chosen(&[17; 3]), LightQuality::Coarse);
         assert_eq!(chosen(&[1000; 9]), LightQuality::Coarse);
         assert_eq!(chosen(&[1; 100]), LightQuality::Coarse);
+        let mut on_cpu = AutoQuality::default();
+        (0..100).for_each(|_| on_cpu.observe_on_cpu(Duration::from_secs(1)));
+        assert_eq!(on_cpu.chosen(), LightQuality::Fast);
     }
 
     #[test]

@@ -287,7 +287,7 @@ fn nothing_panics_without_a_camera_with_two_plugins_or_with_invalid_values() {
 }
 
 #[test]
-fn the_quality_auto_is_lower_where_light_takes_long() {
+fn the_quality_auto_is_fast_where_light_takes_long() {
     // A hundred milliseconds and more on two cores.
     const LARGE: [u32; 2] = [1280, 960];
     let seen = |quality: LightQuality, frames: usize| {
@@ -308,7 +308,4 @@ fn the_quality_auto_is_lower_where_light_takes_long() {
     assert!(fast != default);
     let (auto, then) = seen(LightQuality::Auto, 16);
     assert!(auto == fast && then == default);
-    // `Coarse` would save the CPU nothing.
-    let ((coarse, _), (auto, _)) = (seen(LightQuality::Coarse, 2), seen(LightQuality::Auto, 30));
-    assert!(auto == fast && auto != coarse);
 }
