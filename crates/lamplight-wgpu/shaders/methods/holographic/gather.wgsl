@@ -151,6 +151,11 @@ fn share_of_next(rows: PlaneRows, row: i32, width: i32) -> f32 {
     return select(0.0, 0.25, is_joined(rows, select(first - 1, first + width - 1, in_second)));
 }
 
+// The side of a row's point on which the nearest other lies.
+fn nearest_side(row: i32) -> i32 {
+    return select(-1, 1, (u32(row) & (SPACING >> 1u)) != 0u);
+}
+
 // The weights of points in the light of a row of the plane: its own, the nearest other, and that on the other side.
 fn weights_of_points(rows: PlaneRows, row: i32) -> vec3f {
     if SPACING == 2u {
@@ -158,7 +163,7 @@ fn weights_of_points(rows: PlaneRows, row: i32) -> vec3f {
         return vec3f(1.0 - share, share, 0.0);
     }
     let offset = row & 3;
-    let side = select(-1, 1, offset >= 2);
+    let side = nearest_side(row);
     let is_outer = offset == 0 || offset == 3;
     var share = share_of_next(rows, row, 2);
     let at = row - rows.first;
@@ -194,7 +199,7 @@ fn hold(pixel: Pixel, plane: u32, first_cone: u32, lane: u32) {
         var light = light_at(on, pair, point);
         if SPACING > 1u {
             let weights = weights_of_points(rows, row);
-            let side = select(-1, 1, (u32(row) & (SPACING >> 1u)) != 0u);
+            let side = nearest_side(row);
             light.first *= weights.x;
             light.second *= weights.x;
             if weights.y > 0.0 {

@@ -47,22 +47,19 @@ impl FineRows {
     pub fn prepare(&mut self, rows: usize, pad: usize, spacing_level: u32) {
         self.spacing_level = spacing_level;
         self.stride = rows.next_multiple_of(4 * LANES) + 2 * pad;
+        // Halves between reach a vector farther, since those of them have neighbours.
+        let between = self.stride / 2 + 2 * LANES;
+        self.between.resize(if spacing_level > 1 { between } else { 0 }, 0.0);
         self.shares.resize_with(spacing_level as usize, Shares::default);
         for (pass, shares) in self.shares.iter_mut().enumerate() {
             let is_last = pass + 1 == spacing_level as usize;
-            // Halves between reach a vector farther, since those of them have neighbours.
-            let (own, stride) = if is_last {
-                (pad, self.stride)
-            } else {
-                (pad / 2 + LANES, self.stride / 2 + 2 * LANES)
-            };
+            let (own, stride) =
+                if is_last { (pad, self.stride) } else { (pad / 2 + LANES, between) };
             shares.pad = own;
             for halves in &mut shares.halves {
                 halves.resize(stride / 2, 0.0);
             }
         }
-        let between = if spacing_level > 1 { self.stride / 2 + 2 * LANES } else { 0 };
-        self.between.resize(between, 0.0);
     }
 
     /// Returns the light of a cone of the plane that was read last, by channel.
@@ -85,9 +82,7 @@ impl FineRows {
         light: &[f32],
         [stride, pad]: [usize; 2],
     ) {
-        // The plane may lie beyond the grid, where light enters.
-        let start = slabs.start(0).wrapping_add_signed(slab as isize * slabs.step());
-        self.find_shares(&slabs.classes[start..][..slabs.rows]);
+        self.find_shares(slabs.classes_in(slab));
         let channels = light.chunks_exact(stride);
         self.rows.resize(channels.len() * self.stride, 0.0);
         let Self { rows, shares, between, dark, .. } = self;

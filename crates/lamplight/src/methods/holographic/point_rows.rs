@@ -4,9 +4,9 @@
 //! those from these rows. Where one segment of a path ends and the next one begins, light so moves between open
 //! cells side by side, and crosses no wall, however thin.
 //!
-//! Of four rows, the first or the last may lie behind a closed one. The point does not stand for it: rays that end there
-//! are left out, and pixels read its light from the point beside it ([`super::fine_rows`]). A corridor one or two px wide
-//! for which no point stands has no light from beyond the plane ahead.
+//! The first or the last of four rows may lie behind a closed one. The point does not stand for it then: rays that end
+//! there are left out, and pixels read its light from the point beside it ([`super::fine_rows`]). A corridor one or two px
+//! wide for which no point stands has no light from beyond the plane ahead.
 
 use super::interval::RowIntervals;
 use super::row_bits::{TILE, mask};
@@ -54,16 +54,11 @@ impl PointRows {
         is_empty: bool,
     ) -> Self {
         let end = slabs.rows.next_multiple_of(1 << spacing_level);
-        let cells = |slab: usize| {
-            // The next plane may lie beyond the grid, where all is open.
-            let start = slabs.start(0).wrapping_add_signed(slab as isize * slabs.step());
-            &slabs.classes[start..][..slabs.rows]
-        };
-        let near = cells(slab);
+        let near = slabs.classes_in(slab);
         let begin = (0..TILE.min(slabs.rows - row))
             .filter(|i| is_empty || is_in_point(near, (row + i) as isize, spacing_level))
             .fold(0, |bits, i| bits | 1 << i);
-        let far = cells(slab + (1 << (level + spacing_level)));
+        let far = slabs.classes_in(slab + (1 << (level + spacing_level)));
         let is_apart = |row: usize| {
             let is_passed = || is_open(far[row]) && !is_in_point(far, row as isize, spacing_level);
             row < end && (row >= slabs.rows || !is_empty && spacing_level > 1 && is_passed())

@@ -74,8 +74,7 @@ impl Prefilter {
         if self.small.iter().all(|&small| small == 0) {
             return;
         }
-        let cells = &slabs.classes[slabs.start(slab)..][..slabs.rows];
-        self.find_open_pairs(cells, spacing_level as u32);
+        self.find_open_pairs(slabs.classes_in(slab), spacing_level as u32);
         for (ray, intervals) in plane.chunks_exact_mut(words(K) * stride).enumerate() {
             self.spread::<S, K>(simd, ray, intervals, stride);
         }

@@ -238,6 +238,13 @@ impl Slabs {
         (self.beyond + self.column(slab)) * self.stride + MARGIN
     }
 
+    /// Returns the classes of the cells of a slab, which may lie behind the grid, where all are empty.
+    #[inline(always)]
+    pub fn classes_in(&self, slab: usize) -> &[u8] {
+        let start = self.start(0).wrapping_add_signed(slab as isize * self.step());
+        &self.classes[start..][..self.rows]
+    }
+
     /// Returns the offset from a slab to the next one ahead.
     #[inline(always)]
     pub fn step(&self) -> isize {
