@@ -83,6 +83,8 @@ struct GatherTable {
     cones: Vec<GatherCone>,
     /// A bundle per cone, with the cells of the plane that rays take light from.
     bundles: BundleSet,
+    /// Rows to either side that rays cross or take light from.
+    reach: usize,
 }
 
 impl GatherTable {
@@ -115,7 +117,10 @@ impl GatherTable {
                 ends: cone.rays.iter().map(end).collect(),
             }
         };
-        Self { cones: cones.iter().enumerate().map(cone).collect(), bundles }
+        // A ray takes light from the rows beside its end too.
+        let rows = cones.iter().flat_map(|cone| &cone.rays).map(|ray| ray.row.unsigned_abs() + 1);
+        let reach = rows.max().unwrap_or(0);
+        Self { cones: cones.iter().enumerate().map(cone).collect(), bundles, reach }
     }
 }
 
@@ -176,13 +181,12 @@ impl FinalGather {
         let mut sum = [[f32x16::splat(simd, 0.0); VECTORS]; 3];
         let distance = (plane << self.geometry.level) - slab;
         let start = slabs.start(slab) + row;
-        let near = classes_ahead(simd, slabs, start, distance);
-        let GatherTable { cones, bundles } =
+        let GatherTable { cones, bundles, reach } =
             &self.tables[slabs.reversed as usize][distance - self.geometry.min_length];
+        let near = classes_ahead(simd, slabs, start, [distance, *reach]);
         let cells = &mut self.cells[..bundles.cells.len()];
         // Far from the edges no ray leaves the grid.
-        let reach = self.geometry.max_length() + 2;
-        let inside = row >= reach && row + TILE + reach <= slabs.rows;
+        let inside = row >= *reach && row + TILE + reach <= slabs.rows;
         if near.matter == 0 && !inside {
             cells.fill(CellBits::default());
         } else if near.matter != 0 && near.medium == 0 {
@@ -336,17 +340,58 @@ fn gather_medium<S: Simd, const K: usize>(
     light
 }
 
-/// Returns a superset of the classes between 64 pixels and the plane: which of the pixels they belong
-/// to is not resolved.
+/// Returns a superset of the classes between 64 pixels and the plane, `distance` slabs ahead and up to `reach` rows aside:
+/// which of the pixels they belong to is not resolved.
 #[inline(always)]
-fn classes_ahead<S: Simd>(simd: S, slabs: &Slabs, start: usize, distance: usize) -> TileClasses {
+fn classes_ahead<S: Simd>(
+    simd: S,
+    slabs: &Slabs,
+    start: usize,
+    [distance, reach]: [usize; 2],
+) -> TileClasses {
     let mut bits = u8x64::splat(simd, 0);
     for slab in 0..=distance {
         let start = start.wrapping_add_signed(slab as isize * slabs.step());
-        // Two words of a tile cover all rows that rays of up to 31 px can rise to.
-        let around = &slabs.classes[start - distance - 1..start + TILE + distance + 1];
+        // Two words of a tile cover all rows, of which there are at most 31 to either side ([`super::lattice`]).
+        let around = &slabs.classes[start - reach..start + TILE + reach];
         bits |= u8x64::from_slice(simd, &around[..TILE]);
         bits |= u8x64::from_slice(simd, &around[around.len() - TILE..]);
     }
     TileClasses::from_bits(bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Holographic;
+    use crate::{Cells, Matter, Settings, Solver};
+
+    /// The light of a room above a wall that is one row thick, with light below. The room's last rows belong to a tile that
+    /// ends at most 32 rows above the wall.
+    fn light_above(method: &Holographic, wall: u32) -> f32 {
+        let mut cells = Cells::new(16, 4 * TILE as u32).unwrap();
+        let solid = Matter { opacity: 1.0, ..Matter::default() };
+        for x in 0..cells.width() {
+            cells.set(x, wall, solid);
+            cells.set(x, wall + 4, Matter { emission: [1.0; 3], ..solid });
+        }
+        let mut solver = Solver::new(Settings::direct(method.clone())).unwrap();
+        let light = solver.solve(&cells).unwrap();
+        let room = (0..wall).flat_map(|y| (0..16).map(move |x| [x, y]));
+        room.map(|[x, y]| light.at(x, y)[0]).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn pixels_do_not_see_through_a_wall_beyond_their_tile() {
+        for lattice_spacing in [1, 2, 4] {
+            for gather_level in 1..=4 {
+                let method =
+                    Holographic { lattice_spacing, gather_level, ..Holographic::default() };
+                for wall in 2 * TILE as u32..2 * TILE as u32 + 32 {
+                    let light = light_above(&method, wall);
+                    assert_eq!(light, 0.0, "{lattice_spacing}, {gather_level}, wall at {wall}");
+                }
+            }
+        }
+    }
 }

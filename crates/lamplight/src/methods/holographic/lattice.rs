@@ -163,9 +163,9 @@ pub fn bundle([level, spacing_level]: [u32; 2], ray: usize, width: u32) -> Vec<V
     (0..width).map(|i| footprint(length, slope, across(i))).collect()
 }
 
-/// The longest rays of the final gather, px, by the level of spacing. Masks of footprints have room for 31 rows to either
-/// side. A ray reads one beside its end, in lattices of fewer points some more, and of fewer cones, which are wider, the
-/// outermost rise by more rows than they are long.
+/// The longest rays of the final gather, px, by `spacing_level`. Masks of footprints have room for 31 rows to either side. A
+/// ray also reads the rows beside its end, more of them where points lie farther apart, and the outermost cones rise by more
+/// rows than they are long.
 const LONGEST: [usize; 3] = [30, 29, 25];
 
 /// The geometry of the final gather.

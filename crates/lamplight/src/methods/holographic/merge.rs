@@ -231,7 +231,7 @@ impl MergedLight {
     /// Allocates the light of a grid.
     pub fn prepare(&mut self, slabs: &Slabs, intervals: &IntervalLevels, geometry: GatherGeometry) {
         let GatherGeometry { spacing_level, .. } = geometry;
-        // Rays of the final gather rise by no more rows than their length.
+        // Rays of the final gather rise by up to two rows more than their length; whole vectors leave room for these.
         let pad = TILE + (geometry.max_length() + 1).next_multiple_of(2 * LANES);
         self.reach = (geometry.max_length() >> spacing_level) + 1;
         let [depth, rows] = [slabs.depth, slabs.rows].map(|side| points(side, spacing_level));
