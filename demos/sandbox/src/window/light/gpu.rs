@@ -128,13 +128,8 @@ impl OnGpu {
         if self.lighting.backend() == Backend::Cpu { "CPU" } else { &self.name }
     }
 
-    pub fn find(
-        &mut self,
-        cells: &Cells,
-        picture: &Cells,
-        settings: &Settings,
-        shown: Shown,
-    ) -> Result<()> {
+    /// Computes the light of a frame.
+    pub fn light(&mut self, cells: &Cells, settings: &Settings) -> Result<()> {
         let Self { device, queue, lighting, timer, .. } = self;
         lighting.prepare(&FrameInput::of_cells(settings, cells))?;
         let mut encoder = device.create_command_encoder(&Default::default());
@@ -143,11 +138,11 @@ impl OnGpu {
             None => lighting.record(&mut encoder)?,
         }
         queue.submit([encoder.finish()]);
-        self.prepare(cells, picture, shown)
+        Ok(())
     }
 
-    /// Prepares the composition in the window.
-    fn prepare(&mut self, cells: &Cells, picture: &Cells, shown: Shown) -> Result<()> {
+    /// Prepares a picture with that light, which is composed in the window.
+    pub fn prepare(&mut self, cells: &Cells, picture: &Cells, shown: Shown) -> Result<()> {
         let Self { device, queue, target, lighting, compose, colors, normals, .. } = self;
         let size = [picture.width(), picture.height()];
         let is_coarse = [cells.width(), cells.height()] != size;

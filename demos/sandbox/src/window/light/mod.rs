@@ -3,6 +3,7 @@
 mod cpu;
 mod gpu;
 mod shown;
+mod still;
 
 pub use shown::Shown;
 
@@ -17,6 +18,7 @@ use lamplight::{Cells, Light, Settings};
 use lamplight_wgpu::LightingOptions;
 use lamplight_wgpu::read_back::FetchLight;
 use std::time::Duration;
+use still::Still;
 
 /// The backend of lighting. `Auto` is the faster one, as the first frames show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -35,7 +37,13 @@ pub enum Asked {
 }
 
 /// Computes light and draws it.
-pub enum Lit {
+pub struct Lit {
+    on: Computes,
+    still: Still,
+}
+
+/// What computes it.
+enum Computes {
     Gpu(Box<OnGpu>),
     Cpu(Box<OnCpu>),
 }
@@ -65,7 +73,7 @@ impl Lit {
                     Backend::Auto => lamplight_wgpu::Backend::Fastest,
                     _ => lamplight_wgpu::Backend::Gpu,
                 });
-                Ok(Self::Gpu(Box::new(OnGpu::new(gpu, options, settings)?)))
+                Ok(Self::on(Computes::Gpu(Box::new(OnGpu::new(gpu, options, settings)?))))
             }
             None => Self::on_cpu(context, settings),
         }
@@ -73,30 +81,32 @@ impl Lit {
 
     /// Uses the CPU.
     pub fn on_cpu(context: &Context, settings: &Settings) -> Result<Self> {
-        Ok(Self::Cpu(Box::new(OnCpu::new(context, settings)?)))
+        Ok(Self::on(Computes::Cpu(Box::new(OnCpu::new(context, settings)?))))
+    }
+
+    fn on(on: Computes) -> Self {
+        Self { on, still: Still::default() }
     }
 
     /// Another light with the same backend.
     pub fn beside(&self, settings: &Settings) -> Result<Self> {
-        Ok(match self {
-            Self::Gpu(gpu) => Self::Gpu(Box::new(gpu.beside(settings)?)),
-            Self::Cpu(cpu) => Self::Cpu(Box::new(cpu.beside(settings)?)),
-        })
+        Ok(Self::on(match &self.on {
+            Computes::Gpu(gpu) => Computes::Gpu(Box::new(gpu.beside(settings)?)),
+            Computes::Cpu(cpu) => Computes::Cpu(Box::new(cpu.beside(settings)?)),
+        }))
     }
 
     /// The name of the backend.
     pub fn place(&self) -> &str {
-        match self {
-            Self::Gpu(gpu) => gpu.name(),
-            Self::Cpu(_) => "CPU",
+        match &self.on {
+            Computes::Gpu(gpu) => gpu.name(),
+            Computes::Cpu(_) => "CPU",
         }
     }
 
     /// Forces the next frame to be computed even if nothing changed, for benchmarks.
     pub fn forget(&mut self) {
-        if let Self::Cpu(cpu) = self {
-            cpu.forget();
-        }
+        self.still.forget();
     }
 
     /// Computes the light of the next frame on `cells`, and draws `picture` with it. `picture` is the same
@@ -108,34 +118,39 @@ impl Lit {
         settings: &Settings,
         shown: Shown,
     ) -> Result<()> {
-        match self {
-            Self::Gpu(gpu) => gpu.find(cells, picture, settings, shown),
-            Self::Cpu(cpu) => cpu.find(cells, picture, settings, shown),
+        let settled = self.still.has_settled(cells, settings);
+        let mut found = if settled { Ok(()) } else { self.on.light(cells, settings) };
+        if found.is_ok() && !self.still.is_drawn(picture, shown, settled) {
+            found = self.on.prepare(cells, picture, shown);
         }
+        if found.is_err() {
+            self.still.forget();
+        }
+        found
     }
 
     /// Draws the lit picture into a rectangle.
     pub fn draw(&self, painter: &Painter, place: Rect) {
-        match self {
-            Self::Gpu(gpu) => gpu.draw(painter, place),
-            Self::Cpu(cpu) => cpu.draw(painter, place),
+        match &self.on {
+            Computes::Gpu(gpu) => gpu.draw(painter, place),
+            Computes::Cpu(cpu) => cpu.draw(painter, place),
         }
     }
 
     /// Requests the light of the last frame, which was of these cells.
     pub fn ask(&self, cells: &Cells) -> Result<Asked> {
-        Ok(match self {
-            Self::Gpu(gpu) => Asked::Coming(Box::new(gpu.ask(cells)?)),
-            Self::Cpu(cpu) => Asked::Here(Box::new(cpu.light().clone())),
+        Ok(match &self.on {
+            Computes::Gpu(gpu) => Asked::Coming(Box::new(gpu.ask(cells)?)),
+            Computes::Cpu(cpu) => Asked::Here(Box::new(cpu.found().clone())),
         })
     }
 
     /// Takes requested light that has arrived. Until then the request stays.
     pub fn take(&self, asked: &mut Option<Asked>) -> Result<Option<Light>> {
-        let light = match (self, asked.take()) {
+        let light = match (&self.on, asked.take()) {
             (_, None) => None,
             (_, Some(Asked::Here(light))) => Some(*light),
-            (Self::Gpu(gpu), Some(Asked::Coming(coming))) => {
+            (Computes::Gpu(gpu), Some(Asked::Coming(coming))) => {
                 let come = gpu.take(&coming)?;
                 if come.is_none() {
                     *asked = Some(Asked::Coming(coming));
@@ -143,29 +158,87 @@ impl Lit {
                 come
             }
             // The GPU of the request is gone.
-            (Self::Cpu(_), Some(Asked::Coming(_))) => None,
+            (Computes::Cpu(_), Some(Asked::Coming(_))) => None,
         };
         Ok(light)
     }
 
     /// Times of the stages of a recent frame; empty if unknown.
     pub fn stages(&mut self) -> &[(&'static str, Duration)] {
-        match self {
-            Self::Gpu(gpu) => gpu.stages(),
-            Self::Cpu(cpu) => cpu.stages(),
+        match &mut self.on {
+            Computes::Gpu(gpu) => gpu.stages(),
+            Computes::Cpu(cpu) => cpu.stages(),
         }
     }
 
     /// Returns true if the backend is the GPU.
     pub fn is_gpu(&self) -> bool {
-        matches!(self, Self::Gpu(_))
+        matches!(self.on, Computes::Gpu(_))
     }
 
     /// GPU memory in bytes, if known.
     pub fn memory(&self) -> Option<u64> {
-        match self {
-            Self::Gpu(gpu) => gpu.memory(),
-            Self::Cpu(_) => None,
+        match &self.on {
+            Computes::Gpu(gpu) => gpu.memory(),
+            Computes::Cpu(_) => None,
         }
+    }
+}
+
+impl Computes {
+    /// Computes the light of a frame.
+    fn light(&mut self, cells: &Cells, settings: &Settings) -> Result<()> {
+        match self {
+            Self::Gpu(gpu) => gpu.light(cells, settings),
+            Self::Cpu(cpu) => cpu.light(cells, settings),
+        }
+    }
+
+    /// Prepares a picture with that light.
+    fn prepare(&mut self, cells: &Cells, picture: &Cells, shown: Shown) -> Result<()> {
+        match self {
+            Self::Gpu(gpu) => gpu.prepare(cells, picture, shown),
+            Self::Cpu(cpu) => cpu.prepare(cells, picture, shown),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lamplight::{Display, Method};
+
+    #[test]
+    fn what_has_not_changed_is_not_drawn_again() {
+        let context = Context::default();
+        let settings = Settings::direct(Method::Holographic);
+        let mut lit = Lit::on_cpu(&context, &settings).unwrap();
+        let cells = Cells::new(16, 8).unwrap();
+        let coarse = Cells::new(8, 4).unwrap();
+        let mut is_drawn = |cells: &Cells, picture: &Cells, exposure| {
+            context.tex_manager().write().take_delta().clear();
+            let shown =
+                Shown { display: Display { exposure, ..Display::default() }, ..Shown::default() };
+            lit.find(cells, picture, &settings, shown).unwrap();
+            let mut delta = context.tex_manager().write().take_delta();
+            let is_drawn = !delta.set.is_empty();
+            delta.clear();
+            is_drawn
+        };
+        let mut colored = cells.clone();
+        colored.color_mut().fill([0.2; 3]);
+        for (cells, picture) in [(&colored, &colored), (&coarse, &cells), (&coarse, &colored)] {
+            // Light is drawn when it is found, and once more as what stays.
+            is_drawn(cells, picture, 0.0);
+            is_drawn(cells, picture, 0.0);
+            assert!(!is_drawn(cells, picture, 0.0));
+            assert!(is_drawn(cells, picture, 1.0));
+            assert!(!is_drawn(cells, picture, 1.0));
+        }
+        colored.color_mut()[3] = [0.3; 3];
+        assert!(is_drawn(&coarse, &colored, 1.0));
+        let mut lamps = coarse.clone();
+        lamps.lamps_mut().push(lamplight::Lamp::default());
+        assert!(is_drawn(&lamps, &colored, 1.0));
     }
 }
