@@ -232,7 +232,7 @@ impl PreparedFrame {
 }
 
 impl Lighting {
-    /// Compiles the pipelines that all methods share.
+    /// Creates what all methods share. Pipelines are compiled when they are first used, or ahead.
     pub fn new(
         device: &Device,
         queue: &Queue,
@@ -292,8 +292,11 @@ impl Lighting {
         })
     }
 
-    /// Compiles the pipelines of settings, so that the first [`Self::prepare`] with them is as quick as any
-    /// other, unless it has inflow. Those of the last sixteen settings are cached.
+    /// Compiles the pipelines of a method with its settings, for frames without inflow. Those of the last sixteen settings
+    /// are cached.
+    ///
+    /// The first frame may still compile what other frames share: the light of walls, and if there are any, suns and exact
+    /// lamps, sight and the distance field. Cells with normals are lit with `moment`, so set that here too.
     ///
     /// It waits for all of them. Changes to settings or the scene that were not precompiled are compiled in the
     /// background ([`LightingOptions::compile_ahead`]).
@@ -859,7 +862,7 @@ impl Lighting {
         self.frame.as_ref().ok_or(RecordError::NotPrepared)
     }
 
-    /// The settings of the frame prepared last; `None` before the first.
+    /// The settings of the frame prepared last, with `moment` if its cells have normals; `None` before the first.
     pub fn settings(&self) -> Option<&Settings> {
         self.frame.as_ref().map(|frame| &frame.settings)
     }

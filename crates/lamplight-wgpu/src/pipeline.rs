@@ -333,8 +333,8 @@ impl Dispatch {
         Self::new(pipeline, bound, step, groups)
     }
 
-    /// The variant that moves less than all that is bound.
-    pub fn moving(self, traffic: Traffic) -> Self {
+    /// Replaces the traffic of all that is bound by what the dispatch really moves.
+    pub fn with_traffic(self, traffic: Traffic) -> Self {
         Self { traffic, ..self }
     }
 

@@ -176,7 +176,7 @@ impl<'a> FramePlanner<'a> {
         view(self.textures.masks.as_ref().unwrap_or(&self.shared.all_layers))
     }
 
-    /// Has a panorama as its sky, if there is one, or in its place the strips of an inflow of so many columns.
+    /// Sets the panorama of the sky or, with `inflow_columns`, the inflow in its place.
     pub fn with_strips(self, strips: Option<&'a TextureView>, inflow_columns: Option<u32>) -> Self {
         Self { strips, inflow_columns, ..self }
     }
@@ -191,7 +191,7 @@ impl<'a> FramePlanner<'a> {
         self.strips.is_some() && self.inflow_columns.is_none()
     }
 
-    /// Has cookies, if any lamp has one.
+    /// Sets the cookies of lamps.
     pub fn with_cookies(self, cookies: Option<&'a TextureView>) -> Self {
         let bytes = cookies.map_or(0, CookieAtlas::bytes);
         self.memory.set(self.memory.get() + bytes);
@@ -203,7 +203,7 @@ impl<'a> FramePlanner<'a> {
         view(self.cookies.unwrap_or(&self.shared.no_cookies))
     }
 
-    /// Has direct light, which methods add to theirs.
+    /// Sets the direct light that methods add to theirs.
     pub fn with_direct(self, direct: Option<FoundLight<'a>>) -> Self {
         Self { direct, ..self }
     }

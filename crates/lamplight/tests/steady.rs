@@ -153,7 +153,7 @@ fn variants() -> Vec<(&'static str, bool, Settings)> {
             true,
             way(|s| {
                 s.bounces = Bounces::Count(1);
-                s.method = Holographic::preset("quality").unwrap().into();
+                s.method = Holographic::preset("high").unwrap().into();
             }),
         ),
         ("wall depth", false, way(|s| s.wall_depth = 6.0)),

@@ -195,7 +195,7 @@ fn lamps_are_found_checked_and_bounded() {
         canvas.add_lamp(Lamp::default()).unwrap();
     }
     let error = canvas.add_lamp(Lamp::default()).unwrap_err().to_string();
-    assert_eq!(error, "1025 lamps are more than a canvas has, 1024");
+    assert_eq!(error, "1025 lamps are too many: a canvas has at most 1024");
 }
 
 fn png(image: &RgbaImage) -> Vec<u8> {

@@ -17,7 +17,7 @@ use std::f32::consts::{FRAC_PI_3, PI};
 /// ```
 ///
 /// This is `intensity` at a quarter of the range and a quarter of it at the range. `polar` and `flood`
-/// evaluate lamps analytically: `intensity` at the lamp, nothing beyond the range. Matter around the
+/// light lamps by rule: `intensity` at the lamp, nothing beyond the range. Matter around the
 /// lamp blocks its light, and a lamp inside a wall gives none. The lamp itself blocks nothing.
 ///
 /// A lamp of negative intensity takes light away where it would add it, down to black. Such lamps, and those with a
@@ -326,8 +326,8 @@ impl WorldLamp {
     /// Converts to a lamp of `lamplight`, on a grid whose top left corner lies at `corner` of the world. Methods that
     /// draw lamps draw it as a disc unless it is a spot; one that they cannot draw ([`Lamp::is_exact`]) has the light
     /// that its disc would have.
-    pub fn on_grid(&self, corner: Vec2, cell: f32, is_analytic: bool) -> Lamp {
-        if is_analytic || self.cone.is_some() {
+    pub fn on_grid(&self, corner: Vec2, cell: f32, by_rule: bool) -> Lamp {
+        if by_rule || self.cone.is_some() {
             self.by_rule(corner, cell)
         } else {
             self.disc(corner, cell)

@@ -168,8 +168,8 @@ impl From<LightQuality> for Quality {
 }
 
 impl LightMethod {
-    /// Returns true if the method evaluates lamps analytically. For other methods, lamps are emissive discs.
-    pub(crate) fn is_analytic(self) -> bool {
+    /// Returns true if the method lights all lamps by rule. For others, lamps are discs that glow.
+    pub(crate) fn lights_by_rule(self) -> bool {
         Method::from(self).lights_lamps()
     }
 }

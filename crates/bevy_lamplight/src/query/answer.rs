@@ -275,7 +275,7 @@ fn solve(
     let entering = entering.filter(|_| takes_inflow);
     let lamps = |lamp: &WorldLamp| match entering {
         Some(entering) => entering.inside(lamp, &grid),
-        None => vec![lamp.on_grid(grid.corner(), grid.cell, lighting.method.is_analytic())],
+        None => vec![lamp.on_grid(grid.corner(), grid.cell, lighting.method.lights_by_rule())],
     };
     let fine = match state.draw(&grid, &lighting, layers, &sky, &assets, lamps) {
         Ok(fine) => fine,
@@ -322,7 +322,7 @@ fn field_of_view((viewer, transform): (&Viewer2d, &GlobalTransform)) -> Option<R
 /// The settings without any of the user: quick ones that resemble those of the camera.
 fn default_lighting(camera: Option<&Lighting2d>) -> Lighting2d {
     match camera {
-        Some(own) if own.method.is_analytic() => own.clone(),
+        Some(own) if own.method.lights_by_rule() => own.clone(),
         own => {
             let bounces = own.map_or(Lighting2d::default().bounces, |own| own.bounces);
             Lighting2d { bounces, ..Lighting2d::default() }.with_quality(LightQuality::Fast)
@@ -438,11 +438,13 @@ impl QueryState {
     }
 }
 
-/// Returns the solver of the last time if its settings are the same, or a new one.
+/// Returns the solver with these settings, or a new one.
 fn solver_of(solver: &mut Option<Solver>, settings: Settings) -> lamplight::Result<&mut Solver> {
-    let own = match solver.take() {
-        Some(own) if *own.settings() == settings => own,
-        _ => Solver::new(settings)?,
-    };
-    Ok(solver.insert(own))
+    match solver {
+        Some(solver) => {
+            solver.set_settings(settings)?;
+            Ok(solver)
+        }
+        none => Ok(none.insert(Solver::new(settings)?)),
+    }
 }

@@ -18,7 +18,7 @@ use lamplight::{Cells, Matter};
 
 /// The last place of a side of the unit square.
 const LAST: f32 = 1.0 - 0.5 * f32::EPSILON;
-/// Less of a cell is not covered, and more than all but this is: a trace of fog would make a wall a medium.
+/// Coverage below this counts as none, and above 1 minus this as full: a trace of fog would turn a wall into a medium.
 const ROUNDING: f32 = 1e-4;
 
 /// Clears the cells and draws all matter on the layers. Lamps are not drawn.

@@ -27,7 +27,7 @@ pub struct DrawList {
     pub mask_batches: Vec<QuadBatch>,
     /// True if anything on the screen emits light.
     pub glows: bool,
-    /// Lamps that the method evaluates analytically instead of as discs.
+    /// Lamps that are lit by rule instead of as discs.
     pub lamps: Vec<Lamp>,
     pub suns: Vec<Sun>,
     normalization: SourceNormalization,
@@ -46,7 +46,7 @@ pub struct QuadBatch {
 
 impl DrawList {
     /// Lists everything on the grid of a camera. Lamps that cannot be drawn ([`Lamp::is_exact`]), and with
-    /// [`LampModel::Analytic`] all lamps, are evaluated analytically; others are drawn as discs.
+    /// [`LampModel::ByRule`] all lamps, are lit by rule; others are drawn as discs.
     pub fn fill(&mut self, view: &LitCameraView, extracted: &ExtractedLighting, model: LampModel) {
         let ExtractedLighting { scene, surfaces, masks, .. } = extracted;
         self.quads.clear();
@@ -111,17 +111,17 @@ impl DrawList {
         batches
     }
 
-    /// Lists lamps: analytic ones as they are, the others as the quads of their discs.
+    /// Lists lamps: those lit by rule as they are, the others as the quads of their discs.
     fn add_lamps(&mut self, view: &LitCameraView, scene: &ExtractedScene, model: LampModel) {
         let placement = &view.placement;
         let corner = placement.corner();
         for (lamp, layers) in &scene.lamps {
-            let is_analytic = model == LampModel::Analytic;
-            let on_grid = lamp.on_grid(corner, placement.cell, is_analytic);
+            let by_rule = model == LampModel::ByRule;
+            let on_grid = lamp.on_grid(corner, placement.cell, by_rule);
             if !layers.intersects(&view.layers) || on_grid.check(&"lamp").is_err() {
                 continue;
             }
-            if is_analytic || on_grid.is_exact() {
+            if by_rule || on_grid.is_exact() {
                 self.lamps.push(on_grid);
                 continue;
             }
@@ -187,7 +187,7 @@ fn is_seen(group: &QuadGroup, view: &LitCameraView) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LampModel {
     /// By range and falloff.
-    Analytic,
+    ByRule,
     /// As discs that glow and block nothing, unless they are solid.
     Glow,
     /// As solid discs.
@@ -198,7 +198,7 @@ impl LampModel {
     /// The model of settings.
     pub fn of(settings: &Settings) -> Self {
         if settings.method().lights_lamps() {
-            Self::Analytic
+            Self::ByRule
         } else if settings.method.reads_glow() {
             Self::Glow
         } else {

@@ -29,7 +29,7 @@ impl MomentWalls {
         let Self([x, y]) = self;
         let bound = x.bind(planner, light)?;
         let turn = Dispatch::over(planner.size.into(), x.0.entry(TURN_FACES), &bound, Some(0));
-        let turn = turn.moving(traffic(planner, TURN_FACES, 0));
+        let turn = turn.with_traffic(traffic(planner, TURN_FACES, 0));
         let x = x.sink(planner, &bound);
         Ok([turn].into_iter().chain(x).chain(y.plan(planner, light)?).collect())
     }
@@ -96,13 +96,13 @@ impl Walls {
         if octaves == 0 {
             let show = self.0.entry(SHOW_FACES);
             let show = Dispatch::over(planner.size.into(), show, bound, Some(0));
-            return vec![show.moving(traffic(planner, SHOW_FACES, 0))];
+            return vec![show.with_traffic(traffic(planner, SHOW_FACES, 0))];
         }
         // A dispatch over the tiles of a level. `step` is what the shader is told.
         let tiled = |entry: usize, step: u32, level: u32, tile: u32| {
             let [columns, rows] = level_size(planner, level).map(|side| side.div_ceil(tile));
             Dispatch::new(self.0.entry(entry), bound, Some(step), [columns, rows, 1])
-                .moving(traffic(planner, entry, step))
+                .with_traffic(traffic(planner, entry, step))
         };
         let blur = |level: u32| {
             let entry = if level == 1 { BLUR_SURFACE } else { BLUR };

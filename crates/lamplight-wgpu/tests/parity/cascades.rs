@@ -73,7 +73,7 @@ fn cones_in_batches_add_up() {
         limits.max_storage_buffer_binding_size = max_storage_buffer_binding_size
     });
     let cells = cells(97, 61, 5);
-    for (preset, batches) in [("default", 2), ("quality", 8)] {
+    for (preset, batches) in [("default", 2), ("high", 8)] {
         let settings = cascades(|c| *c = Cascades::preset(preset).unwrap());
         let settings = Settings { bounces: Bounces::Count(1), ..settings };
         agree(&gpu, &format!("{preset} in {batches} batches"), &cells, settings);
@@ -110,7 +110,7 @@ fn cascades_agree_on_every_example_scene() {
     for (name, scene) in scenes() {
         let wall_depth = scene.resolve_settings().unwrap().wall_depth;
         // Finer cascades take more time, and so fewer cells.
-        for (preset, step) in [("plain", 2), ("default", 4), ("quality", 7)] {
+        for (preset, step) in [("plain", 2), ("default", 4), ("high", 7)] {
             let cells = sampled(&scene, step);
             for bounces in [0, 2].map(Bounces::Count) {
                 let settings = cascades(|c| *c = Cascades::preset(preset).unwrap());

@@ -71,6 +71,22 @@ fn holographic_fuses_levels_and_takes_little_memory() {
     }
 }
 
+#[test]
+fn the_first_moment_costs_what_it_moves() {
+    let gpu = device();
+    let moved = |moment| {
+        let settings = Settings { moment, ..direct("fast") };
+        let cost = cost(&gpu, &settings, [128; 2], LightingOptions::MAX_FUSED_LEVELS);
+        let gather = cost.pipelines.iter().find(|p| p.shader == "holographic/gather").unwrap();
+        gather.traffic
+    };
+    let [without, with] = [false, true].map(moved);
+    // Two components of 16 bytes per pixel: four quadrants write them, and all but the first read them.
+    let bytes = 2 * 16 * 128 * 128;
+    assert_eq!(with.written, without.written + 4 * bytes);
+    assert_eq!(with.read, without.read + 3 * bytes);
+}
+
 /// Dispatches and megabytes at 1920×1080, with light that sinks into walls: each quadrant is one chunk.
 const LARGE: (usize, u64) = (50, 400);
 /// Megabytes that presets may move there. Memory of 40 GB/s moves 667 in a frame at 60 Hz.

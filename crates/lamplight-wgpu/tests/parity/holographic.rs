@@ -45,7 +45,7 @@ fn every_preset_agrees_with_bounces_and_under_any_sky() {
     let gpu = device();
     let [zenith, horizon, ground] = [[0.1, 0.4, 2.0], [1.0, 0.8, 0.2], [0.05, 0.0, 0.0]];
     let gradient = Sky::Gradient(Gradient { zenith, horizon, ground });
-    for preset in ["default", "fast", "coarse", "quality"] {
+    for preset in ["default", "fast", "coarse", "high"] {
         for (bounces, [w, h], sky) in [
             (0, [45, 70], gradient.clone()),
             (1, [61, 43], Sky::Uniform([0.2; 3])),

@@ -67,6 +67,7 @@ impl Cascades {
         Some(match name {
             "default" => Self::default(),
             "fast" => Self { rays: 4, ..Self::default() },
+            // Files of earlier versions say `quality`.
             "high" | "quality" => Self { rays: 64, ..Self::default() },
             "plain" => Self { merge: Merge::Plain, ..Self::default() },
             _ => return None,

@@ -36,12 +36,13 @@ settings! {
         /// lattice, and a pixel sends 16·2^level ÷ `lattice_spacing` rays to them. Higher: fewer stars and stripes round
         /// small lights; time and memory of the final gather grow by 3 to 4 per level.
         gather_level: u32 = 2, in 1..=4;
-        /// Minimum length of the final gather in px; its maximum is 2^level px more. Values above
-        /// 2^level count as 2^level. Higher: fewer stars round small lights; the gather's time grows
-        /// in proportion.
+        /// Minimum length of the final gather in px; its maximum is 2^level − 1 px more. Values above 2^level count as
+        /// 2^level, and those that would make it longer than about 30 px as fewer. Higher: fewer stars round small lights;
+        /// the gather's time grows in proportion.
         gather_length: u32 = 2, in 1..=15;
-        /// Rays per cone of the final gather if something in it glows; other cones take one. Higher:
-        /// smoother light right beside small lights, for time where there are some.
+        /// Rays per cone of the final gather if something in it glows (with a `lattice_spacing` of 4, in the two cones beside
+        /// the axis, if there is any matter); other cones take one. Higher: smoother light right beside small lights, for
+        /// time where there are some.
         gather_rays: u32 = 3, in 1..=16;
         /// Parallel rays of a bundle; a traced ray of the lattice is their mean. Higher: fewer
         /// stripes far from small lights, for a little time where there is matter.
@@ -70,6 +71,7 @@ impl Holographic {
             "fast" => Self { lattice_spacing: 2, gather_length: 1, gather_rays: 2, ..default },
             // Of half as many rays stars and steps around lamps would be seen.
             "coarse" => Self { lattice_spacing: 4, gather_level: 3, ..default },
+            // Files of earlier versions say `quality`.
             "high" | "quality" => Self {
                 gather_level: 4,
                 gather_length: 6,

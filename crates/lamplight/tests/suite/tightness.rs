@@ -192,7 +192,7 @@ fn every_setting_lights_only_the_inside() {
 fn no_preset_of_holographic_lets_light_out() {
     let random = &mut fresh();
     for contact in [Contact::Sides, Contact::Corners] {
-        for preset in ["default", "fast", "coarse", "quality"] {
+        for preset in ["default", "fast", "coarse", "high"] {
             for bounces in BOUNCES {
                 for _ in 0..8 {
                     let holographic = Holographic::preset(preset).unwrap();

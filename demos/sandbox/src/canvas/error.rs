@@ -10,7 +10,7 @@ pub enum Error {
     #[error(transparent)]
     Scene(#[from] lamplight::Error),
     /// Too many cells.
-    #[error("{width}×{height} cells are more than a canvas has, {}", MAX_CELLS)]
+    #[error("{width}×{height} cells are too many: a canvas has at most {}", MAX_CELLS)]
     Cells {
         /// Columns.
         width: u32,
@@ -37,7 +37,7 @@ pub enum Error {
         most: usize,
     },
     /// Too many lamps.
-    #[error("{0} lamps are more than a canvas has, {most}", most = MAX_LAMPS)]
+    #[error("{0} lamps are too many: a canvas has at most {most}", most = MAX_LAMPS)]
     Lamps(usize),
     /// No lamp of this index.
     #[error("there is no lamp {0}")]

@@ -24,6 +24,8 @@ pub struct Dropped {
     pub path: PathBuf,
     /// Its content, on a web page. Elsewhere it is read from its path.
     pub bytes: Option<Vec<u8>>,
+    /// True if it belongs to a scene that was dropped with it.
+    pub is_layer: bool,
 }
 
 /// The state with which another window continues.

@@ -30,9 +30,9 @@ pub fn set_is_continued(is_continued: bool) {
 }
 
 /// Hands a dropped file to the window, which reads it.
-pub fn read_dropped(file: DroppedFileHandle, to: Sender<Result<Dropped>>) {
+pub fn read_dropped(file: DroppedFileHandle, is_layer: bool, to: Sender<Result<Dropped>>) {
     // The window that receives it may be closed.
-    let _ = to.send(Ok(Dropped { path: file.path().to_owned(), bytes: None }));
+    let _ = to.send(Ok(Dropped { path: file.path().to_owned(), bytes: None, is_layer }));
 }
 
 /// Writes files and returns a message with their location.

@@ -39,10 +39,11 @@ pub fn page_error(why: JsValue) -> anyhow::Error {
 }
 
 /// Reads a dropped file, then hands it to the window.
-pub fn read_dropped(file: DroppedFileHandle, to: Sender<Result<Dropped>>) {
+pub fn read_dropped(file: DroppedFileHandle, is_layer: bool, to: Sender<Result<Dropped>>) {
     wasm_bindgen_futures::spawn_local(async move {
         let path = file.path().to_owned();
-        let read = file.bytes_async().await.map(|bytes| Dropped { path, bytes: Some(bytes) });
+        let read = file.bytes_async().await;
+        let read = read.map(|bytes| Dropped { path, bytes: Some(bytes), is_layer });
         let read = read.map_err(|why| anyhow!("cannot read {}: {why}", file.path().display()));
         // The window that receives it may be closed.
         let _ = to.send(read);

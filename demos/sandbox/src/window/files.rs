@@ -46,31 +46,22 @@ impl Inbox {
         self.waiting.try_recv().ok()
     }
 
-    /// Opens a scene as a canvas, or paints an image on a copy of the current canvas.
-    pub fn open(&mut self, file: Dropped, now: f64, kind: As, subject: &Subject) -> Result<Opened> {
-        match file.bytes {
-            None => open(&file.path, kind, subject),
-            Some(bytes) => {
-                let name = file.path.display().to_string();
-                self.take_bytes(name, bytes, now, kind, subject)
-            }
-        }
-    }
-
-    fn take_bytes(
+    /// Opens a scene as a canvas, or paints an image on a copy of the current canvas. Returns nothing as long as the file
+    /// waits for the scene that it belongs to.
+    pub fn open(
         &mut self,
-        name: String,
-        bytes: Vec<u8>,
+        file: Dropped,
         now: f64,
         kind: As,
         subject: &Subject,
-    ) -> Result<Opened> {
+    ) -> Result<Option<Opened>> {
+        let Some(bytes) = file.bytes else { return open(&file.path, kind, subject).map(Some) };
+        let name = file.path.display().to_string();
         if now - self.at > TOGETHER {
             self.files.clear();
         }
         self.at = now;
         check_length(&name, bytes.len() as u64)?;
-        let is_picture = FileKind::of(Path::new(&name)) == FileKind::Picture;
         self.files.push((name.clone(), bytes));
         // A scene and its images may arrive in any order.
         let is_scene = |name: &str| FileKind::of(Path::new(name)) == FileKind::Scene;
@@ -79,10 +70,15 @@ impl Inbox {
             let canvas = Canvas::from_scene(text, &self.files).with_context(|| {
                 format!("{scene} (a scene is dropped together with its images)")
             })?;
-            return Ok(Opened::scene(canvas));
+            return Ok(Some(Opened::scene(canvas)));
+        }
+        if file.is_layer {
+            return Ok(None);
         }
         match self.files.last() {
-            Some((_, png)) if is_picture => lay(png, kind, subject),
+            Some((_, png)) if FileKind::of(&file.path) == FileKind::Picture => {
+                lay(png, kind, subject).map(Some)
+            }
             _ => bail!("{name} {NEITHER}"),
         }
     }
@@ -124,11 +120,11 @@ impl FileKind {
     }
 }
 
-/// Leaves out what is dropped together with a scene, which finds its images itself.
-pub fn without_layers<T>(dropped: Vec<T>, path: impl Fn(&T) -> &Path) -> Vec<T> {
+/// Returns which files of a drop belong to a scene in it.
+pub fn layers<T>(dropped: &[T], path: impl Fn(&T) -> &Path) -> Vec<bool> {
     let is_scene = |file: &T| FileKind::of(path(file)) == FileKind::Scene;
     let has_scene = dropped.iter().any(is_scene);
-    dropped.into_iter().filter(|file| !has_scene || is_scene(file)).collect()
+    dropped.iter().map(|file| has_scene && !is_scene(file)).collect()
 }
 
 /// Opens a file on disk. A scene is opened with its images.
@@ -167,11 +163,41 @@ fn lay(png: &[u8], kind: As, subject: &Subject) -> Result<Opened> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lamplight_sandbox::canvas::{Brush, Stuff};
+
+    const SIZE: [u32; 2] = [96, 54];
+
+    fn are_layers(names: &[&str]) -> Vec<bool> {
+        layers(names, |name| Path::new(name))
+    }
 
     #[test]
     fn images_dropped_with_a_scene_are_its_layers() {
-        let kept = |names: &[&'static str]| without_layers(names.to_vec(), |name| Path::new(name));
-        assert_eq!(kept(&["a-color.png", "a.toml", "a-tint.exr"]), ["a.toml"]);
-        assert_eq!(kept(&["a.png", "b.PNG"]), ["a.png", "b.PNG"]);
+        assert_eq!(are_layers(&["a-color.png", "a.toml", "a-tint.exr"]), [true, false, true]);
+        assert_eq!(are_layers(&["a.png", "b.PNG"]), [false, false]);
+    }
+
+    #[test]
+    fn a_scene_and_its_images_may_arrive_in_any_order() {
+        let mut painted = Canvas::welcome(SIZE).unwrap();
+        painted.stroke(Brush { stuff: Stuff::Wall([0.3; 3]), radius: 3.0 }, &[[9.0, 9.0]]);
+        let mut files = painted.save("a").unwrap();
+        let subject = Subject::Canvas(Box::new(Canvas::welcome(SIZE).unwrap()));
+        assert!(files.len() > 1, "there are images to wait for");
+        for _ in 0..files.len() {
+            files.rotate_left(1);
+            let names: Vec<&str> = files.iter().map(|(name, _)| &name[..]).collect();
+            let mut inbox = Inbox::default();
+            let mut opened = None;
+            for ((name, bytes), is_layer) in files.iter().zip(are_layers(&names)) {
+                let file = Dropped { path: name.into(), bytes: Some(bytes.clone()), is_layer };
+                // A scene lacks the images that come after it.
+                let found = inbox.open(file, 0.0, As::Wall, &subject).unwrap_or_default();
+                assert!(found.as_ref().is_none_or(|found| found.is_scene), "{name} was painted");
+                opened = found;
+            }
+            let canvas = opened.expect("all files are there").canvas;
+            assert!(canvas.cells() == painted.cells(), "{names:?}");
+        }
     }
 }

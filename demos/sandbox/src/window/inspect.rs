@@ -276,17 +276,19 @@ impl Watched {
     }
 }
 
-/// Solves a frame with the same solver as long as the settings stay the same.
+/// Solves a frame with the solver, or a new one.
 fn solve<'a>(
     solver: &'a mut Option<Solver>,
     cells: &Cells,
     settings: &Settings,
 ) -> Result<&'a mut Solver> {
-    let known = solver.take().filter(|known| known.settings() == settings);
-    let solver = solver.insert(match known {
-        Some(known) => known,
-        None => Solver::new(settings.clone())?,
-    });
+    let solver = match solver {
+        Some(solver) => {
+            solver.set_settings(settings.clone())?;
+            solver
+        }
+        none => none.insert(Solver::new(settings.clone())?),
+    };
     solver.solve(cells)?;
     Ok(solver)
 }

@@ -20,7 +20,8 @@ pub struct Start {
     /// Seed of everything random in a world
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// The device that computes light; auto: a hardware GPU if there is one, else the CPU
+    /// The device that computes light; auto: a hardware GPU if there is one, unless the CPU takes less than half of the
+    /// time of its first frames
     #[arg(long, value_enum, default_value_t)]
     pub backend: Backend,
 }

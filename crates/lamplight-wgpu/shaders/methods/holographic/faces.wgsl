@@ -7,7 +7,7 @@
 #import shared/uniforms
 
 // Bits of cells, as slabs.wgsl makes them.
-override OCCUPIED: u32;
+override MATTER: u32;
 override MEDIUM: u32;
 // True if the scattered radiance is kept for the next frame, with a mark of each medium.
 override MARKS: bool = false;
@@ -99,7 +99,7 @@ fn is(bit: u32, at: vec2u) -> bool {
 
 @compute @workgroup_size(8, 8)
 fn show(@builtin(global_invocation_id) id: vec3u) {
-    if outside(id.xy) || !is(OCCUPIED, id.xy) || is(MEDIUM, id.xy) {
+    if outside(id.xy) || !is(MATTER, id.xy) || is(MEDIUM, id.xy) {
         return;
     }
     var sum = vec4f(0.0);

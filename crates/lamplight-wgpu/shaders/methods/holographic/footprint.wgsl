@@ -8,9 +8,9 @@
 #import shared/uniforms
 
 // The bits of a cell, as slabs.wgsl makes them.
-override OCCUPIED: u32;
+override MATTER: u32;
 override MEDIUM: u32;
-override EMITTING: u32;
+override EMISSIVE: u32;
 // The bit that is read as the last of four: that of small sources for bundles, that of own light for pixels.
 override FOURTH: u32;
 const LAST: u32 = 3u;
@@ -74,7 +74,7 @@ fn is(bit: u32, lane: u32, slabs: i32, rows: i32) -> bool {
 }
 
 fn is_solid(lane: u32, slabs: i32, rows: i32) -> bool {
-    return is(OCCUPIED, lane, slabs, rows) && !is(MEDIUM, lane, slabs, rows);
+    return is(MATTER, lane, slabs, rows) && !is(MEDIUM, lane, slabs, rows);
 }
 
 // Returns whether a row of the tile is among those with a bit.
@@ -84,7 +84,7 @@ fn has(rows: vec2u, lane: u32) -> bool {
 
 // The rows of the tile whose cell in a slab of the workgroup is solid.
 fn solid_rows(slab: u32) -> vec2u {
-    return near[OCCUPIED * SLABS + slab + 1u].yz & ~near[MEDIUM * SLABS + slab + 1u].yz;
+    return near[MATTER * SLABS + slab + 1u].yz & ~near[MEDIUM * SLABS + slab + 1u].yz;
 }
 
 // The bits of all rows of the tile, if `words` are those of rows from 32 before the tile on, shifted by `rows`.
@@ -127,9 +127,9 @@ fn first_met(crossings: vec2u, begin: u32, rows: vec2u) -> vec4u {
         let crossing = footprints[i].x;
         let at = begin + slabs_to(crossing) + 1u;
         let away = u32(rows_to(crossing) + ASIDE);
-        let hit = open & shifted(near[OCCUPIED * SLABS + at], away);
+        let hit = open & shifted(near[MATTER * SLABS + at], away);
         if any(hit != vec2u(0u)) {
-            let dark = ~shifted(near[MEDIUM * SLABS + at] | near[EMITTING * SLABS + at], away);
+            let dark = ~shifted(near[MEDIUM * SLABS + at] | near[EMISSIVE * SLABS + at], away);
             stopped |= hit & dark;
             traced |= hit & ~dark;
             open &= ~hit;
@@ -172,7 +172,7 @@ fn march(slab: u32, row: u32, lane: u32, crossings: vec2u) -> Interval {
     let end = crossings.x + crossings.y;
     for (var i = crossings.x; i < end; i++) {
         var entry = footprints[i];
-        while !is_crossed(OCCUPIED, lane, entry.x) {
+        while !is_crossed(MATTER, lane, entry.x) {
             i++;
             if i == end {
                 return interval;
@@ -188,7 +188,7 @@ fn march(slab: u32, row: u32, lane: u32, crossings: vec2u) -> Interval {
             transmittance = exp(-depth);
             absorbed = absorptance(depth);
         }
-        if is_crossed(EMITTING, lane, entry.x) {
+        if is_crossed(EMISSIVE, lane, entry.x) {
             interval.light +=
                 interval.transmittance * absorbed * radiance_of(at, solid, entry.x >> 16u);
         }

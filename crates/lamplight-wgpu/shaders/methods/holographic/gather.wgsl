@@ -1,5 +1,6 @@
 // The final gather: pixels trace the few px to the plane ahead themselves, with one ray through the middle of
-// each cone or, if the cone contains an emitter, several, and take the light of the plane where those end.
+// each cone or, if it contains an emitter (or in the two cones beside the axis of the widest lattice any matter), several, and
+// take the light of the plane where those end.
 //
 // A workgroup takes some slabs that look at the same plane, whose light it unpacks once for all, some cones at a time.
 // A lane per slab and cone finds what rays meet, from all rows of the tile. Most meet nothing, and are summed first; most
@@ -243,7 +244,7 @@ fn weights_behind(pixel: Pixel, rows: i32, past: f32) -> vec3f {
     var weights = weights_at(i32(pixel.row) + rows, past);
     var in_media = 0u;
     for (var i = 0; i < 3; i++) {
-        if is(OCCUPIED, pixel.lane, i32(pixel.ahead), rows + i - 1) {
+        if is(MATTER, pixel.lane, i32(pixel.ahead), rows + i - 1) {
             let medium = is(MEDIUM, pixel.lane, i32(pixel.ahead), rows + i - 1);
             weights[i] = select(0.0, weights[i], medium);
             in_media |= u32(medium) << u32(i);
@@ -389,14 +390,14 @@ fn find_met(ahead: u32, lane: u32) {
         let rows = ~solid_rows(slab);
         let mask = entry + FIRST_RAY + 2u * (sweep.rays + 1u);
         let is_beside_axis = i % CONES == CONES / 2u || i % CONES + 1u == CONES / 2u;
-        let split_at = select(LAST, OCCUPIED, SPLITS_AT_MATTER && is_beside_axis);
+        let split_at = select(LAST, MATTER, SPLITS_AT_MATTER && is_beside_axis);
         let several = rows & meeting(split_at, mask, slab, ahead - slab + 1u);
         // The ray along the middle, from the rows that need no other.
         let met = first_met(footprints[entry + FIRST_RAY], slab, rows & ~several);
         let stopped = several | met.xy;
         let traced = several | met.zw;
         let end = u32(bitcast<i32>(footprints[entry + FIRST_RAY + 1u].x) + ASIDE);
-        let ends = near[OCCUPIED * SLABS + ahead + 1u];
+        let ends = near[MATTER * SLABS + ahead + 1u];
         let beside = shifted(ends, end - 1u) | shifted(ends, end) | shifted(ends, end + 1u);
         meets[3u * i + MET] = stopped | traced | (rows & beside);
         meets[3u * i + STOPPED] = stopped;
@@ -408,7 +409,7 @@ fn find_met(ahead: u32, lane: u32) {
 fn is_any_near(ahead: u32) -> bool {
     var any_near = vec4u(0u);
     for (var away = 0u; away < ahead + 2u; away++) {
-        any_near |= near[OCCUPIED * SLABS + away];
+        any_near |= near[MATTER * SLABS + away];
     }
     return any(any_near != vec4u(0u));
 }

@@ -1,4 +1,4 @@
-// The light of two cones beside each other in a row, in twelve bytes: of each 14 bits per channel and a shared exponent,
+// Packs the light of two neighbouring cones at a row into twelve bytes: per cone 14 bits per channel and a shared exponent,
 // within 1.3e-4 of the brightest channel. The first word has the low bits of the first, the second the high bits of both, the
 // third the low bits of the second; each word lies a row of words after the one before.
 //

@@ -16,7 +16,7 @@ fn first_rows(count: i32) -> vec4u {
 // The open rows in a slab of a workgroup, from 32 before its first, within the grid.
 fn open_rows(slab: u32, first_row: i32) -> vec4u {
     let inside = first_rows(i32(sweep.cell_rows) - first_row + ASIDE) & ~first_rows(ASIDE - first_row);
-    return inside & ~(near[OCCUPIED * SLABS + slab + 1u] & ~near[MEDIUM * SLABS + slab + 1u]);
+    return inside & ~(near[MATTER * SLABS + slab + 1u] & ~near[MEDIUM * SLABS + slab + 1u]);
 }
 
 // Those of open rows that points stand for. Words begin with a point.

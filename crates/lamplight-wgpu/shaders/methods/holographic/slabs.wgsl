@@ -7,9 +7,9 @@
 
 // The bits: anything but empty space; a medium; emission, or scattered radiance; a small source;
 // emission.
-override OCCUPIED: u32;
+override MATTER: u32;
 override MEDIUM: u32;
-override EMITTING: u32;
+override EMISSIVE: u32;
 override SMALL: u32;
 override PRIMARY: u32;
 const BITS: u32 = 5u;
@@ -55,8 +55,8 @@ fn emitting_after(at: vec2i, step: vec2i, most: i32) -> i32 {
 }
 
 // Returns whether a cell that emits is part of a source at most four points of the lattice wide and high, with nothing
-// solid around it. So many in a row emit at most, both through it and, so that all of a disc is small or nothing of it,
-// across the middle of its row and of its column.
+// solid around it. The emitting cells are counted along its row and its column, and again across the middle of each of these
+// runs, so that a disc is small as a whole or not at all.
 fn is_small(at: vec2u) -> bool {
     let most = 4i << sweep.spacing_level;
     var is_small = is_alone(at);
@@ -110,9 +110,9 @@ fn bits_of(at: vec2u) -> u32 {
     let own = emits_itself(at);
     let emitting = own || scatters(at);
     let small = emitting && is_small(at);
-    return (1u << OCCUPIED)
+    return (1u << MATTER)
         | (u32(tint_opacity.a < 1.0) << MEDIUM)
-        | (u32(emitting) << EMITTING)
+        | (u32(emitting) << EMISSIVE)
         | (u32(small) << SMALL)
         | (u32(own) << PRIMARY);
 }
@@ -143,10 +143,10 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     for (var bit = 0u; bit < BITS; bit++) {
         var bits = 0u;
         // Where a cell is empty it has none of the others.
-        for (var i = 0u; i < 32u && (bit == OCCUPIED || occupied != 0u); i++) {
+        for (var i = 0u; i < 32u && (bit == MATTER || occupied != 0u); i++) {
             bits |= ((columns[bit * COLUMNS + first + i] >> row) & 1u) << i;
         }
-        occupied = select(occupied, bits, bit == OCCUPIED);
+        occupied = select(occupied, bits, bit == MATTER);
         put(bit, 1u, 32u * group.y + row, 2u * group.x + first / 32u, bits);
     }
 }

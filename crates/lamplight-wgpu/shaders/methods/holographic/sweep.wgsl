@@ -46,7 +46,7 @@ struct Sweep {
     gather_length: u32,
     // The first entry of the footprints.
     footprints: u32,
-    // Rays through a cone that contains an emitter.
+    // Rays through a cone if there are several.
     rays: u32,
     // From the entry of a cone in that table to the light of the sky in it, if the sky is a panorama.
     sky: u32,

@@ -75,7 +75,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let slabs = length + 1u;
     for (var bundle = lane; bundle < BUNDLES; bundle += TILE) {
         let mask = entry_of(bundle, slabs);
-        meets[bundle] = vec4u(meeting(OCCUPIED, mask, 0u, slabs), meeting(LAST, mask, 0u, slabs));
+        meets[bundle] = vec4u(meeting(MATTER, mask, 0u, slabs), meeting(LAST, mask, 0u, slabs));
     }
     workgroupBarrier();
     for (var ray = lane; ray < RAYS * BUNDLES; ray += TILE) {

@@ -1,9 +1,9 @@
 //! The levels of a quadrant, and where they lie in memory.
 //!
 //! A quadrant is swept in chunks of 2^t slabs from the far end of the grid to the near one, in the direction of
-//! light. Of the levels below t all planes of a chunk are stored, except of those between the levels of a group,
-//! which are never stored. Of t and each level above only one plane is: of intervals the one of odd index made last, of
-//! light the one that is needed. So smaller chunks take less memory and more dispatches. The light that pixels gather
+//! light. Below level t all planes of a chunk are stored, except those of levels inside a group, which never are. At t and
+//! above one plane per level is stored: for intervals the one of odd index made last, for light the one that is needed. So
+//! smaller chunks take less memory and more dispatches. The light that pixels gather
 //! lies in buffers of intervals that nothing reads any more by then.
 
 use lamplight::internals::holographic::lattice::{cones, levels, planes, rays};

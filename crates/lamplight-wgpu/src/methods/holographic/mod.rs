@@ -41,11 +41,11 @@ use traffic::BITS;
 use wgpu::{Buffer, BufferUsages, DeviceType};
 use work::Work;
 
-/// Bytes of a quadrant that are stored per cell, of a grid padded to a power of two, and per word of an
-/// interval. Lower: more dispatches.
+/// The most bytes of a quadrant that are stored per cell, of a grid padded to a power of two, and per word of an interval.
+/// Lower values save memory and take more dispatches.
 const MAX_HELD: u64 = 50;
-/// Bytes that are not worth a dispatch. Quadrants go together in as many: on cards with memory of their own in more, where
-/// few dispatches of one quadrant fill the card.
+/// Quadrants share dispatches as long as their buffers take no more bytes than this: more on cards with memory of their own,
+/// which the dispatches of one quadrant rarely fill.
 const LITTLE: u64 = 160 << 20;
 const LITTLE_OF_CARD: u64 = 1 << 30;
 
@@ -255,7 +255,7 @@ struct Bindings {
 }
 
 impl Holographic {
-    /// Compiles the pipelines. `inflow`: for frames with light that enters by place.
+    /// Declares the pipelines. `inflow`: for frames with light that enters by place.
     pub fn new(
         compiler: &Compiler,
         settings: &Settings,
@@ -350,7 +350,9 @@ impl Holographic {
             scattered: self.bounce.kept_buffer::<Packed>(planner, faces)?,
         };
 
-        let mut quadrant = Quadrant::new(geometry, &footprints, &cones, intervals.words, together);
+        let moment = planner.settings.moment;
+        let mut quadrant =
+            Quadrant::new(geometry, &footprints, &cones, intervals.words, moment, together);
         let sky = planner.has_panorama().then(|| ConeSky::new(cones, buffers.cones.clone()));
         // Bounces after the first are all the same.
         let within_a_frame = match self.bounce {
@@ -410,7 +412,7 @@ impl Holographic {
         }
         dispatches.extend(last);
         let show = planner.over_cells(&self.faces, SHOW, &faces, None);
-        dispatches.push(show.moving(traffic::of_shown_faces(planner.cells())));
+        dispatches.push(show.with_traffic(traffic::of_shown_faces(planner.cells())));
         if matches!(self.bounce, Bounce::Feedback(_)) {
             dispatches.push(scatter);
         }
@@ -508,7 +510,7 @@ impl Holographic {
         };
         let pipeline = pipelines.entry(entry);
         let dispatch = Dispatch::new(pipeline, bound, Some(planned.step), planned.groups);
-        dispatch.moving(planned.traffic)
+        dispatch.with_traffic(planned.traffic)
     }
 }
 
@@ -528,9 +530,9 @@ fn spacing(geometry: GatherGeometry) -> (&'static str, f64) {
 
 /// The bits of cells that tell solid ones.
 const SOLID: &[(&str, f64)] =
-    &[("OCCUPIED", MATTER.trailing_zeros() as f64), ("MEDIUM", MEDIUM.trailing_zeros() as f64)];
+    &[("MATTER", MATTER.trailing_zeros() as f64), ("MEDIUM", MEDIUM.trailing_zeros() as f64)];
 /// With that of those that emit.
-const CELLS: &[(&str, f64)] = &[SOLID[0], SOLID[1], ("EMITTING", EMISSIVE.trailing_zeros() as f64)];
+const CELLS: &[(&str, f64)] = &[SOLID[0], SOLID[1], ("EMISSIVE", EMISSIVE.trailing_zeros() as f64)];
 const SMALL_BIT: f64 = SMALL.trailing_zeros() as f64;
 const PRIMARY_BIT: f64 = PRIMARY.trailing_zeros() as f64;
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.

@@ -68,6 +68,8 @@ pub struct Quadrant {
     cones: u32,
     /// Words of an interval.
     words: u32,
+    /// Pixels gather the first moment too.
+    moment: bool,
     /// Quadrants that share dispatches.
     together: usize,
     sweeps: Vec<Together>,
@@ -81,11 +83,12 @@ impl Quadrant {
         footprints: &Footprints,
         cones: &ConeTable,
         words: u32,
+        moment: bool,
         together: usize,
     ) -> Self {
         let Footprints { bundles, views, .. } = *footprints;
         let (cones, sweeps, parts) = (cones.entries(), Vec::new(), Vec::new());
-        Self { geometry, bundles, views, cones, words, together, sweeps, parts }
+        Self { geometry, bundles, views, cones, words, moment, together, sweeps, parts }
     }
 
     /// The sweeps of all dispatches planned so far.
@@ -159,7 +162,8 @@ impl Quadrant {
         }
         let step = STEPS * self.sweeps.len() as u32;
         self.sweeps.push(together);
-        let traffic = |part: &Part| traffic(work, &part.sweep, part.groups, self.words.into());
+        let (words, moment) = (self.words.into(), self.moment);
+        let traffic = |part: &Part| traffic(work, &part.sweep, part.groups, words, moment);
         PlannedWork {
             work,
             levels,

@@ -16,8 +16,8 @@ const VEC4: u64 = size_of::<[f32; 4]>() as u64;
 /// The bits of a cell, as `slabs.wgsl` writes them.
 pub const BITS: u32 = PRIMARY.trailing_zeros() + 1;
 
-/// Returns the traffic of a dispatch, with intervals of `words`.
-pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traffic {
+/// Returns the traffic of a dispatch, with intervals of `words`. `moment`: pixels gather the first moment too.
+pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64, moment: bool) -> Traffic {
     let level = sweep.level;
     let [rows, level_size] = [u64::from(sweep.rows), 1 << level];
     let [_, across, deep] = groups.map(u64::from);
@@ -99,8 +99,9 @@ pub fn traffic(work: Work, sweep: &Sweep, groups: [u32; 3], words: u64) -> Traff
             let planes = (ahead(to - 1) + 1).min(end).saturating_sub(ahead(from));
             let light = u64::from(planes) * light_words(shown(level + 1)) * WORD;
             let pixels = slabs * cell_rows;
-            let before = if sweep.turn == 0 { 0 } else { PACKED };
-            let now = if sweep.turn == LAST_TURN { VEC4 } else { PACKED };
+            let moment = if moment { 2 * VEC4 } else { 0 };
+            let before = if sweep.turn == 0 { 0 } else { PACKED + moment };
+            let now = moment + if sweep.turn == LAST_TURN { VEC4 } else { PACKED };
             Traffic { read: across * near + rows * light + pixels * before, written: pixels * now }
         }
         Work::Faces => Traffic { read: across * near, written: 0 },

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::ops::Range;
 
-/// The way in which the slabs of a sweep lie in the grid.
+/// The orientation of a sweep: how its slabs lie in the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Orientation {
     pub along_x: bool,
@@ -27,7 +27,7 @@ pub struct Orientation {
 #[derive(Debug, Default)]
 pub struct BorderLight {
     points: BorderPoints,
-    /// The inflow that it was read from, the way of the sweep, and the points of the grid and px between them.
+    /// The inflow that it was read from, the orientation of the sweep, and the points of the grid and px between them.
     read: Option<(Inflow, Orientation, [usize; 3])>,
     columns: QuadrantColumns,
     /// Radiance by column.
@@ -229,8 +229,8 @@ impl BorderLight {
         grid: [usize; 3],
         levels: impl ExactSizeIterator<Item = (u32, bool)>,
     ) {
-        let is_same = |(held, way, size): &(Inflow, Orientation, [usize; 3])| {
-            held.is(inflow) && (*way, *size) == (orientation, grid)
+        let is_same = |(held, held_orientation, size): &(Inflow, Orientation, [usize; 3])| {
+            held.is(inflow) && (*held_orientation, *size) == (orientation, grid)
         };
         if self.read.as_ref().is_some_and(is_same) {
             return;

@@ -150,14 +150,14 @@ impl IntervalLevels {
         let (spacing_level, rows) = (self.spacing_level, self.extent.rows);
         let slab = plane << (self.first + spacing_level);
         let prefilter = &mut self.prefilter;
-        prefilter.begin(rows, self.first);
+        let levels = [self.first, spacing_level];
+        prefilter.begin(rows, levels);
         for row in (0..slabs.rows).step_by(TILE) {
             let small = prefilter.small_sources(row / (TILE << spacing_level));
-            let levels = [self.first, spacing_level];
             let to = TracedPlane { intervals: &mut *made, stride: self.stride, small, levels };
             trace_tile::<S, K>(simd, slabs, [slab, row], set, &mut self.cells, to);
         }
-        prefilter.filter::<S, K>(simd, slabs, [slab, spacing_level as usize], made, self.stride);
+        prefilter.filter::<S, K>(simd, slabs, slab, made, self.stride);
         for to in made.chunks_exact_mut(ray_size) {
             empty_tail::<K>(to, self.stride, rows);
         }

@@ -5,6 +5,7 @@
 //! wall, which shades the face more than the cell's centre: the stairs of a slanted wall would receive
 //! light that in truth passes over them at a grazing angle. Of a bundle that descends s px along the
 //! face for each px that it comes nearer, a step that begins k px beside the cell in front stops
+//! the fraction
 //!
 //! `f = clamp(s − k, 0, 1)`
 //!

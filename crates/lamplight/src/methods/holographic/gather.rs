@@ -62,10 +62,9 @@ pub struct GatherCone {
     /// Their differences from those of the next cone, or from 0 after the last: light through all cones up to
     /// each, times these, adds up to the first moment.
     turns: [f32; 2],
-    /// Several rays replace that along its middle wherever there is matter.
+    /// Several rays replace that along its middle wherever there is matter, and not only where something emits light.
     splits_at_matter: bool,
-    /// The ends of its rays: first that along the middle, then those that replace it where something
-    /// emits light.
+    /// The ends of its rays: first that along the middle, then those that replace it.
     ends: Vec<RayEnd>,
 }
 

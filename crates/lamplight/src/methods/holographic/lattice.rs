@@ -177,7 +177,7 @@ pub struct GatherGeometry {
     pub spacing_level: u32,
     /// The minimum distance from a pixel to its plane, px; the maximum is `2^level − 1` more.
     pub min_length: usize,
-    /// Rays per cone where something in it emits light ([`Self::splits_at_matter`]).
+    /// Rays through a cone in which something emits light, or where it [splits at matter](Self::splits_at_matter).
     pub rays: u32,
 }
 
@@ -254,7 +254,7 @@ pub struct ConeRays {
     pub cosines: [f32; 2],
     /// [`GatherGeometry::splits_at_matter`], and it is beside the axis.
     pub splits_at_matter: bool,
-    /// The ray along the middle, then those that replace it where something emits light.
+    /// The ray along the middle, then those that replace it.
     pub rays: Vec<GatherRay>,
 }
 

@@ -113,8 +113,8 @@ pub struct MergedLight {
     shown: usize,
     /// Light of the sky in the cones of the last level.
     sky: Vec<Rgb>,
-    /// The light that enters in place of the sky's, if it differs from place to place, by the way of the sweep, and which
-    /// of both is in use.
+    /// The light at the border of a grid with inflow, for either orientation; and which of these is in use, none under a
+    /// plain sky.
     borders: [BorderLight; 2],
     entering: Option<usize>,
     /// One channel of the sky, on its way down.
@@ -274,9 +274,9 @@ impl MergedLight {
             let level_of_cones = (*first + at as u32).max(*first + 1);
             (level_of_cones, level.halves)
         });
-        let way = usize::from(orientation.reversed);
-        *entering = Some(way);
-        borders[way].read(inflow, orientation, [*depth, *rows, 1 << *spacing_level], cones);
+        let index = usize::from(orientation.reversed);
+        *entering = Some(index);
+        borders[index].read(inflow, orientation, [*depth, *rows, 1 << *spacing_level], cones);
         for level in levels {
             level.plane = None;
         }
@@ -402,8 +402,8 @@ impl MergedLight {
     /// Makes a plane behind the grid that pixels gather from, of the light that enters.
     fn enter(&mut self, at: usize, plane: usize) {
         let Self { borders, entering, levels, stride, pad, first, .. } = self;
-        let Some(way) = *entering else { return };
-        let border = &borders[way];
+        let Some(index) = *entering else { return };
+        let border = &borders[index];
         let made = &mut levels[at];
         made.plane = Some(plane);
         let slab = plane << (*first as usize + at);
@@ -426,7 +426,7 @@ impl MergedLight {
         let level = self.first + at as u32;
         let (stride, pad) = (self.stride, self.pad);
         let layout = RowLayout { interval_stride: intervals.stride, stride, pad };
-        let border = self.entering.map(|way| &self.borders[way]);
+        let border = self.entering.map(|index| &self.borders[index]);
         let [made, above, ..] = &mut self.levels[at..] else { return };
         made.plane = Some(plane);
         let PlaneLight { halves, rows, sky, angles, .. } = made;

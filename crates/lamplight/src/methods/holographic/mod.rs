@@ -16,9 +16,9 @@
 //! overlap, which removes bricks; planes of even index taken over exactly; and the final gather, which
 //! removes the stars around small lights.
 //!
-//! With a `lattice_spacing` of 2 or 4 planes and their points lie as far apart. Rays cross the cells all the same, a point
-//! stands for open rows side by side ([`point_rows`]), and between the points of a plane pixels read the same curve
-//! ([`fine_rows`]), so no wall lets light through.
+//! If `lattice_spacing` is 2 or 4, planes and their points lie that many px apart. Rays still cross every cell, and a point
+//! stands for open rows side by side ([`point_rows`]), so no wall lets light through. Between the points of a plane pixels
+//! read the same curve ([`fine_rows`]).
 //!
 //! A bounce solves the quadrants for the surfaces only, with the radiance that they reflected the time
 //! before. With feedback the quadrants are solved once, with the radiance that surfaces reflected in the
@@ -305,7 +305,7 @@ mod tests {
     #[test]
     fn every_vector_unit_gives_the_same_light() {
         let cells = cells().drawn().into_owned();
-        for preset in ["default", "fast", "coarse", "quality"] {
+        for preset in ["default", "fast", "coarse", "high"] {
             let settings = settings::Holographic::preset(preset).unwrap();
             agree(ROUNDING, |level| {
                 let mut light = Light::default();

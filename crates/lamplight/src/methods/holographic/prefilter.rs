@@ -10,8 +10,8 @@
 //! `e = ¼·(1 + 2^{1−m}·s²)` for bundles of the slope s from planes of level m. Rows blur by a variance of 2e, which is
 //! `2e·cos²α` across a bundle, α = atan s: with the same e for all slopes diagonal rays would be twice as sharp as those
 //! along the axis, and draw a cross. At level 1 this makes them equal. Longer bundles have more directions, so they need
-//! less of it, and light right beside single cells is better for that. Level 0 has the e of level 1, since with more than ½
-//! rows would end with less than no light.
+//! less of it, and light right beside single cells is better for that. Level 0 has the e of level 1, since e > ½
+//! could make the light of a row negative.
 //!
 //! Light is exchanged only between two rows that are both open at the plane. These are side by side in one
 //! room, so nothing leaks. Larger sources are resolved without the filter, which would blur their edges.
@@ -34,6 +34,8 @@ pub fn exchanged(level: u32) -> [f32; 2] {
 pub struct Prefilter {
     /// Number of rays of the plane.
     rays: usize,
+    /// Points of the lattice lie `2^spacing_level` px apart.
+    spacing_level: u32,
     /// Fractions that they exchange ([`exchanged`]).
     exchanged: [f32; 2],
     /// Bit masks by tile: rows of the plane that are open, along with the row after.
@@ -47,9 +49,10 @@ pub struct Prefilter {
 }
 
 impl Prefilter {
-    /// Starts with a plane of a level.
-    pub fn begin(&mut self, rows: usize, level: u32) {
+    /// Starts with a plane of a level, whose points lie `2^spacing_level` px apart.
+    pub fn begin(&mut self, rows: usize, [level, spacing_level]: [u32; 2]) {
         self.rays = rays(level);
+        self.spacing_level = spacing_level;
         self.exchanged = exchanged(level);
         self.small.clear();
         self.small.resize(rows.div_ceil(TILE) * self.rays, 0);
@@ -61,27 +64,27 @@ impl Prefilter {
     }
 
     /// Filters the intervals of the plane that lies in a slab, of which one word follows another at `stride`.
-    /// Points of the lattice lie `2^spacing_level` px apart.
     #[inline(always)]
     pub fn filter<S: Simd, const K: usize>(
         &mut self,
         simd: S,
         slabs: &Slabs,
-        [slab, spacing_level]: [usize; 2],
+        slab: usize,
         plane: &mut [u32],
         stride: usize,
     ) {
         if self.small.iter().all(|&small| small == 0) {
             return;
         }
-        self.find_open_pairs(slabs.classes_in(slab), spacing_level as u32);
+        self.find_open_pairs(slabs.classes_in(slab));
         for (ray, intervals) in plane.chunks_exact_mut(words(K) * stride).enumerate() {
             self.spread::<S, K>(simd, ray, intervals, stride);
         }
     }
 
     /// Finds the pairs of rows of the lattice that are both open where they touch, from the classes of cells.
-    fn find_open_pairs(&mut self, cells: &[u8], spacing_level: u32) {
+    fn find_open_pairs(&mut self, cells: &[u8]) {
+        let spacing_level = self.spacing_level;
         let is_open = |row: usize| is_in_point(cells, row as isize, spacing_level);
         self.open_pairs.clear();
         for tile in 0..self.small.len() / self.rays {

@@ -26,8 +26,8 @@ pub const MEDIUM: u8 = 2;
 pub const EMISSIVE: u8 = 4;
 
 /// Bit of `Slabs::classes`: the cell is part of a source at most four points of the lattice wide and high. It is
-/// [`EMISSIVE`], and none of the eight cells around it is solid. So many in a row are at most, both through it and, so that
-/// all of a disc is small or nothing of it, across the middle of its row and of its column.
+/// [`EMISSIVE`], and none of the eight cells around it is solid. The emitting cells are counted along its row and its column,
+/// and again across the middle of each of these runs, so that a disc is small as a whole or not at all.
 pub const SMALL: u8 = 8;
 
 /// Bit of `Slabs::classes`: the cell emits light of its own. What only reflects or scatters has no sharp bright edges,

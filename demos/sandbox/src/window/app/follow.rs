@@ -82,7 +82,7 @@ impl App {
                 }
             }
             Line::Lamp => self.tools.choose_lamp(),
-            Line::Drop(path) => self.inbox.receive(Dropped { path, bytes: None }),
+            Line::Drop(path) => self.inbox.receive(Dropped { path, bytes: None, is_layer: false }),
             Line::Warn(said) => {
                 // Keeps the previous message.
                 let before = self.message.take().map(|before| format!(" ({before})"));

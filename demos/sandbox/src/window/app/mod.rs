@@ -9,7 +9,7 @@ use shot::Shot;
 use crate::message::message;
 use crate::platform::{self, CELLS};
 use crate::window::benchmark::Benchmark;
-use crate::window::files::{Inbox, Opened, without_layers};
+use crate::window::files::{Inbox, Opened, layers};
 use crate::window::folded::{Folded, Side};
 use crate::window::fonts::fonts;
 use crate::window::former::Former;
@@ -289,19 +289,22 @@ impl App {
 
     /// Opens files that were dropped on the window.
     fn take_files(&mut self, context: &Context) {
-        let mut dropped = context.input(|input| input.raw.dropped_files.clone());
-        if platform::HAS_FOLDERS {
-            dropped = without_layers(dropped, |file| file.path());
-        }
-        for file in dropped {
-            platform::read_dropped(file, self.inbox.sender());
+        let dropped = context.input(|input| input.raw.dropped_files.clone());
+        let is_layer = layers(&dropped, |file| file.path());
+        for (file, is_layer) in dropped.into_iter().zip(is_layer) {
+            // In a folder, a scene finds its images itself.
+            if !(is_layer && platform::HAS_FOLDERS) {
+                platform::read_dropped(file, is_layer, self.inbox.sender());
+            }
         }
         while let Some(file) = self.inbox.next() {
             let kind = self.tools.image();
             let opened =
                 file.and_then(|file| self.inbox.open(file, context.time(), kind, &self.subject));
             match opened {
-                Ok(Opened { canvas, is_scene, said }) => {
+                // The scene that it belongs to has not arrived.
+                Ok(None) => {}
+                Ok(Some(Opened { canvas, is_scene, said })) => {
                     (self.choice, self.message) = (Choice::Paint, said);
                     let canvas = Subject::Canvas(canvas);
                     match self.subject {

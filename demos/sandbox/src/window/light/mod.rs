@@ -68,7 +68,7 @@ impl Lit {
     ) -> Result<Self> {
         match gpu {
             Some(gpu) => {
-                // The CPU as a backend of the window's own is for devices that are slower for certain.
+                // The first frames show whether the CPU is faster.
                 let options = LightingOptions::on(match backend {
                     Backend::Auto => lamplight_wgpu::Backend::Fastest,
                     _ => lamplight_wgpu::Backend::Gpu,
