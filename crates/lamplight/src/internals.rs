@@ -32,7 +32,7 @@ pub mod cookie {
 /// The edge-aware blur.
 pub mod denoise {
     pub use crate::filters::denoise::{
-        DEVIATIONS, Denoiser, KERNEL, OPACITY, WALL_REACH, WALL_SPREAD, WIDE_DEVIATIONS,
+        DEVIATIONS, Denoiser, KERNEL, TRANSMITTANCE, WALL_REACH, WALL_SPREAD, WIDE_DEVIATIONS,
     };
 }
 

@@ -15,8 +15,8 @@ override KERNEL_2: f32;
 // The range of light, in standard deviations of the noise, and that in the first pass and along walls.
 override DEVIATIONS: f32;
 override WIDE_DEVIATIONS: f32;
-// The weight of a difference in opacity.
-override OPACITY: f32;
+// The weight of a difference in transmittance.
+override TRANSMITTANCE: f32;
 // The widest spread of taps along walls, px.
 override WALL_SPREAD: i32;
 // The distance along walls from which the noise is known, px.
@@ -36,12 +36,8 @@ const MIN_POSITIVE: f32 = 1.17549435e-38;
 @group(0) @binding(6) var<storage, read_write> after: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> light: array<vec4f>;
 
-fn opacity(at: vec2i) -> f32 {
-    return textureLoad(matter, at, 0).a;
-}
-
 fn open(at: vec2i) -> bool {
-    return opacity(at) < 1.0;
+    return textureLoad(matter, at, 0).a < 1.0;
 }
 
 // Returns whether the line between two centres lies in space that is known to be empty.
@@ -79,14 +75,26 @@ fn sees(start: vec2i, offset: vec2i) -> bool {
     return true;
 }
 
-// The weight of a tap by its position; 0 if it lies outside or is not visible.
+// The transmittance of a px of a cell.
+fn transmittance(at: vec2i) -> vec3f {
+    let tint_opacity = textureLoad(matter, at, 0);
+    return (1.0 - tint_opacity.a) * tint_opacity.rgb;
+}
+
+// The weight of a cell in the light of another by the matter of both.
+fn likeness(at: vec2i, other: vec2i) -> f32 {
+    let difference = abs(transmittance(at) - transmittance(other));
+    return exp(-TRANSMITTANCE * max(difference.r, max(difference.g, difference.b)));
+}
+
+// The weight of a tap by its position and matter; 0 if it lies outside or is not visible.
 fn tap(at: vec2i, place: vec2i, spread: i32) -> f32 {
     let offset = place * spread;
     if !inside(at + offset) || !sees(at, offset) {
         return 0.0;
     }
     let weights = vec3f(KERNEL_0, KERNEL_1, KERNEL_2);
-    return weights[abs(place.x)] * weights[abs(place.y)];
+    return weights[abs(place.x)] * weights[abs(place.y)] * likeness(at, at + offset);
 }
 
 // The sides to which a solid cell is open, a bit each: left, right, upper, lower; none of another cell.
@@ -210,8 +218,7 @@ fn blur(@builtin(global_invocation_id) id: vec3u) {
             }
             let other = at + vec2i(x, y) * spread;
             let there = before[index(vec2u(other))];
-            let difference = abs(luminance(there.rgb) - luminance(here.rgb)) / range
-                + OPACITY * abs(opacity(other) - opacity(at));
+            let difference = abs(luminance(there.rgb) - luminance(here.rgb)) / range;
             let w = kernel * exp(-difference);
             sum += vec4f(w, w, w, w * w) * there;
             weight += w;

@@ -6,7 +6,7 @@ use crate::pipeline::{ComputePipelines, Dispatch};
 use crate::planner::{FramePlanner, view, whole};
 use crate::{programs, shaders};
 use lamplight::internals::denoise::{
-    DEVIATIONS, KERNEL, OPACITY, WALL_REACH, WALL_SPREAD, WIDE_DEVIATIONS,
+    DEVIATIONS, KERNEL, TRANSMITTANCE, WALL_REACH, WALL_SPREAD, WIDE_DEVIATIONS,
 };
 use lamplight::internals::distance::MARGIN;
 use lamplight::internals::empty_space::LONGEST;
@@ -31,7 +31,7 @@ impl Denoise {
             ("KERNEL_2", f64::from(KERNEL[2])),
             ("DEVIATIONS", f64::from(DEVIATIONS * settings.denoise.strength)),
             ("WIDE_DEVIATIONS", f64::from(WIDE_DEVIATIONS * settings.denoise.strength)),
-            ("OPACITY", f64::from(OPACITY)),
+            ("TRANSMITTANCE", f64::from(TRANSMITTANCE)),
             ("WALL_SPREAD", WALL_SPREAD as f64),
             ("WALL_REACH", WALL_REACH as f64),
             ("BY_DISTANCE", f64::from(by_distance)),

@@ -3,7 +3,8 @@
 //!
 //! Each pass blurs with a 5×5 B-spline kernel whose taps lie twice as far apart as before. A tap
 //! counts by `exp(−|ΔL| / (2·strength·σ))`, with σ the standard deviation of the noise there, and by
-//! `exp(−8·|Δα|)` for opacity; and not at all where the straight line to it meets a solid cell. That
+//! `exp(−8·|ΔT|)`, with T the transmittance of a px in the channel in which it differs most, so that panes of glass and
+//! banks of fog keep their edges; and not at all where the straight line to it meets a solid cell. That
 //! is read off empty squares ([`crate::grid::empty_space`]) or, near walls, cell by cell, so light
 //! does not leak through walls of any thickness. In the first pass 6 takes the place of 2
 //! ([`WIDE_DEVIATIONS`]).
@@ -31,8 +32,8 @@ pub const DEVIATIONS: f32 = 2.0;
 /// Likewise in the first pass, and along walls. Of a small light far away most pixels see nothing and a few too much; if
 /// those did not count, its light would be too dark, and the pattern of its noise would stay.
 pub const WIDE_DEVIATIONS: f32 = 6.0;
-/// The rate at which a difference in opacity ends the blur.
-pub const OPACITY: f32 = 8.0;
+/// The rate at which a difference in transmittance ends the blur.
+pub const TRANSMITTANCE: f32 = 8.0;
 
 /// The widest spread of taps along walls, px: shadows on walls are to have edges.
 pub const WALL_SPREAD: usize = 4;
@@ -46,6 +47,8 @@ const TAPS: usize = 5;
 #[derive(Debug, Default)]
 pub struct Denoiser {
     empty_space: EmptySpace,
+    /// The transmittance of a px of each cell; empty if there are no media.
+    transmittance: Vec<Rgb>,
     taps: [Tap; TAPS * TAPS],
     noisy: Vec<Noisy>,
     blurred: Vec<Noisy>,
@@ -84,6 +87,7 @@ impl Denoiser {
         let class = |i| if cells.is_solid(i) { CellClass::Solid } else { CellClass::Empty };
         let classes = (0..cells.len()).map(class);
         self.empty_space.measure(cells.width(), classes, |_, _| false);
+        self.find_transmittance(cells);
         self.noisy.resize(light.len(), Noisy::default());
         self.blurred.resize(light.len(), Noisy::default());
         self.moment.clear();
@@ -101,6 +105,16 @@ impl Denoiser {
             moment.clone_from(&self.moment);
         }
         light.iter_mut().zip(&self.noisy).for_each(|(light, noisy)| *light = noisy.light);
+    }
+
+    fn find_transmittance(&mut self, cells: &Cells) {
+        self.transmittance.clear();
+        let is_medium = |i| CellClass::of(cells, i, 0.0) == CellClass::Medium;
+        if (0..cells.len()).any(is_medium) {
+            let of_cells = cells.opacity().iter().zip(cells.tint());
+            let transmittance = of_cells.map(|(opacity, tint)| tint.map(|t| (1.0 - opacity) * t));
+            self.transmittance.extend(transmittance);
+        }
     }
 
     /// Sets the taps `spread` px apart.
@@ -158,8 +172,7 @@ impl Denoiser {
             let mut sum = Moment::default();
             visible.taps(i, |j, kernel| {
                 let there = self.noisy[j];
-                let difference = (luminance(there.light) - l).abs() / range
-                    + OPACITY * (cells.opacity()[j] - cells.opacity()[i]).abs();
+                let difference = (luminance(there.light) - l).abs() / range;
                 let w = kernel * (-difference).exp();
                 (0..3).for_each(|c| light[c] += w * there.light[c]);
                 variance += w * w * there.variance;
@@ -217,7 +230,8 @@ impl Denoiser {
 
     fn visibility<'a>(&'a self, cells: &Cells) -> Visibility<'a> {
         let size = [cells.width() as i32, cells.height() as i32];
-        Visibility { size, empty_space: &self.empty_space, taps: &self.taps }
+        let Self { empty_space, transmittance, taps, .. } = self;
+        Visibility { size, empty_space, transmittance, taps }
     }
 }
 
@@ -225,11 +239,12 @@ impl Denoiser {
 struct Visibility<'a> {
     size: [i32; 2],
     empty_space: &'a EmptySpace,
+    transmittance: &'a [Rgb],
     taps: &'a [Tap],
 }
 
 impl Visibility<'_> {
-    /// Calls `each` with the index and the kernel weight of every tap that cell `i` sees, itself
+    /// Calls `each` with the index and the weight, by place and matter, of every tap that cell `i` sees, itself
     /// included.
     #[inline]
     fn taps(&self, i: usize, mut each: impl FnMut(usize, f32)) {
@@ -238,9 +253,21 @@ impl Visibility<'_> {
         for tap in self.taps {
             let [tx, ty] = [x + tap.offset[0], y + tap.offset[1]];
             if (0..w).contains(&tx) && (0..h).contains(&ty) && self.sees(i, tap) {
-                each((ty * w + tx) as usize, tap.weight);
+                let j = (ty * w + tx) as usize;
+                each(j, tap.weight * self.likeness(i, j));
             }
         }
+    }
+
+    /// The weight of cell `j` in the light of cell `i` by the matter of both.
+    #[inline]
+    fn likeness(&self, i: usize, j: usize) -> f32 {
+        let (Some(own), Some(other)) = (self.transmittance.get(i), self.transmittance.get(j))
+        else {
+            return 1.0;
+        };
+        let difference = (0..3).map(|c| (own[c] - other[c]).abs()).fold(0.0, f32::max);
+        (-TRANSMITTANCE * difference).exp()
     }
 
     /// Returns whether no solid cell blocks the line from cell `i` to a tap within the grid.

@@ -115,14 +115,9 @@ fn the_blur_crosses_open_space() {
 }
 
 #[test]
-fn edges_of_opacity_stay() {
-    // Fog on the right glows, with the same noise on both sides.
-    let scene = |opacity: f32| {
-        grid(40, 30, |x, _| {
-            let opacity = if x < 20 { 0.0 } else { opacity };
-            Matter { opacity, ..Matter::EMPTY }
-        })
-    };
+fn edges_of_media_stay() {
+    // A medium on the right is brighter, with the same noise on both sides.
+    let scene = |medium: Matter| grid(40, 30, |x, _| if x < 20 { Matter::EMPTY } else { medium });
     let noise = &mut seeded(2);
     let light: Vec<Rgb> =
         (0..1200).map(|i| [noise.f32() * 0.5 + if i % 40 < 20 { 1.0 } else { 2.0 }; 3]).collect();
@@ -130,12 +125,17 @@ fn edges_of_opacity_stay() {
         let column = |x: usize| (0..30).map(|y| light[y * 40 + x][0]).sum::<f32>() / 30.0;
         column(20) - column(19)
     };
-    let after = |opacity| step(&blurred(&scene(opacity), &light, 1.0, 5));
-    let (kept, lost) = (after(0.9), after(0.0));
-    println!("a step of 1 is {kept:.3} with an edge of opacity, {lost:.3} without");
-    // Opacity that differs by 0.9 leaves e^(−8·0.9) = 0.0007 of the weight.
-    assert!((kept - 1.0).abs() < 0.1, "{kept}");
-    assert!(lost < 0.8, "the step is lost without the edge: {lost}");
+    let after = |medium| step(&blurred(&scene(medium), &light, 1.0, 5));
+    let lost = after(Matter::EMPTY);
+    assert!(lost < 0.8, "the step is lost without an edge: {lost}");
+    let fog = Matter { opacity: 0.9, ..Matter::EMPTY };
+    let glass = Matter { tint: [1.0, 0.1, 1.0], ..Matter::EMPTY };
+    for medium in [fog, glass] {
+        let kept = after(medium);
+        println!("a step of 1 is {kept:.3} at an edge, {lost:.3} without");
+        // Transmittance that differs by 0.9 leaves e^(−8·0.9) = 0.0007 of the weight.
+        assert!((kept - 1.0).abs() < 0.1, "{medium:?}: {kept}");
+    }
 }
 
 #[test]
