@@ -537,3 +537,48 @@ const SMALL_BIT: f64 = SMALL.trailing_zeros() as f64;
 const PRIMARY_BIT: f64 = PRIMARY.trailing_zeros() as f64;
 /// Constants of shaders/methods/holographic/footprint.wgsl beside them.
 const MARCH: &[(&str, f64)] = &[("MAX_OPTICAL_DEPTH", MAX_OPTICAL_DEPTH as f64)];
+
+#[cfg(test)]
+mod tests {
+    use super::sweep::LAST_TURN;
+    use super::tiles::{LANES, WAVES};
+    use super::*;
+    use crate::shaders;
+    use lamplight::internals::holographic::lattice::BEYOND;
+    use naga::{Expression, Literal};
+
+    /// The value of a constant of a shader.
+    fn constant(shader: &str, name: &str) -> u32 {
+        let module = naga::front::wgsl::parse_str(&shaders::text(shader)).unwrap();
+        let found = module.constants.iter().find(|(_, known)| known.name.as_deref() == Some(name));
+        let (_, found) = found.unwrap_or_else(|| panic!("{shader} has no constant {name}"));
+        match module.global_expressions[found.init] {
+            Expression::Literal(Literal::U32(value)) => value,
+            Expression::Literal(Literal::I32(value)) => value.unsigned_abs(),
+            ref other => panic!("{shader}: {name} is {other:?}"),
+        }
+    }
+
+    #[test]
+    fn shaders_and_plans_have_the_same_numbers() {
+        let [slabs, trace, extend, merge, gather] = ["slabs", "trace", "extend", "merge", "gather"]
+            .map(|name| format!("methods/holographic/{name}"));
+        for (shader, name, value) in [
+            (&slabs, "BITS", BITS),
+            (&trace, "TILE", lattice::TILE),
+            (&extend, "WAVES_LOG2", WAVES.ilog2()),
+            (&merge, "LANES", LANES),
+            (&merge, "WAVES", WAVES),
+            (&merge, "BEYOND", BEYOND as u32),
+            (&gather, "TILE", lattice::TILE),
+            (&gather, "ASIDE", tables::ASIDE as u32),
+            (&gather, "SLABS", tiles::SLABS),
+            (&gather, "LAST_TURN", LAST_TURN),
+            (&gather, "PAIR_WORDS", lattice::light_words(2) as u32),
+        ] {
+            assert_eq!(constant(shader, name), value, "{shader}: {name}");
+        }
+        let sweeps = format!("array<Sweep, {}>", sweep::QUADRANTS);
+        assert!(shaders::text(&merge).contains(&sweeps), "no {sweeps}");
+    }
+}

@@ -3,7 +3,7 @@
 use lamplight::internals::holographic::lattice::{Crossing, GatherGeometry, bundle, rays};
 
 /// Rows to either side that a mask covers.
-const ASIDE: isize = 32;
+pub const ASIDE: isize = 32;
 
 /// An entry of the table.
 type Entry = [u32; 2];

@@ -51,6 +51,9 @@ pub const LINES_LAST: u32 = 5;
 /// The tile of light. Lines of a run are slanted alike, and up to three rows less or more than a ray.
 pub const MERGED: Tile = Tile::new(3, 3);
 
+/// Slabs whose bits a tile of the trace or the gather reads: one behind, its own, and those ahead.
+pub const SLABS: u32 = 33;
+
 /// A workgroup of the final gather (gather.wgsl): slabs that look at the same plane, and the light of it that is held in
 /// workgroup memory at a time.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +76,7 @@ impl GatherTile {
     const FEWEST: u32 = 4;
     /// Bytes of a held light, of the bits of cells near a tile, and of the cones that meet matter, per slab and cone.
     const LIGHT: u32 = 16;
-    const NEAR: u32 = 4 * 33 * 16;
+    const NEAR: u32 = 4 * SLABS * 16;
     const MEETS: u32 = 24;
     /// Bytes that are left over, since browsers count each array as up to 16 more.
     const SPARE: u32 = 4 * 16;
