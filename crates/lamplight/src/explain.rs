@@ -10,8 +10,13 @@ const ALIKE: f64 = 0.8;
 /// A description of whole numbers.
 const WHOLE: &str = "a whole number of 0 or more";
 
-/// The error for a message of serde about the value under `path` (serde_path_to_error's).
+/// The error for a message of serde about the value under `path` (serde_path_to_error's) in a scene.
 pub(crate) fn explain(path: &str, message: &str) -> Error {
+    explain_in("scene", path, message)
+}
+
+/// The error for a message of serde about the value under `path` in the table `root`.
+pub(crate) fn explain_in(root: &str, path: &str, message: &str) -> Error {
     let path = shortened(if path == "." { "" } else { path });
     let inside = |name: &str| match path.as_str() {
         "" => shortened(name),
@@ -34,7 +39,7 @@ pub(crate) fn explain(path: &str, message: &str) -> Error {
     let value_error = ["invalid type: ", "invalid value: ", "invalid length ", "unknown variant "]
         .into_iter()
         .find_map(|kind| Some((kind, message.strip_prefix(kind)?)));
-    let key = if path.is_empty() { "scene".to_owned() } else { path.clone() };
+    let key = if path.is_empty() { root.to_owned() } else { path.clone() };
     match value_error.and_then(|(kind, rest)| Some((kind, rest.rsplit_once(", expected ")?))) {
         Some(("unknown variant ", (found, expected))) => {
             let name = unquoted(found);
@@ -96,6 +101,8 @@ fn plain(expected: &str) -> String {
         // The only bytes are masks.
         "u8" => mask::EXPECTED,
         "u32" | "u64" | "usize" => WHOLE,
+        "i64" => "a whole number",
+        "i32" => return format!("a whole number from {} to {}", i32::MIN, i32::MAX),
         "a boolean" => "true or false",
         "path string" | "a string" => "a text in quotes",
         "a sequence" => "a list",
@@ -104,7 +111,10 @@ fn plain(expected: &str) -> String {
         other if other.starts_with("one of ") || other.starts_with('`') => {
             return other.replace('`', "");
         }
-        other => other,
+        other => match other.strip_prefix("an array of length ") {
+            Some(length) => return format!("a list of {length} numbers"),
+            None => other,
+        },
     };
     words.to_owned()
 }

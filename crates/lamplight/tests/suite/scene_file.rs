@@ -480,6 +480,19 @@ const TOML_MISTAKES: &[Mistake] = &[
         "size = [4, 4]\n[light]\nwall_depth = nan",
         "line 3: `light.wall_depth` is nan, but must be a finite number",
     ),
+    // Tables by the order of their fields.
+    (
+        "size = [4, 4]\n[[shape]]\ncircle = [[5, 5], 3]",
+        "line 3: `shape[0].circle` is a list, but must be a table",
+    ),
+    (
+        "size = [4, 4]\n[light]\nmethod = \"polar\"\npolar = [2]",
+        "line 4: `light.polar` is a list, but must be a table",
+    ),
+    (
+        "size = [4, 4]\n[display]\nrelief = [1, 2, 3]",
+        "line 3: `display.relief` is a list, but must be a table",
+    ),
     (
         "size = [4, 4]\n[display]\ntonemap = \"filmic\"",
         "line 3: `display.tonemap` is \"filmic\", but must be one of none, reinhard, aces, agx, vivid",
@@ -499,6 +512,19 @@ const JSON_MISTAKES: &[Mistake] = &[
     ("{\"size\": [4, 4],}", "line 1, column 17: trailing comma"),
     ("{\"size\": [4, 4]} x", "line 1, column 18: trailing characters"),
     ("null", "line 1: `scene` is null, but must be a table"),
+    ("[[32, 32]]", "line 1: `scene` is a list, but must be a table"),
+    (
+        "{\"size\": [32, 32],\n\"lamp\": [[[5, 5]]]}",
+        "line 2: `lamp[0]` is a list, but must be a table",
+    ),
+    (
+        "{\"size\": [32, 32], \"light\": {\"raymarch\": [64]}}",
+        "`light.raymarch` is a list, but must be a table",
+    ),
+    (
+        "{\"size\": [32, 32], \"shape\": [{\"rect\": [[1, 1], [2, 2]]}]}",
+        "line 1: `shape[0].rect` is a list, but must be a table",
+    ),
     ("{\"size\": [4, 4],\n\"size\": [4, 4]}", "line 2: `size` is there twice"),
     ("{\"size\": [4, 4, 4]}", "line 1: `size` is a list of 3, but must be a list of 2 numbers"),
     (
