@@ -4,8 +4,11 @@ use crate::{Error, mask};
 
 /// The longest piece of a user's text that a message repeats, in characters.
 const LONGEST: usize = 80;
-/// The similarity (Jaro–Winkler, 0 to 1) above which an unknown key is taken for a misspelt one.
-const ALIKE: f64 = 0.8;
+/// The similarity from which on an unknown key is taken for a misspelt one: of three letters, one is wrong, missing or
+/// too many.
+const ALIKE: f64 = 2.0 / 3.0;
+/// The fewest bytes that are taken for the beginning of a key.
+const SHORTEST_START: usize = 3;
 
 /// A description of whole numbers.
 const WHOLE: &str = "a whole number of 0 or more";
@@ -81,13 +84,19 @@ fn unknown(name: &str, known: &str) -> String {
     format!("is not a known key{hint} (known here: {})", names.join(", "))
 }
 
-/// The name among those in backticks that a misspelt one is most like.
+/// The name among those in backticks that a misspelt one is most like, or else the first that begins with it.
 fn likely<'a>(name: &str, known: &'a str) -> Option<&'a str> {
-    in_backticks(known)
-        .map(|known| (strsim::jaro_winkler(name, known), known))
+    // The time of a comparison grows with the length, and such a one is like none.
+    if name.len() > LONGEST {
+        return None;
+    }
+    let misspelt = in_backticks(known)
+        .map(|known| (strsim::normalized_damerau_levenshtein(name, known), known))
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(likeness, _)| *likeness >= ALIKE)
-        .map(|(_, known)| known)
+        .map(|(_, known)| known);
+    let begins = |known: &&str| name.len() >= SHORTEST_START && known.starts_with(name);
+    misspelt.or_else(|| in_backticks(known).find(begins))
 }
 
 fn in_backticks(text: &str) -> impl Iterator<Item = &str> {

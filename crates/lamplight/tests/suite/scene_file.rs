@@ -493,6 +493,9 @@ const TOML_MISTAKES: &[Mistake] = &[
         "size = [4, 4]\n[display]\nrelief = [1, 2, 3]",
         "line 3: `display.relief` is a list, but must be a table",
     ),
+    // Names that are like no other.
+    ("size = [4, 4]\nskies = 1", "line 2: `skies` is not a known key (known here: size, sky,"),
+    ("size = [4, 4]\n[light]\nfoo = 1", "line 3: `light.foo` is not a known key (known here: "),
     (
         "size = [4, 4]\n[display]\ntonemap = \"filmic\"",
         "line 3: `display.tonemap` is \"filmic\", but must be one of none, reinhard, aces, agx, vivid",
