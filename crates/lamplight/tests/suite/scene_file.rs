@@ -493,6 +493,23 @@ const TOML_MISTAKES: &[Mistake] = &[
         "size = [4, 4]\n[display]\nrelief = [1, 2, 3]",
         "line 3: `display.relief` is a list, but must be a table",
     ),
+    // Images without a name.
+    (
+        "size = [4, 4]\n[layers]\nopacity = \"\"",
+        "line 3: `layers.opacity` is empty, but must be the path of an image",
+    ),
+    (
+        "size = [4, 4]\nsky = { picture = \"\" }",
+        "line 2: `sky.picture` is empty, but must be the path of an image",
+    ),
+    (
+        "size = [4, 4]\n[[shape]]\nsprite = { image = \"\", center = [1, 1] }",
+        "line 3: `shape[0].sprite.image` is empty, but must be the path of an image",
+    ),
+    (
+        "size = [4, 4]\n[[lamp]]\nposition = [1, 1]\ncookie = { picture = \"\", size = 3 }",
+        "line 4: `lamp[0].cookie.picture` is empty, but must be the path of an image",
+    ),
     // Names that are like no other.
     ("size = [4, 4]\nskies = 1", "line 2: `skies` is not a known key (known here: size, sky,"),
     ("size = [4, 4]\n[light]\nfoo = 1", "line 3: `light.foo` is not a known key (known here: "),
