@@ -285,7 +285,7 @@ const TOML_MISTAKES: &[Mistake] = &[
     (
         "size = [4, 4]\nskyy = 3",
         "line 2: `skyy` is not a known key; did you mean `sky`? (known here: size, sky, layers, \
-         shape, lamp, sun, light, display)",
+         shape, lamp, sun, light, display, $schema)",
     ),
     (
         "size = [4, 4]\nsky = \"blue\"",
@@ -576,6 +576,17 @@ fn errors_name_line_key_value_and_valid_values() {
 }
 
 #[test]
+fn the_schema_that_an_editor_uses_may_be_named() {
+    let scene = Scene::from_json("{\"$schema\": \"scene.schema.json\", \"size\": [4, 3]}").unwrap();
+    assert_eq!(scene, Scene::new(4, 3));
+    assert!(!scene.to_json().unwrap().contains("$schema"));
+    assert!(Scene::schema()["properties"].get("$schema").is_some());
+    let nested = "{\"size\": [4, 3], \"layers\": {\"$schema\": \"scene.schema.json\"}}";
+    let error = Scene::from_json(nested).unwrap_err().to_string();
+    assert!(error.contains("`layers.$schema` is not a known key"), "{error}");
+}
+
+#[test]
 fn scenes_made_in_code_are_checked_too() {
     let refused = |scene: Scene| scene.cells().unwrap_err().to_string();
     assert_eq!(
@@ -667,7 +678,10 @@ fn the_schema_has_every_key_and_no_other() {
         keys.sort();
         keys
     };
-    assert_eq!(keys(&schema["properties"]), keys(&scene));
+    let mut known = keys(&scene);
+    // It is read, and not written.
+    known.insert(0, "$schema".to_owned());
+    assert_eq!(keys(&schema["properties"]), known);
     assert_eq!(schema["additionalProperties"], false);
     assert_eq!(schema["required"], serde_json::json!(["size"]));
     let definitions = &schema["$defs"];
