@@ -75,7 +75,6 @@ pub fn run(args: CompareArgs) -> Result {
         let gpu = Gpu::choose(args.machine.backend)?;
         let device = gpu.as_ref().map_or_else(DeviceInfo::cpu, Gpu::device_info);
         if let Some(folder) = &args.report {
-            output::make_directory(folder)?;
             report::check(folder, entries.iter().map(Entry::rows).sum(), &outputs)?;
         }
         let (truth, reference) = trace_reference(&args, &cells, &settings)?;
