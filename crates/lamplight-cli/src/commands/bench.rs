@@ -57,7 +57,7 @@ pub struct BenchArgs {
     /// Not for polar and flood, which light differently
     #[arg(long)]
     yardstick: bool,
-    /// With --backend gpu: run nothing, only print how much memory a frame moves and holds
+    /// Run nothing, only print how much memory a frame on the GPU moves and holds
     #[arg(long)]
     cost: bool,
     /// Print one JSON object per line, one for each case
@@ -82,12 +82,15 @@ impl FromStr for Size {
     }
 }
 
-pub fn run(args: BenchArgs) -> Result {
-    let gpu = (args.machine.backend == Backend::Gpu).then(Gpu::open).transpose()?;
-    if gpu.is_none() && args.cost {
-        let error = CliError::bad_input("--cost is for frames on the GPU");
-        return Err(error.hint("add --backend gpu"));
+pub fn run(mut args: BenchArgs) -> Result {
+    if args.cost {
+        if args.machine.backend == Backend::Cpu {
+            let error = CliError::bad_input("--cost is for frames on the GPU");
+            return Err(error.hint("leave --backend out"));
+        }
+        args.machine.backend = Backend::Gpu;
     }
+    let gpu = (args.machine.backend == Backend::Gpu).then(Gpu::open).transpose()?;
     if gpu.is_some() && (args.yardstick || args.scale.is_some()) {
         let error = CliError::bad_input("--yardstick and --scale time the CPU");
         return Err(error.hint("leave --backend out"));

@@ -69,7 +69,7 @@ const CASES: &[Case] = &[
         2,
         &["the reference has no GPU", "hint: "],
     ),
-    ("bench --cost", 2, &["--cost", "hint: ", "--backend gpu"]),
+    ("bench --cost --backend cpu", 2, &["--cost", "hint: leave --backend out"]),
     ("compare small.toml --backend vulkan", 2, &["'vulkan'", "--backend", "auto, cpu, gpu"]),
     ("render small.toml --bounces -1", 2, &["'-1'"]),
     ("render small.toml --bounces many", 2, &["many", "0 to 256", "converged"]),
@@ -177,6 +177,15 @@ fn an_unwritable_output_is_a_failure() {
     cannot("stages dark.toml -o /proc", "write into /proc");
     cannot("compare dark.toml --report /proc/x", "make the directory /proc/x");
     sandbox.run("new /proc/x.toml").failed(1, &["error: cannot write /proc/x.toml"]);
+}
+
+#[test]
+fn the_cost_of_frames_is_that_on_the_gpu() {
+    let sandbox = Sandbox::new();
+    let cost = ["bench", "--cost", "--size", "8x8", "--method", "polar"];
+    // Where there is none.
+    let run = sandbox.command(&cost).env("WGPU_BACKEND", "gl").output().unwrap();
+    Run::from(run).failed(1, &["error: there is no GPU here"]);
 }
 
 #[test]
