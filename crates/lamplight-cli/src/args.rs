@@ -114,12 +114,17 @@ pub struct SettingArgs {
     #[arg(long, value_name = "N")]
     pub bounces: Option<Bounces>,
     /// Seed for all random numbers; the same seed gives the same bytes [default: 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed)]
     pub seed: Option<u64>,
     /// Change any setting, such as `holographic.preset=fast` or `wall_depth=4`. Repeat it for more,
     /// in any order. A preset replaces all that the scene sets for its method
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+}
+
+/// Parses a seed; the errors of `u64` do not name its range.
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
 }
 
 impl SettingArgs {
@@ -223,7 +228,7 @@ pub struct DisplayArgs {
     #[arg(long, value_name = "CURVE", value_parser = by_name(ToneMap::ALL, ToneMap::name))]
     pub tonemap: Option<ToneMap>,
     /// Exposure in stops: 1 doubles the light, -1 halves it [default: the scene's, else 0]
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS")]
     pub exposure: Option<f32>,
     /// Show each cell as K×K pixels
     #[arg(long, value_name = "K", default_value_t = 1,
