@@ -2,6 +2,7 @@
 
 use crate::available_memory;
 use crate::error::{CliError, Result};
+use crate::lit::to_json;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lamplight::{Bounces, Display, Method, Quality, Settings, SettingsTable, ToneMap};
@@ -94,12 +95,18 @@ pub struct LightingArgs {
 }
 
 impl LightingArgs {
-    /// The renderer and the settings that a scene and the flags result in.
-    pub fn resolve(&self, scene: &SettingsTable) -> Result<(Renderer, Settings)> {
+    /// The renderer and the settings that a scene and the flags result in, and the bounces that they ask for.
+    pub fn resolve(&self, scene: &SettingsTable) -> Result<(Renderer, Settings, Option<Bounces>)> {
         let table = self.settings.over(scene, self.method)?;
         let settings = table.resolve()?;
-        Ok((self.method.unwrap_or(Renderer::Method(settings.method())), settings))
+        let bounces = wanted_bounces(&table, &settings)?;
+        Ok((self.method.unwrap_or(Renderer::Method(settings.method())), settings, bounces))
     }
+}
+
+/// The bounces of settings, unless the table that they come from leaves them to the default.
+pub fn wanted_bounces(table: &SettingsTable, settings: &Settings) -> Result<Option<Bounces>> {
+    Ok(to_json(table)?.get("bounces").map(|_| settings.bounces))
 }
 
 /// Flags that change settings.

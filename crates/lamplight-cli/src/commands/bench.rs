@@ -3,7 +3,7 @@
 use crate::args::{Backend, MachineArgs, Renderer, SettingArgs, by_name};
 use crate::bench_scene::{bench_scene, bench_scene_of_lamps};
 use crate::device_info::DeviceInfo;
-use crate::error::{CliError, Result};
+use crate::error::{CliError, Result, warn};
 use crate::frame_cost::FrameCost;
 use crate::gpu::Gpu;
 use crate::input::Input;
@@ -14,6 +14,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::stage::{FrameView, Stage};
 use crate::table::table;
+use crate::warnings;
 use lamplight::internals::glow::Glow;
 use lamplight::internals::holographic::paper::Paper;
 use lamplight::{Cells, Display, Method, Settings, SettingsTable, Solver};
@@ -96,6 +97,10 @@ pub fn run(mut args: BenchArgs) -> Result {
         return Err(error.hint("leave --backend out"));
     }
     let methods = methods(&args);
+    if !args.machine.quiet {
+        let renderers: Vec<_> = methods.iter().copied().map(Renderer::Method).collect();
+        warnings::idle_settings(&args.settings.set, &renderers).iter().for_each(|text| warn(text));
+    }
     args.machine.run(|threads| {
         let (grids, scene) = grids(&args)?;
         let cases = methods.iter().flat_map(|m| grids.iter().map(move |g| (*m, g)));
