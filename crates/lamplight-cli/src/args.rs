@@ -2,6 +2,7 @@
 
 use crate::available_memory;
 use crate::error::{CliError, Result};
+use crate::lit::to_json;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lamplight::{Bounces, Display, Method, Quality, Settings, SettingsTable, ToneMap};
@@ -94,12 +95,18 @@ pub struct LightingArgs {
 }
 
 impl LightingArgs {
-    /// The renderer and the settings that a scene and the flags result in.
-    pub fn resolve(&self, scene: &SettingsTable) -> Result<(Renderer, Settings)> {
+    /// The renderer and the settings that a scene and the flags result in, and the bounces that they ask for.
+    pub fn resolve(&self, scene: &SettingsTable) -> Result<(Renderer, Settings, Option<Bounces>)> {
         let table = self.settings.over(scene, self.method)?;
         let settings = table.resolve()?;
-        Ok((self.method.unwrap_or(Renderer::Method(settings.method())), settings))
+        let bounces = wanted_bounces(&table, &settings)?;
+        Ok((self.method.unwrap_or(Renderer::Method(settings.method())), settings, bounces))
     }
+}
+
+/// The bounces of settings, unless the table that they come from leaves them to the default.
+pub fn wanted_bounces(table: &SettingsTable, settings: &Settings) -> Result<Option<Bounces>> {
+    Ok(to_json(table)?.get("bounces").map(|_| settings.bounces))
 }
 
 /// Flags that change settings.
@@ -114,12 +121,17 @@ pub struct SettingArgs {
     #[arg(long, value_name = "N")]
     pub bounces: Option<Bounces>,
     /// Seed for all random numbers; the same seed gives the same bytes [default: 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed)]
     pub seed: Option<u64>,
     /// Change any setting, such as `holographic.preset=fast` or `wall_depth=4`. Repeat it for more,
     /// in any order. A preset replaces all that the scene sets for its method
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+}
+
+/// Parses a seed; the errors of `u64` do not name its range.
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
 }
 
 impl SettingArgs {
@@ -223,7 +235,7 @@ pub struct DisplayArgs {
     #[arg(long, value_name = "CURVE", value_parser = by_name(ToneMap::ALL, ToneMap::name))]
     pub tonemap: Option<ToneMap>,
     /// Exposure in stops: 1 doubles the light, -1 halves it [default: the scene's, else 0]
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS")]
     pub exposure: Option<f32>,
     /// Show each cell as K×K pixels
     #[arg(long, value_name = "K", default_value_t = 1,

@@ -42,7 +42,7 @@ impl RenderJob {
     ) -> Result<Self> {
         let quiet = lighting.machine.quiet;
         let scene = Input::load(path)?;
-        let (renderer, mut settings) = lighting.resolve(&scene.settings())?;
+        let (renderer, mut settings, bounces) = lighting.resolve(&scene.settings())?;
         average(&mut settings, lighting.frames);
         let scale = display.scale;
         check_scale(scene.size(), scale)?;
@@ -56,7 +56,7 @@ impl RenderJob {
                 + memory::estimate_picture(size.cells, scale)
         })?;
         if computes && !quiet {
-            warn_of_what_is_ignored(lighting, renderer, &cells, &settings);
+            warn_of_what_is_ignored(lighting, renderer, &cells, &settings, bounces);
         }
         let gpu = match renderer {
             Renderer::Method(_) if computes => Gpu::choose(lighting.machine.backend)?,
@@ -126,9 +126,10 @@ fn warn_of_what_is_ignored(
     renderer: Renderer,
     cells: &Cells,
     settings: &Settings,
+    bounces: Option<Bounces>,
 ) {
     let suited = !matches!(renderer, Renderer::Method(method) if method.suits(cells).is_err());
-    if let (Some(text), true) = (warnings::left_out(renderer, cells, settings), suited) {
+    if let (Some(text), true) = (warnings::left_out(renderer, cells, settings, bounces), suited) {
         warn(&text);
     }
     if let Some(text) = warnings::missing_bounces(renderer, settings, flags.frames) {

@@ -66,7 +66,39 @@ impl OutputFiles {
 
     /// Refuses a file that cannot be written, before any work is done for it.
     pub fn check(&self, path: &Path) -> Result {
-        self.target(path).map(drop)
+        if path.is_dir() {
+            let inside = path.join("light.png");
+            let hint = format!("name a file in it, such as {}", inside.display());
+            return Err(is_a_directory(path).hint(hint));
+        }
+        let target = self.target(path)?;
+        try_writing_into(folder_of(&target)).map_err(|reason| cannot_write(path, reason))
+    }
+
+    /// Refuses a directory that cannot be made, or in which one of some files cannot be written, before any work is
+    /// done for it. Nothing is made.
+    pub fn check_directory(
+        &self,
+        path: &Path,
+        files: impl IntoIterator<Item = impl AsRef<Path>>,
+    ) -> Result {
+        let shown = path.display();
+        // A link that leads nowhere is in the way of a directory.
+        let is_there = |path: &&Path| fs::symlink_metadata(or_here(path)).is_ok();
+        let nearest = path.ancestors().find(is_there).map_or(Path::new("."), or_here);
+        if !nearest.is_dir() {
+            let it = if nearest == path { "it".into() } else { nearest.display().to_string() };
+            return Err(CliError::bad_input(format_args!(
+                "cannot write into {shown}: {it} is a file, not a directory"
+            )));
+        }
+        if nearest != or_here(path) {
+            return try_writing_into(nearest).map_err(|reason| cannot_make(path, reason));
+        }
+        try_writing_into(path).map_err(|reason| {
+            CliError::failed(format_args!("cannot write into {shown}: {reason}"))
+        })?;
+        files.into_iter().try_for_each(|file| self.target(&path.join(file)).map(drop))
     }
 
     /// Writes a whole file: beside its place first, then moved over it. If `path` is a link, its
@@ -94,13 +126,7 @@ impl OutputFiles {
     fn target(&self, path: &Path) -> Result<PathBuf> {
         let shown = path.display();
         if path.is_dir() {
-            return Err(CliError::bad_input(format_args!(
-                "cannot write {shown}: it is a directory"
-            ))
-            .hint(format_args!(
-                "name a file in it, such as {}",
-                path.join("light.png").display()
-            )));
+            return Err(is_a_directory(path).hint("remove it, or name another directory"));
         }
         let target = follow_links(path)
             .ok_or_else(|| cannot_write(path, "its links form a circle".into()))?;
@@ -140,14 +166,16 @@ impl OutputFiles {
 
 /// Creates a directory for output files, with its parents.
 pub fn make_directory(path: &Path) -> Result {
-    let shown = path.display();
-    if path.exists() && !path.is_dir() {
-        return Err(CliError::bad_input(format_args!(
-            "cannot write into {shown}: it is a file, not a directory"
-        )));
-    }
-    fs::create_dir_all(path)
-        .map_err(|e| CliError::failed(format_args!("cannot make the directory {shown}: {e}")))
+    fs::create_dir_all(path).map_err(|e| cannot_make(path, e.to_string()))
+}
+
+/// Makes a file in a directory that exists, and removes it; returns the reason if that fails.
+fn try_writing_into(folder: &Path) -> Result<(), String> {
+    tempfile::tempfile_in(folder).map(drop).map_err(|error| match error.kind() {
+        // As in /proc.
+        ErrorKind::NotFound => "no file can be made there".to_owned(),
+        _ => reason(&error),
+    })
 }
 
 /// The path behind all links, even if the last one leads to a file that does not exist.
@@ -204,6 +232,15 @@ fn cannot_write(path: &Path, reason: String) -> CliError {
     CliError::failed(format_args!("cannot write {}: {reason}", path.display()))
 }
 
+fn cannot_make(directory: &Path, reason: String) -> CliError {
+    let shown = directory.display();
+    CliError::failed(format_args!("cannot make the directory {shown}: {reason}"))
+}
+
+fn is_a_directory(path: &Path) -> CliError {
+    CliError::bad_input(format_args!("cannot write {}: it is a directory", path.display()))
+}
+
 /// The reason of an error, without the name of the temporary file.
 fn reason(error: &io::Error) -> String {
     match error.kind() {
@@ -218,7 +255,12 @@ fn reason(error: &io::Error) -> String {
 }
 
 fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+    path.parent().map_or(Path::new("."), or_here)
+}
+
+/// The current directory in place of an empty path.
+fn or_here(path: &Path) -> &Path {
+    if path.as_os_str().is_empty() { Path::new(".") } else { path }
 }
 
 /// A picture as the bytes of a PNG file.

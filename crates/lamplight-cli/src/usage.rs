@@ -2,15 +2,15 @@
 
 use crate::commands::Cli;
 use crate::error::{CliError, Result};
-use clap::Parser;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use clap::{Arg, CommandFactory, FromArgMatches};
 use std::borrow::Cow;
 use std::ffi::OsString;
 
 /// Parses the command line, which begins with the program's name. Help, versions and most errors are
 /// printed by clap.
 pub fn parse(arguments: &[OsString]) -> Result<Cli> {
-    Cli::try_parse_from(arguments).map_err(|error| {
+    cli(arguments).map_err(|error| {
         let typed: Vec<_> = arguments.iter().skip(1).map(|a| a.to_string_lossy()).collect();
         match explain(error, &typed) {
             Explained::Ours(error) => error,
@@ -21,6 +21,17 @@ pub fn parse(arguments: &[OsString]) -> Result<Cli> {
             }
         }
     })
+}
+
+fn cli(arguments: &[OsString]) -> Result<Cli, Error> {
+    // A number below 0 is a value: whatever reads it says which ones there are.
+    let with_signs = |arg: Arg| {
+        let takes_value = arg.get_action().takes_values() && !arg.is_positional();
+        if takes_value { arg.allow_negative_numbers(true) } else { arg }
+    };
+    let mut command = Cli::command().mut_subcommands(|subcommand| subcommand.mut_args(with_signs));
+    let mut matches = command.try_get_matches_from_mut(arguments)?;
+    Cli::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command))
 }
 
 enum Explained {

@@ -1,10 +1,10 @@
 //! Warnings about valid input that has no effect or is ignored.
 
-use crate::args::{DisplayArgs, LightingArgs, Position, Renderer};
+use crate::args::{DisplayArgs, LightingArgs, Renderer};
 use crate::comparison::FEEDBACK_FRAMES;
 use crate::output::Format;
 use crate::stage::Stage;
-use lamplight::{Bounces, Cells, Method, Settings};
+use lamplight::{Bounces, Cells, Method, Settings, Sight};
 
 /// Flags that have no effect on `renderer`, one sentence each.
 pub fn idle_lighting_flags(
@@ -13,17 +13,10 @@ pub fn idle_lighting_flags(
     settings: &Settings,
 ) -> Vec<String> {
     let name = renderer.name();
-    let mut idle = Vec::new();
-    for text in &flags.settings.set {
-        let key = text.strip_prefix("light.").unwrap_or(text);
-        let table = key.split(['.', '=']).next().unwrap_or_default().trim();
-        if table != name && Method::ALL.iter().any(|method| method.name() == table) {
-            idle.push(format!("`--set {text}` changes nothing: light is found by {name}"));
-        } else if table == "denoise" && renderer != Renderer::Method(Method::Raymarch) {
-            idle.push(format!("`--set {text}` changes nothing: {name} has no noise to remove"));
-        } else if table == "temporal" && flags.frames == 1 {
-            idle.push(format!("`--set {text}` changes nothing without `--frames`"));
-        }
+    let mut idle = idle_settings(&flags.settings.set, &[renderer]);
+    let temporal = flags.settings.set.iter().filter(|text| table_of(text) == "temporal");
+    for text in temporal.filter(|_| flags.frames == 1) {
+        idle.push(format!("`--set {text}` changes nothing without `--frames`"));
     }
     if flags.samples.is_some() && renderer != Renderer::Reference {
         idle.push(format!("`--samples` changes nothing: it is for the reference, not {name}"));
@@ -44,6 +37,38 @@ pub fn idle_lighting_flags(
         idle.push(format!("`--bounces` changes nothing: {why}"));
     }
     idle
+}
+
+/// Those of `--set` that have no effect on any of some renderers, one sentence each.
+pub fn idle_settings(set: &[String], renderers: &[Renderer]) -> Vec<String> {
+    let names: Vec<String> = renderers.iter().map(|renderer| renderer.name().to_owned()).collect();
+    let why = |text: &String| {
+        let table = table_of(text);
+        let of_method = Method::ALL.iter().any(|method| method.name() == table);
+        if of_method && names.iter().all(|name| name != table) {
+            return Some(format!("light is found by {}", listed(&names)));
+        }
+        let noisy = renderers.contains(&Renderer::Method(Method::Raymarch));
+        let has = if names.len() == 1 { "has" } else { "have" };
+        let idle = table == "denoise" && !noisy;
+        idle.then(|| format!("{} {has} no noise to remove", listed(&names)))
+    };
+    let sentence = |text| Some(format!("`--set {text}` changes nothing: {why}", why = why(text)?));
+    set.iter().filter_map(sentence).collect()
+}
+
+/// The first name of the key of a `--set`.
+fn table_of(text: &str) -> &str {
+    let key = text.strip_prefix("light.").unwrap_or(text);
+    key.split(['.', '=']).next().unwrap_or_default().trim()
+}
+
+/// Words as a part of a sentence.
+fn listed(words: &[String]) -> String {
+    match words {
+        [others @ .., last] if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        words => words.concat(),
+    }
 }
 
 /// The bounces that a picture lacks because they come over frames, as one sentence.
@@ -91,8 +116,13 @@ pub fn idle_display_flags(flags: &DisplayArgs, stage: Stage, format: Format) -> 
     idle
 }
 
-/// The parts of a scene that `renderer` leaves out, as one sentence.
-pub fn left_out(renderer: Renderer, cells: &Cells, settings: &Settings) -> Option<String> {
+/// The parts of a scene that `renderer` leaves out, and the `bounces` that the user asks for, as one sentence.
+pub fn left_out(
+    renderer: Renderer,
+    cells: &Cells,
+    settings: &Settings,
+    bounces: Option<Bounces>,
+) -> Option<String> {
     let glows = cells.glow().is_some_and(|glow| glow.as_flattened().iter().any(|&j| j > 0.0));
     if renderer == Renderer::Method(Method::Raymarch) && !settings.method.reads_glow() && glows {
         return Some("raymarch with `hit = \"distance\"` leaves out the glow of cells".into());
@@ -108,33 +138,39 @@ pub fn left_out(renderer: Renderer, cells: &Cells, settings: &Settings) -> Optio
         parts.push("the sky".to_owned());
     }
     let reflects = cells.albedo().as_flattened().iter().any(|&albedo| albedo > 0.0);
-    match settings.bounces {
-        _ if !reflects => {}
-        Bounces::Count(0) => {}
-        Bounces::Count(1) => parts.push("the bounce".to_owned()),
-        Bounces::Count(count) => parts.push(format!("the {count} bounces")),
-        Bounces::Converged | Bounces::Feedback => parts.push("all bounces".to_owned()),
+    match bounces.filter(|_| reflects) {
+        None | Some(Bounces::Count(0)) => {}
+        Some(Bounces::Count(1)) => parts.push("the bounce".to_owned()),
+        Some(Bounces::Count(count)) => parts.push(format!("the {count} bounces")),
+        Some(Bounces::Converged | Bounces::Feedback) => parts.push("all bounces".to_owned()),
     }
     // The others are in the warnings of the scene.
     if cells.lamps().iter().any(|lamp| !lamp.is_exact() && is_in_wall(lamp.position, cells)) {
         parts.push("lamps whose centre is inside a wall".to_owned());
     }
-    let (last, others) = parts.split_last()?;
-    let parts = match others {
-        [] => last.clone(),
-        others => format!("{} and {last}", others.join(", ")),
-    };
+    let parts = Some(listed(&parts)).filter(|parts| !parts.is_empty())?;
     Some(format!("polar lights by lamps only: it leaves out {parts}"))
 }
 
-/// Viewers inside of walls, one sentence each.
-pub fn blind_viewers(from: &[Position], cells: &Cells) -> Vec<String> {
-    let blind = from.iter().filter(|Position(eye)| is_in_wall(*eye, cells));
-    blind
-        .map(|Position([x, y])| {
-            format!("`--from {x},{y}` is inside a wall, from where nothing is seen")
-        })
-        .collect()
+/// Viewers inside of walls, and so far beyond the grid that it is out of their range, one sentence each.
+pub fn blind_viewers(viewers: &[Sight], cells: &Cells) -> Vec<String> {
+    let sides = [cells.width(), cells.height()].map(|side| side as f32);
+    let why = |sight: &Sight| {
+        let [x, y] = [0, 1].map(|a| sight.position[a] - sight.position[a].clamp(0.0, sides[a]));
+        if x.hypot(y) >= sight.range {
+            let [width, height] = sides;
+            let range = sight.range;
+            return Some(format!(
+                "is {range} px or more, the `--range`, away from the {width}×{height} scene"
+            ));
+        }
+        is_in_wall(sight.position, cells).then(|| "is inside a wall".to_owned())
+    };
+    let sentence = |sight: &Sight| {
+        let [x, y] = sight.position;
+        Some(format!("`--from {x},{y}` {}, from where nothing is seen", why(sight)?))
+    };
+    viewers.iter().filter_map(sentence).collect()
 }
 
 /// Returns true if a point lies in a solid cell.

@@ -3,6 +3,7 @@
 use crate::{Error, Result, Rgb};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
+use std::path::Path;
 
 /// The farthest coordinate, px. Beyond it, single precision would blur the edges of cells.
 const FAR: f32 = 1e6;
@@ -43,6 +44,14 @@ pub(crate) fn point(key: impl Display, [x, y]: [f32; 2]) -> Result<()> {
     }
     let expected = format!("two numbers from -{FAR} to {FAR}");
     Err(Error::value(key.to_string(), format!("[{x}, {y}]"), expected))
+}
+
+/// Checks the path of an image. Whether there is one is seen when it is read.
+pub(crate) fn image(key: impl Display, path: &Path) -> Result<()> {
+    if !path.as_os_str().is_empty() {
+        return Ok(());
+    }
+    Err(Error::value(key.to_string(), "empty", "the path of an image"))
 }
 
 /// Checks a radiance.

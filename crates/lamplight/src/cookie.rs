@@ -118,6 +118,9 @@ impl Cookie {
 
     /// Validates the cookie of a lamp in a scene. An image is not opened.
     pub(crate) fn check_in_scene(&self, key: &dyn Display) -> Result<()> {
+        if let CookiePicture::File(path) = &self.picture {
+            check::image(format_args!("{key}.picture"), path)?;
+        }
         check::number(format_args!("{key}.size"), self.size, 0.1..=1e5)?;
         check::direction(format_args!("{key}.turn"), self.turn)
     }

@@ -4,14 +4,22 @@ use crate::{Error, mask};
 
 /// The longest piece of a user's text that a message repeats, in characters.
 const LONGEST: usize = 80;
-/// The similarity (Jaro–Winkler, 0 to 1) above which an unknown key is taken for a misspelt one.
-const ALIKE: f64 = 0.8;
+/// The similarity from which on an unknown key is taken for a misspelt one: of three letters, one is wrong, missing or
+/// too many.
+const ALIKE: f64 = 2.0 / 3.0;
+/// The fewest bytes that are taken for the beginning of a key.
+const SHORTEST_START: usize = 3;
 
 /// A description of whole numbers.
 const WHOLE: &str = "a whole number of 0 or more";
 
-/// The error for a message of serde about the value under `path` (serde_path_to_error's).
+/// The error for a message of serde about the value under `path` (serde_path_to_error's) in a scene.
 pub(crate) fn explain(path: &str, message: &str) -> Error {
+    explain_in("scene", path, message)
+}
+
+/// The error for a message of serde about the value under `path` in the table `root`.
+pub(crate) fn explain_in(root: &str, path: &str, message: &str) -> Error {
     let path = shortened(if path == "." { "" } else { path });
     let inside = |name: &str| match path.as_str() {
         "" => shortened(name),
@@ -34,7 +42,7 @@ pub(crate) fn explain(path: &str, message: &str) -> Error {
     let value_error = ["invalid type: ", "invalid value: ", "invalid length ", "unknown variant "]
         .into_iter()
         .find_map(|kind| Some((kind, message.strip_prefix(kind)?)));
-    let key = if path.is_empty() { "scene".to_owned() } else { path.clone() };
+    let key = if path.is_empty() { root.to_owned() } else { path.clone() };
     match value_error.and_then(|(kind, rest)| Some((kind, rest.rsplit_once(", expected ")?))) {
         Some(("unknown variant ", (found, expected))) => {
             let name = unquoted(found);
@@ -76,13 +84,19 @@ fn unknown(name: &str, known: &str) -> String {
     format!("is not a known key{hint} (known here: {})", names.join(", "))
 }
 
-/// The name among those in backticks that a misspelt one is most like.
+/// The name among those in backticks that a misspelt one is most like, or else the first that begins with it.
 fn likely<'a>(name: &str, known: &'a str) -> Option<&'a str> {
-    in_backticks(known)
-        .map(|known| (strsim::jaro_winkler(name, known), known))
+    // The time of a comparison grows with the length, and such a one is like none.
+    if name.len() > LONGEST {
+        return None;
+    }
+    let misspelt = in_backticks(known)
+        .map(|known| (strsim::normalized_damerau_levenshtein(name, known), known))
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(likeness, _)| *likeness >= ALIKE)
-        .map(|(_, known)| known)
+        .map(|(_, known)| known);
+    let begins = |known: &&str| name.len() >= SHORTEST_START && known.starts_with(name);
+    misspelt.or_else(|| in_backticks(known).find(begins))
 }
 
 fn in_backticks(text: &str) -> impl Iterator<Item = &str> {
@@ -96,6 +110,8 @@ fn plain(expected: &str) -> String {
         // The only bytes are masks.
         "u8" => mask::EXPECTED,
         "u32" | "u64" | "usize" => WHOLE,
+        "i64" => "a whole number",
+        "i32" => return format!("a whole number from {} to {}", i32::MIN, i32::MAX),
         "a boolean" => "true or false",
         "path string" | "a string" => "a text in quotes",
         "a sequence" => "a list",
@@ -104,7 +120,10 @@ fn plain(expected: &str) -> String {
         other if other.starts_with("one of ") || other.starts_with('`') => {
             return other.replace('`', "");
         }
-        other => other,
+        other => match other.strip_prefix("an array of length ") {
+            Some(length) => return format!("a list of {length} numbers"),
+            None => other,
+        },
     };
     words.to_owned()
 }

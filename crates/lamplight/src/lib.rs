@@ -23,6 +23,8 @@ mod grid;
 mod inflow;
 #[doc(hidden)]
 pub mod internals;
+mod json;
+mod keyed;
 mod lamp;
 mod lamp_discs;
 mod lamp_inflow;

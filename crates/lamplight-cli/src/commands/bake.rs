@@ -10,12 +10,15 @@ use crate::progress::Progress;
 use lamplight::world::{MAX_SIDE, Tiling, World, WorldSettings};
 use lamplight::{Cells, Display, GridWindow, Light, Method};
 use serde_json::{Value, json};
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The file that says what the tiles of a directory are.
 const MANIFEST: &str = "bake.json";
+/// The remedy for tiles that a run cannot go on with.
+const ANEW: &str = "leave --resume out to light all tiles anew, or name another directory";
 /// Methods that know light from beyond a tile.
 const METHODS: &[Method] = &[Method::Raymarch, Method::Cascades, Method::Holographic];
 /// The smallest and the largest side of a tile, px.
@@ -117,11 +120,14 @@ fn bake(args: &BakeArgs) -> Result {
 
     let source = scene.source()?;
     let outputs = OutputFiles::protecting(scene.files()?);
-    output::make_directory(&args.output)?;
+    let (columns, rows) = (width.div_ceil(args.tile), height.div_ceil(args.tile));
+    let names = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
+    let names = names.map(|tile| tile_name(tile, args.format));
+    outputs.check_directory(&args.output, names.chain([MANIFEST.to_owned()]))?;
     let rim = Tiling::new(size, args.tile, args.halo)?.rim();
     let mut manifest = json!({
         "scene": scene.identity()?, "size": size, "tile": args.tile, "halo": args.halo, "rim": rim,
-        "columns": width.div_ceil(args.tile), "rows": height.div_ceil(args.tile),
+        "columns": columns, "rows": rows,
         "format": args.format.extension(), "settings": table, "display": display,
     });
     if let Some(origin) = scene.origin() {
@@ -131,22 +137,19 @@ fn bake(args: &BakeArgs) -> Result {
         check_manifest(&args.output, &manifest)?;
     }
 
-    let name = |tile| tile_path(&args.output, tile, args.format);
-    for row in 0..height.div_ceil(args.tile) {
-        for column in 0..width.div_ceil(args.tile) {
-            outputs.check(&name([column, row]))?;
-        }
-    }
-
     let progress = Progress::new("reading", 1, quiet);
     let world =
-        World::new(&*source, settings, |part, parts| progress.of(part as u64, parts as u64))?;
+        World::new(&*source, settings, |part, parts| progress.of(part as u64, parts as u64))
+            .map_err(|error| not_in_tiles(error, args, size))?;
     let mut tiles = world.light_tiles(args.tile)?;
     let windows = tiles.windows();
-    let name = |window: &GridWindow| name(window.first.map(|v| v / args.tile));
+    let path = |window: &GridWindow| {
+        args.output.join(tile_name(window.first.map(|v| v / args.tile), args.format))
+    };
+    output::make_directory(&args.output)?;
     if !args.resume {
         // Those of another scene would pass for finished ones, and those of a larger one for more of this.
-        for path in windows.iter().map(name).chain(listed_tiles(&args.output)) {
+        for path in windows.iter().map(path).chain(listed_tiles(&args.output)) {
             outputs.remove(&path)?;
         }
     }
@@ -156,8 +159,8 @@ fn bake(args: &BakeArgs) -> Result {
     let mut lit = 0;
     for (number, window) in windows.iter().enumerate() {
         progress.of(number as u64, windows.len() as u64);
-        let path = name(window);
-        if args.resume && path.is_file() {
+        let path = path(window);
+        if args.resume && is_finished(&path, window.size) {
             continue;
         }
         let light = tiles.light(*window)?;
@@ -191,23 +194,62 @@ fn bake(args: &BakeArgs) -> Result {
     ))
 }
 
-/// The file of a tile.
-fn tile_path(directory: &Path, [column, row]: [u32; 2], format: TileFormat) -> PathBuf {
-    directory.join(format!("{column}-{row}.{}", format.extension()))
+/// The error for what cannot be lit in tiles.
+fn not_in_tiles(error: lamplight::Error, args: &BakeArgs, [width, height]: [u32; 2]) -> CliError {
+    use lamplight::Error::{Unsuited, Value};
+    // The others are about files, which they name.
+    if !matches!(error, Unsuited { .. } | Value { .. }) {
+        return error.into();
+    }
+    let scene = &args.scene;
+    let error = CliError::from(error.in_file(scene));
+    match Cells::check_size(width.into(), height.into()) {
+        Ok(()) => {
+            let scene = scene.display();
+            error.hint(format_args!("`lamplight render {scene}` lights it in one piece"))
+        }
+        Err(_) => error,
+    }
 }
 
-/// The files of the tiles that the manifest of a directory lists: none, if it cannot be read.
+/// The file name of a tile.
+fn tile_name([column, row]: [u32; 2], format: TileFormat) -> String {
+    format!("{column}-{row}.{}", format.extension())
+}
+
+/// The column and the row in the file name of a tile.
+fn tile_of(name: &OsStr, format: TileFormat) -> Option<[u32; 2]> {
+    let (column, rest) = name.to_str()?.split_once('-')?;
+    let (row, _) = rest.split_once('.')?;
+    let tile = [column.parse().ok()?, row.parse().ok()?];
+    // `01-+2.png` is none.
+    (*tile_name(tile, format) == *name).then_some(tile)
+}
+
+/// Returns whether a file is a whole picture of a tile's size. A machine that went down may have left an empty one.
+fn is_finished(path: &Path, size: [u32; 2]) -> bool {
+    image::open(path).is_ok_and(|picture| [picture.width(), picture.height()] == size)
+}
+
+/// The files of the tiles that the manifest of a directory lists: none, if it cannot be read, or is none of this command.
 fn listed_tiles(directory: &Path) -> Vec<PathBuf> {
     let text = fs::read_to_string(directory.join(MANIFEST)).unwrap_or_default();
     let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
     let formats = [TileFormat::Png, TileFormat::Exr];
     let format = formats.into_iter().find(|format| manifest["format"] == format.extension());
-    let Some(format) = format else { return Vec::new() };
     let most = u64::from(MAX_SIDE / TILES[0]);
-    let count = |key: &str| manifest[key].as_u64().unwrap_or(0).min(most) as u32;
-    let [columns, rows] = ["columns", "rows"].map(count);
-    let tiles = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
-    tiles.map(|tile| tile_path(directory, tile, format)).collect()
+    let count = |key: &str| manifest[key].as_u64().filter(|count| *count <= most);
+    let (Some(format), Some(columns), Some(rows)) = (format, count("columns"), count("rows"))
+    else {
+        return Vec::new();
+    };
+    let is_listed = |path: &PathBuf| {
+        let tile = path.file_name().and_then(|name| tile_of(name, format));
+        tile.is_some_and(|[column, row]| u64::from(column) < columns && u64::from(row) < rows)
+    };
+    // Of a large world most may be missing: only those that are there cost time.
+    let entries = fs::read_dir(directory).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).filter(is_listed).collect()
 }
 
 /// Refuses to go on with the tiles of another scene, or of other flags.
@@ -219,8 +261,9 @@ fn check_manifest(directory: &Path, manifest: &Value) -> Result {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(CliError::failed(format_args!("cannot read {shown}: {error}"))),
     };
-    let before: Value = serde_json::from_str(&text)
-        .map_err(|error| CliError::bad_input(format_args!("cannot read {shown}: {error}")))?;
+    let before: Value = serde_json::from_str(&text).map_err(|error| {
+        CliError::bad_input(format_args!("--resume: cannot read {shown}: {error}")).hint(ANEW)
+    })?;
     // Through text, as the other came.
     let now: Value = serde_json::from_str(&manifest.to_string()).unwrap_or_default();
     let keys = now.as_object().into_iter().flat_map(|all| all.keys());
@@ -230,6 +273,6 @@ fn check_manifest(directory: &Path, manifest: &Value) -> Result {
             "--resume: `{key}` is not what it was for the tiles in {}",
             directory.display()
         ))
-        .hint("leave --resume out to light all tiles anew, or name another directory")),
+        .hint(ANEW)),
     }
 }

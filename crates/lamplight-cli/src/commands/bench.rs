@@ -3,7 +3,7 @@
 use crate::args::{Backend, MachineArgs, Renderer, SettingArgs, by_name};
 use crate::bench_scene::{bench_scene, bench_scene_of_lamps};
 use crate::device_info::DeviceInfo;
-use crate::error::{CliError, Result};
+use crate::error::{CliError, Result, warn};
 use crate::frame_cost::FrameCost;
 use crate::gpu::Gpu;
 use crate::input::Input;
@@ -14,6 +14,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::stage::{FrameView, Stage};
 use crate::table::table;
+use crate::warnings;
 use lamplight::internals::glow::Glow;
 use lamplight::internals::holographic::paper::Paper;
 use lamplight::{Cells, Display, Method, Settings, SettingsTable, Solver};
@@ -57,7 +58,7 @@ pub struct BenchArgs {
     /// Not for polar and flood, which light differently
     #[arg(long)]
     yardstick: bool,
-    /// With --backend gpu: run nothing, only print how much memory a frame moves and holds
+    /// Run nothing, only print how much memory a frame on the GPU moves and holds
     #[arg(long)]
     cost: bool,
     /// Print one JSON object per line, one for each case
@@ -82,17 +83,24 @@ impl FromStr for Size {
     }
 }
 
-pub fn run(args: BenchArgs) -> Result {
-    let gpu = (args.machine.backend == Backend::Gpu).then(Gpu::open).transpose()?;
-    if gpu.is_none() && args.cost {
-        let error = CliError::bad_input("--cost is for frames on the GPU");
-        return Err(error.hint("add --backend gpu"));
+pub fn run(mut args: BenchArgs) -> Result {
+    if args.cost {
+        if args.machine.backend == Backend::Cpu {
+            let error = CliError::bad_input("--cost is for frames on the GPU");
+            return Err(error.hint("leave --backend out"));
+        }
+        args.machine.backend = Backend::Gpu;
     }
+    let gpu = (args.machine.backend == Backend::Gpu).then(Gpu::open).transpose()?;
     if gpu.is_some() && (args.yardstick || args.scale.is_some()) {
         let error = CliError::bad_input("--yardstick and --scale time the CPU");
         return Err(error.hint("leave --backend out"));
     }
     let methods = methods(&args);
+    if !args.machine.quiet {
+        let renderers: Vec<_> = methods.iter().copied().map(Renderer::Method).collect();
+        warnings::idle_settings(&args.settings.set, &renderers).iter().for_each(|text| warn(text));
+    }
     args.machine.run(|threads| {
         let (grids, scene) = grids(&args)?;
         let cases = methods.iter().flat_map(|m| grids.iter().map(move |g| (*m, g)));

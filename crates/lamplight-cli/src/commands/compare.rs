@@ -1,6 +1,8 @@
 //! `lamplight compare`: the error and time of methods, measured against the path tracer.
 
-use crate::args::{Backend, DisplayArgs, MachineArgs, Renderer, SettingArgs, by_name};
+use crate::args::{
+    Backend, DisplayArgs, MachineArgs, Renderer, SettingArgs, by_name, wanted_bounces,
+};
 use crate::comparison::{self, Comparison, Entry, Evaluator, ReferenceLight, Row};
 use crate::device_info::DeviceInfo;
 use crate::error::{CliError, Result, warn};
@@ -14,7 +16,7 @@ use crate::report::{self, ReferenceStats};
 use crate::solve;
 use crate::table;
 use crate::warnings;
-use lamplight::{Cells, Method, Rgb, Settings};
+use lamplight::{Bounces, Cells, Method, Rgb, Settings};
 use lamplight_truth::scenes::open_cells;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -70,12 +72,12 @@ pub fn run(args: CompareArgs) -> Result {
             return Err(error.hint("methods are compared by the light of open cells"));
         }
         if !quiet {
-            warn_of_what_is_ignored(&args, methods, &cells, &settings);
+            let bounces = wanted_bounces(&table, &settings)?;
+            warn_of_what_is_ignored(&args, methods, &cells, &settings, bounces);
         }
         let gpu = Gpu::choose(args.machine.backend)?;
         let device = gpu.as_ref().map_or_else(DeviceInfo::cpu, Gpu::device_info);
         if let Some(folder) = &args.report {
-            output::make_directory(folder)?;
             report::check(folder, entries.iter().map(Entry::rows).sum(), &outputs)?;
         }
         let (truth, reference) = trace_reference(&args, &cells, &settings)?;
@@ -158,12 +160,16 @@ fn warn_of_what_is_ignored(
     methods: &[Method],
     cells: &Cells,
     settings: &Settings,
+    bounces: Option<Bounces>,
 ) {
     for &method in methods.iter().filter(|method| method.suits(cells).is_ok()) {
-        if let Some(text) = warnings::left_out(Renderer::Method(method), cells, settings) {
+        let renderer = Renderer::Method(method);
+        if let Some(text) = warnings::left_out(renderer, cells, settings, bounces) {
             warn(&text);
         }
     }
+    let renderers: Vec<_> = methods.iter().copied().map(Renderer::Method).collect();
+    warnings::idle_settings(&args.settings.set, &renderers).iter().for_each(|text| warn(text));
     if args.report.is_none() && args.display.scale > 1 {
         warn("`--scale` changes nothing without `--report`: no picture is written");
     }

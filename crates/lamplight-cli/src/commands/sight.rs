@@ -37,12 +37,10 @@ pub struct SightArgs {
     #[arg(long, value_name = "FRACTION", default_value_t = Sight::default().fade)]
     fade: f32,
     /// The direction in which viewers look, in degrees from the right downwards [default: all round]
-    #[arg(long, value_name = "DEGREES", requires = "angle", allow_negative_numbers = true,
-          value_parser = degrees(-360.0, 360.0))]
+    #[arg(long, value_name = "DEGREES", requires = "angle", value_parser = degrees(-360.0, 360.0))]
     direction: Option<f32>,
     /// The angle of their field of view, in degrees
-    #[arg(long, value_name = "DEGREES", requires = "direction", allow_negative_numbers = true,
-          value_parser = degrees(0.06, 360.0))]
+    #[arg(long, value_name = "DEGREES", requires = "direction", value_parser = degrees(0.06, 360.0))]
     angle: Option<f32>,
     /// Show each cell as K×K pixels
     #[arg(long, value_name = "K", default_value_t = DisplayArgs::default().scale,
@@ -95,13 +93,14 @@ pub fn run(args: SightArgs) -> Result {
         })?;
         outputs.check(&args.output)?;
         let drawn = cells.drawn();
+        let sights = args.sights();
         if !quiet {
-            blind_viewers(&args.from, &drawn).iter().for_each(|text| warn(text));
+            blind_viewers(&sights, &drawn).iter().for_each(|text| warn(text));
         }
         let start = Instant::now();
         let mut solver = SightSolver::default();
         solver.read(&drawn)?;
-        let seen = solver.field(&args.sights())?;
+        let seen = solver.field(&sights)?;
         let took = ms(start.elapsed()).round();
         let (width, height) = (cells.width(), cells.height());
         let bytes = match format {

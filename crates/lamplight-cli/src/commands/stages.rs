@@ -31,10 +31,8 @@ pub struct StagesArgs {
 pub fn run(args: StagesArgs) -> Result {
     args.lighting.machine.run(|_| {
         let job = RenderJob::resolve(&args.scene, &args.lighting, &args.display, true)?;
-        if args.output.is_dir() {
-            let names = Stage::ALL.into_iter().map(file_name).chain([SHEET.to_owned()]);
-            names.into_iter().try_for_each(|name| job.outputs.check(&args.output.join(name)))?;
-        }
+        let names = Stage::ALL.into_iter().map(file_name).chain([SHEET.to_owned()]);
+        job.outputs.check_directory(&args.output, names)?;
         let drawn = job.drawn();
         let fields = job.fields(&drawn)?;
         let lit = job.light()?;

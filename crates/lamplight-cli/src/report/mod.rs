@@ -21,11 +21,10 @@ pub const PAGE: &str = "index.html";
 /// Rejects a folder in which a report with `rows` rows cannot be written.
 pub fn check(folder: &Path, rows: usize, outputs: &OutputFiles) -> Result {
     let pictures = (0..rows).flat_map(|i| [page::picture_file(i), page::error_file(i)]);
-    let mut names = pictures.chain([page::REFERENCE.to_owned(), PAGE.to_owned()]);
-    names.try_for_each(|name| outputs.check(&folder.join(name)))
+    outputs.check_directory(folder, pictures.chain([page::REFERENCE, PAGE].map(str::to_owned)))
 }
 
-/// Writes the page and its pictures into a directory, and removes the pictures of the report that was
+/// Writes the page and its pictures into a directory, which it makes if need be, and removes the pictures of the report that was
 /// there before.
 pub fn write(folder: &Path, subject: &Subject, outputs: &OutputFiles) -> Result {
     let final_picture = |light: &Light| -> Result<Vec<u8>> {
@@ -41,6 +40,7 @@ pub fn write(folder: &Path, subject: &Subject, outputs: &OutputFiles) -> Result 
         files.push((page::picture_file(i), final_picture(&row.light)?));
         files.push((page::error_file(i), output::png(&enlarge(&heat, subject.scale)?)?));
     }
+    output::make_directory(folder)?;
     // A page that is not a report names no files to remove.
     let before = std::fs::read_to_string(folder.join(PAGE)).unwrap_or_default();
     let stale = page::pictures_of(&before);

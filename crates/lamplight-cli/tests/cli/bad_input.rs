@@ -25,6 +25,33 @@ const CASES: &[Case] = &[
     ("render small.toml -o small.toml/x.png", 2, &["small.toml is not a directory"]),
     ("stages small.toml -o small.toml", 2, &["small.toml", "a file, not a directory"]),
     ("compare small.toml --report small.toml", 2, &["small.toml", "a file, not a directory"]),
+    // Outputs that cannot be written are found before the work, which fails.
+    (
+        "render dark.toml --method polar -o small.toml/x.png",
+        2,
+        &["cannot write small.toml/x.png: small.toml is not a directory"],
+    ),
+    (
+        "stages dark.toml --method polar -o small.toml/x",
+        2,
+        &["cannot write into small.toml/x: small.toml is a file, not a directory"],
+    ),
+    (
+        "compare dark.toml --methods polar --report small.toml/x/y",
+        2,
+        &["cannot write into small.toml/x/y: small.toml is a file, not a directory"],
+    ),
+    (
+        "bake dark.toml --quality paper -o small.toml/x",
+        2,
+        &["cannot write into small.toml/x: small.toml is a file, not a directory"],
+    ),
+    (
+        "stages dark.toml --method polar -o full",
+        2,
+        &["cannot write full/light.png: it is a directory", "hint: remove it, or name another"],
+    ),
+    ("compare dark.toml --methods polar --report there", 2, &["polar lights lamps only"]),
     ("render small.toml --stage voronoi -o x.exr", 2, &["voronoi", "hint: ", ".png"]),
     ("render small.toml --scale 2 -o x.exr", 2, &["--scale", ".png"]),
     ("render wide.toml --scale 64", 2, &["--scale 64", "million pixels"]),
@@ -42,9 +69,11 @@ const CASES: &[Case] = &[
         2,
         &["the reference has no GPU", "hint: "],
     ),
-    ("bench --cost", 2, &["--cost", "hint: ", "--backend gpu"]),
+    ("bench --cost --backend cpu", 2, &["--cost", "hint: leave --backend out"]),
     ("compare small.toml --backend vulkan", 2, &["'vulkan'", "--backend", "auto, cpu, gpu"]),
-    ("render small.toml --bounces -1", 2, &["'-1'"]),
+    ("render small.toml --bounces -1", 2, &["'-1'", "--bounces", "0 to 256"]),
+    ("render small.toml --seed -1", 2, &["'-1'", "--seed", "from 0 to 18446744073709551615"]),
+    ("render small.toml --threads -1", 2, &["-1", "--threads", "1..=1024"]),
     ("render small.toml --bounces many", 2, &["many", "0 to 256", "converged"]),
     ("render small.toml --threads 0", 2, &["'0'", "--threads", "1..=1024"]),
     ("render small.toml --frames 0", 2, &["'0'", "--frames"]),
@@ -97,8 +126,8 @@ fn bad_input_is_explained_and_leaves_no_files() {
         .write("solid.toml", "size = [4, 4]\n[[shape]]\nrect = { min = [0, 0], max = [4, 4] }\n");
     sandbox.write("wide.toml", "size = [1000, 1000]\n");
     sandbox.write("typo.toml", "size = [4, 4]\n[[lamps]]\n");
-    for folder in ["folder", "folder.png"] {
-        std::fs::create_dir(sandbox.path(folder)).unwrap();
+    for folder in ["folder", "folder.png", "full/light.png"] {
+        std::fs::create_dir_all(sandbox.path(folder)).unwrap();
     }
     let before = sandbox.files();
     let mut wrong = Vec::new();
@@ -138,8 +167,27 @@ fn backend_gpu_fails_without_a_gpu() {
 #[cfg(target_os = "linux")]
 fn an_unwritable_output_is_a_failure() {
     let sandbox = Sandbox::small();
-    sandbox.run("render small.toml -o /proc/x.png").failed(1, &["error: cannot write /proc/x.png"]);
-    sandbox.run("stages small.toml -o /proc/x").failed(1, &["error: cannot make the directory"]);
+    // It is found before the work, which fails.
+    sandbox.write("dark.toml", "size = [8, 8]\n");
+    let cannot = |arguments: &str, says: &str| {
+        let flag = if arguments.starts_with("compare") { "--methods" } else { "--method" };
+        let run = sandbox.run(&format!("{arguments} {flag} polar"));
+        run.failed(1, &[&format!("error: cannot {says}: no file can be made there")]);
+    };
+    cannot("render dark.toml -o /proc/x.png", "write /proc/x.png");
+    cannot("stages dark.toml -o /proc/x", "make the directory /proc/x");
+    cannot("stages dark.toml -o /proc", "write into /proc");
+    cannot("compare dark.toml --report /proc/x", "make the directory /proc/x");
+    sandbox.run("new /proc/x.toml").failed(1, &["error: cannot write /proc/x.toml"]);
+}
+
+#[test]
+fn the_cost_of_frames_is_that_on_the_gpu() {
+    let sandbox = Sandbox::new();
+    let cost = ["bench", "--cost", "--size", "8x8", "--method", "polar"];
+    // Where there is none.
+    let run = sandbox.command(&cost).env("WGPU_BACKEND", "gl").output().unwrap();
+    Run::from(run).failed(1, &["error: there is no GPU here"]);
 }
 
 #[test]

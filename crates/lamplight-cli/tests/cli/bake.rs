@@ -93,22 +93,32 @@ fn a_run_goes_on_where_it_was_broken_off() {
     let all = ["0-0", "1-0", "0-1", "1-1"].map(|tile| format!("tiles/{tile}.exr"));
     let before = all.each_ref().map(|name| sandbox.read(name));
     std::fs::remove_file(sandbox.path(&all[1])).unwrap();
-    sandbox.write(&all[2], "finished before");
-    let said = sandbox.run("bake world.toml -o tiles --tile 100 --format exr --resume").done();
+    // What is whole is kept, whatever it shows.
+    sandbox.write(&all[2], &before[3]);
+    let resume = "bake world.toml -o tiles --tile 100 --format exr --resume";
+    let said = sandbox.run(resume).done();
     assert!(said.contains("3 of them from before"), "{said}");
     assert!(sandbox.read(&all[1]) == before[1], "the same tile has other bytes");
-    assert!(sandbox.read(&all[2]) == b"finished before");
+    assert!(sandbox.read(&all[2]) == before[3]);
+    sandbox.write(&all[0], "");
+    sandbox.write(&all[1], &before[1][..before[1].len() / 2]);
+    sandbox.write(&all[3], &before[0]);
+    let said = sandbox.run(resume).done();
+    assert!(said.contains("1 of them from before"), "{said}");
+    for tile in [0, 1, 3] {
+        assert!(sandbox.read(&all[tile]) == before[tile], "{} is not lit again", all[tile]);
+    }
     let again = "bake world.toml -o tiles --tile 100 --format exr";
     sandbox.run(&format!("{again} --resume --halo 8")).failed(2, &["halo", "leave --resume out"]);
     sandbox.run(&format!("{again} --resume --bounces 5")).failed(2, &["settings"]);
     sandbox.write("world.toml", WORLD.replace("150", "151"));
     sandbox.run(&format!("{again} --resume")).failed(2, &["scene"]);
-    sandbox.write("tiles/bake.json", "no JSON");
-    sandbox.run(&format!("{again} --resume")).failed(2, &["bake.json"]);
+    sandbox.write("tiles/bake.json", "{");
+    sandbox.run(&format!("{again} --resume")).failed(2, &["bake.json", "hint: leave --resume out"]);
     let said = sandbox.run(&format!("{again} --json")).done();
     let summary: Value = serde_json::from_str(&said).unwrap();
     assert_eq!((&summary["tiles"], &summary["kept"]), (&4.into(), &0.into()));
-    assert!(sandbox.read(&all[2]) != b"finished before");
+    assert!(sandbox.read(&all[2]) != before[3]);
 }
 
 #[test]
@@ -130,6 +140,15 @@ fn tiles_of_a_larger_bake_are_removed() {
     sandbox.write("tiles/bake.json", r#"{ "format": "txt", "columns": 1e30, "rows": [] }"#);
     sandbox.run("bake world.toml -o tiles --tile 64 --bounces 0 -q").done();
     assert!(sandbox.path("tiles/3-1.png").is_file());
+    // Nor does one of more tiles than there are in any world.
+    let absurd = r#"{ "format": "png", "columns": 4000000000, "rows": 4000000000 }"#;
+    sandbox.write("tiles/bake.json", absurd);
+    sandbox.run("bake world.toml -o tiles --tile 64 --bounces 0 -q").done();
+    assert!(sandbox.path("tiles/3-1.png").is_file());
+    // One of the largest world does.
+    sandbox.write("tiles/bake.json", r#"{ "format": "png", "columns": 1024, "rows": 1024 }"#);
+    sandbox.run("bake world.toml -o tiles --tile 64 --bounces 0 -q").done();
+    assert!(!sandbox.path("tiles/3-1.png").exists());
 }
 
 #[test]
@@ -178,7 +197,26 @@ fn what_cannot_be_baked_is_refused() {
     sandbox.run("bake world.toml -o world.toml").failed(2, &["it is a file, not a directory"]);
     sandbox.run("bake missing.toml -o tiles").failed(2, &["missing.toml"]);
     sandbox.write("world.toml", format!("{WORLD}direct = \"exact\"\n"));
-    sandbox.run("bake world.toml -o tiles").failed(2, &["(150, 40)", "shadow map", "glow"]);
+    let whole = "hint: `lamplight render world.toml` lights it in one piece";
+    sandbox
+        .run("bake world.toml -o a/b/c")
+        .failed(2, &["world.toml: ", "(150, 40)", "shadow map", "glow", whole]);
+    sandbox
+        .run("bake world.toml -o a/b/c --quality paper")
+        .failed(2, &["world.toml: holographic as its paper has it", whole]);
+    sandbox.write("world.toml", format!("{WORLD}[light]\nmethod = \"polar\"\n"));
+    sandbox
+        .run("bake world.toml -o a/b/c")
+        .failed(2, &["world.toml: polar knows no light", "choose raymarch", whole]);
+    sandbox.write("world.toml", sized("[17000, 120]") + "[light]\nmethod = \"polar\"\n");
+    let error = sandbox.run("bake world.toml -o a/b/c").failed(2, &["world.toml: polar knows"]);
+    assert!(!error.contains("render"), "{error}");
+    assert_eq!(sandbox.files(), ["world.toml"]);
+    std::fs::create_dir_all(sandbox.path("tiles/bake.json")).unwrap();
+    sandbox.run("bake world.toml -o tiles").failed(
+        2,
+        &["cannot write tiles/bake.json: it is a directory", "hint: remove it, or name"],
+    );
 }
 
 #[test]

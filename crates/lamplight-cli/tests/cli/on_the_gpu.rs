@@ -204,7 +204,7 @@ fn bench_times_frames_and_prints_their_cost() {
 
 #[test]
 fn a_table_of_costs_has_no_columns_of_times() {
-    let table = Sandbox::new().run("bench --backend gpu --cost --method polar --size 32x24").done();
+    let table = Sandbox::new().run("bench --cost --method polar --size 32x24").done();
     assert!(table.contains("dispatches") && table.contains("MB held"), "{table}");
     assert!(!table.contains("median") && !table.contains("runs"), "{table}");
 }

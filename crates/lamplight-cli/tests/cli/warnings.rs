@@ -60,6 +60,27 @@ fn flags_without_effect_are_named() {
 }
 
 #[test]
+fn settings_of_methods_that_are_not_run_are_named() {
+    let sandbox = Sandbox::small();
+    let compare = "compare small.toml --samples 1 --cells 2 --methods";
+    warns(
+        &sandbox,
+        &format!("{compare} polar,cascades --set raymarch.rays=4 --set polar.density=2"),
+        &["`--set raymarch.rays=4` changes nothing: light is found by polar and cascades"],
+    );
+    warns(
+        &sandbox,
+        &format!("{compare} polar,cascades --set denoise.passes=2"),
+        &["`--set denoise.passes=2` changes nothing: polar and cascades have no noise to remove"],
+    );
+    warns(
+        &sandbox,
+        "bench --size 8x8 --method polar --set raymarch.rays=4",
+        &["`--set raymarch.rays=4` changes nothing: light is found by polar"],
+    );
+}
+
+#[test]
 fn display_flags_without_effect_are_named() {
     let sandbox = Sandbox::small();
     let render = |flags: &str, warnings: &[&str]| {
@@ -103,15 +124,27 @@ fn polar_names_what_it_leaves_out() {
     sandbox.write("glow.toml", format!("size = [17, 17]\n{glow}{lamp}"));
     sandbox.write("lamp.toml", format!("size = [17, 17]\n{lamp}"));
     sandbox.write("wall.toml", format!("size = [17, 17]\n{wall}{lamp}"));
-    let all = "polar lights by lamps only: it leaves out glowing matter, the sky and the 2 bounces";
+    let all = "polar lights by lamps only: it leaves out glowing matter and the sky";
     warns(&sandbox, "probe all.toml 2,5 --method polar", &[all]);
     warns(&sandbox, "render all.toml --method polar", &[all]);
     warns(&sandbox, "stages all.toml -o out --method polar", &[all]);
     warns(&sandbox, "compare all.toml --methods polar,cascades --samples 1 --cells 2", &[all]);
     let glow = "polar lights by lamps only: it leaves out glowing matter";
     warns(&sandbox, "probe glow.toml 2,5 --method polar", &[glow]);
+    // Bounces that nobody asks for are not missed.
+    warns(&sandbox, "probe wall.toml 2,5 --method polar", &[]);
     let bounces = "polar lights by lamps only: it leaves out all bounces";
     warns(&sandbox, "probe wall.toml 2,5 --method polar --bounces converged", &[bounces]);
+    let bounces = "polar lights by lamps only: it leaves out the 2 bounces";
+    warns(&sandbox, "probe wall.toml 2,5 --method polar --set bounces=2", &[bounces]);
+    let both =
+        "polar lights by lamps only: it leaves out glowing matter, the sky and the 2 bounces";
+    warns(&sandbox, "render all.toml --method polar --bounces 2", &[both]);
+    let own = format!("size = [17, 17]\n{wall}{lamp}[light]\nmethod = \"polar\"\nbounces = 1\n");
+    sandbox.write("own.toml", own);
+    let bounce = "polar lights by lamps only: it leaves out the bounce";
+    warns(&sandbox, "probe own.toml 2,5", &[bounce]);
+    warns(&sandbox, "compare own.toml --methods polar --samples 1 --cells 2", &[bounce]);
     sandbox.write(
         "inside.toml",
         format!("size = [17, 17]\n{wall}{}", lamp.replace("8.5, 8.5", "14.5, 1.5")),
@@ -154,6 +187,9 @@ fn a_viewer_inside_a_wall_is_named() {
     let blind = "`--from 15,10` is inside a wall, from where nothing is seen";
     warns(&sandbox, &sight("--from 4,4 --from 15,10"), &[blind]);
     sandbox.run(&sight("--from 4,4 --from=-15,10 --from 15,90")).done();
+    let far = "`--from -15,10` is 10 px or more, the `--range`, away from the 32×20 scene, from where nothing is \
+               seen";
+    warns(&sandbox, &sight("--from 4,4 --from=-15,10 --from 41,10 --range 10"), &[far]);
 }
 
 /// Mesa asks for the display server's folder when GPUs are listed, and prints an error without it.

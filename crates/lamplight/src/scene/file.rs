@@ -2,7 +2,8 @@
 
 use super::Scene;
 use crate::explain::explain;
-use crate::{Error, Result};
+use crate::keyed::Keyed;
+use crate::{Error, Result, json};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -53,7 +54,7 @@ impl Scene {
             finite("light", light, text)?;
         }
         let document = toml::Deserializer::from(document);
-        let scene: Self = serde_path_to_error::deserialize(document).map_err(|e| {
+        let scene: Self = serde_path_to_error::deserialize(Keyed(document)).map_err(|e| {
             let key = e.path().to_string();
             let error = e.into_inner();
             let (line, _) = place(text, error.span().map_or(0, |span| span.start));
@@ -69,18 +70,7 @@ impl Scene {
     }
 
     fn json_checked(text: &str, check: fn(&Self) -> Result<()>) -> Result<Self> {
-        let mut document = serde_json::Deserializer::from_str(text);
-        let scene: Self = serde_path_to_error::deserialize(&mut document).map_err(|e| {
-            let key = e.path().to_string();
-            let error = e.into_inner();
-            if error.is_data() {
-                let source = Box::new(explain(&key, &without_place(&error)));
-                Error::AtLine { line: error.line(), source }
-            } else {
-                json_syntax(&error)
-            }
-        })?;
-        document.end().map_err(|e| json_syntax(&e))?;
+        let scene: Self = json::read(text, "scene")?;
         check(&scene)?;
         Ok(scene)
     }
@@ -131,18 +121,6 @@ fn read(path: &Path) -> Result<String> {
         Some(text) => text.to_owned(),
         None => text,
     })
-}
-
-fn json_syntax(error: &serde_json::Error) -> Error {
-    let (line, column) = (error.line(), error.column());
-    Error::Syntax { line, column, problem: without_place(error) }
-}
-
-/// The message of an error of serde_json, without the position at its end.
-fn without_place(error: &serde_json::Error) -> String {
-    let message = error.to_string();
-    let place = format!(" at line {} column {}", error.line(), error.column());
-    message.strip_suffix(&place).unwrap_or(&message).to_owned()
 }
 
 /// The line and column of a byte of a text, both from 1.

@@ -135,6 +135,7 @@ impl Geometry {
                 Err(Error::value(format!("{key}.line.to"), found, "another point than `from`"))
             }
             Self::Sprite(sprite) => {
+                check::image(format_args!("{key}.sprite.image"), &sprite.image)?;
                 check::point(format_args!("{key}.sprite.center"), sprite.center)?;
                 check::number(format_args!("{key}.sprite.scale"), sprite.scale, 0.001..=1000.0)
             }

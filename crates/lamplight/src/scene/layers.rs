@@ -159,6 +159,9 @@ impl Layers {
     pub(crate) fn check(&self) -> Result<()> {
         check::number("layers.emission_scale", self.emission_scale, 0.0..=1e6)?;
         check::number("layers.glow_scale", self.glow_scale, 0.0..=1e6)?;
+        for (key, image) in self.named() {
+            check::image(format_args!("layers.{key}"), image)?;
+        }
         for (key, image) in self.in_tiles() {
             let key = format!("layers.{key}");
             if tile_parts(image) != [true; 2] {

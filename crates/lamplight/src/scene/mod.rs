@@ -29,6 +29,7 @@ use coverage::Window;
 use layer::ScenePlace;
 use pictures::Pictures;
 use schemars::JsonSchema;
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use source::Source;
 use std::path::{Path, PathBuf};
@@ -73,6 +74,10 @@ pub struct Scene {
     /// The conversion of light to the final picture.
     #[serde(default)]
     pub display: Display,
+    /// The address of the JSON Schema, for editors. It has no effect.
+    #[serde(rename = "$schema", default, skip_serializing)]
+    #[schemars(with = "String")]
+    schema: IgnoredAny,
     /// The file it was read from; relative paths start at its folder.
     #[serde(skip)]
     file: PathBuf,
@@ -90,6 +95,7 @@ impl Scene {
             suns: Vec::new(),
             settings: SettingsTable::default(),
             display: Display::default(),
+            schema: IgnoredAny,
             file: PathBuf::new(),
         }
     }

@@ -3,13 +3,19 @@
 use super::source::Source;
 use crate::{Error, Result, Rgb, srgb};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
-use std::io::{BufRead, Cursor, Seek, SeekFrom};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// Bytes that decoding may take in addition to the pixels.
 const DECODER_BYTES: u64 = 64 << 20;
 /// Bytes of the largest pixel (four 32-bit channels), twice: as decoded and as kept.
 const PIXEL_BYTES: u64 = 32;
+
+/// The remedy for a file of another kind.
+const NEEDED: &str = "a PNG, EXR, WebP or JPEG image is needed";
+/// The problem of a file that ends before its pixels do.
+const CUT_SHORT: &str = "the image is cut short";
 
 /// The pixels of an image, as precise as in its file.
 #[derive(Debug)]
@@ -54,10 +60,12 @@ impl Picture {
         if !metadata.is_file() {
             return Err(Error::Format {
                 path: path.to_owned(),
-                problem: "it is not a file; a PNG, EXR, WebP or JPEG image is needed".into(),
+                problem: format!("it is not a file; {NEEDED}"),
             });
         }
-        Self::decode(ImageReader::open(path).map_err(unread)?, path, accept)
+        // Its format follows from what it holds: a text stays one under any name.
+        let file = BufReader::new(File::open(path).map_err(unread)?);
+        Self::decode(ImageReader::new(file), path, accept)
     }
 
     fn decode(
@@ -66,18 +74,23 @@ impl Picture {
         mut accept: impl FnMut(u32, u32) -> Result<()>,
     ) -> Result<Self> {
         let unread = |source| Error::Read { path: path.to_owned(), source };
+        let wrong = |problem: String| Error::Format { path: path.to_owned(), problem };
         let reader = reader.with_guessed_format().map_err(unread)?;
-        if reader.format() == Some(ImageFormat::OpenExr) {
-            let mut file = reader.into_inner();
-            let start = file.stream_position().map_err(unread)?;
-            if let Some(image) = one_channel_exr(&mut file, path, &mut accept)? {
-                return Ok(Self::Float(image));
-            }
-            file.seek(SeekFrom::Start(start)).map_err(unread)?;
-            let reader = ImageReader::with_format(file, ImageFormat::OpenExr);
-            return Self::pixels(reader, path, accept);
+        let format =
+            reader.format().ok_or_else(|| wrong(format!("it is not an image; {NEEDED}")))?;
+        let mut file = reader.into_inner();
+        let start = file.stream_position().map_err(unread)?;
+        if format == ImageFormat::OpenExr
+            && let Some(image) = one_channel_exr(&mut file, path, &mut accept)?
+        {
+            return Ok(Self::Float(image));
         }
-        Self::pixels(reader, path, accept)
+        // Its decoder fills what is missing with grey.
+        if format == ImageFormat::Jpeg && !has_end_of_jpeg(&mut file).map_err(unread)? {
+            return Err(wrong(CUT_SHORT.into()));
+        }
+        file.seek(SeekFrom::Start(start)).map_err(unread)?;
+        Self::pixels(ImageReader::with_format(file, format), path, accept)
     }
 
     fn pixels(
@@ -203,12 +216,35 @@ fn one_channel_exr(
     Ok(Some(image.layer_data.channel_data.pixels))
 }
 
+/// Returns whether a JPEG has its end-of-image marker (ITU-T T.81, B.1.1): 0xFF, then 0xD9.
+///
+/// Pixels have a 0 after each 0xFF. Other segments, such as a thumbnail, may hold any bytes and are skipped.
+fn has_end_of_jpeg(file: &mut (impl BufRead + Seek)) -> io::Result<bool> {
+    loop {
+        file.skip_until(0xFF)?;
+        let mut next = || file.by_ref().bytes().find(|byte| !matches!(byte, Ok(0xFF))).transpose();
+        match next()? {
+            None => return Ok(false),
+            Some(0xD9) => return Ok(true),
+            // Pixels, and the markers without a segment.
+            Some(0x00 | 0x01 | 0xD0..=0xD8) => {}
+            Some(_) => {
+                let mut length = [0; 2];
+                match file.read_exact(&mut length) {
+                    Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => return Ok(false),
+                    read => read?,
+                }
+                // It counts itself.
+                file.seek_relative(i64::from(u16::from_be_bytes(length)) - 2)?;
+            }
+        }
+    }
+}
+
 fn broken(path: &Path, error: ImageError) -> Error {
     let problem = match error {
-        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
-            "the image is cut short".into()
-        }
-        ImageError::Unsupported(e) => format!("{e}; a PNG, EXR, WebP or JPEG image is needed"),
+        ImageError::IoError(e) if e.kind() == io::ErrorKind::UnexpectedEof => CUT_SHORT.into(),
+        ImageError::Unsupported(e) => format!("{e}; {NEEDED}"),
         // The decoder's own words name the parts of the format.
         ImageError::Decoding(e) if e.format_hint() != ImageFormat::OpenExr.into() => {
             let format = e.format_hint().to_string();

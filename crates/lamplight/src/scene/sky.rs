@@ -116,6 +116,7 @@ impl SceneSky {
         match self {
             Self::Radiance(sky) => sky.check(),
             Self::Picture(sky) => {
+                check::image("sky.picture", &sky.picture)?;
                 check::number("sky.intensity", sky.intensity, 0.0..=1e6)?;
                 check::direction("sky.turn", sky.turn)
             }

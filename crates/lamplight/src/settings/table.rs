@@ -4,6 +4,7 @@ use super::file::SettingsFile;
 use super::preset::no_preset;
 use super::{Cascades, Flood, Holographic, Method, Polar, Quality, Raymarch, Settings};
 use crate::explain::explain;
+use crate::keyed::Keyed;
 use crate::{Error, Result};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
@@ -105,8 +106,9 @@ impl SettingsTable {
         expand_preset(&mut table, "polar", Polar::PRESETS, Polar::preset)?;
         expand_preset(&mut table, "cascades", Cascades::PRESETS, Cascades::preset)?;
         expand_preset(&mut table, "holographic", Holographic::PRESETS, Holographic::preset)?;
-        let value = Value::Object(table);
-        let settings: SettingsFile = serde_path_to_error::deserialize(&value).map_err(|e| {
+        let table = Value::Object(table);
+        let keyed = Keyed(&table);
+        let settings: SettingsFile = serde_path_to_error::deserialize(keyed).map_err(|e| {
             let path = e.path().to_string();
             let mut message = e.into_inner().to_string();
             let of_method = |path: &str| Method::ALL.iter().any(|m| path.starts_with(m.name()));

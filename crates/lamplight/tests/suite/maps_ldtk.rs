@@ -290,9 +290,19 @@ fn levels_have_the_light_of_their_cells() {
 fn errors_name_the_file_the_level_and_the_layer() {
     let folder = two_levels();
     let good = fs::read_to_string(folder.0.path().join("in.ldtk")).unwrap();
-    let cases: [(String, &[&str]); 9] = [
+    let cases: [(String, &[&str]); 11] = [
         ("{".into(), &["a.ldtk", "not a project of LDtk"]),
         ("{}".into(), &["a.ldtk", "defs"]),
+        (
+            "[]".into(),
+            &[
+                "a.ldtk: it is not a project of LDtk: line 1: `project` is a list, but must be a table",
+            ],
+        ),
+        (
+            good.replacen("\"worldX\":", "\"worldX\":0.5,\"x\":", 1),
+            &["`levels[0].worldX` is 0.5, but must be a whole number from -2147483648 to "],
+        ),
         (good.replacen("\"pxWid\":80", "\"pxWid\":-80", 1), &["levels[0]", "-80"]),
         (
             good.replacen("\"pxWid\":80", "\"pxWid\":800000", 1),

@@ -613,6 +613,12 @@ fn errors_name_the_file_the_line_and_the_remedy() {
     }
     for (name, text, words) in [
         ("a.world", "{", "not a world of Tiled"),
+        ("a.world", "[[]]", "line 1: `world` is a list, but must be a table"),
+        (
+            "a.world",
+            "{ \"maps\": [{ \"fileName\": \"a.tmx\", \"x\": 0.5 }] }",
+            "a.world: it is not a world of Tiled: line 1: `maps[0].x` is 0.5, but must be a whole number",
+        ),
         ("a.world", "{ \"maps\": [] }", "has no map"),
         ("a.world", "{ \"patterns\": [{}] }", "list them under `maps`"),
         (

@@ -285,7 +285,7 @@ const TOML_MISTAKES: &[Mistake] = &[
     (
         "size = [4, 4]\nskyy = 3",
         "line 2: `skyy` is not a known key; did you mean `sky`? (known here: size, sky, layers, \
-         shape, lamp, sun, light, display)",
+         shape, lamp, sun, light, display, $schema)",
     ),
     (
         "size = [4, 4]\nsky = \"blue\"",
@@ -480,6 +480,39 @@ const TOML_MISTAKES: &[Mistake] = &[
         "size = [4, 4]\n[light]\nwall_depth = nan",
         "line 3: `light.wall_depth` is nan, but must be a finite number",
     ),
+    // Tables by the order of their fields.
+    (
+        "size = [4, 4]\n[[shape]]\ncircle = [[5, 5], 3]",
+        "line 3: `shape[0].circle` is a list, but must be a table",
+    ),
+    (
+        "size = [4, 4]\n[light]\nmethod = \"polar\"\npolar = [2]",
+        "line 4: `light.polar` is a list, but must be a table",
+    ),
+    (
+        "size = [4, 4]\n[display]\nrelief = [1, 2, 3]",
+        "line 3: `display.relief` is a list, but must be a table",
+    ),
+    // Images without a name.
+    (
+        "size = [4, 4]\n[layers]\nopacity = \"\"",
+        "line 3: `layers.opacity` is empty, but must be the path of an image",
+    ),
+    (
+        "size = [4, 4]\nsky = { picture = \"\" }",
+        "line 2: `sky.picture` is empty, but must be the path of an image",
+    ),
+    (
+        "size = [4, 4]\n[[shape]]\nsprite = { image = \"\", center = [1, 1] }",
+        "line 3: `shape[0].sprite.image` is empty, but must be the path of an image",
+    ),
+    (
+        "size = [4, 4]\n[[lamp]]\nposition = [1, 1]\ncookie = { picture = \"\", size = 3 }",
+        "line 4: `lamp[0].cookie.picture` is empty, but must be the path of an image",
+    ),
+    // Names that are like no other.
+    ("size = [4, 4]\nskies = 1", "line 2: `skies` is not a known key (known here: size, sky,"),
+    ("size = [4, 4]\n[light]\nfoo = 1", "line 3: `light.foo` is not a known key (known here: "),
     (
         "size = [4, 4]\n[display]\ntonemap = \"filmic\"",
         "line 3: `display.tonemap` is \"filmic\", but must be one of none, reinhard, aces, agx, vivid",
@@ -499,6 +532,19 @@ const JSON_MISTAKES: &[Mistake] = &[
     ("{\"size\": [4, 4],}", "line 1, column 17: trailing comma"),
     ("{\"size\": [4, 4]} x", "line 1, column 18: trailing characters"),
     ("null", "line 1: `scene` is null, but must be a table"),
+    ("[[32, 32]]", "line 1: `scene` is a list, but must be a table"),
+    (
+        "{\"size\": [32, 32],\n\"lamp\": [[[5, 5]]]}",
+        "line 2: `lamp[0]` is a list, but must be a table",
+    ),
+    (
+        "{\"size\": [32, 32], \"light\": {\"raymarch\": [64]}}",
+        "`light.raymarch` is a list, but must be a table",
+    ),
+    (
+        "{\"size\": [32, 32], \"shape\": [{\"rect\": [[1, 1], [2, 2]]}]}",
+        "line 1: `shape[0].rect` is a list, but must be a table",
+    ),
     ("{\"size\": [4, 4],\n\"size\": [4, 4]}", "line 2: `size` is there twice"),
     ("{\"size\": [4, 4, 4]}", "line 1: `size` is a list of 3, but must be a list of 2 numbers"),
     (
@@ -527,6 +573,17 @@ fn errors_name_line_key_value_and_valid_values() {
     };
     TOML_MISTAKES.iter().for_each(|mistake| check(mistake, Scene::from_toml));
     JSON_MISTAKES.iter().for_each(|mistake| check(mistake, Scene::from_json));
+}
+
+#[test]
+fn the_schema_that_an_editor_uses_may_be_named() {
+    let scene = Scene::from_json("{\"$schema\": \"scene.schema.json\", \"size\": [4, 3]}").unwrap();
+    assert_eq!(scene, Scene::new(4, 3));
+    assert!(!scene.to_json().unwrap().contains("$schema"));
+    assert!(Scene::schema()["properties"].get("$schema").is_some());
+    let nested = "{\"size\": [4, 3], \"layers\": {\"$schema\": \"scene.schema.json\"}}";
+    let error = Scene::from_json(nested).unwrap_err().to_string();
+    assert!(error.contains("`layers.$schema` is not a known key"), "{error}");
 }
 
 #[test]
@@ -621,7 +678,10 @@ fn the_schema_has_every_key_and_no_other() {
         keys.sort();
         keys
     };
-    assert_eq!(keys(&schema["properties"]), keys(&scene));
+    let mut known = keys(&scene);
+    // It is read, and not written.
+    known.insert(0, "$schema".to_owned());
+    assert_eq!(keys(&schema["properties"]), known);
     assert_eq!(schema["additionalProperties"], false);
     assert_eq!(schema["required"], serde_json::json!(["size"]));
     let definitions = &schema["$defs"];

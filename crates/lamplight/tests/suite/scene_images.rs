@@ -235,6 +235,36 @@ fn webp_and_jpeg_are_read() {
     }
 }
 
+#[test]
+fn an_image_that_is_cut_short_is_no_layer() {
+    let bench = Bench::new();
+    let noise = image::RgbImage::from_fn(40, 30, |x, y| Rgb([(x * 97 + y * 57) as u8, y as u8, 9]));
+    for name in ["c.png", "c.jpg", "c.webp"] {
+        bench.image(name, noise.clone());
+    }
+    bench.image("c.exr", DynamicImage::from(noise).into_rgb32f());
+    // A thumbnail, which has an end of its own, and a 0xFF that fills up to a marker.
+    let jpeg = std::fs::read(bench.folder.path().join("c.jpg")).unwrap();
+    let thumbnail =
+        [&[0xFF, 0xD8, 0xFF, 0xE1, 0, 6, 1, 1, 0xFF, 0xD9, 0xFF][..], &jpeg[2..]].concat();
+    bench.bytes("t.jpg", &thumbnail);
+    for name in ["c.png", "c.jpg", "t.jpg", "c.webp", "c.exr"] {
+        let scene = format!("size = [40, 30]\nlayers = {{ emission = \"{name}\" }}");
+        bench.cells(&scene).unwrap();
+        let bytes = std::fs::read(bench.folder.path().join(name)).unwrap();
+        // Other formats than JPEG show without their last bytes that all pixels are there.
+        let end = if name.ends_with("jpg") { 1 } else { 16 };
+        for kept in [bytes.len() / 2, bytes.len() / 4 * 3, bytes.len() - end] {
+            bench.bytes(name, &bytes[..kept]);
+            let error = bench.cells(&scene).err().unwrap_or_default();
+            let expected = format!("scene.toml: line 2: `layers.emission`: cannot read {name}: ");
+            assert!(error.starts_with(&expected), "{error}");
+            let names_it = error.ends_with("the image is cut short");
+            assert!(names_it || !name.ends_with("jpg"), "{kept} bytes: {error}");
+        }
+    }
+}
+
 /// 3×2 px: red, green, blue; then clear, half-clear white, grey.
 fn sprite() -> RgbaImage {
     let row = |row: [[u8; 4]; 3]| row.into_iter().flatten();
@@ -341,6 +371,7 @@ fn invalid_images_are_rejected_with_line_key_and_file() {
         .bytes("stub.png", &png_claiming(4, 4)[..20])
         .bytes("bad.png", &damaged)
         .bytes("text.png", b"these are no pixels")
+        .bytes("note.png", b"hi\n")
         .bytes("empty.png", b"");
     std::fs::create_dir(bench.folder.path().join("folder.png")).unwrap();
     let layer = |name: &str, size: [u32; 2]| {
@@ -362,8 +393,10 @@ fn invalid_images_are_rejected_with_line_key_and_file() {
     refused("cut.png", [4, 4], ": cannot read cut.png: ");
     refused("stub.png", [4, 4], ": cannot read stub.png: ");
     refused("bad.png", [3, 2], ": cannot read bad.png: it is not a PNG image that can be read");
-    refused("text.png", [4, 4], ": cannot read text.png: ");
-    refused("empty.png", [4, 4], ": cannot read empty.png: ");
+    let no_image = "it is not an image; a PNG, EXR, WebP or JPEG image is needed";
+    for name in ["text.png", "note.png", "empty.png"] {
+        refused(name, [4, 4], &format!(": cannot read {name}: {no_image}"));
+    }
     refused("folder.png", [4, 4], ": cannot read folder.png: it is not a file; a PNG, EXR");
     for name in ["short.png", "cut.png", "stub.png", "text.png", "empty.png"] {
         println!("{}", layer(name, if name == "short.png" { [300, 200] } else { [4, 4] }));

@@ -267,6 +267,8 @@ fn unknown_keys_and_values_are_rejected_with_the_valid_ones() {
         ("raymarch.rays=[1, 2]", "`raymarch.rays` is a list, but must be a whole number"),
         ("raymarch.rays.x=1", "`raymarch.rays` is a table, but must be a whole number"),
         ("raymarch=5", "`raymarch` is 5, but must be a table"),
+        ("raymarch=[5]", "`raymarch` is a list, but must be a table"),
+        ("foo=5", "`foo` is not a known key (known here: quality, method, "),
         (
             "raymarch.noise=pink",
             "`raymarch.noise` is \"pink\", but must be one of white, blue, golden",

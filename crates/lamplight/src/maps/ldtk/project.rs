@@ -4,7 +4,7 @@ use super::json::{Definitions, LevelFile, ProjectFile};
 use super::level;
 use crate::maps::map_file::{beside, read_text};
 use crate::maps::tile_map::TileMap;
-use crate::{Error, Result};
+use crate::{Error, Result, json};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -30,7 +30,7 @@ pub(in crate::maps) enum LevelMap {
 
 /// Reads a project, and the levels that are inside.
 pub(in crate::maps) fn read_project(path: &Path) -> Result<(Project, Vec<PlacedLevel>)> {
-    let file: ProjectFile = parse(path, "a project")?;
+    let file: ProjectFile = parse(path, "project")?;
     let ProjectFile { defs, levels, worlds, world_layout } = file;
     let (levels, layout) = match worlds.into_iter().next() {
         Some(world) if levels.is_empty() => (world.levels, world.world_layout),
@@ -66,7 +66,7 @@ pub(in crate::maps) fn read_project(path: &Path) -> Result<(Project, Vec<PlacedL
 impl Project {
     /// Reads a level that is in a file of its own.
     pub fn read_level(&self, path: &Path) -> Result<TileMap> {
-        self.level(&parse(path, "a level")?, path)
+        self.level(&parse(path, "level")?, path)
     }
 
     fn level(&self, found: &LevelFile, path: &Path) -> Result<TileMap> {
@@ -77,12 +77,10 @@ impl Project {
     }
 }
 
+/// Reads a file of LDtk that has to be `what`.
 fn parse<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T> {
-    let text = read_text(path)?;
-    let mut json = serde_json::Deserializer::from_str(&text);
-    serde_path_to_error::deserialize(&mut json).map_err(|e| {
-        let (at, error) = (e.path().to_string(), e.inner());
-        let problem = format!("it is not {what} of LDtk: `{at}`: {error}");
-        Error::Format { path: path.to_owned(), problem }
+    json::read(&read_text(path)?, what).map_err(|e| Error::Format {
+        path: path.to_owned(),
+        problem: format!("it is not a {what} of LDtk: {e}"),
     })
 }

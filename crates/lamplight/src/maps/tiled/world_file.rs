@@ -1,7 +1,7 @@
 //! A world of maps (`.world`): JSON with the place of each map.
 
 use crate::maps::map_file::{beside, read_text};
-use crate::{Error, Result};
+use crate::{Error, Result, json};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -38,7 +38,7 @@ struct MapEntry {
 pub(in crate::maps) fn read_world(path: &Path) -> Result<Vec<WorldEntry>> {
     let text = read_text(path)?;
     let wrong = |problem: String| Error::Format { path: path.to_owned(), problem };
-    let world: WorldFile = serde_json::from_str(&text)
+    let world: WorldFile = json::read(&text, "world")
         .map_err(|e| wrong(format!("it is not a world of Tiled: {e}")))?;
     if !world.patterns.is_empty() {
         let problem = "places maps by patterns, which are not read: list them under `maps`";
