@@ -2,7 +2,7 @@
 
 use crate::available_memory;
 use crate::error::{CliError, Result};
-use crate::lit::to_json;
+use crate::json::to_json;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lamplight::{Bounces, Display, Method, Quality, Settings, SettingsTable, ToneMap};

@@ -24,6 +24,7 @@ mod frames;
 mod gpu;
 mod input;
 mod job;
+mod json;
 mod lit;
 mod memory;
 #[cfg(not(feature = "gpu"))]

@@ -2,7 +2,6 @@
 
 use crate::args::Renderer;
 use crate::device_info::DeviceInfo;
-use crate::error::{CliError, Result};
 use lamplight::Light;
 use serde_json::{Map, Value};
 use std::time::Duration;
@@ -32,9 +31,4 @@ impl Lit {
 /// A time in milliseconds, to the microsecond.
 pub fn ms(time: Duration) -> f64 {
     time.as_micros() as f64 / 1000.0
-}
-
-/// A value as JSON.
-pub fn to_json(value: &impl serde::Serialize) -> Result<Value> {
-    serde_json::to_value(value).map_err(CliError::failed)
 }

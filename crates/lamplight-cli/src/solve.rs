@@ -3,7 +3,8 @@
 use crate::args::Renderer;
 use crate::device_info::DeviceInfo;
 use crate::error::Result;
-use crate::lit::{Lit, to_json};
+use crate::json::to_json;
+use crate::lit::Lit;
 use crate::progress::Progress;
 use crate::stage::Fields;
 use lamplight::{Cells, Rgb, Settings, Solver};

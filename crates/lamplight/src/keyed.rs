@@ -11,7 +11,7 @@ use std::fmt;
 pub(crate) struct Keyed<T>(pub T);
 
 /// The visitor of a struct.
-struct Table<V>(V);
+struct KeyedStruct<V>(V);
 
 /// Passes on what a deserializer is asked for.
 macro_rules! ask {
@@ -31,7 +31,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Keyed<D> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        self.0.deserialize_struct(name, fields, Table(visitor))
+        self.0.deserialize_struct(name, fields, KeyedStruct(visitor))
     }
 
     ask! {
@@ -52,7 +52,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Keyed<D> {
     }
 }
 
-impl<'de, V: Visitor<'de>> Visitor<'de> for Table<V> {
+impl<'de, V: Visitor<'de>> Visitor<'de> for KeyedStruct<V> {
     type Value = V::Value;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {

@@ -42,7 +42,7 @@ pub struct Lit {
     still: Still,
 }
 
-/// What computes it.
+/// The backend in use.
 enum Computes {
     Gpu(Box<OnGpu>),
     Cpu(Box<OnCpu>),

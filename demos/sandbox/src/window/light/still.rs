@@ -1,5 +1,5 @@
-//! Whether light has to be computed again: not while nothing moves, so that a window in which nobody paints leaves the
-//! machine alone.
+//! Scenes that stay the same: while nothing moves, light is not computed again, so that a window in which nobody paints
+//! leaves the machine alone.
 
 use super::shown::Shown;
 use lamplight::{Bounces, Cells, Settings};
