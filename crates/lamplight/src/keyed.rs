@@ -1,8 +1,8 @@
 //! Tables that are read by their keys only.
 //!
-//! What serde derives for a struct also takes a list with its fields in order, as formats without keys need it. In a file
-//! it is a mistake: `circle = [[5, 5], 3]` would be read. serde offers no attribute against it, so [`Keyed`] stands
-//! between a format and what is read from it.
+//! A struct that derives serde's `Deserialize` also takes a list of its fields in order, as formats without keys need it.
+//! In a file that is a mistake: `circle = [[5, 5], 3]` would be read. serde offers no attribute against it, so [`Keyed`]
+//! stands between a format and what is read from it.
 
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error, MapAccess, SeqAccess, Visitor};
 use std::fmt;

@@ -24,8 +24,8 @@ pub fn check(folder: &Path, rows: usize, outputs: &OutputFiles) -> Result {
     outputs.check_directory(folder, pictures.chain([page::REFERENCE, PAGE].map(str::to_owned)))
 }
 
-/// Writes the page and its pictures into a directory, which it makes if need be, and removes the pictures of the report that was
-/// there before.
+/// Writes the page and its pictures into a directory, which it makes if need be, and removes the pictures of the report
+/// that was there before.
 pub fn write(folder: &Path, subject: &Subject, outputs: &OutputFiles) -> Result {
     let final_picture = |light: &Light| -> Result<Vec<u8>> {
         let picture = light.compose(subject.evaluator.cells, &subject.evaluator.display)?;

@@ -81,20 +81,20 @@ fn transmittance(at: vec2i) -> vec3f {
     return (1.0 - tint_opacity.a) * tint_opacity.rgb;
 }
 
-// The weight of a cell in the light of another by the matter of both.
-fn likeness(at: vec2i, other: vec2i) -> f32 {
-    let difference = abs(transmittance(at) - transmittance(other));
+// The weight of a cell in the light of another by the transmittance of both.
+fn likeness(own: vec3f, other: vec3f) -> f32 {
+    let difference = abs(own - other);
     return exp(-TRANSMITTANCE * max(difference.r, max(difference.g, difference.b)));
 }
 
-// The weight of a tap by its position and matter; 0 if it lies outside or is not visible.
-fn tap(at: vec2i, place: vec2i, spread: i32) -> f32 {
+// The weight of a tap by its position and matter, for a cell of this transmittance; 0 if it lies outside or is not visible.
+fn tap(at: vec2i, own: vec3f, place: vec2i, spread: i32) -> f32 {
     let offset = place * spread;
     if !inside(at + offset) || !sees(at, offset) {
         return 0.0;
     }
     let weights = vec3f(KERNEL_0, KERNEL_1, KERNEL_2);
-    return weights[abs(place.x)] * weights[abs(place.y)] * likeness(at, at + offset);
+    return weights[abs(place.x)] * weights[abs(place.y)] * likeness(own, transmittance(at + offset));
 }
 
 // The sides to which a solid cell is open, a bit each: left, right, upper, lower; none of another cell.
@@ -166,9 +166,10 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
     var sum = 0.0;
     var weight = MIN_POSITIVE;
     if open(at) {
+        let own = transmittance(at);
         for (var y = -2; y <= 2; y++) {
             for (var x = -2; x <= 2; x++) {
-                let w = tap(at, vec2i(x, y), 1);
+                let w = tap(at, own, vec2i(x, y), 1);
                 if w > 0.0 {
                     sum += w * traced[index(vec2u(at + vec2i(x, y)))].x;
                     weight += w;
@@ -205,6 +206,7 @@ fn blur(@builtin(global_invocation_id) id: vec3u) {
         }
         return;
     }
+    let own = transmittance(at);
     let range = select(DEVIATIONS, WIDE_DEVIATIONS, spread == 1) * sqrt(here.w) + MIN_POSITIVE;
     var sum = vec4f(0.0);
     var moment_x = vec4f(0.0);
@@ -212,7 +214,7 @@ fn blur(@builtin(global_invocation_id) id: vec3u) {
     var weight = 0.0;
     for (var y = -2; y <= 2; y++) {
         for (var x = -2; x <= 2; x++) {
-            let kernel = tap(at, vec2i(x, y), spread);
+            let kernel = tap(at, own, vec2i(x, y), spread);
             if kernel == 0.0 {
                 continue;
             }

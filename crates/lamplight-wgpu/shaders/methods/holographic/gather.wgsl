@@ -1,6 +1,6 @@
 // The final gather: pixels trace the few px to the plane ahead themselves, with one ray through the middle of
-// each cone or, if it contains an emitter (or in the two cones beside the axis of the widest lattice any matter), several, and
-// take the light of the plane where those end.
+// each cone, or several if it contains an emitter (in the widest lattice, beside the axis, any matter), and take the light of the
+// plane where those end.
 //
 // A workgroup takes some slabs that look at the same plane, whose light it unpacks once for all, some cones at a time.
 // A lane per slab and cone finds what rays meet, from all rows of the tile. Most meet nothing, and are summed first; most

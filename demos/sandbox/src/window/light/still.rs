@@ -17,29 +17,23 @@ pub struct Still {
 impl Still {
     /// Counts a frame. Returns true if the light has settled, so that computing it again would not change it.
     pub fn has_settled(&mut self, cells: &Cells, settings: &Settings) -> bool {
+        let is_same = self.lit.as_ref().is_some_and(|(known, of)| known == cells && of == settings);
+        self.same_frames = if is_same { self.same_frames.saturating_add(1) } else { 0 };
         match &mut self.lit {
-            Some((known, of)) if known == cells && of == settings => {
-                self.same_frames = self.same_frames.saturating_add(1);
-            }
+            _ if is_same => {}
             // Into its own buffers.
             Some((known, of)) => {
                 known.clone_from(cells);
                 of.clone_from(settings);
-                self.same_frames = 0;
             }
-            None => {
-                self.lit = Some((cells.clone(), settings.clone()));
-                self.same_frames = 0;
-            }
+            none => *none = Some((cells.clone(), settings.clone())),
         }
-        let in_one_frame =
-            Settings { bounces: settings.bounces.within_a_frame(), ..settings.clone() };
         if settings.repeats() {
-            self.same_frames > 0
-        } else {
-            // Light that is only fed back grows for so many frames; noise changes in all of them.
-            in_one_frame.repeats() && self.same_frames > Bounces::MAX
+            return self.same_frames > 0;
         }
+        // Light that is only fed back grows for so many frames; noise changes in all of them.
+        let bounces = settings.bounces.within_a_frame();
+        self.same_frames > Bounces::MAX && Settings { bounces, ..settings.clone() }.repeats()
     }
 
     /// Returns true if this picture was drawn last, with light that had settled. Otherwise it counts as drawn now.
@@ -64,7 +58,8 @@ mod tests {
     use super::*;
     use lamplight::Method;
 
-    /// The frame, from 0 on, from which the light of a scene that stays the same has settled, among twice as many as light may grow over.
+    /// The frame, from 0 on, from which the light of a scene that stays the same has settled, among twice as many as light
+    /// may grow over.
     fn first_settled(still: &mut Still, settings: &Settings) -> Option<u32> {
         let cells = Cells::new(4, 4).unwrap();
         (0..2 * Bounces::MAX).find(|_| still.has_settled(&cells, settings))
