@@ -373,11 +373,11 @@ fn scenes_that_are_not_are_refused() {
         Canvas::from_scene(text, files).err().map(|e| e.to_string()).unwrap_or_default()
     };
     assert!(refuse("not a scene", &[]).contains("line 1"));
-    assert!(refuse("size = [16000, 1000]", &[]).contains("more than a canvas has"));
+    assert!(refuse("size = [16000, 1000]", &[]).contains("cells are too many: a canvas has at most"));
     assert!(refuse("size = [99999999, 3]", &[]).contains("refused"));
     let large = Scene::new(4096, 4096);
     let refused = Canvas::of_scene(&large, |_| panic!("16 million cells are drawn first"));
-    assert!(refused.unwrap_err().to_string().contains("more than a canvas has"));
+    assert!(refused.unwrap_err().to_string().contains("cells are too many: a canvas has at most"));
     let layers = "size = [4, 4]\n[layers]\nopacity = \"o.png\"";
     assert!(refuse(layers, &[]).contains("not among the files"), "{}", refuse(layers, &[]));
     let absolute = "size = [4, 4]\n[layers]\nopacity = \"/etc/hostname\"";
