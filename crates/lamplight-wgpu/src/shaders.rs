@@ -105,6 +105,7 @@ const FILES: &[(&str, &str)] = files! {
     "shared/class_at"
     "shared/cone"
     "shared/cookie"
+    "shared/direction"
     "shared/display"
     "shared/hit"
     "shared/inflow"

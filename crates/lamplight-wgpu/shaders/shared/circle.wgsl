@@ -1,7 +1,7 @@
 // Directions evenly around the circle, as symmetric as the circle itself: each is computed in the first
 // octant, so that mirror images are equal to the bit (`circle.rs` of the library).
 
-#import shared/traverse
+#import shared/direction
 
 // Direction `i` of `n`: 0 is +x, then towards +y.
 fn direction_of(i: u32, n: u32) -> Direction {

@@ -7,6 +7,7 @@
 
 #import shared/class
 #import shared/class_at
+#import shared/direction
 #import shared/hit
 #import shared/uniforms
 
@@ -14,22 +15,6 @@
 override TRANSLUCENT: bool;
 
 @group(0) @binding(2) var matter: texture_2d<f32>;
-
-// The smallest positive normal number.
-const MIN_POSITIVE: f32 = 1.17549435e-38;
-
-// A direction, and what a traversal derives from it.
-struct Direction {
-    along: vec2f,
-    // 1 or −1: the side of the next edge, also where the component is 0.
-    sign: vec2f,
-    inverse: vec2f,
-}
-
-fn direction(magnitude: vec2f, sign: vec2f) -> Direction {
-    // Never 1/0, so that no edge is 0·∞ px away.
-    return Direction(sign * magnitude, sign, sign / max(magnitude, vec2f(MIN_POSITIVE)));
-}
 
 fn ends(cell_class: u32) -> bool {
     return cell_class == SOLID || (cell_class == MEDIUM && !TRANSLUCENT);

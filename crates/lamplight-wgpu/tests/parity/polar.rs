@@ -4,7 +4,7 @@ use crate::common::{cells, device};
 use crate::compare::{Both, SIZES, agree, scenes};
 use crate::lamps::lamps;
 use lamplight::settings::{Blend, Polar, ShadowFilter, Traversal};
-use lamplight::{Cells, Falloff, Matter, Settings};
+use lamplight::{Cells, Falloff, Lamp, Matter, Settings};
 use lamplight_wgpu::Stage;
 
 fn polar(polar: Polar) -> Settings {
@@ -55,6 +55,31 @@ fn polar_agrees_with_every_setting() {
     for density in [0.25, 0.7, 8.0] {
         let settings = Polar { density, ..Polar::default() };
         agree(&gpu, &format!("density {density}"), &cells, polar(settings));
+    }
+}
+
+#[test]
+fn polar_agrees_beside_walls_that_lamps_graze() {
+    let gpu = device();
+    let (width, height) = (160, 60);
+    let mut cells = Cells::new(width, height).unwrap();
+    for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+        let frame = x == 0 || y == 0 || x + 1 == width || y + 1 == height;
+        let bars = x % 40 == 20 && y > 56;
+        if frame || bars {
+            cells.set(x, y, Matter { opacity: 1.0, ..Matter::EMPTY });
+        }
+    }
+    // Above the floor, within it with a part, and near corners.
+    for (position, size) in [([50.4, 25.6], 3.0), ([110.3, 57.7], 4.0), ([3.2, 3.6], 2.0)] {
+        let lamp = Lamp { position, size, range: 200.0, ..Lamp::default() };
+        cells.lamps_mut().push(lamp);
+    }
+    for density in [0.5, 1.0] {
+        for shadow_filter in [ShadowFilter::Soft, ShadowFilter::Linear] {
+            let settings = Polar { density, shadow_filter, ..Polar::default() };
+            agree(&gpu, &format!("density {density}, {shadow_filter:?}"), &cells, polar(settings));
+        }
     }
 }
 

@@ -18,6 +18,8 @@ override WIDEST: f32;
 @group(0) @binding(8) var<storage, read> used: u32;
 
 const JOINED: u32 = 256u;
+const FACE_Y: u32 = 512u;
+const FACE_PLACE: u32 = 10u;
 
 // The mean place across the lamp of what was seen of it last.
 var<private> seen_place: f32;
@@ -73,11 +75,14 @@ fn visible_fraction(lamp: Lamp, off: vec2f, at: f32) -> f32 {
     let beside_ray = f32(nearest) - at;
     let bound = bounds[lamp.first + own];
     let shadowed = bitcast<f32>(bound.z) > inverse;
+    let before_face = is_before_face(lamp, bound.w, off);
     let window = bound.w & (JOINED - 1u);
     var seen = 0.0;
     var places = 0.0;
     for (var side = 0u; side < 2u; side++) {
         let forward = side == 0u;
+        let aside = vec2f(-off.y, off.x) * select(-inverse, inverse, forward);
+        let rim = lamp.spread / lamp.per_radian * aside;
         // The part β of the lamp up to which visibility is settled.
         var done = 0.0;
         var wall = false;
@@ -90,20 +95,26 @@ fn visible_fraction(lamp: Lamp, off: vec2f, at: f32) -> f32 {
             let width = clamp(lamp.spread * above, NARROWEST, WIDEST);
             let middle = select(-beside_ray, beside_ray, forward) + f32(k);
             let last_gap = k > window;
-            let blocks = above > 0.0 && !last_gap;
-            if last_gap || (blocks && !(wall && select(joined, before_joined, forward))) {
-                let to = select((middle - 0.5) / width, 1.0, last_gap);
-                let width = gap(lamp, off, done, to, shadowed, forward);
-                seen += width;
-                places += select(-0.5, 0.5, forward) * width * (2.0 * done + width);
+            let goes_on = wall && select(joined, before_joined, forward);
+            var hidden_from = 1.0;
+            wall = false;
+            if above > 0.0 && !last_gap {
+                hidden_from = hides_from(lamp, ray.w, off, rim);
+                // A wall beside the pixel goes on past a corner, too.
+                wall = hidden_from < 1.0 || (goes_on && middle >= 1.0);
             }
-            if blocks {
-                done = max(done, (middle + 0.5) / width);
+            if last_gap || (wall && !goes_on) {
+                let to = select(max((middle - 0.5) / width, hidden_from), 1.0, last_gap);
+                let part = gap(lamp, off, aside, done, to, shadowed, before_face);
+                seen += part;
+                places += select(-0.5, 0.5, forward) * part * (2.0 * done + part);
+            }
+            if wall {
+                done = max(max(done, (middle + 0.5) / width), hidden_from);
                 if done >= 1.0 {
                     break;
                 }
             }
-            wall = blocks;
             before_joined = joined;
             if forward {
                 i = wrapped(lamp, i + 1u);
@@ -116,32 +127,57 @@ fn visible_fraction(lamp: Lamp, off: vec2f, at: f32) -> f32 {
     return 0.5 * seen;
 }
 
+// The place of the face that a ray hits, along its axis and from the lamp's centre; 0 if there is none.
+fn face_place(lamp: Lamp, ray: u32) -> f32 {
+    let place = ray >> FACE_PLACE;
+    let center = select(lamp.position.x, lamp.position.y, (ray & FACE_Y) != 0u);
+    return select(0.0, f32(place) - 1.0 - center, place > 0u);
+}
+
+// Returns whether a pixel lies in front of the face that a ray hits, as the lamp's centre does.
+fn is_before_face(lamp: Lamp, ray: u32, off: vec2f) -> bool {
+    let place = face_place(lamp, ray);
+    return (place - select(off.x, off.y, (ray & FACE_Y) != 0u)) * place > 0.0;
+}
+
+// The part β of the lamp from which on the face that a ray hits may hide it from a pixel; `rim` is the part β = 1.
+fn hides_from(lamp: Lamp, ray: u32, off: vec2f, rim: vec2f) -> f32 {
+    if !is_before_face(lamp, ray, off) {
+        return 0.0;
+    }
+    let along = select(rim.x, rim.y, (ray & FACE_Y) != 0u);
+    return 1.0 / max(along / face_place(lamp, ray), MIN_POSITIVE);
+}
+
 // The visible part of the lamp between two β. A point that is occluded from the lamp's centre may still see
 // part of the disc past the occluder, unless a second occluder, which the centre cannot see, covers it.
-fn gap(lamp: Lamp, off: vec2f, low: f32, high: f32, shadowed: bool, forward: bool) -> f32 {
+fn gap(lamp: Lamp, off: vec2f, aside: vec2f, low: f32, high: f32, shadowed: bool, before_face: bool) -> f32 {
     let width = min(high, 1.0) - low;
-    if width > 0.0 && (!shadowed || arrives(lamp, off, low + 0.5 * width, forward)) {
+    if width > 0.0 && (!shadowed || arrives(lamp, off, aside, low + 0.5 * width, before_face)) {
         return width;
     }
     return 0.0;
 }
 
 // Returns whether nothing lies between a pixel's side and the part β of the lamp, nor between that part and
-// the lamp's centre.
-fn arrives(lamp: Lamp, off: vec2f, part: f32, forward: bool) -> bool {
-    let turn = select(-1.0, 1.0, forward) / length_of(off);
-    let aside = vec2f(-off.y, off.x) * turn;
+// the lamp's centre; or, in front of the face that the ray hits, between the pixel and the lamp's centre: what a
+// ray beside a face misses may still stand there.
+fn arrives(lamp: Lamp, off: vec2f, aside: vec2f, part: f32, before_face: bool) -> bool {
     let size = part * lamp.spread / lamp.per_radian;
     let lamp_part = lamp.position + size * aside;
+    let pixel = lamp.position + off;
     // Half a px aside is within the pixel, whatever the direction.
-    let here = lamp.position + off + 0.5 * aside;
+    let here = pixel + 0.5 * aside;
     let around_the_grid = within(lamp.position) && !within(lamp_part);
-    if around_the_grid {
-        return false;
-    }
-    for (var i = 0u; i < 2u; i++) {
-        if !sees(select(here, lamp.position, i == 1u), lamp_part) {
+    for (var i = select(1u, 0u, before_face); i < 3u; i++) {
+        let to_center = i == 0u;
+        if !to_center && around_the_grid {
             return false;
+        }
+        let start = select(select(here, lamp.position, i == 2u), pixel, to_center);
+        let arrived = sees(start, select(lamp_part, lamp.position, to_center));
+        if arrived == to_center {
+            return to_center;
         }
     }
     return true;

@@ -4,6 +4,7 @@
 //
 // A workgroup takes 64 rays of one lamp and the rays whose penumbra may reach them.
 
+#import shared/circle
 #import shared/hit
 #import shared/lamps
 #import shared/uniforms
@@ -16,7 +17,8 @@ override CRISP: bool;
 
 @group(0) @binding(2) var<storage, read> hits: array<vec2u>;
 // For each ray: the distance up to which pixels are lit, the one from which they are dark, 1/length (0 without
-// a hit), and the window, plus 256 if the solid cells of this ray and the next one touch.
+// a hit), and bits: 0 to 7 the window, 8 set if the solid cells of this ray and the next one touch, from 9 on
+// the face that is hit.
 @group(0) @binding(3) var<storage, read_write> bounds: array<vec4u>;
 
 // WIDEST plus one.
@@ -36,6 +38,22 @@ fn inverse_of(length: f32) -> f32 {
 fn touch(a: u32, b: u32) -> bool {
     let apart = abs(vec2i(unpacked(a)) - vec2i(unpacked(b)));
     return a != NO_CELL && b != NO_CELL && all(apart <= vec2i(1));
+}
+
+// The face through which a ray enters the solid cell that it hits: bit 0 is set if it looks up or down, from bit
+// 1 on its coordinate plus 1; 0 if the ray hits nothing or starts in the wall.
+fn face_of(lamp: Lamp, ray: u32, hit: u32) -> u32 {
+    if hit == NO_CELL {
+        return 0u;
+    }
+    let direction = direction_of(ray, lamp.count);
+    let edge = vec2f(unpacked(hit)) + max(-direction.sign, vec2f(0.0));
+    let reached = (edge - lamp.position) * direction.inverse;
+    let looks_up_or_down = reached.y > reached.x;
+    if max(reached.x, reached.y) <= 0.0 {
+        return 0u;
+    }
+    return select(2u * (u32(edge.x) + 1u), 2u * (u32(edge.y) + 1u) + 1u, looks_up_or_down);
 }
 
 // The distance from which a pixel near a ray sees nothing of the lamp: solid cells without a gap to either
@@ -113,6 +131,7 @@ fn main(
         dark = dark_from(here);
     }
     let joined = select(0u, 256u, touch(cells[here], cells[here + 1u]));
+    let face = face_of(lamp, own, cells[here]) << 9u;
     bounds[start + lane] =
-        vec4u(bitcast<u32>(lit), bitcast<u32>(dark), bitcast<u32>(inverse_of(length)), window | joined);
+        vec4u(bitcast<u32>(lit), bitcast<u32>(dark), bitcast<u32>(inverse_of(length)), window | joined | face);
 }

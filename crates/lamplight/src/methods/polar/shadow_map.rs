@@ -8,6 +8,11 @@
 //! angles: sin Δ ≈ Δ). The fraction of β from −1 to 1 that no ray hides is the visible fraction of the
 //! lamp.
 //!
+//! A ray stands for all directions within half a ray, but a wall that a lamp grazes is much nearer at one end of
+//! them than at the other. So a wall does not count as a flat step at ℓ: of the lamp, the face that the ray hits
+//! hides no more from a pixel in front of that face than lies behind the face ([`HitFace`]). It takes the place
+//! of the bias of other shadow maps, and needs no constant.
+//!
 //! Known failure: walls behind the nearest one throw no penumbra of their own. Maps for other methods find
 //! penumbrae by all solid cells instead (`penumbra.rs`).
 
@@ -19,6 +24,7 @@ use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::{LANES, RayHit};
 use crate::grid::class::CellClass;
 use crate::grid::medium_grid::MediumGrid;
+use crate::grid::traverse::Real;
 use crate::math::circle;
 use crate::settings::{Polar, ShadowFilter, Traversal};
 use crate::simd::dispatch;
@@ -73,6 +79,8 @@ pub struct ShadowMap {
     hits: Vec<RayHit>,
     /// 1/length of each ray, 0 if it hits nothing.
     inverse: Vec<f32>,
+    /// The faces that rays hit; empty if penumbrae are exact, or edges are stairs.
+    faces: Vec<HitFace>,
     pub ranges: LitRanges,
     /// Intensity of the lamp's cone at each ray, with two rays more; empty without a cone.
     pub cone: Vec<f32>,
@@ -88,6 +96,46 @@ pub struct ShadowMap {
     spread: f32,
     /// True if penumbrae are exact: thrown by all solid cells, not only by those that rays hit.
     exact: bool,
+}
+
+/// The line on which the face lies that a ray hits.
+#[derive(Clone, Copy, Debug, Default)]
+struct HitFace {
+    /// 0 for a face that looks to the left or the right, 1 for one that looks up or down.
+    axis: usize,
+    /// The place of the line along the axis, from the lamp's center, px; 0 if the ray starts in the wall, or hits
+    /// nothing.
+    place: f32,
+}
+
+impl HitFace {
+    /// Returns the face through which a ray enters the cell that it hits.
+    fn of(grid: &MediumGrid, hit: RayHit, from: [f32; 2], direction: [f32; 2]) -> Self {
+        if hit == RayHit::NONE {
+            return Self::default();
+        }
+        let cell = grid.cell(hit.cell as usize);
+        let inverse = direction.map(Real::inverse);
+        let place = [0, 1].map(|a| (cell[a] + i32::from(inverse[a] < 0.0)) as f32 - from[a]);
+        let reached = [0, 1].map(|a| place[a] * inverse[a]);
+        let axis = usize::from(reached[1] > reached[0]);
+        Self { axis, place: if reached[axis] > 0.0 { place[axis] } else { 0.0 } }
+    }
+
+    /// Returns whether a pixel at `off` from the lamp lies in front of the face, as the lamp's center does.
+    fn is_behind(self, off: [f32; 2]) -> bool {
+        (self.place - off[self.axis]) * self.place > 0.0
+    }
+
+    /// Returns the part β of the lamp from which on the face may hide it from a pixel at `off`; `rim` is the part
+    /// β = 1.
+    fn hides_from(self, off: [f32; 2], rim: [f32; 2]) -> f32 {
+        if self.is_behind(off) {
+            1.0 / (rim[self.axis] / self.place).max(f32::MIN_POSITIVE)
+        } else {
+            0.0
+        }
+    }
 }
 
 /// The scene of shadow maps.
@@ -130,6 +178,7 @@ impl ShadowMap {
     pub fn most_bytes(lamp: &Lamp, grid: &MediumGrid, settings: &Polar) -> usize {
         const RAY: usize = size_of::<RayHit>()
             + size_of::<Option<RayHit>>()
+            + size_of::<HitFace>()
             + size_of::<[f32; 4]>()
             + size_of::<[u8; 2]>();
         let (reach, count) = rays(lamp, grid.size.map(|side| side as u32), settings);
@@ -220,6 +269,11 @@ impl ShadowMap {
         self.curves.next_ray();
         self.inverse.clear();
         self.inverse.extend(self.hits.iter().map(|hit| 1.0 / hit.length.max(NEAREST)));
+        self.faces.clear();
+        if !self.exact && settings.shadow_filter != ShadowFilter::Nearest {
+            let face = |(ray, &hit)| HitFace::of(grid, hit, lamp.position, direction(ray));
+            self.faces.extend(self.hits.iter().enumerate().map(face));
+        }
         let mut ranges = std::mem::take(&mut self.ranges);
         if settings.shadow_filter == ShadowFilter::Nearest {
             ranges.sharp(&self.hits);
@@ -376,16 +430,20 @@ impl ShadowMap {
         let own = if nearest >= n { nearest - n } else { nearest };
         let inverse = 1.0 / off[0].hypot(off[1]);
         let beside_ray = nearest as f32 - at;
-        let shadowed = self.inverse[own] > inverse;
+        // What a ray beside a face misses may still stand between.
+        let shadowed = self.inverse[own] > inverse
+            && !(self.faces[own].is_behind(off) && grid.sees(self.place(off), self.lamp.position));
         let (mut seen, mut places) = (0.0, 0.0);
         for forward in [true, false] {
             let side = if forward { 0.5 } else { -0.5 };
+            let sign = if forward { inverse } else { -inverse };
+            let aside = [-off[1] * sign, off[0] * sign];
+            let rim = aside.map(|v| self.spread / self.per_radian * v);
             let mut gap = |from: f32, to: f32| {
                 let width = to.min(1.0) - from;
                 // A pixel in the shadow of the lamp's center may still see part of the disc past the
                 // wall: check for a second wall, which the center cannot see.
-                if width > 0.0
-                    && (!shadowed || self.arrives(grid, off, from + 0.5 * width, forward))
+                if width > 0.0 && (!shadowed || self.arrives(grid, off, aside, from + 0.5 * width))
                 {
                     seen += width;
                     places += side * width * (2.0 * from + width);
@@ -397,19 +455,23 @@ impl ShadowMap {
             let (mut i, mut before) = (own, own);
             for k in 0..=self.ranges.window[own] {
                 let link = if forward { before } else { i };
+                let goes_on = wall && self.ranges.joined[link];
+                wall = false;
                 if self.inverse[i] > inverse {
                     let width = self.width(i, inverse);
                     let middle = if forward { beside_ray } else { -beside_ray } + f32::from(k);
-                    if !(wall && self.ranges.joined[link]) {
-                        gap(done, (middle - 0.5) / width);
+                    let hides_from = self.faces[i].hides_from(off, rim);
+                    // A wall beside the pixel goes on past a corner, too.
+                    wall = hides_from < 1.0 || (goes_on && middle >= 1.0);
+                    if wall {
+                        if !goes_on {
+                            gap(done, ((middle - 0.5) / width).max(hides_from));
+                        }
+                        done = done.max((middle + 0.5) / width).max(hides_from);
+                        if done >= 1.0 {
+                            break;
+                        }
                     }
-                    done = done.max((middle + 0.5) / width);
-                    if done >= 1.0 {
-                        break;
-                    }
-                    wall = true;
-                } else {
-                    wall = false;
                 }
                 (before, i) = (i, beside(i, n, forward));
             }
@@ -419,17 +481,20 @@ impl ShadowMap {
         SeenPart { fraction: 0.5 * seen, middle }
     }
 
+    /// Returns the place of a pixel at `off` from the lamp.
+    fn place(&self, off: [f32; 2]) -> [f32; 2] {
+        std::array::from_fn(|a| self.lamp.position[a] + off[a])
+    }
+
     /// Returns whether no wall stands between a pixel's side and the part β of the lamp, or between
     /// that part and the lamp's center: a lamp reaches neither through the wall that it stands at nor
-    /// round the grid.
-    fn arrives(&self, grid: &MediumGrid, off: [f32; 2], part: f32, forward: bool) -> bool {
-        let sign = if forward { 1.0 } else { -1.0 } / off[0].hypot(off[1]);
-        let aside = [-off[1] * sign, off[0] * sign];
-        let center = self.lamp.position;
+    /// round the grid. `aside` is the unit vector to that side.
+    fn arrives(&self, grid: &MediumGrid, off: [f32; 2], aside: [f32; 2], part: f32) -> bool {
+        let (center, pixel) = (self.lamp.position, self.place(off));
         let part = part * self.spread / self.per_radian;
         let part = std::array::from_fn(|a| center[a] + part * aside[a]);
         // Half a px to the side is within the pixel in every direction.
-        let from = std::array::from_fn(|a| center[a] + off[a] + 0.5 * aside[a]);
+        let from = std::array::from_fn(|a| pixel[a] + 0.5 * aside[a]);
         let round = grid.contains(center) && !grid.contains(part);
         !round && grid.sees(from, part) && grid.sees(center, part)
     }
