@@ -268,8 +268,9 @@ fn walls_that_a_lamp_grazes_have_no_dark_dots() {
 fn what_stands_on_a_wall_that_a_lamp_grazes_shades_it() {
     // Rays that hit the floor in front of a bar of one px miss the bar, and the floor does not hide what is behind it.
     let random = &mut fresh();
-    for _ in 0..40 {
-        let bar = random.u32(60..120);
+    for _ in 0..60 {
+        // Far from the lamp, where neighbouring rays are the farthest apart.
+        let bar = random.u32(100..150);
         // Behind the bar the floor lies under a ceiling.
         let cells = grid(160, 60, |x, y| match y {
             50 => WALL,
@@ -277,7 +278,7 @@ fn what_stands_on_a_wall_that_a_lamp_grazes_shades_it() {
             48 if x >= bar => WALL,
             _ => Matter::EMPTY,
         });
-        let position = [50.0 * random.f32(), 10.0 + 38.0 * random.f32()];
+        let position = [20.0 * random.f32(), 10.0 + 38.0 * random.f32()];
         let cells = with_lamp(cells, Lamp { size: 4.0, ..lamp(position[0], position[1], 200.0) });
         for density in [0.5, 1.0] {
             for filter in [ShadowFilter::Soft, ShadowFilter::Linear] {
