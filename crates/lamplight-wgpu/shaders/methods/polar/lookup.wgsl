@@ -75,7 +75,7 @@ fn visible_fraction(lamp: Lamp, off: vec2f, at: f32) -> f32 {
     let beside_ray = f32(nearest) - at;
     let bound = bounds[lamp.first + own];
     let shadowed = bitcast<f32>(bound.z) > inverse;
-    let before_face = is_before_face(lamp, bound.w, off);
+    let behind = is_behind(lamp, bound.w, off);
     let window = bound.w & (JOINED - 1u);
     var seen = 0.0;
     var places = 0.0;
@@ -105,7 +105,7 @@ fn visible_fraction(lamp: Lamp, off: vec2f, at: f32) -> f32 {
             }
             if last_gap || (wall && !goes_on) {
                 let to = select(max((middle - 0.5) / width, hidden_from), 1.0, last_gap);
-                let part = gap(lamp, off, aside, done, to, shadowed, before_face);
+                let part = gap(lamp, off, aside, done, to, shadowed, behind);
                 seen += part;
                 places += select(-0.5, 0.5, forward) * part * (2.0 * done + part);
             }
@@ -134,15 +134,15 @@ fn face_place(lamp: Lamp, ray: u32) -> f32 {
     return select(0.0, f32(place) - 1.0 - center, place > 0u);
 }
 
-// Returns whether a pixel lies in front of the face that a ray hits, as the lamp's centre does.
-fn is_before_face(lamp: Lamp, ray: u32, off: vec2f) -> bool {
+// Returns whether the face that a ray hits lies behind a pixel, as seen from the lamp's centre.
+fn is_behind(lamp: Lamp, ray: u32, off: vec2f) -> bool {
     let place = face_place(lamp, ray);
     return (place - select(off.x, off.y, (ray & FACE_Y) != 0u)) * place > 0.0;
 }
 
 // The part β of the lamp from which on the face that a ray hits may hide it from a pixel; `rim` is the part β = 1.
 fn hides_from(lamp: Lamp, ray: u32, off: vec2f, rim: vec2f) -> f32 {
-    if !is_before_face(lamp, ray, off) {
+    if !is_behind(lamp, ray, off) {
         return 0.0;
     }
     let along = select(rim.x, rim.y, (ray & FACE_Y) != 0u);
@@ -151,25 +151,25 @@ fn hides_from(lamp: Lamp, ray: u32, off: vec2f, rim: vec2f) -> f32 {
 
 // The visible part of the lamp between two β. A point that is occluded from the lamp's centre may still see
 // part of the disc past the occluder, unless a second occluder, which the centre cannot see, covers it.
-fn gap(lamp: Lamp, off: vec2f, aside: vec2f, low: f32, high: f32, shadowed: bool, before_face: bool) -> f32 {
+fn gap(lamp: Lamp, off: vec2f, aside: vec2f, low: f32, high: f32, shadowed: bool, behind: bool) -> f32 {
     let width = min(high, 1.0) - low;
-    if width > 0.0 && (!shadowed || arrives(lamp, off, aside, low + 0.5 * width, before_face)) {
+    if width > 0.0 && (!shadowed || arrives(lamp, off, aside, low + 0.5 * width, behind)) {
         return width;
     }
     return 0.0;
 }
 
 // Returns whether nothing lies between a pixel's side and the part β of the lamp, nor between that part and
-// the lamp's centre; or, in front of the face that the ray hits, between the pixel and the lamp's centre: what a
-// ray beside a face misses may still stand there.
-fn arrives(lamp: Lamp, off: vec2f, aside: vec2f, part: f32, before_face: bool) -> bool {
+// the lamp's centre; or, if the face that the ray hits is behind the pixel, between the pixel and the lamp's centre: what
+// a ray beside a face misses may still stand there. A loop has one copy of the walk for the three lines.
+fn arrives(lamp: Lamp, off: vec2f, aside: vec2f, part: f32, behind: bool) -> bool {
     let size = part * lamp.spread / lamp.per_radian;
     let lamp_part = lamp.position + size * aside;
     let pixel = lamp.position + off;
     // Half a px aside is within the pixel, whatever the direction.
     let here = pixel + 0.5 * aside;
     let around_the_grid = within(lamp.position) && !within(lamp_part);
-    for (var i = select(1u, 0u, before_face); i < 3u; i++) {
+    for (var i = select(1u, 0u, behind); i < 3u; i++) {
         let to_center = i == 0u;
         if !to_center && around_the_grid {
             return false;
