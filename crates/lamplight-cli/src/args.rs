@@ -2,7 +2,6 @@
 
 use crate::available_memory;
 use crate::error::{CliError, Result};
-use crate::json::to_json;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lamplight::{Bounces, Display, Method, Quality, Settings, SettingsTable, ToneMap};
@@ -99,14 +98,14 @@ impl LightingArgs {
     pub fn resolve(&self, scene: &SettingsTable) -> Result<(Renderer, Settings, Option<Bounces>)> {
         let table = self.settings.over(scene, self.method)?;
         let settings = table.resolve()?;
-        let bounces = wanted_bounces(&table, &settings)?;
+        let bounces = wanted_bounces(&table, &settings);
         Ok((self.method.unwrap_or(Renderer::Method(settings.method())), settings, bounces))
     }
 }
 
 /// The bounces of settings, unless the table that they come from leaves them to the default.
-pub fn wanted_bounces(table: &SettingsTable, settings: &Settings) -> Result<Option<Bounces>> {
-    Ok(to_json(table)?.get("bounces").map(|_| settings.bounces))
+pub fn wanted_bounces(table: &SettingsTable, settings: &Settings) -> Option<Bounces> {
+    table.contains("bounces").then_some(settings.bounces)
 }
 
 /// Flags that change settings.

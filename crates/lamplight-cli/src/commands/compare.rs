@@ -73,7 +73,7 @@ pub fn run(args: CompareArgs) -> Result {
             return Err(error.hint("methods are compared by the light of open cells"));
         }
         if !quiet {
-            let bounces = wanted_bounces(&table, &settings)?;
+            let bounces = wanted_bounces(&table, &settings);
             warn_of_what_is_ignored(&args, methods, &cells, &settings, bounces);
         }
         let gpu = Gpu::choose(args.machine.backend)?;

@@ -50,6 +50,13 @@ impl SettingsTable {
         self.0.is_empty()
     }
 
+    /// Returns whether the table sets a key, such as `raymarch.rays`.
+    pub fn contains(&self, key: &str) -> bool {
+        let mut names = key.split('.');
+        let first = names.next().and_then(|name| self.0.get(name));
+        names.fold(first, |value, name| value?.get(name)).is_some()
+    }
+
     /// Sets one key, such as `raymarch.rays`, to a value. The order of keys makes no difference: a
     /// preset sets the starting values, and the other keys override it.
     pub fn set(&mut self, key: &str, value: impl Into<Value>) {

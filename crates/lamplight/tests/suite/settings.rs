@@ -448,3 +448,14 @@ fn new_settings_take_effect_with_the_next_frame() {
     assert!(solver.set_settings(wrong).is_err());
     assert_eq!(solver.settings(), &then);
 }
+
+#[test]
+fn a_table_knows_its_keys() {
+    let table = flags(&["bounces=1", "raymarch.denoise.passes=2"]);
+    for key in ["bounces", "raymarch", "raymarch.denoise", "raymarch.denoise.passes"] {
+        assert!(table.contains(key), "{key}");
+    }
+    for key in ["", ".", "seed", "bounces.x", "raymarch.rays", "raymarch.", "raymarch.denoise.x"] {
+        assert!(!table.contains(key), "{key}");
+    }
+}
