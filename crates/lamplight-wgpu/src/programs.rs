@@ -199,7 +199,7 @@ programs! {
         curves: Write, corners: Write, used: Write,
     }
     POLAR_SHADOW_BOUNDS: "methods/polar/shadow_bounds", ["main"], {
-        lamps: Read, hits: Read, bounds: Write,
+        lamps: Read, hits: Read, classes: Read, bounds: Write,
     }
     POLAR_GATHER: "methods/polar/gather", ["main"], {
         lamps: Read, matter: Texture, classes: Read, distance_field: Read, bounds: Read,

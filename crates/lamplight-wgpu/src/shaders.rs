@@ -107,6 +107,7 @@ const FILES: &[(&str, &str)] = files! {
     "shared/cookie"
     "shared/direction"
     "shared/display"
+    "shared/ends"
     "shared/hit"
     "shared/inflow"
     "shared/interval"

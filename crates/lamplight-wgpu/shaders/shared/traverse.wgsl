@@ -8,17 +8,11 @@
 #import shared/class
 #import shared/class_at
 #import shared/direction
+#import shared/ends
 #import shared/hit
 #import shared/uniforms
 
-// True if media transmit light, or end rays.
-override TRANSLUCENT: bool;
-
 @group(0) @binding(2) var matter: texture_2d<f32>;
-
-fn ends(cell_class: u32) -> bool {
-    return cell_class == SOLID || (cell_class == MEDIUM && !TRANSLUCENT);
-}
 
 // The distances at which a ray enters the grid, 0 if it starts inside, and leaves it. A ray that misses the
 // grid does not leave it later than it enters.

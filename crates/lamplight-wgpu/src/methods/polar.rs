@@ -62,15 +62,16 @@ impl Polar {
         };
         let crisp = settings.shadow_filter == ShadowFilter::Nearest;
         let widths = [("NARROWEST", f64::from(NARROWEST)), ("WIDEST", f64::from(WIDEST))];
+        let translucent = ("TRANSLUCENT", f64::from(settings.translucent));
         let rays = [
-            ("TRANSLUCENT", f64::from(settings.translucent)),
+            translucent,
             ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH)),
             ("TRAVERSAL", traversal),
             ("MARGIN", f64::from(MARGIN)),
             ("FINEST", f64::from(FINEST)),
             ("APART", f64::from(APART)),
         ];
-        let bounds = [("NEAREST", f64::from(NEAREST)), ("CRISP", f64::from(crisp))];
+        let bounds = [translucent, ("NEAREST", f64::from(NEAREST)), ("CRISP", f64::from(crisp))];
         let bounds = [&bounds[..], &widths].concat();
         let gather = [("SHADOW_FILTER", shadow_filter), ("BLEND", blend), shaders::moment(moment)];
         let gather = [&rays[..], &widths, &gather].concat();
@@ -124,7 +125,7 @@ impl Polar {
         let store = [whole(&curves), whole(&corners), whole(&class.used)];
         let traced = [&grid[..], &[whole(&hits)], &store].concat();
         let traced = planner.bind(&self.shadow_map, &traced);
-        let bounded = [whole(&lamps), whole(&hits), whole(&bounds)];
+        let bounded = [whole(&lamps), whole(&hits), whole(&class.classes), whole(&bounds)];
         let bounded = planner.bind(&self.shadow_bounds, &bounded);
         let last = [whole(light), planner.masks(), planner.cookies()];
         let gathered = [&grid[..], &[whole(&bounds)], &store, &last].concat();

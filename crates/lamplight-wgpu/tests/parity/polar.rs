@@ -70,8 +70,9 @@ fn polar_agrees_beside_walls_that_lamps_graze() {
             cells.set(x, y, Matter { opacity: 1.0, ..Matter::EMPTY });
         }
     }
-    // Above the floor, within it with a part, and near corners.
-    for (position, size) in [([50.4, 25.6], 3.0), ([110.3, 57.7], 4.0), ([3.2, 3.6], 2.0)] {
+    // Above the floor, in the middle of a cell, within the floor with a part, and near corners.
+    let lamps = [([50.4, 25.6], 3.0), ([70.5, 30.5], 3.0), ([110.3, 57.7], 4.0), ([3.2, 3.6], 2.0)];
+    for (position, size) in lamps {
         let lamp = Lamp { position, size, range: 200.0, ..Lamp::default() };
         cells.lamps_mut().push(lamp);
     }

@@ -5,6 +5,8 @@
 // A workgroup takes 64 rays of one lamp and the rays whose penumbra may reach them.
 
 #import shared/circle
+#import shared/class_at
+#import shared/ends
 #import shared/hit
 #import shared/lamps
 #import shared/uniforms
@@ -19,7 +21,7 @@ override CRISP: bool;
 // For each ray: the distance up to which pixels are lit, the one from which they are dark, 1/length (0 without
 // a hit), and bits: 0 to 7 the window, 8 set if the solid cells of this ray and the next one touch, from 9 on
 // the face that is hit.
-@group(0) @binding(3) var<storage, read_write> bounds: array<vec4u>;
+@group(0) @binding(4) var<storage, read_write> bounds: array<vec4u>;
 
 // WIDEST plus one.
 const HALO: u32 = 65u;
@@ -49,8 +51,11 @@ fn face_of(lamp: Lamp, ray: u32, hit: u32) -> u32 {
     let direction = direction_of(ray, lamp.count);
     let edge = vec2f(unpacked(hit)) + max(-direction.sign, vec2f(0.0));
     let reached = (edge - lamp.position) * direction.inverse;
-    let looks_up_or_down = reached.y > reached.x;
-    if max(reached.x, reached.y) <= 0.0 {
+    let last = select(vec2i(1, 0), vec2i(0, 1), reached.y > reached.x);
+    // Through a corner, a ray may enter beside another solid cell.
+    let is_open = !ends(class_at(vec2i(unpacked(hit)) - last * vec2i(direction.sign)));
+    let looks_up_or_down = (last.y == 1) == is_open;
+    if select(reached.x, reached.y, looks_up_or_down) <= 0.0 {
         return 0u;
     }
     return select(2u * (u32(edge.x) + 1u), 2u * (u32(edge.y) + 1u) + 1u, looks_up_or_down);

@@ -118,7 +118,12 @@ impl HitFace {
         let inverse = direction.map(Real::inverse);
         let place = [0, 1].map(|a| (cell[a] + i32::from(inverse[a] < 0.0)) as f32 - from[a]);
         let reached = [0, 1].map(|a| place[a] * inverse[a]);
-        let axis = usize::from(reached[1] > reached[0]);
+        let last = usize::from(reached[1] > reached[0]);
+        let mut before = cell;
+        before[last] -= if inverse[last] < 0.0 { -1 } else { 1 };
+        // Through a corner, a ray may enter beside another solid cell.
+        let is_open = grid.class(before) != CellClass::Solid;
+        let axis = if is_open { last } else { 1 - last };
         Self { axis, place: if reached[axis] > 0.0 { place[axis] } else { 0.0 } }
     }
 
