@@ -66,6 +66,11 @@ fn mean_of_point(lane: u32, counting: vec2u) -> Interval {
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     select_quadrant(group.z);
+    // Not that of `sweep`: browsers reject a barrier after a return that may depend on a variable.
+    let own = sweeps[group.z % sweeps[0].quadrants];
+    if group.y >= own.planes || STORED * group.x >= own.cell_rows {
+        return;
+    }
     let plane = sweep.first + group.y;
     let length = SPACING << sweep.level;
     let slab = plane * length;
@@ -88,7 +93,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let row = first_row + i32(lane);
     let inside = row >= 0 && row < i32(sweep.cell_rows);
     let point = row / i32(SPACING);
-    let stores = inside && group.y < sweep.planes && lane % SPACING == 0u && lane >= SPACING && lane < SPACING + STORED;
+    let stores = inside && lane % SPACING == 0u && lane >= SPACING && lane < SPACING + STORED;
     let in_points = rows_in_points(open_rows(0u, first_row)).yz;
     let apart = rows_apart(length, first_row);
     let odd = (plane & 1u) == 1u;

@@ -57,6 +57,20 @@ impl Part {
     }
 }
 
+/// Returns the workgroups of a dispatch that parts share: along each dimension, as many as any of them needs.
+fn groups(parts: &[Part]) -> [u32; 3] {
+    let most = |i: usize| parts.iter().map(|part| part.groups[i]).max().unwrap_or(0);
+    [most(0), most(1), parts.len() as u32 * most(2)]
+}
+
+/// Returns whether a part fits to others: of the workgroups of a dispatch that they share, at least half have work.
+fn fit(parts: &[Part], part: &Part) -> bool {
+    let count = |groups: [u32; 3]| groups.map(u64::from).iter().product::<u64>();
+    let together = [parts, &[*part]].concat();
+    let own: u64 = together.iter().map(|part| count(part.groups)).sum();
+    count(groups(&together)) <= 2 * own
+}
+
 /// Plans gathers, and collects the sweeps of their dispatches.
 #[derive(Debug)]
 pub struct Quadrant {
@@ -141,7 +155,7 @@ impl Quadrant {
             for left in &mut left {
                 if let Some((part, rest)) = left.split_first()
                     && part.order() == next
-                    && (parts.is_empty() || part.work.is_apart())
+                    && (parts.is_empty() || part.work.is_apart() && fit(&parts, part))
                 {
                     parts.push(*part);
                     *left = rest;
@@ -155,7 +169,7 @@ impl Quadrant {
     fn plan(&mut self, parts: &[Part]) -> PlannedWork {
         let Part { work, levels, .. } = parts[0];
         let quadrants = parts.len() as u32;
-        let most = |i: usize| parts.iter().map(|part| part.groups[i]).max().unwrap_or(0);
+        let groups = groups(parts);
         let mut together = [Sweep::default(); QUADRANTS];
         for (sweep, part) in together.iter_mut().zip(parts) {
             *sweep = Sweep { quadrants, ..part.sweep };
@@ -164,13 +178,7 @@ impl Quadrant {
         self.sweeps.push(together);
         let (words, moment) = (self.words.into(), self.moment);
         let traffic = |part: &Part| traffic(work, &part.sweep, part.groups, words, moment);
-        PlannedWork {
-            work,
-            levels,
-            step,
-            groups: [most(0), most(1), quadrants * most(2)],
-            traffic: parts.iter().map(traffic).sum(),
-        }
+        PlannedWork { work, levels, step, groups, traffic: parts.iter().map(traffic).sum() }
     }
 
     /// The parameters that all dispatches of an axis share.
@@ -433,4 +441,25 @@ impl Chain {
 fn range(from: usize, count: usize, end: usize, low: usize) -> std::ops::Range<usize> {
     let first = from.max(low);
     first..(from + count).min(end).max(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_share_a_dispatch_if_at_least_half_of_its_workgroups_have_work() {
+        let part = |groups| {
+            let sweep = Sweep::default();
+            Part { work: Work::Trace, levels: [2; 2], sweep, groups }
+        };
+        // Of a grid of 1920×1080 along both axes, and of one of 4096×16.
+        let [wide, high] = [part([19, 479, 1]), part([33, 269, 1])];
+        let [long, thin] = [part([1, 1023, 1]), part([67, 3, 1])];
+        assert_eq!(groups(&[wide, wide, high]), [33, 479, 3]);
+        assert!(fit(&[], &wide) && fit(&[wide], &wide));
+        assert!(fit(&[wide, wide], &high) && fit(&[wide, wide, high], &high));
+        assert!(fit(&[long], &long));
+        assert!(!fit(&[long, long], &thin));
+    }
 }
