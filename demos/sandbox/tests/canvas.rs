@@ -373,7 +373,9 @@ fn scenes_that_are_not_are_refused() {
         Canvas::from_scene(text, files).err().map(|e| e.to_string()).unwrap_or_default()
     };
     assert!(refuse("not a scene", &[]).contains("line 1"));
-    assert!(refuse("size = [16000, 1000]", &[]).contains("cells are too many: a canvas has at most"));
+    assert!(
+        refuse("size = [16000, 1000]", &[]).contains("cells are too many: a canvas has at most")
+    );
     assert!(refuse("size = [99999999, 3]", &[]).contains("refused"));
     let large = Scene::new(4096, 4096);
     let refused = Canvas::of_scene(&large, |_| panic!("16 million cells are drawn first"));
