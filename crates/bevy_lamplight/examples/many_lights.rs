@@ -6,19 +6,39 @@ use bevy::prelude::*;
 use bevy_lamplight::prelude::*;
 use std::f32::consts::TAU;
 
-fn main() {
+fn main() -> AppExit {
+    let mut lamps = LampCount::default();
+    if let Some(text) = std::env::args().nth(1) {
+        let Ok(count) = text.parse() else {
+            eprintln!("error: the number of lamps is {text}, but must be a whole number");
+            return AppExit::error();
+        };
+        lamps = LampCount(count);
+    }
     App::new()
+        .insert_resource(lamps)
         .add_plugins((DefaultPlugins, example))
         .add_plugins((FrameTimeDiagnosticsPlugin::default(), LogDiagnosticsPlugin::default()))
-        .run();
+        .run()
 }
 
 /// The example as a plugin.
 pub fn example(app: &mut App) {
     app.add_plugins(LamplightPlugin)
+        .init_resource::<LampCount>()
         .insert_resource(ClearColor(Color::srgb(0.5, 0.5, 0.55)))
         .add_systems(Startup, setup)
         .add_systems(Update, drift);
+}
+
+/// The number of lamps.
+#[derive(Resource)]
+struct LampCount(u32);
+
+impl Default for LampCount {
+    fn default() -> Self {
+        Self(500)
+    }
 }
 
 /// Half of the area that lamps drift in.
@@ -42,19 +62,18 @@ fn random() -> impl FnMut() -> f32 {
     }
 }
 
-fn setup(mut commands: Commands) {
+fn setup(mut commands: Commands, lamps: Res<LampCount>) {
     commands.spawn((
         Camera2d,
         Lighting2d { cells: CellSize::World(2.0), ..default() },
         AmbientLight2d { brightness: 0.02, ..default() },
     ));
-    let count = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(500);
     let mut random = random();
-    for _ in 0..count {
+    for _ in 0..lamps.0 {
         let lamp = PointLight2d {
             color: Color::hsl(360.0 * random(), 0.9, 0.6),
             // The total light does not depend on the number of lamps.
-            intensity: 12.0 / count as f32,
+            intensity: 12.0 / lamps.0 as f32,
             range: 100.0,
             radius: 3.0,
             ..default()

@@ -30,6 +30,7 @@
 //! `docs/light.md` of the project defines light. Where it measures in cells, this crate measures in
 //! world units: opacity and tint are per world unit.
 
+mod camera_log;
 mod components;
 mod cookies;
 #[cfg(feature = "gizmos")]

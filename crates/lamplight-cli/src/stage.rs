@@ -125,7 +125,7 @@ impl<'a> FrameView<'a> {
             Stage::Tint => debug_views::tint(self.drawn),
             Stage::Voronoi => debug_views::seeds(self.cells.width(), &self.fields()?.nearest),
             Stage::Distance => debug_views::distance(self.cells.width(), &self.fields()?.distance),
-            Stage::Light => self.light()?.picture(&self.display),
+            Stage::Light => self.light()?.picture(&self.display)?,
             Stage::Final => self.light()?.compose(self.cells, &self.display)?,
         };
         enlarge(&picture, scale)

@@ -163,7 +163,6 @@ impl Light {
         display: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let display = json::display(py, display)?;
-        display.check().map_err(value_error)?;
         let picture =
             SHARED.run(py, || self.0.compose(&cells.0, &display))?.map_err(value_error)?;
         let [height, width] = self.size();

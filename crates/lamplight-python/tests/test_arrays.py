@@ -61,6 +61,7 @@ def test_row_0_is_the_top_row():
         ((4, 6), {"emission": np.zeros((6, 4, 3))}, r"expected \[4, 6, 3\]"),
         ((4, 6), {"opacity": np.full((4, 6), np.nan)}, "opacity"),
         ((4, 6), {"opacity": np.full((4, 6), 2)}, "0 to 1"),
+        ((4, 6), {"color": np.full((4, 6, 3), np.nan)}, "color is NaN"),
         ((4, 6), {"opacity": np.zeros((4, 6), complex)}, "opacity"),
         ((4, 6), {"sky": [float("nan")] * 3}, "NaN"),
         ((4, 6), {"emission": np.full((4, 6, 3), -1)}, "0 to 1e12"),

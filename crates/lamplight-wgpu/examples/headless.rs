@@ -11,10 +11,21 @@ use lamplight_wgpu::wgpu::{
 };
 use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Lights, Stage, Textures};
 use pollster::block_on;
+use std::{error::Error, process::ExitCode};
 
 const SIZE: [u32; 2] = [320, 180];
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     // A host has these already.
     let instance = Instance::new(InstanceDescriptor::new_without_display_handle());
     let adapter = block_on(instance.request_adapter(&Default::default()))?;
@@ -61,7 +72,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let light: Vec<[f32; 4]> = read_back(&device, &queue, light)?;
     let shown = |v: f32| ((v / (1.0 + v)).powf(1.0 / 2.2) * 255.0) as u8;
     let pixels = light.iter().flat_map(|&[r, g, b, _]| [r, g, b].map(shown)).collect();
-    RgbImage::from_raw(SIZE[0], SIZE[1], pixels).ok_or("of another size")?.save("headless.png")?;
+    RgbImage::from_raw(SIZE[0], SIZE[1], pixels)
+        .ok_or("of another size")?
+        .save("headless.png")
+        .map_err(|error| format!("cannot write headless.png: {error}"))?;
     println!("wrote headless.png");
     Ok(())
 }

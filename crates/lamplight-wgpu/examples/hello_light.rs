@@ -9,18 +9,41 @@ use lamplight_wgpu::wgpu::{
 };
 use lamplight_wgpu::{Compose, ComposeParams, Filter, FrameInput, Lighting, LightingOptions};
 use pollster::block_on;
-use std::{error::Error, sync::Arc};
+use std::{error::Error, process::ExitCode, sync::Arc};
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
 use winit::{application::ApplicationHandler, event::WindowEvent};
 
 const SIZE: [u32; 2] = [320, 180];
 
-fn main() -> Result<(), Box<dyn Error>> {
-    Ok(EventLoop::new()?.run_app(&mut App(None))?)
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
 }
 
-struct App(Option<Game>);
+fn run() -> Result<(), Box<dyn Error>> {
+    let mut app = App { game: None, end: Ok(()) };
+    EventLoop::new()?.run_app(&mut app)?;
+    app.end
+}
+
+struct App {
+    game: Option<Game>,
+    /// An error if one ended the game: events have no result to return it by.
+    end: Result<(), Box<dyn Error>>,
+}
+
+impl App {
+    fn fail(&mut self, events: &ActiveEventLoop, error: Box<dyn Error>) {
+        self.end = Err(error);
+        events.exit();
+    }
+}
 
 struct Game {
     window: Arc<Window>,
@@ -94,11 +117,14 @@ impl Game {
 
 impl ApplicationHandler for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        self.0 = Some(Game::new(events).expect("a window and a GPU"));
+        match Game::new(events) {
+            Ok(game) => self.game = Some(game),
+            Err(error) => self.fail(events, error),
+        }
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        let Some(game) = &mut self.0 else { return };
+        let Some(game) = &mut self.game else { return };
         match event {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::Resized(size) => {
@@ -112,7 +138,11 @@ impl ApplicationHandler for App {
                 let lamps = game.cells.lamps_mut();
                 lamps[2].position = [at[0] * SIZE[0] as f32, at[1] * SIZE[1] as f32];
             }
-            WindowEvent::RedrawRequested => game.draw().expect("the frame is lit"),
+            WindowEvent::RedrawRequested => {
+                if let Err(error) = game.draw() {
+                    self.fail(events, error);
+                }
+            }
             _ => {}
         }
     }

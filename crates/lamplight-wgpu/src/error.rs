@@ -128,13 +128,16 @@ pub enum ReadBackError {
     /// No frame has been prepared.
     #[error("cannot read from the GPU: nothing has been lit")]
     NothingLit,
-    /// The light has another number of cells than the grid that it is asked for.
-    #[error("cannot read from the GPU: {lit} cells were lit, but {asked} are asked for")]
+    /// The light is that of a grid of another size than the one that it is asked for.
+    #[error(
+        "cannot read from the GPU: {}×{} cells were lit, but the light of {}×{} is asked for",
+        lit[0], lit[1], asked[0], asked[1]
+    )]
     OtherCells {
-        /// The number of cells that were lit.
-        lit: usize,
-        /// The number of cells asked for.
-        asked: usize,
+        /// Columns and rows of the cells that were lit.
+        lit: [u32; 2],
+        /// Columns and rows of the cells asked for.
+        asked: [u32; 2],
     },
     /// The transfer failed.
     #[error("cannot read from the GPU: {0}")]

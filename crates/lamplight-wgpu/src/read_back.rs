@@ -11,7 +11,7 @@ use lamplight::{Cells, Light};
 /// cells.
 ///
 /// # Errors
-/// If nothing was lit, if the cells have another number than those lit, and as [`read_back`].
+/// If nothing was lit, if the cells are a grid of another size than those lit, and as [`read_back`].
 pub fn light(lighting: &Lighting, cells: &Cells) -> Result<Light, ReadBackError> {
     let fetch = FetchLight::new(lighting, cells)?;
     fetch.cells.light(fetch.numbers.wait()?)
@@ -28,15 +28,18 @@ impl FetchLight {
     /// Starts the transfer of the light of the last frame of these cells, as [`light`] does.
     pub fn new(lighting: &Lighting, cells: &Cells) -> Result<Self, ReadBackError> {
         let buffer = lighting.stage(Stage::Light).ok_or(ReadBackError::NothingLit)?;
+        let lit = lighting.compose_inputs().ok_or(ReadBackError::NothingLit)?.size;
+        let asked = [cells.width(), cells.height()];
+        if asked != lit {
+            return Err(ReadBackError::OtherCells { lit, asked });
+        }
         let mut cells = cells.clone();
         if let Some(settings) = lighting.settings() {
             settings.method.draw_lamps(&mut cells);
         }
         let elevation = lighting.settings().filter(|s| s.moment).map(|s| s.elevation);
-        let values = buffer.size() as usize / size_of::<[f32; 4]>();
-        let lit = if elevation.is_some() { values / 3 } else { values };
         let (device, queue) = lighting.device();
-        let cells = LitCells { cells, lit, elevation };
+        let cells = LitCells { cells, elevation };
         Ok(Self { numbers: Fetch::new(device, queue, buffer)?, cells })
     }
 
@@ -50,22 +53,20 @@ impl FetchLight {
 #[derive(Debug)]
 struct LitCells {
     cells: Cells,
-    /// The number of values of light, without those of its first moment.
-    lit: usize,
     /// The elevation of light, if its first moment was found.
     elevation: Option<f32>,
 }
 
 impl LitCells {
     fn light(&self, numbers: Vec<[f32; 4]>) -> Result<Light, ReadBackError> {
-        let other = |_| ReadBackError::OtherCells { lit: self.lit, asked: self.cells.len() };
-        let (light, moment) = numbers.split_at(self.lit.min(numbers.len()));
+        let failed = |error: lamplight::Error| ReadBackError::Failed(error.to_string());
+        let (light, moment) = numbers.split_at(self.cells.len().min(numbers.len()));
         let rgb = |[r, g, b, _]: &[f32; 4]| [*r, *g, *b];
         let light = Light::from_pixels(&self.cells, light.iter().map(rgb).collect());
-        let light = light.map_err(other)?;
+        let light = light.map_err(failed)?;
         let Some(elevation) = self.elevation else { return Ok(light) };
         let (x, y) = moment.split_at(moment.len() / 2);
         let moment = x.iter().zip(y).map(|(x, y)| [rgb(x), rgb(y)]).collect();
-        light.with_moment(moment, elevation).map_err(other)
+        light.with_moment(moment, elevation).map_err(failed)
     }
 }

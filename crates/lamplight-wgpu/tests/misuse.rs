@@ -381,3 +381,19 @@ fn the_light_is_none_before_the_first_frame() {
     assert_eq!(error, "cannot read from the GPU: nothing has been lit");
     assert!(lighting.stage(Stage::Light).is_none());
 }
+
+#[test]
+fn the_light_of_cells_that_were_not_lit_is_refused() {
+    let (device, queue) = device();
+    let mut lighting = lighting(&device, &queue);
+    let lit = Cells::new(6, 4).unwrap();
+    frame(&device, &queue, &mut lighting, &Settings::default(), &lit);
+    // As many cells, or not.
+    for [width, height] in [[4, 6], [6, 5]] {
+        let cells = Cells::new(width, height).unwrap();
+        let error = lamplight_wgpu::read_back::light(&lighting, &cells).unwrap_err().to_string();
+        let asked = format!("the light of {width}×{height} is asked for");
+        assert_eq!(error, format!("cannot read from the GPU: 6×4 cells were lit, but {asked}"));
+    }
+    assert!(lamplight_wgpu::read_back::light(&lighting, &lit).is_ok());
+}

@@ -1,11 +1,15 @@
 //! Lights a world that is larger than a grid, tile by tile: hills, caves, huts with lamps, made as they are read.
 //!
-//! `cargo run --release -p lamplight --example world -- 8192 tiles/` lights 8192×8192 cells and writes a picture of each
-//! tile into a directory.
+//! `cargo run --release -p lamplight --example world -- 8192 tiles/` lights 8192×8192 cells, and writes a picture of each
+//! tile into the folder `tiles/`, named by its column and row. Without a folder it only prints times, without a size it
+//! lights 2048×2048 cells.
 
 use lamplight::world::{World, WorldSettings, WorldSource};
-use lamplight::{Cells, Display, GridWindow, Lamp, Matter, Result, Settings, Sky};
-use std::path::PathBuf;
+use lamplight::{
+    Bounces, Cells, Display, Error, GridWindow, Lamp, Light, Matter, Result, Settings, Sky,
+};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 /// With its margin a multiple of 512.
@@ -77,18 +81,36 @@ impl WorldSource for Hills {
     }
 }
 
-fn main() -> Result<()> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let side = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(2048);
-    let directory = arguments.next().map(PathBuf::from);
+    let side = arguments.next().map_or(Ok(2048), |text| {
+        text.parse().map_err(|_| Error::value("size", text, "a whole number of cells"))
+    })?;
+    let folder = arguments.next().map(PathBuf::from);
+    if let Some(folder) = &folder {
+        // Before any light, so that it is not found for nothing.
+        std::fs::create_dir_all(folder)
+            .map_err(|error| format!("cannot make the folder {}: {error}", folder.display()))?;
+    }
     let source = Hills([side; 2]);
 
     let start = Instant::now();
-    let settings = Settings { bounces: lamplight::Bounces::Count(2), ..Settings::default() };
+    let settings = Settings { bounces: Bounces::Count(2), ..Settings::default() };
     let world = World::new(&source, WorldSettings::new(settings), |part, parts| {
         eprint!("\rread {part} of {parts} parts ");
     })?;
-    println!("\nfar field of {side}×{side} cells: {:.1} s", start.elapsed().as_secs_f64());
+    eprintln!();
+    println!("far field of {side}×{side} cells: {:.1} s", start.elapsed().as_secs_f64());
 
     let mut longest = Duration::ZERO;
     let mut tiles = world.light_tiles(TILE)?;
@@ -99,21 +121,27 @@ fn main() -> Result<()> {
         let light = tiles.light(window)?;
         longest = longest.max(start.elapsed());
         eprint!("\rlit {} of {} tiles ", number + 1, windows.len());
-        if let Some(directory) = &directory {
-            let picture = light.compose(&source.cells(window)?, &Display::default())?;
-            let [x, y] = window.first.map(|v| v / TILE);
-            let path = directory.join(format!("{x}-{y}.png"));
-            if let Err(error) = picture.save(&path) {
-                eprintln!("cannot write {}: {error}", path.display());
-                std::process::exit(1);
-            }
+        if let Some(folder) = &folder {
+            write(&light, &source.cells(window)?, window, folder)?;
         }
     }
+    eprintln!();
     let seconds = lighting.elapsed().as_secs_f64();
-    println!(
-        "\n{} tiles: {seconds:.1} s, the longest {:.2} s",
-        windows.len(),
-        longest.as_secs_f64()
-    );
+    let longest = longest.as_secs_f64();
+    println!("{} tiles: {seconds:.1} s, the longest {longest:.2} s", windows.len());
+    Ok(())
+}
+
+/// Writes the picture of a tile.
+fn write(
+    light: &Light,
+    cells: &Cells,
+    window: GridWindow,
+    folder: &Path,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let picture = light.compose(cells, &Display::default())?;
+    let [column, row] = window.first.map(|v| v / TILE);
+    let path = folder.join(format!("{column}-{row}.png"));
+    picture.save(&path).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     Ok(())
 }

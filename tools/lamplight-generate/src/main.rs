@@ -11,9 +11,11 @@ mod scenes;
 mod schema;
 mod tradeoff;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Parser, Subcommand, ValueEnum};
 use generated::Mode;
+use std::fmt::Display;
+use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 #[derive(Parser)]
@@ -78,9 +80,17 @@ fn run(chore: Chore) -> Result<()> {
             let shaders = lamplight_wgpu::shaders().map(|(name, text)| (name, text.into()));
             let shaders: serde_json::Map<_, _> =
                 shaders.map(|(name, text)| (name.to_owned(), text)).collect();
-            println!("{}", serde_json::Value::from(shaders));
-            Ok(())
+            print(serde_json::Value::from(shaders))
         }
+    }
+}
+
+/// Prints a line of results. A reader that has left, as `head` does, wants no more of them: that is no error.
+fn print(text: impl Display) -> Result<()> {
+    let mut out = io::stdout().lock();
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        printed => printed.context("cannot write to stdout"),
     }
 }
 

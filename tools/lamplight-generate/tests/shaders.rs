@@ -1,7 +1,7 @@
 //! The program prints shaders, as `cargo xtask test --web` reads them.
 
 use serde_json::{Map, Value};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 #[test]
 fn every_shader_is_printed_by_its_name() {
@@ -14,4 +14,17 @@ fn every_shader_is_printed_by_its_name() {
     for (name, text) in shaders {
         assert_eq!(printed[name], Value::from(text), "{name}");
     }
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_error() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lamplight-generate"))
+        .arg("shaders")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let ended = child.wait_with_output().unwrap();
+    assert!(ended.status.success() && ended.stderr.is_empty(), "{ended:?}");
 }

@@ -6,9 +6,9 @@ use super::draw::{DrawList, LampModel};
 use super::extract::{ExtractedLighting, LitCameraView};
 use super::pipelines::{GLOW, LAMPS, MASKS, MATTER, NORMALS, Pipelines, SUMS, TargetTransform};
 use super::quad_buffers::QuadBuffers;
+use crate::camera_log::CameraLog;
 use crate::components::Lighting2d;
-use bevy::log::{error, warn};
-use bevy::platform::collections::{HashMap, HashSet};
+use bevy::platform::collections::HashMap;
 use bevy::prelude::{Entity, Resource};
 use lamplight::Settings;
 use lamplight_wgpu::wgpu::util::TextureBlitter;
@@ -20,7 +20,6 @@ use lamplight_wgpu::{
     Backend, Compose, Error, FrameInput, Lighting, LightingOptions, Lights, Textures, VisibleRect,
     check_grid,
 };
-use std::fmt::Display;
 
 /// Lit cameras by their entity in the render world.
 #[derive(Resource, Default)]
@@ -29,34 +28,6 @@ pub struct LitViews {
     /// Lights nothing, and keeps what cameras have compiled for those that come after them.
     pub compiled: Option<Lighting>,
     pub log: CameraLog,
-}
-
-/// Logs each message once per camera.
-#[derive(Default)]
-pub struct CameraLog(HashSet<(Entity, String)>);
-
-impl CameraLog {
-    /// Logs why a camera is not lit.
-    pub fn error(&mut self, camera: Entity, message: impl Display) {
-        let message = message.to_string();
-        if self.is_new(camera, &message) {
-            error!("the camera {camera} is not lit: {message}");
-        }
-    }
-
-    /// Logs a warning about a camera.
-    pub fn warn(&mut self, camera: Entity, message: impl Display) {
-        let message = message.to_string();
-        if self.is_new(camera, &message) {
-            warn!("the camera {camera}: {message}");
-        }
-    }
-
-    /// Remembers a message. Returns `false` if it was logged before, with whatever figures.
-    fn is_new(&mut self, camera: Entity, message: &str) -> bool {
-        let text = message.replace(|c: char| c.is_ascii_digit() || c == '.', "");
-        self.0.insert((camera, text))
-    }
 }
 
 /// The lighting of one camera.
@@ -336,19 +307,4 @@ fn texture(
         view_formats: &[],
     });
     texture.create_view(&Default::default())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_message_is_logged_once_per_camera_whatever_its_figures() {
-        let mut log = CameraLog::default();
-        let [first, second] = [1, 2].map(|i| Entity::from_raw_u32(i).unwrap());
-        assert!(log.is_new(first, "exposure is 33, not below 32"));
-        assert!(!log.is_new(first, "exposure is 34.5, not below 32"));
-        assert!(log.is_new(first, "wall_depth is 33, not below 32"));
-        assert!(log.is_new(second, "exposure is 33, not below 32"));
-    }
 }

@@ -8,6 +8,7 @@
 
 mod rings;
 
+use crate::camera_log::CameraLog;
 use crate::components::Lighting2d;
 use crate::lit_camera::{LitCamera, LitCameraItem};
 use crate::placement::Placement;
@@ -15,10 +16,9 @@ use crate::quads::{ExtractedScene, Gather, SceneAssets};
 use bevy::asset::AssetEvent;
 use bevy::ecs::message::MessageReader;
 use bevy::image::Image;
-use bevy::log::error_once;
 use bevy::math::Rect;
 use bevy::platform::collections::HashMap;
-use bevy::prelude::{Entity, Query, ResMut, Resource};
+use bevy::prelude::{Entity, Local, Query, ResMut, Resource};
 use lamplight::surroundings::{LampPart, RingSurroundings, part_lamp};
 use lamplight::{Inflow, Lamp, Method, Sky, Sun};
 use rings::{CameraRings, GridPlace};
@@ -73,6 +73,7 @@ pub fn is_parted(lamp: &Lamp, all_solid: bool) -> bool {
 pub fn find(
     mut surroundings: ResMut<CameraSurroundings>,
     mut events: MessageReader<AssetEvent<Image>>,
+    mut log: Local<CameraLog>,
     cameras: Query<(Entity, LitCamera)>,
     gather: Gather,
     assets: SceneAssets,
@@ -96,7 +97,7 @@ pub fn find(
         let view = views.entry(entity).or_default();
         if let Err(error) = view.find(&camera, &placement, &gather, &assets) {
             (view.still, view.inflow) = (None, None);
-            error_once!("the camera {entity} has no light from around its grid: {error}");
+            log.no_inflow(entity, error);
         }
     }
 }

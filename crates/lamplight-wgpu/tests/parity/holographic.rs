@@ -4,7 +4,7 @@ use crate::common::{cells, device, device_of, device_with, frame, lighting, on_g
 use crate::compare::{Both, SIZES, agree, differences, middle, scenes};
 use crate::inflow::entered;
 use lamplight::settings::{Holographic, Variant};
-use lamplight::{Bounces, Cells, Gradient, Matter, Rgb, Settings, Sky};
+use lamplight::{Bounces, Cells, Gradient, Lamp, Matter, Rgb, Settings, Sky};
 use lamplight_wgpu::{FrameInput, Lighting, LightingOptions, Tier};
 use std::time::{Duration, Instant};
 
@@ -92,6 +92,36 @@ fn every_example_scene_agrees() {
         let settings =
             Settings { bounces: Bounces::Count(1), wall_depth, ..holographic("default") };
         agree(&gpu, &name, &middle(&scene), settings);
+    }
+}
+
+/// Surfaces and a sky as bright as can be, and a lamp of the brightest colour and intensity.
+#[test]
+fn the_brightest_light_agrees() {
+    let gpu = device();
+    let lamp = Lamp {
+        position: [31.2, 20.7],
+        color: [1e12, 3e11, 1e11],
+        intensity: 1e6,
+        size: 2.5,
+        ..Lamp::default()
+    };
+    for preset in ["default", "fast"] {
+        let settings = Settings { bounces: Bounces::Count(1), ..holographic(preset) };
+        for dim in [cells(61, 43, 17), solid(61, 43, 19)] {
+            let most = dim.emission().as_flattened().iter().copied().fold(0.0, f32::max);
+            for brightest in [1e7, 1e9, 1e12] {
+                let mut bright = dim.clone();
+                for value in bright.emission_mut().as_flattened_mut() {
+                    *value = *value / most * brightest;
+                }
+                bright.set_sky(Sky::Uniform([0.02 * brightest; 3]));
+                agree(&gpu, &format!("{preset}, {brightest:e}"), &bright, settings.clone());
+            }
+            let mut lit = dim.clone();
+            lit.lamps_mut().push(lamp.clone());
+            agree(&gpu, &format!("{preset}, lamp"), &lit, settings.clone());
+        }
     }
 }
 

@@ -195,22 +195,29 @@ impl Light {
     /// Returns the final picture: `cells` under this light, plus emission, encoded for the screen.
     ///
     /// # Errors
-    /// Fails if the size of `cells` is not that of the light.
+    /// Fails if the size of `cells` is not that of the light, or if a cell or a value of `display` is invalid.
     pub fn compose(&self, cells: &Cells, display: &Display) -> Result<RgbImage> {
         Ok(display.picture(self.width, self.height, &self.radiance(cells, display)?))
     }
 
     /// Returns the light alone as a picture.
-    pub fn picture(&self, display: &Display) -> RgbImage {
-        display.picture(self.width, self.height, &self.rgb)
+    ///
+    /// # Errors
+    /// Fails if a value of `display` is invalid.
+    pub fn picture(&self, display: &Display) -> Result<RgbImage> {
+        display.check()?;
+        Ok(display.picture(self.width, self.height, &self.rgb))
     }
 
     /// Returns the radiance that [`Self::compose`] shows, linear, before exposure and tone map, in row order. Normals
     /// count if the light has a first moment.
     ///
     /// # Errors
-    /// Fails if the size of `cells` is not that of the light.
+    /// Fails if the size of `cells` is not that of the light, or if a cell or a value of `display` is invalid.
     pub fn radiance(&self, cells: &Cells, display: &Display) -> Result<Vec<Rgb>> {
+        display.check()?;
+        // Colours may have changed since these cells were solved, which reads none.
+        cells.check()?;
         if (cells.width(), cells.height()) != (self.width, self.height) {
             let size = |w: u32, h: u32| format!("{w}×{h}");
             return Err(Error::value(
@@ -419,5 +426,28 @@ mod tests {
         let light = Light::from_pixels(&Cells::new(3, 1).unwrap(), vec![[1.0; 3]; 3]).unwrap();
         let error = light.compose(&Cells::new(1, 3).unwrap(), &Display::default()).unwrap_err();
         assert_eq!(error.to_string(), "`cells` is 1×3, but must be the grid of the light, 3×1");
+    }
+
+    #[test]
+    fn pictures_of_invalid_values_are_refused() {
+        let mut cells = Cells::new(3, 1).unwrap();
+        let light = Light::from_pixels(&cells, vec![[1.0; 3]; 3]).unwrap();
+        let bright = Display { exposure: f32::NAN, ..Display::PLAIN };
+        let rough = Relief { roughness: f32::NAN, ..Relief::DEFAULT };
+        for (bad, message) in [
+            (bright, "`exposure` is NaN, but must be a number of stops from -32 to 32"),
+            (Display { relief: rough, ..Display::PLAIN }, "`relief.roughness` is NaN, but"),
+        ] {
+            for refused in [
+                light.compose(&cells, &bad).unwrap_err(),
+                light.picture(&bad).unwrap_err(),
+                light.radiance(&cells, &bad).unwrap_err(),
+            ] {
+                assert!(refused.to_string().starts_with(message), "{refused}");
+            }
+        }
+        cells.color_mut()[2][1] = f32::NAN;
+        let refused = light.compose(&cells, &Display::default()).unwrap_err();
+        assert_eq!(refused.to_string(), "cell (2, 0): color is NaN, but must be 0 to 1");
     }
 }

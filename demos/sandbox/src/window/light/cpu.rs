@@ -57,7 +57,7 @@ impl OnCpu {
             Cow::Owned(spread.context("the light is not of these cells")?)
         };
         let pixels = if shown.light_alone {
-            light.picture(&shown.display)
+            light.picture(&shown.display)?
         } else {
             light.compose(picture, &shown.display)?
         };
