@@ -294,7 +294,7 @@ impl Cells {
         &mut self.albedo
     }
 
-    /// The colours that the final picture multiplies with the light, linear RGB from 0 to 1; `None` is white.
+    /// The colours that the final picture multiplies with the light, linear RGB; `None` is white.
     pub fn color(&self) -> Option<&[Rgb]> {
         self.color.as_deref()
     }
@@ -452,7 +452,7 @@ impl Cells {
             self.check_field("tint", "0 to 1", self.tint.as_flattened(), 3, unit)?;
             self.check_field("albedo", "0 to 1", self.albedo.as_flattened(), 3, unit)?;
             let color = self.color.as_deref().unwrap_or_default().as_flattened();
-            self.check_field("color", "0 to 1", color, 3, unit)?;
+            self.check_field("color", "0 to 1e12", color, 3, radiance)?;
             let normals = self.normals.as_deref().unwrap_or_default().as_flattened();
             self.check_field("normal", "-1 to 1", normals, 3, |v| (-1.0..=1.0).contains(&v))
         };

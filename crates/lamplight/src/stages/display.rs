@@ -448,6 +448,6 @@ mod tests {
         }
         cells.color_mut()[2][1] = f32::NAN;
         let refused = light.compose(&cells, &Display::default()).unwrap_err();
-        assert_eq!(refused.to_string(), "cell (2, 0): color is NaN, but must be 0 to 1");
+        assert_eq!(refused.to_string(), "cell (2, 0): color is NaN, but must be 0 to 1e12");
     }
 }

@@ -319,8 +319,8 @@ fn invalid_matter_is_rejected_with_its_cell() {
         ("cell (1, 0): opacity is 1.5, but must be 0 to 1", |c| c.opacity_mut()[1] = 1.5),
         ("cell (0, 0): tint is -0.5, but must be 0 to 1", |c| c.tint_mut()[0][2] = -0.5),
         ("cell (3, 2): albedo is 2, but must be 0 to 1", |c| c.albedo_mut()[13][0] = 2.0),
-        ("cell (3, 2): color is NaN, but must be 0 to 1", |c| c.color_mut()[13][0] = f32::NAN),
-        ("cell (0, 0): color is 2, but must be 0 to 1", |c| c.color_mut()[0][2] = 2.0),
+        ("cell (3, 2): color is NaN, but must be 0 to 1e12", |c| c.color_mut()[13][0] = f32::NAN),
+        ("cell (0, 0): color is -1, but must be 0 to 1e12", |c| c.color_mut()[0][2] = -1.0),
         ("`sky` is NaN, but must be a radiance from 0 to 1e12", |c| {
             c.set_sky(Sky::Uniform([0.0, f32::NAN, 0.0]));
         }),
