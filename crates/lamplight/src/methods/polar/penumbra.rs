@@ -320,9 +320,15 @@ pub fn hide_behind_walls(solid: &SolidBits, fan: &Fan, hidden: &mut Hidden) {
     }
 }
 
-/// Returns whether two transmittances differ by more than `most` in any channel.
+/// Returns whether two values differ by more than `most` in any channel.
 pub fn differ(a: Rgb, b: Rgb, most: f32) -> bool {
     (0..3).any(|c| (a[c] - b[c]).abs() > most)
+}
+
+/// Returns whether two transmittances are those of uneven media. Square roots are compared: through dense media that are
+/// uneven most rays are dark, but one between them may be bright.
+pub fn are_uneven(a: Rgb, b: Rgb) -> bool {
+    differ(a.map(f32::sqrt), b.map(f32::sqrt), 0.5 * EVEN)
 }
 
 /// Returns the mean transmittance of media between a pixel and the points of a light that it sees; `None` if it sees
