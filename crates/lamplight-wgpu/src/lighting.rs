@@ -433,11 +433,11 @@ impl Lighting {
         let needed = self.needed();
         self.lamps.more_follows = needed.has_direct();
         let moment = input.settings.moment;
-        let compiled = self.direct.as_ref().is_some_and(|direct| direct.moment == moment);
+        let compiled = self.direct.as_ref().is_some_and(|direct| direct.serves(input.settings));
         // Plans keep the room that lights once had, and shine the ones that return into it.
         let had_direct = self.frame.as_ref().is_some_and(|frame| frame.capacity.has_direct());
         if method.is_some() && (needed.has_direct() || had_direct) && !compiled {
-            let compile = || Ok(Direct::new(&self.shared.compiler, moment));
+            let compile = || Ok(Direct::new(&self.shared.compiler, input.settings));
             self.direct = Some(with_error_scope::<_, PrepareError>(device, compile)?);
         }
         if moment && self.moment_walls.is_none() && method.is_some() {

@@ -117,6 +117,21 @@ fn direct_light_through_media_agrees_but_for_the_choice_of_rays() {
 }
 
 #[test]
+fn suns_end_at_media_that_are_not_translucent() {
+    let gpu = device();
+    let mut cells = lit(97, 61, 310);
+    cells.lamps_mut().clear();
+    for translucent in [true, false] {
+        let polar = Polar { translucent, ..Polar::default() };
+        let settings = Settings { wall_depth: 0.0, ..Settings::direct(polar) };
+        let mut both = Both::new(&gpu, settings);
+        let [seen, right] = both.light(&gpu, &cells);
+        let found = rmse(&seen, &right);
+        assert!(found < THROUGH_MEDIA, "translucent: {translucent}: {found}");
+    }
+}
+
+#[test]
 fn lights_come_and_go() {
     let gpu = device();
     let mut both = Both::new(&gpu, Settings::direct(Raymarch::default()));

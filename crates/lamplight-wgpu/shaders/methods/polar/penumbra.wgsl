@@ -161,9 +161,8 @@ fn hidden_by(fan: Fan, low: vec2f, high: vec2f) -> vec2f {
     return interval;
 }
 
-// Hides what the solid cells of a block hide, by the word of its classes.
-fn hide_behind_block(fan: Fan, block: vec2u, word: u32) {
-    let solid = (word >> 1u) & ~word & 0x55555555u;
+// Hides what the solid cells of a block hide, a bit each.
+fn hide_behind_block(fan: Fan, block: vec2u, solid: u32) {
     let start = vec2f(4u * block);
     if solid == 0x55555555u {
         hide(hidden_by(fan, start, start + 4.0));
@@ -216,9 +215,11 @@ fn hide_behind_walls(fan: Fan) {
         for (var other = blocks.x; other <= blocks.y; other++) {
             let block = vec2u(select(vec2i(line, other), vec2i(other, line), steep));
             let word = word_at(4u * block);
-            meets_media |= (word & ~(word >> 1u) & 0x55555555u) != 0u;
-            if (word & 0xaaaaaaaau) != 0u {
-                hide_behind_block(fan, block, word);
+            let media = word & ~(word >> 1u) & 0x55555555u;
+            let solid = ((word >> 1u) & ~word & 0x55555555u) | select(media, 0u, TRANSLUCENT);
+            meets_media |= TRANSLUCENT && media != 0u;
+            if solid != 0u {
+                hide_behind_block(fan, block, solid);
             }
         }
         if all_is_hidden() {
