@@ -153,6 +153,26 @@ fn direct_light_through_leaves_agrees() {
     }
 }
 
+/// The relative difference of a sliver of light, whose width rounding changes.
+const SLIVERS: f32 = 0.05;
+
+#[test]
+fn slivers_of_a_lamp_past_a_wall_agree_behind_a_pane() {
+    let gpu = device();
+    let mut cells = Cells::new(60, 40).unwrap();
+    for y in 0..40 {
+        let opacity = f32::from(u8::from(y < 20));
+        cells.set(30, y, Matter { opacity, ..Matter::EMPTY });
+        cells.set(40, y, Matter { opacity: 0.9, ..Matter::EMPTY });
+    }
+    let lamp = Lamp { position: [10.5, 20.5], size: 8.0, ..Lamp::default() };
+    cells.lamps_mut().push(Lamp { direct: Direct::Exact, ..lamp });
+    let [seen, right] = Both::new(&gpu, Settings::direct(Raymarch::default())).light(&gpu, &cells);
+    // Slivers are so dim that only a measure of their own tells them apart.
+    let off = |(seen, right): (&Rgb, &Rgb)| (seen[0] - right[0]).abs() > SLIVERS * right[0];
+    assert!(!seen.iter().zip(&right).any(off));
+}
+
 #[test]
 fn suns_end_at_media_that_are_not_translucent() {
     let gpu = device();

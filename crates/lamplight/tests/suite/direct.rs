@@ -353,3 +353,33 @@ fn a_sun_shines_through_leaves_as_lines_to_it_do() {
         assert_rms(&errors.collect::<Vec<_>>(), &format!("{size:?}, {fraction}, {angle} rad"));
     }
 }
+
+#[test]
+fn slivers_of_a_light_past_a_wall_are_seen_through_the_pane_behind_it() {
+    let scene = |opacity| {
+        grid(60, 40, |x, y| match (x, y) {
+            (30, ..20) => Matter { opacity: 1.0, ..Matter::EMPTY },
+            (40, _) => Matter { opacity, ..Matter::EMPTY },
+            _ => Matter::EMPTY,
+        })
+    };
+    let lamp = Lamp { size: 8.0, ..exact([10.5, 20.5]) };
+    let sun = Sun { angle: 0.5, direct: Direct::Exact, ..Sun::default() };
+    let lit = |lamps: &[Lamp], suns: &[Sun]| {
+        [0.0, 0.9].map(|opacity| {
+            let mut cells = scene(opacity);
+            cells.lamps_mut().extend_from_slice(lamps);
+            cells.suns_mut().extend_from_slice(suns);
+            direct(&cells)
+        })
+    };
+    for [clear, glass] in [lit(&[lamp], &[]), lit(&[], &[Sun { direction: 0.0, ..sun }])] {
+        // Away from the border, beyond which the sun shines past the pane.
+        let behind = (8..32).flat_map(|y| (41..60).map(move |x| (x, y)));
+        for (x, y) in behind {
+            let (clear, glass) = (clear.at(x, y)[0], glass.at(x, y)[0]);
+            // No line through the pane is shorter than a px.
+            assert!(glass <= 0.1 * clear * (1.0 + ROUNDING), "{x}, {y}: {glass} of {clear}");
+        }
+    }
+}

@@ -104,6 +104,26 @@ fn all_is_hidden() -> bool {
     return part_count == 1u && all(parts[0] == vec2f(-1.0, 1.0));
 }
 
+// The middle of the widest part that is seen.
+fn widest_gap() -> f32 {
+    var widest = vec2f(0.0);
+    for (var k = 0u; k <= part_count; k++) {
+        var gap = vec2f(-1.0, 1.0);
+        if k < part_count {
+            gap.x = parts[k].y;
+        }
+        for (var ahead = 0u; ahead < part_count; ahead++) {
+            if parts[ahead].y > gap.x {
+                gap.y = min(gap.y, parts[ahead].x);
+            }
+        }
+        if gap.y - gap.x > widest.y - widest.x {
+            widest = gap;
+        }
+    }
+    return 0.5 * (widest.x + widest.y);
+}
+
 // The fraction of the light that is seen, of the part within the grid.
 fn seen() -> f32 {
     var hidden = 0.0;
@@ -335,6 +355,11 @@ fn through_media(fan: Fan) -> vec3f {
     }
     if sum.w > 0.0 {
         return sum.rgb / sum.w;
+    }
+    // No ray arrives: one through the widest gap between walls.
+    let through_gap = through_media_to(fan, widest_gap());
+    if through_gap.w > 0.0 {
+        return through_gap.rgb;
     }
     // A face sees the light, but not the place before it: up to the wall between them.
     depth = vec3f(0.0);

@@ -17,7 +17,9 @@
 //! penumbrae by all solid cells instead (`penumbra.rs`).
 
 use super::lit_ranges::{LitRanges, beside};
-use super::penumbra::{LampDisc, SeenPart, are_uneven, mean_cosine, through_media, visible};
+use super::penumbra::{
+    LampDisc, SeenPart, are_uneven, mean_cosine, through_media_and_gaps, visible,
+};
 use super::sampling::{clear_px, sample};
 use super::solid_bits::SolidBits;
 use super::transmittance_curve::TransmittanceCurves;
@@ -556,7 +558,10 @@ impl ShadowMap {
             let longer = 0.5 * (k.hypot(1.0) + k.asinh() / k);
             return if k < SMALL { through } else { through.map(|t| t.powf(longer)) };
         }
-        through_media(scene.grid, &self.disc(at).fan(off)).unwrap_or(through)
+        let found = scene
+            .solid
+            .and_then(|solid| through_media_and_gaps(solid, scene.grid, self.disc(at), off));
+        found.unwrap_or(through)
     }
 
     /// Returns the transmittance of media along the rays of an angle.

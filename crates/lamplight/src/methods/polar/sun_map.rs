@@ -8,7 +8,7 @@
 
 use super::lit_ranges::LitRanges;
 use super::penumbra::{EVEN, Fan, Hidden, are_uneven, differ};
-use super::penumbra::{hide_behind_walls, through_media};
+use super::penumbra::{hide_behind_walls, through_media, through_media_to};
 use super::shadow_map::{NEAREST_BESIDE, OUTSIDE_OF_WALL, ShadowScene};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::RayHit;
@@ -215,7 +215,15 @@ impl SunMap {
             _ => None,
         };
         let through = by_map
-            .or_else(|| through_media(scene.grid, &self.fan(pixel, place)))
+            .or_else(|| {
+                let fan = self.fan(pixel, place);
+                through_media(scene.grid, &fan).or_else(|| match seen {
+                    SeenOfSun::Part(hidden) => {
+                        through_media_to(scene.grid, &fan, hidden.widest_gap())
+                    }
+                    _ => None,
+                })
+            })
             .unwrap_or_else(|| self.through(place.0, place.1));
         [0, 1, 2].map(|c| light[c] * through[c])
     }
