@@ -136,7 +136,7 @@ fn likely_programs(
     let asked = compiler.programs_of(|compiler| {
         for (settings, inflow) in methods {
             Method::new(compiler, queue, &settings, inflow)?;
-            Direct::new(compiler, settings.moment);
+            Direct::new(compiler, &settings);
             if settings.moment {
                 MomentWalls::new(compiler);
             }

@@ -237,7 +237,8 @@ impl Lighting {
         let method = self.method(input.settings, inflow.is_some())?;
         let method = method.as_deref();
         self.lights.set(&self.shared.device, method, input, grid.size, lights)?;
-        self.stages.compile(&self.shared.compiler, self.needed_stages(input))?;
+        let needed = self.needed_stages(input);
+        self.stages.compile(&self.shared.compiler, input.settings, needed)?;
         let sources = self.plan_sources();
         let fresh = match self.frame.as_ref().filter(|frame| self.serves(frame, input, grid)) {
             Some(_) => None,

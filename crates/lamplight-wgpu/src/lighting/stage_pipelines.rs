@@ -10,6 +10,7 @@ use crate::stages::output::Output;
 use crate::stages::reproject::Reproject;
 use crate::stages::sight::SightPipelines;
 use crate::stages::walls::{MomentWalls, Walls};
+use lamplight::Settings;
 
 /// Each `None` is compiled when a frame first needs it.
 #[derive(Debug)]
@@ -51,7 +52,12 @@ impl StagePipelines {
     }
 
     /// Compiles the stages that a frame is the first to need.
-    pub fn compile(&mut self, compiler: &Compiler, needed: NeededStages) -> Result<()> {
+    pub fn compile(
+        &mut self,
+        compiler: &Compiler,
+        settings: &Settings,
+        needed: NeededStages,
+    ) -> Result<()> {
         let NeededStages { distance, sight, direct, moment } = needed;
         if distance {
             fill(&mut self.distance, compiler, DistancePipelines::new)?;
@@ -60,8 +66,8 @@ impl StagePipelines {
             fill(&mut self.sight, compiler, SightPipelines::new)?;
         }
         if direct {
-            self.direct.take_if(|direct| direct.moment != moment);
-            fill(&mut self.direct, compiler, |compiler| Direct::new(compiler, moment))?;
+            self.direct.take_if(|direct| !direct.serves(settings));
+            fill(&mut self.direct, compiler, |compiler| Direct::new(compiler, settings))?;
         }
         if moment {
             fill(&mut self.moment_walls, compiler, MomentWalls::new)?;

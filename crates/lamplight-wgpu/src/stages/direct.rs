@@ -107,23 +107,32 @@ pub struct LightBuffers {
 #[derive(Debug)]
 pub struct Direct {
     /// True if the first moment is found too.
-    pub moment: bool,
+    moment: bool,
+    /// True if media transmit light, or end rays.
+    translucent: bool,
     class: ClassPipeline,
     shine: ComputePipelines,
     add: ComputePipelines,
 }
 
 impl Direct {
-    pub fn new(compiler: &Compiler, moment: bool) -> Self {
+    pub fn new(compiler: &Compiler, settings: &Settings) -> Self {
+        let (moment, translucent) = (settings.moment, is_translucent(settings));
         let found = shaders::moment(moment);
         let medium = ("MAX_OPTICAL_DEPTH", f64::from(MAX_OPTICAL_DEPTH));
-        let constants = [("TRANSLUCENT", 1.0), medium, found];
+        let constants = [("TRANSLUCENT", f64::from(translucent)), medium, found];
         Self {
             moment,
+            translucent,
             class: ClassPipeline::new(compiler),
             shine: compiler.program(&programs::DIRECT, &constants),
             add: compiler.program(&programs::ADD_DIRECT, &[found]),
         }
+    }
+
+    /// Returns whether it finds what these settings ask for.
+    pub fn serves(&self, settings: &Settings) -> bool {
+        self.moment == settings.moment && self.translucent == is_translucent(settings)
     }
 
     /// Plans finding the direct light.
@@ -158,6 +167,11 @@ impl Direct {
         dispatches.extend((suns > 0).then(|| shine(SUNS)));
         Ok((FoundLight { pipelines: &self.add, found }, buffers, dispatches))
     }
+}
+
+/// Returns whether light passes media: only `polar` may want it to end there.
+fn is_translucent(settings: &Settings) -> bool {
+    settings.method.as_polar().is_none_or(|polar| polar.translucent)
 }
 
 /// Entries of [`programs::DIRECT`].

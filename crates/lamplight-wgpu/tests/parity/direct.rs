@@ -5,8 +5,8 @@ use crate::compare::{Both, SIZES, agree_but_for, differences, wrong};
 use crate::lamps::{lamps, with_cookies};
 use lamplight::settings::{Blend, Cascades, Flood, Holographic, MethodSettings, Polar, Raymarch};
 use lamplight::{
-    ALL_LAYERS, Bounces, Cells, Cone, Cookie, CookiePixels, Direct, Matter, Profile, Rgb, Settings,
-    Sun,
+    ALL_LAYERS, Bounces, Cells, Cone, Cookie, CookiePixels, Direct, Lamp, Matter, Profile, Rgb,
+    Settings, Sun,
 };
 use lamplight_wgpu::FrameInput;
 use std::f32::consts::TAU;
@@ -113,6 +113,78 @@ fn direct_light_through_media_agrees_but_for_the_choice_of_rays() {
         let [clear, _] = both.light(&gpu, &clear);
         let off = rmse(&clear, &right);
         assert!(off > THROUGH_MEDIA, "media do not matter: {off}");
+    }
+}
+
+/// Light that is too dim to be compared by its own measure.
+const DIM: f32 = 1e-3;
+/// Pixels through leaves that may be off by a tenth.
+const MOST_OFF: usize = 30;
+
+#[test]
+fn direct_light_through_leaves_agrees() {
+    let gpu = device();
+    let mut both = Both::new(&gpu, Settings::direct(Raymarch::default()));
+    for share in [0.1, 0.4] {
+        let random = &mut seeded(fastrand::u64(..));
+        let mut leaves = Cells::new(97, 61).unwrap();
+        let position = [20.0 + 57.0 * random.f32(), 20.0 + 21.0 * random.f32()];
+        for i in 0..leaves.len() {
+            let [x, y] = [i % 97, i / 97].map(|v| v as f32 + 0.5);
+            // Not before the lamp, where they shade all alike.
+            let is_far = (x - position[0]).hypot(y - position[1]) > 5.0;
+            let opacity = if is_far && random.f32() < share { random.f32() } else { 0.0 };
+            leaves.set_matter(i, Matter { opacity, ..Matter::EMPTY });
+        }
+        let sun = Sun { direction: TAU * random.f32(), direct: Direct::Exact, ..Sun::default() };
+        let mut under_lamp = leaves.clone();
+        leaves.suns_mut().push(sun);
+        let lamp = Lamp { position, size: 3.0, range: 100.0, ..Lamp::default() };
+        under_lamp.lamps_mut().push(Lamp { direct: Direct::Exact, ..lamp });
+        for (name, cells) in [("sun", leaves), ("lamp", under_lamp)] {
+            let [seen, right] = both.light(&gpu, &cells);
+            let is_off =
+                |(seen, right): (&Rgb, &Rgb)| (seen[0] - right[0]).abs() > 0.1 * right[0].max(DIM);
+            let off = seen.iter().zip(&right).filter(|&pair| is_off(pair)).count();
+            let found = rmse(&seen, &right);
+            println!("{name}, {share}: {:.3} %, {off} off", 100.0 * found);
+            assert!(found < THROUGH_MEDIA && off < MOST_OFF, "{found}, {off}");
+        }
+    }
+}
+
+/// The relative difference of a sliver of light, whose width rounding changes.
+const SLIVERS: f32 = 0.05;
+
+#[test]
+fn slivers_of_a_lamp_past_a_wall_agree_behind_a_pane() {
+    let gpu = device();
+    let mut cells = Cells::new(60, 40).unwrap();
+    for y in 0..40 {
+        let opacity = f32::from(u8::from(y < 20));
+        cells.set(30, y, Matter { opacity, ..Matter::EMPTY });
+        cells.set(40, y, Matter { opacity: 0.9, ..Matter::EMPTY });
+    }
+    let lamp = Lamp { position: [10.5, 20.5], size: 8.0, ..Lamp::default() };
+    cells.lamps_mut().push(Lamp { direct: Direct::Exact, ..lamp });
+    let [seen, right] = Both::new(&gpu, Settings::direct(Raymarch::default())).light(&gpu, &cells);
+    // Slivers are so dim that only a measure of their own tells them apart.
+    let off = |(seen, right): (&Rgb, &Rgb)| (seen[0] - right[0]).abs() > SLIVERS * right[0];
+    assert!(!seen.iter().zip(&right).any(off));
+}
+
+#[test]
+fn suns_end_at_media_that_are_not_translucent() {
+    let gpu = device();
+    let mut cells = lit(97, 61, 310);
+    cells.lamps_mut().clear();
+    for translucent in [true, false] {
+        let polar = Polar { translucent, ..Polar::default() };
+        let settings = Settings { wall_depth: 0.0, ..Settings::direct(polar) };
+        let mut both = Both::new(&gpu, settings);
+        let [seen, right] = both.light(&gpu, &cells);
+        let found = rmse(&seen, &right);
+        assert!(found < THROUGH_MEDIA, "translucent: {translucent}: {found}");
     }
 }
 

@@ -18,7 +18,9 @@
 use super::faces::NORMALS;
 use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
-use crate::methods::polar::penumbra::{LampDisc, through_media, through_media_to_wall, visible};
+use crate::methods::polar::penumbra::{
+    LampDisc, through_media_and_gaps, through_media_to_wall, visible,
+};
 use crate::methods::polar::shadow_map::{OUTSIDE_OF_WALL, ShadowMap, ShadowScene};
 use crate::methods::polar::solid_bits::SolidBits;
 use crate::settings::Polar;
@@ -167,8 +169,10 @@ impl Eye for LampDisc {
         if place.off == [0.0; 2] {
             return [1.0; 3];
         }
-        let fan = self.fan(place.off);
-        through_media(scene.grid, &fan).unwrap_or_else(|| through_media_to_wall(scene.grid, &fan))
+        let found = scene
+            .solid
+            .and_then(|solid| through_media_and_gaps(solid, scene.grid, *self, place.off));
+        found.unwrap_or_else(|| through_media_to_wall(scene.grid, &self.fan(place.off)))
     }
 }
 

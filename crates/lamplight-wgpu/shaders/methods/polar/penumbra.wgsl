@@ -104,6 +104,26 @@ fn all_is_hidden() -> bool {
     return part_count == 1u && all(parts[0] == vec2f(-1.0, 1.0));
 }
 
+// The middle of the widest part that is seen.
+fn widest_gap() -> f32 {
+    var widest = vec2f(0.0);
+    for (var k = 0u; k <= part_count; k++) {
+        var gap = vec2f(-1.0, 1.0);
+        if k < part_count {
+            gap.x = parts[k].y;
+        }
+        for (var ahead = 0u; ahead < part_count; ahead++) {
+            if parts[ahead].y > gap.x {
+                gap.y = min(gap.y, parts[ahead].x);
+            }
+        }
+        if gap.y - gap.x > widest.y - widest.x {
+            widest = gap;
+        }
+    }
+    return 0.5 * (widest.x + widest.y);
+}
+
 // The fraction of the light that is seen, of the part within the grid.
 fn seen() -> f32 {
     var hidden = 0.0;
@@ -161,9 +181,8 @@ fn hidden_by(fan: Fan, low: vec2f, high: vec2f) -> vec2f {
     return interval;
 }
 
-// Hides what the solid cells of a block hide, by the word of its classes.
-fn hide_behind_block(fan: Fan, block: vec2u, word: u32) {
-    let solid = (word >> 1u) & ~word & 0x55555555u;
+// Hides what the solid cells of a block hide, a bit each.
+fn hide_behind_block(fan: Fan, block: vec2u, solid: u32) {
     let start = vec2f(4u * block);
     if solid == 0x55555555u {
         hide(hidden_by(fan, start, start + 4.0));
@@ -216,9 +235,11 @@ fn hide_behind_walls(fan: Fan) {
         for (var other = blocks.x; other <= blocks.y; other++) {
             let block = vec2u(select(vec2i(line, other), vec2i(other, line), steep));
             let word = word_at(4u * block);
-            meets_media |= (word & ~(word >> 1u) & 0x55555555u) != 0u;
-            if (word & 0xaaaaaaaau) != 0u {
-                hide_behind_block(fan, block, word);
+            let media = word & ~(word >> 1u) & 0x55555555u;
+            let solid = ((word >> 1u) & ~word & 0x55555555u) | select(media, 0u, TRANSLUCENT);
+            meets_media |= TRANSLUCENT && media != 0u;
+            if solid != 0u {
+                hide_behind_block(fan, block, solid);
             }
         }
         if all_is_hidden() {
@@ -334,6 +355,11 @@ fn through_media(fan: Fan) -> vec3f {
     }
     if sum.w > 0.0 {
         return sum.rgb / sum.w;
+    }
+    // No ray arrives: one through the widest gap between walls.
+    let through_gap = through_media_to(fan, widest_gap());
+    if through_gap.w > 0.0 {
+        return through_gap.rgb;
     }
     // A face sees the light, but not the place before it: up to the wall between them.
     depth = vec3f(0.0);

@@ -84,6 +84,17 @@ impl Hidden {
         &self.parts[..self.count]
     }
 
+    /// Returns the middle of the widest part that is seen.
+    pub fn widest_gap(&self) -> f32 {
+        let ends = std::iter::once(-1.0).chain(self.parts().iter().map(|part| part[1]));
+        let gaps = ends.map(|from| {
+            let ahead = self.parts().iter().filter(|part| part[1] > from);
+            [from, ahead.fold(1.0, |to: f32, part| to.min(part[0]))]
+        });
+        let widest = gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+        widest.map_or(0.0, |[from, to]| 0.5 * (from + to))
+    }
+
     /// Returns whether nothing is seen.
     fn is_all(&self) -> bool {
         self.count == 1 && self.parts[0] == [-1.0, 1.0]
@@ -320,9 +331,15 @@ pub fn hide_behind_walls(solid: &SolidBits, fan: &Fan, hidden: &mut Hidden) {
     }
 }
 
-/// Returns whether two transmittances differ by more than `most` in any channel.
+/// Returns whether two values differ by more than `most` in any channel.
 pub fn differ(a: Rgb, b: Rgb, most: f32) -> bool {
     (0..3).any(|c| (a[c] - b[c]).abs() > most)
+}
+
+/// Returns whether two transmittances are those of uneven media. Square roots are compared: through dense media that are
+/// uneven most rays are dark, but one between them may be bright.
+pub fn are_uneven(a: Rgb, b: Rgb) -> bool {
+    differ(a.map(f32::sqrt), b.map(f32::sqrt), 0.5 * EVEN)
 }
 
 /// Returns the mean transmittance of media between a pixel and the points of a light that it sees; `None` if it sees
@@ -370,9 +387,21 @@ fn through_smooth_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
     (!differ(coarse, fine, EVEN)).then_some(fine)
 }
 
+/// Like [`through_media`], of a lamp: where no ray arrives, by one through the widest gap between walls.
+pub fn through_media_and_gaps(
+    solid: &SolidBits,
+    grid: &MediumGrid,
+    lamp: LampDisc,
+    off: [f32; 2],
+) -> Option<Rgb> {
+    let fan = lamp.fan(off);
+    let gap = || hidden(solid, grid, lamp, off).widest_gap();
+    through_media(grid, &fan).or_else(|| through_media_to(grid, &fan, gap()))
+}
+
 /// Returns the transmittance of media between a pixel and the point `at` across a light, −1 to 1; `None` behind a
 /// wall.
-fn through_media_to(grid: &MediumGrid, fan: &Fan, at: f32) -> Option<Rgb> {
+pub fn through_media_to(grid: &MediumGrid, fan: &Fan, at: f32) -> Option<Rgb> {
     let Fan { pixel, ahead, distance, slope, .. } = *fan;
     let part = at * slope;
     let way = [ahead[0] + part * ahead[1], ahead[1] - part * ahead[0]];

@@ -17,7 +17,9 @@
 //! penumbrae by all solid cells instead (`penumbra.rs`).
 
 use super::lit_ranges::{LitRanges, beside};
-use super::penumbra::{EVEN, LampDisc, SeenPart, differ, mean_cosine, through_media, visible};
+use super::penumbra::{
+    LampDisc, SeenPart, are_uneven, mean_cosine, through_media_and_gaps, visible,
+};
 use super::sampling::{clear_px, sample};
 use super::solid_bits::SolidBits;
 use super::transmittance_curve::TransmittanceCurves;
@@ -542,13 +544,17 @@ impl ShadowMap {
             let middle = self.through(at, up_to, shadow_filter);
             [-angle, angle].into_iter().any(|angle| {
                 let at = (at + angle * self.per_radian).rem_euclid(n).min(n - 1.0);
-                differ(self.through(at, up_to, shadow_filter), middle, EVEN)
+                are_uneven(self.through(at, up_to, shadow_filter), middle)
             })
         };
         // Right beside the lamp only up to where a ray leaves the triangle between lamp and pixel.
         let beside = self.lamp.size / (FARTHEST.sin() + seen_under * FARTHEST.cos());
         // Rays end at walls, so in a penumbra they do not know all media.
-        let varies = distance >= self.ranges.ends[(at + 0.5) as usize][0]
+        let is_known = [at as usize, at as usize + 1]
+            .iter()
+            .all(|ray| self.curves.optical_depth(ray % self.count, distance).is_some());
+        let varies = !is_known
+            || distance >= self.ranges.ends[(at + 0.5) as usize][0]
             || PARTS.iter().any(|part| differs((part * seen_under).min(FARTHEST), farther))
             || differs(FARTHEST, beside);
         if !varies {
@@ -557,7 +563,10 @@ impl ShadowMap {
             let longer = 0.5 * (k.hypot(1.0) + k.asinh() / k);
             return if k < SMALL { through } else { through.map(|t| t.powf(longer)) };
         }
-        through_media(scene.grid, &self.disc(at).fan(off)).unwrap_or(through)
+        let found = scene
+            .solid
+            .and_then(|solid| through_media_and_gaps(solid, scene.grid, self.disc(at), off));
+        found.unwrap_or(through)
     }
 
     /// Returns the transmittance of media along the rays of an angle.

@@ -7,11 +7,13 @@
 //! `J = (L/2π)·∫V(φ) dφ·⟨T⟩`, and on a face `E/2 = (L/2)·∫V(φ) cosθ dφ·⟨T⟩`
 
 use super::lit_ranges::LitRanges;
-use super::penumbra::{EVEN, Fan, Hidden, differ, hide_behind_walls, through_media};
+use super::penumbra::{EVEN, Fan, Hidden, are_uneven, differ};
+use super::penumbra::{hide_behind_walls, through_media, through_media_to};
 use super::shadow_map::{NEAREST_BESIDE, OUTSIDE_OF_WALL, ShadowScene};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::RayHit;
 use crate::grid::class::CellClass;
+use crate::math::transmittance::transmittance;
 use crate::{Rgb, Sun, elevation};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 
@@ -19,11 +21,8 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 const DENSITY: f32 = 1.0;
 /// Points along a face at which its light is found.
 const ALONG_FACE: usize = 3;
-/// Places beside a pixel at which media are compared with those in front of it, in half widths of what it sees of the
-/// sky.
-const PARTS: [f32; 3] = [0.125, 0.25, 0.5];
-/// The largest change of transmittance per px across that is no edge of a medium.
-const SLOPE: f32 = 0.03;
+/// Fewest distances between rays by which media before a pixel are known.
+const FEWEST: usize = 3;
 /// The largest bend of transmittance from the middle of the sun to its edges of which the mean is known well enough.
 const GENTLE: f32 = 6.0 * EVEN;
 
@@ -71,8 +70,8 @@ impl SunMap {
         };
         let ([left, right], [near, far]) = (range(self.across), range(self.travels));
         self.reach = far - near;
-        // Rays beside the grid, so that the last is not beside the first.
-        let beside = (self.reach * self.slope * DENSITY).ceil() + 2.0;
+        // Rays beside the grid, so that the last is not beside the first, and all that a pixel asks for are there.
+        let beside = (self.reach * self.slope * DENSITY).ceil() + 3.0;
         // Half a px on, so that the rays of a sun along an axis go through the middles of cells.
         self.start = [left - (beside - 0.5) / DENSITY, near];
         let count = ((right - left) * DENSITY + 2.0 * beside).ceil() as usize + 1;
@@ -216,33 +215,61 @@ impl SunMap {
             _ => None,
         };
         let through = by_map
-            .or_else(|| through_media(scene.grid, &self.fan(pixel, place)))
+            .or_else(|| {
+                let fan = self.fan(pixel, place);
+                through_media(scene.grid, &fan).or_else(|| match seen {
+                    SeenOfSun::Part(hidden) => {
+                        through_media_to(scene.grid, &fan, hidden.widest_gap())
+                    }
+                    _ => None,
+                })
+            })
             .unwrap_or_else(|| self.through(place.0, place.1));
         [0, 1, 2].map(|c| light[c] * through[c])
     }
 
-    /// Returns the mean transmittance of media before the whole sun by the rays of the map; `None` if they are not
-    /// enough for it.
+    /// Returns the mean transmittance of media before the whole sun by the rays of the map; `None` unless the optical
+    /// depths of all rays beside the pixel are a parabola.
     fn transmittance(&self, (at, along): (f32, f32)) -> Option<Rgb> {
-        let middle = self.through(at, along);
-        // What changes evenly from side to side has the mean of the middle: only the bend counts, but for edges, which
-        // look even between two rays.
-        let beside = |part: f32| part * along * self.slope * DENSITY;
-        let sides =
-            |part: f32| [at - beside(part), at + beside(part)].map(|at| self.through(at, along));
-        let is_edge = |[a, b]: [Rgb; 2], part: f32| differ(a, b, EVEN + SLOPE * 2.0 * beside(part));
-        let bend = |[a, b]: [Rgb; 2]| [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]) - middle[c]);
-        let ends = sides(1.0);
-        let whole = bend(ends);
-        let is_smooth = !is_edge(ends, 1.0)
-            && !differ(whole, [0.0; 3], GENTLE)
-            && PARTS.iter().all(|&part| {
-                let sides = sides(part);
-                let parabola = whole.map(|v| part * part * v);
-                !is_edge(sides, part) && !differ(bend(sides), parabola, EVEN)
-            });
+        let beside = along.max(0.0) * self.slope * DENSITY;
+        // Two rays more to either side: what lies between two is met by one of them, as cells are wider than rays are
+        // apart. A wall beside the fan may end the outermost.
+        let (nearest, half) = ((at + 0.5) as usize, (beside + 0.5).ceil() as usize + 1);
+        let ends = |ray: usize| usize::from(self.hits[ray].length < along);
+        let (first, last) = (nearest.checked_sub(half)?, nearest + half);
+        let (first, last) = (first + ends(first), last - ends(last));
+        if last - first < FEWEST {
+            return None;
+        }
+        let depth = |ray: usize| self.curves.optical_depth(ray, along);
+        let middle = (first + last) / 2;
+        let [a, b, c] = [depth(first)?, depth(middle)?, depth(last)?];
+        let [left, right] = [middle - first, last - middle].map(|rays| 1.0 / rays as f32);
+        let width = 1.0 / (last - first) as f32;
+        let parabola = |at: f32| {
+            let off = at - middle as f32;
+            [0, 1, 2].map(|k| {
+                let slopes = [(b[k] - a[k]) * left, (c[k] - b[k]) * right];
+                let bend = (slopes[1] - slopes[0]) * width;
+                // Before the first medium it may fall below 0.
+                (b[k] + off * (slopes[0] + bend * (at - first as f32))).max(0.0)
+            })
+        };
+        let is_smooth = (first..=last).all(|ray| {
+            depth(ray).is_some_and(|depth| {
+                let smooth = parabola(ray as f32);
+                // Transmittances differ by less than depths.
+                !differ(depth, smooth, EVEN)
+                    || !are_uneven(depth.map(transmittance), smooth.map(transmittance))
+            })
+        });
+        let through = |at: f32| parabola(at).map(transmittance);
+        let [left, own, right] = [at - beside, at, at + beside].map(through);
+        // What changes evenly from side to side has the mean of the middle: only the bend counts.
+        let bend = [0, 1, 2].map(|k| 0.5 * (left[k] + right[k]) - own[k]);
         // The mean of a parabola is a third of its bend; half of that, as media near the pixel bend less.
-        is_smooth.then(|| [0, 1, 2].map(|c| middle[c] + whole[c] / 6.0))
+        (is_smooth && !differ(bend, [0.0; 3], GENTLE))
+            .then(|| [0, 1, 2].map(|k| own[k] + bend[k] / 6.0))
     }
 
     /// Returns the transmittance of media along the rays beside a place.

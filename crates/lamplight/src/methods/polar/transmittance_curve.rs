@@ -4,6 +4,7 @@
 //! Along a ray the optical depth τ is piecewise linear, with a corner wherever the medium changes. The
 //! corners are kept, so that a lookup between them is exact: `T(d) = e^−τ(d)`.
 
+use super::penumbra::{EVEN, differ};
 use crate::Rgb;
 use crate::math::transmittance::transmittance;
 
@@ -19,6 +20,8 @@ struct Knot {
     distance: f32,
     /// Up to this distance.
     optical_depth: Rgb,
+    /// False if corners between the one before and this were merged that are not near the straight line.
+    is_straight: bool,
 }
 
 /// The transmittance along all rays of a lamp, one after the other.
@@ -56,24 +59,35 @@ impl TransmittanceCurves {
         let depth_after =
             |before: Rgb| std::array::from_fn(|c| before[c] + extinction[c] * (to - from).max(0.0));
         let [.., before, last] = &mut self.knots[start..] else {
-            self.knots.push(Knot { distance: from, optical_depth: [0.0; 3] });
+            self.knots.push(Knot { distance: from, optical_depth: [0.0; 3], is_straight: true });
             self.push(to, depth_after([0.0; 3]), extinction);
             return;
         };
-        let same = last.distance == from && self.extinction == extinction;
-        if same || to - before.distance < self.apart {
-            (last.distance, last.optical_depth) = (to, depth_after(last.optical_depth));
+        let depth = depth_after(last.optical_depth);
+        if last.distance == from && self.extinction == extinction {
+            (last.distance, last.optical_depth) = (to, depth);
+            return;
+        }
+        if to - before.distance < self.apart {
+            let line = |at: f32| {
+                mix(before.optical_depth, depth, (at - before.distance) / (to - before.distance))
+            };
+            let is_near = |at: f32| !differ(line(at), last.optical_depth, EVEN);
+            let is_straight = last.is_straight && is_near(last.distance) && is_near(from);
+            *last = Knot { distance: to, optical_depth: depth, is_straight };
+            // No medium goes on from here in a straight line.
+            self.extinction = [f32::NAN; 3];
             return;
         }
         let known = *last;
         if known.distance < from {
-            self.knots.push(Knot { distance: from, ..known });
+            self.knots.push(Knot { distance: from, is_straight: true, ..known });
         }
         self.push(to, depth_after(known.optical_depth), extinction);
     }
 
     fn push(&mut self, distance: f32, optical_depth: Rgb, extinction: Rgb) {
-        self.knots.push(Knot { distance, optical_depth });
+        self.knots.push(Knot { distance, optical_depth, is_straight: true });
         self.extinction = extinction;
     }
 
@@ -84,19 +98,32 @@ impl TransmittanceCurves {
 
     /// Returns the transmittance up to a distance along a ray.
     pub fn transmittance(&self, ray: usize, distance: f32) -> Rgb {
+        self.look_up(ray, distance).map_or([1.0; 3], |knot| knot.optical_depth.map(transmittance))
+    }
+
+    /// Returns the optical depth up to a distance along a ray; `None` where the ray does not know it.
+    pub fn optical_depth(&self, ray: usize, distance: f32) -> Option<Rgb> {
+        let Some(knot) = self.look_up(ray, distance) else { return Some([0.0; 3]) };
+        knot.is_straight.then_some(knot.optical_depth)
+    }
+
+    /// Returns the place at a distance along a ray as a corner; `None` before all media.
+    fn look_up(&self, ray: usize, distance: f32) -> Option<Knot> {
         let knots = &self.knots[self.starts[ray] as usize..self.starts[ray + 1] as usize];
         let after = knots.partition_point(|knot| knot.distance < distance);
-        let depth = match (after.checked_sub(1).map(|i| &knots[i]), knots.get(after)) {
-            (None, _) => return [1.0; 3],
-            (Some(last), None) => last.optical_depth,
-            (Some(a), Some(b)) => {
-                let weight = (distance - a.distance) / (b.distance - a.distance);
-                let [a, b] = [a.optical_depth, b.optical_depth];
-                std::array::from_fn(|c| a[c] + (b[c] - a[c]) * weight)
-            }
+        let before = knots[after.checked_sub(1)?];
+        let Some(&Knot { distance: end, optical_depth, is_straight }) = knots.get(after) else {
+            return Some(Knot { is_straight: true, ..before });
         };
-        depth.map(transmittance)
+        let part = (distance - before.distance) / (end - before.distance);
+        let optical_depth = mix(before.optical_depth, optical_depth, part);
+        Some(Knot { distance, optical_depth, is_straight })
     }
+}
+
+/// Returns the values at a part of the way from `a` to `b`.
+fn mix(a: Rgb, b: Rgb, part: f32) -> Rgb {
+    std::array::from_fn(|c| a[c] + (b[c] - a[c]) * part)
 }
 
 fn apart(reach: f32) -> f32 {
