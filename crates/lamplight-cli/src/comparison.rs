@@ -371,17 +371,19 @@ mod tests {
 
     #[test]
     fn a_method_that_cannot_light_the_scene_is_named_with_its_reason() {
-        let mut cells = Cells::new(4, 3).unwrap();
+        let cells = Cells::new(4, 3).unwrap();
         let truth = ReferenceLight::Everywhere(Estimate {
             light: Light::from_pixels(&cells, vec![[1.0; 3]; 12]).unwrap(),
             standard_error: vec![[0.0; 3]; 12],
         });
-        cells.emission_mut()[7] = [-1.0; 3];
         let evaluator = Evaluator { cells: &cells, truth: &truth, display: Display::default() };
-        let entries = entries(&[Method::Raymarch], &table(&[]), None, false).unwrap();
+        let entries = entries(&[Method::Polar], &table(&[]), None, false).unwrap();
         let result = run(&evaluator, entries, None, true);
         let failure = format!("{:?}", result.map(|_| "a light").unwrap_err());
-        assert!(failure.contains("raymarch cannot light this scene: cell (3, 1)"), "{failure}");
+        assert!(
+            failure.contains("polar cannot light this scene: polar lights lamps only"),
+            "{failure}"
+        );
     }
 
     #[test]
