@@ -267,7 +267,7 @@ impl Lighting {
         frame.show(input, scene);
         frame.moved = moves;
         frame.add(extras);
-        let Shared { queue, compiler, .. } = &self.shared;
+        let queue = &self.shared.queue;
         queue.write_buffer(&self.shared.frame, 0, bytemuck::bytes_of(&uniforms));
         self.lights.write(queue, frame, lights);
         if let Some(cpu) = &self.cpu {
@@ -275,7 +275,7 @@ impl Lighting {
         }
         #[cfg(not(target_arch = "wasm32"))]
         if let (Some(ahead), None) = (&mut self.ahead, &self.cpu) {
-            ahead.follow(compiler, queue, input.settings, inflow.is_some());
+            ahead.follow(&self.shared.compiler, queue, input.settings, inflow.is_some());
         }
         let before = self.before.take();
         self.before = Some(FrameBefore::new(before, grid.size, input.origin, lights));
