@@ -43,9 +43,10 @@ use wgpu::{Buffer, CommandEncoder, ComputePassDescriptor, Device, Queue, Texture
 /// Finds light on the host's device, or beside it ([`Backend`]).
 ///
 /// Each frame, [`Self::prepare`] it from a [`FrameInput`], then [`Self::record`] it. Pipelines are compiled when
-/// they are first used, by [`Self::precompile`], or in the background ([`LightingOptions::compile_ahead`]), and buffers are created when the size of the grid
-/// changes; in the steady state nothing is created. Any number of instances can share a device, and those made by
-/// [`Self::beside`] their pipelines too; each stays with the device and the queue it was created with.
+/// they are first used, by [`Self::precompile`], or in the background ([`LightingOptions::compile_ahead`]), and
+/// buffers are created when the size of the grid changes; in the steady state nothing is created. Any number of
+/// instances can share a device, and those made by [`Self::beside`] their pipelines too; each stays with the device
+/// and the queue it was created with.
 ///
 /// If the device rejects something that is created, such as a binding to a texture of another device, the error
 /// is returned as [`crate::error::DeviceError`]. In a browser, which reports it only later, it goes to the host's
@@ -193,9 +194,10 @@ impl Lighting {
     ///
     /// Changing the seed, the sky, lamps, the elevation of light, or the contents of cells or textures is free. (A
     /// panorama or an inflow is uploaded when it has changed, and planned for if it has another number of columns, or if
-    /// the frame before had none; cookies are uploaded when there is one that no lamp had before, and planned for when they need more room.) Other texture
-    /// views of the same size are bound again, and history goes on. Another size or `wall_depth` reallocates buffers;
-    /// any other change of settings compiles those pipelines that no frame has used yet, unless that is done ahead.
+    /// the frame before had none; cookies are uploaded when there is one that no lamp had before, and planned for when
+    /// they need more room.) Other texture views of the same size are bound again, and history goes on. Another size or
+    /// `wall_depth` reallocates buffers; any other change of settings compiles those pipelines that no frame has used
+    /// yet, unless that is done ahead.
     ///
     /// # Errors
     /// If the input is invalid or the device cannot light it. The frame before then stays prepared.
