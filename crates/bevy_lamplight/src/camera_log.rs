@@ -12,7 +12,6 @@ pub struct CameraLog(HashSet<(Entity, String)>);
 impl CameraLog {
     /// Logs why a camera is not lit.
     pub fn error(&mut self, camera: Entity, message: impl Display) {
-        let message = message.to_string();
         if self.is_new(camera, &message) {
             error!("the camera {camera} is not lit: {message}");
         }
@@ -20,7 +19,6 @@ impl CameraLog {
 
     /// Logs why no light enters the grid of a camera.
     pub fn no_inflow(&mut self, camera: Entity, message: impl Display) {
-        let message = message.to_string();
         if self.is_new(camera, &message) {
             error!("the camera {camera} has no light from around its grid: {message}");
         }
@@ -28,15 +26,14 @@ impl CameraLog {
 
     /// Logs a warning about a camera.
     pub fn warn(&mut self, camera: Entity, message: impl Display) {
-        let message = message.to_string();
         if self.is_new(camera, &message) {
             warn!("the camera {camera}: {message}");
         }
     }
 
     /// Remembers a message. Returns `false` if it was logged before, with whatever figures.
-    fn is_new(&mut self, camera: Entity, message: &str) -> bool {
-        let text = message.replace(|c: char| c.is_ascii_digit() || c == '.', "");
+    fn is_new(&mut self, camera: Entity, message: impl Display) -> bool {
+        let text = message.to_string().replace(|c: char| c.is_ascii_digit() || c == '.', "");
         self.0.insert((camera, text))
     }
 }

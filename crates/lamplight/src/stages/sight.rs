@@ -19,7 +19,7 @@ use super::faces::NORMALS;
 use crate::grid::class::CellClass;
 use crate::grid::medium_grid::{MediumGrid, Reading};
 use crate::methods::polar::penumbra::{
-    LampDisc, through_media_and_gaps, through_media_to_wall, visible,
+    LampDisc, through_media_to_lamp, through_media_to_wall, visible,
 };
 use crate::methods::polar::shadow_map::{OUTSIDE_OF_WALL, ShadowMap, ShadowScene};
 use crate::methods::polar::solid_bits::SolidBits;
@@ -171,7 +171,7 @@ impl Eye for LampDisc {
         }
         let found = scene
             .solid
-            .and_then(|solid| through_media_and_gaps(solid, scene.grid, *self, place.off));
+            .and_then(|solid| through_media_to_lamp(solid, scene.grid, *self, place.off));
         found.unwrap_or_else(|| through_media_to_wall(scene.grid, &self.fan(place.off)))
     }
 }

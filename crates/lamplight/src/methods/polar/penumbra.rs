@@ -344,7 +344,7 @@ pub fn are_uneven(a: Rgb, b: Rgb) -> bool {
 
 /// Returns the mean transmittance of media between a pixel and the points of a light that it sees; `None` if it sees
 /// none.
-pub fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
+fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
     let [fewest, most] = RAYS;
     let rays = ((2.0 * fan.half_width) as usize).clamp(fewest, most);
     let through = |number: usize, count: usize| through_media_to(grid, fan, point(number, count));
@@ -387,21 +387,29 @@ fn through_smooth_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
     (!differ(coarse, fine, EVEN)).then_some(fine)
 }
 
-/// Like [`through_media`], of a lamp: where no ray arrives, by one through the widest gap between walls.
-pub fn through_media_and_gaps(
+/// Like [`through_media`]; where no ray arrives, by one through the `gap` between walls.
+pub fn through_media_or_gap(
+    grid: &MediumGrid,
+    fan: &Fan,
+    gap: impl FnOnce() -> Option<f32>,
+) -> Option<Rgb> {
+    through_media(grid, fan).or_else(|| through_media_to(grid, fan, gap()?))
+}
+
+/// Like [`through_media_or_gap`], of a lamp and the widest gap before it.
+pub fn through_media_to_lamp(
     solid: &SolidBits,
     grid: &MediumGrid,
     lamp: LampDisc,
     off: [f32; 2],
 ) -> Option<Rgb> {
-    let fan = lamp.fan(off);
-    let gap = || hidden(solid, grid, lamp, off).widest_gap();
-    through_media(grid, &fan).or_else(|| through_media_to(grid, &fan, gap()))
+    let gap = || Some(hidden(solid, grid, lamp, off).widest_gap());
+    through_media_or_gap(grid, &lamp.fan(off), gap)
 }
 
 /// Returns the transmittance of media between a pixel and the point `at` across a light, −1 to 1; `None` behind a
 /// wall.
-pub fn through_media_to(grid: &MediumGrid, fan: &Fan, at: f32) -> Option<Rgb> {
+fn through_media_to(grid: &MediumGrid, fan: &Fan, at: f32) -> Option<Rgb> {
     let Fan { pixel, ahead, distance, slope, .. } = *fan;
     let part = at * slope;
     let way = [ahead[0] + part * ahead[1], ahead[1] - part * ahead[0]];

@@ -18,7 +18,7 @@
 
 use super::lit_ranges::{LitRanges, beside};
 use super::penumbra::{
-    LampDisc, SeenPart, are_uneven, mean_cosine, through_media_and_gaps, visible,
+    LampDisc, SeenPart, are_uneven, mean_cosine, through_media_to_lamp, visible,
 };
 use super::sampling::{clear_px, sample};
 use super::solid_bits::SolidBits;
@@ -129,7 +129,7 @@ impl HitFace {
         Self { axis, place: if reached[axis] > 0.0 { place[axis] } else { 0.0 } }
     }
 
-    /// Returns whether a pixel at `off` from the lamp lies in front of the face, as the lamp's center does.
+    /// Returns whether the face lies behind a pixel at `off`, as seen from the lamp's center.
     fn is_behind(self, off: [f32; 2]) -> bool {
         (self.place - off[self.axis]) * self.place > 0.0
     }
@@ -565,7 +565,7 @@ impl ShadowMap {
         }
         let found = scene
             .solid
-            .and_then(|solid| through_media_and_gaps(solid, scene.grid, self.disc(at), off));
+            .and_then(|solid| through_media_to_lamp(solid, scene.grid, self.disc(at), off));
         found.unwrap_or(through)
     }
 

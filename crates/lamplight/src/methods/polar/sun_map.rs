@@ -7,8 +7,9 @@
 //! `J = (L/2π)·∫V(φ) dφ·⟨T⟩`, and on a face `E/2 = (L/2)·∫V(φ) cosθ dφ·⟨T⟩`
 
 use super::lit_ranges::LitRanges;
-use super::penumbra::{EVEN, Fan, Hidden, are_uneven, differ};
-use super::penumbra::{hide_behind_walls, through_media, through_media_to};
+use super::penumbra::{
+    EVEN, Fan, Hidden, are_uneven, differ, hide_behind_walls, through_media_or_gap,
+};
 use super::shadow_map::{NEAREST_BESIDE, OUTSIDE_OF_WALL, ShadowScene};
 use super::transmittance_curve::TransmittanceCurves;
 use crate::grid::cast::RayHit;
@@ -214,16 +215,12 @@ impl SunMap {
             SeenOfSun::All => self.transmittance(place),
             _ => None,
         };
+        let gap = || match seen {
+            SeenOfSun::Part(hidden) => Some(hidden.widest_gap()),
+            _ => None,
+        };
         let through = by_map
-            .or_else(|| {
-                let fan = self.fan(pixel, place);
-                through_media(scene.grid, &fan).or_else(|| match seen {
-                    SeenOfSun::Part(hidden) => {
-                        through_media_to(scene.grid, &fan, hidden.widest_gap())
-                    }
-                    _ => None,
-                })
-            })
+            .or_else(|| through_media_or_gap(scene.grid, &self.fan(pixel, place), gap))
             .unwrap_or_else(|| self.through(place.0, place.1));
         [0, 1, 2].map(|c| light[c] * through[c])
     }
