@@ -20,6 +20,8 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 
 /// Rays per px.
 const DENSITY: f32 = 1.0;
+/// The most by which the light reaches farther between two rays, where the cells that they hit touch: a cell's diagonal, px.
+const NOTCH: f32 = 1.5;
 /// Points along a face at which its light is found.
 const ALONG_FACE: usize = 3;
 /// Fewest distances between rays by which media before a pixel are known.
@@ -127,10 +129,12 @@ impl SunMap {
     fn seen(&self, scene: ShadowScene, pixel: [f32; 2], place: (f32, f32)) -> SeenOfSun {
         let (at, along) = place;
         let [lit, dark] = self.ranges.ends[(at + 0.5) as usize];
-        if along < lit {
+        // Between two rays walls come nearer, and recede into notches.
+        if along < lit - NEAREST_BESIDE {
             return SeenOfSun::All;
         }
-        let Some(solid) = scene.solid.filter(|_| along < dark) else { return SeenOfSun::Nothing };
+        let is_behind = along >= dark + NOTCH;
+        let Some(solid) = scene.solid.filter(|_| !is_behind) else { return SeenOfSun::Nothing };
         let mut hidden = Hidden::default();
         hide_behind_walls(solid, &self.fan(pixel, place), &mut hidden);
         if hidden.parts().is_empty() { SeenOfSun::All } else { SeenOfSun::Part(hidden) }
