@@ -8,8 +8,8 @@
 //!
 //! `J = L·f(d)·cone(φ)·⟨T(β)⟩`, and on a face `E/2 = ½∫L cosθ dω = π·L·f(d)·cone(φ)·⟨cosθ(β)·T(β)⟩`
 //!
-//! Parts of the disc that its centre does not see lie behind a wall and are dark, and so are parts outside the grid
-//! of a lamp inside.
+//! Parts of the disc that its centre does not see are dark: they lie behind a wall or, of a lamp inside, beyond the border
+//! of the grid. Those that it sees stand for the whole.
 
 use crate::traverse::{Event, Grid, Traversal};
 use lamplight::{Lamp, Sun};
@@ -65,14 +65,18 @@ pub fn direct(
         let centre = lamp.position.map(f64::from);
         let off = [0, 1].map(|a| at.point[a] - centre[a]);
         let distance = off[0].hypot(off[1]);
-        let beside = (2.0 * point - 1.0) * f64::from(lamp.size);
         let share = lamp.cone.map_or(1.0, |cone| cone.share(off[1].atan2(off[0]) as f32));
         let falls = f64::from(share * lamp.falloff.at(distance as f32, lamp));
         let picture = lamp.cookie.as_ref().map(|cookie| cookie.at(off.map(|v| v as f32)));
         if falls == 0.0 || picture == Some([0.0; 3]) || distance == 0.0 {
             continue;
         }
-        let part = [centre[0] - beside * off[1] / distance, centre[1] + beside * off[0] / distance];
+        let across = [-off[1] / distance, off[0] / distance];
+        let Some([from, to]) = seen_by_centre(grid, centre, across, lamp.size.into()) else {
+            continue;
+        };
+        let beside = from + point * (to - from);
+        let part = [0, 1].map(|a| centre[a] + beside * across[a]);
         let to = [0, 1].map(|a| part[a] - at.point[a]);
         let length = to[0].hypot(to[1]);
         let cos = at.normal.map(|n| (n[0] * to[0] + n[1] * to[1]) / length);
@@ -80,16 +84,50 @@ pub fn direct(
         if weight <= 0.0 {
             continue;
         }
-        let middle = centre.map(|v| v.floor() as i32);
-        let aside = [0, 1].map(|a| part[a] - centre[a]);
-        let around = grid.contains(centre) && !grid.contains(part);
-        let behind = around || transmittance(grid, middle, centre, aside).is_none();
-        if let (Some(through), false) = (transmittance(grid, at.cell, at.point, to), behind) {
+        if let Some(through) = transmittance(grid, at.cell, at.point, to) {
             let radiance = lamp.color.map(|c| f64::from(c) * f64::from(lamp.intensity));
             let factors = picture.unwrap_or([1.0; 3]).map(f64::from);
             let light = [0, 1, 2].map(|c| weight * through[c] * radiance[c] * factors[c]);
             let own = lamp.height.map(|height| (distance / f64::from(height)).min(MAX_COTANGENT));
             receive(light, to.map(|v| v / length), own);
+        }
+    }
+}
+
+/// The smallest part of a lamp, in its radii, that may stand for the whole.
+const SMALLEST_PART: f64 = 1e-3;
+
+/// The part of a lamp that its centre sees, px along the line `across` it; `None` if its centre is in a wall.
+fn seen_by_centre(
+    grid: &Grid,
+    centre: [f64; 2],
+    across: [f64; 2],
+    radius: f64,
+) -> Option<[f64; 2]> {
+    let ways = [-1.0, 1.0].map(|sign| across.map(|v| sign * v));
+    let mut ends = [radius; 2];
+    if grid.contains(centre) {
+        ends = ways.map(|way| radius.min(grid.to_border(centre, way)));
+    }
+    // A lamp at a corner of the grid may have no part inside.
+    if ends[0] + ends[1] <= SMALLEST_PART * radius {
+        ends = [radius; 2];
+    }
+    let cell = centre.map(|v| v.floor() as i32);
+    for (end, way) in ends.iter_mut().zip(ways) {
+        *end = end.min(to_wall(grid, cell, centre, way));
+    }
+    (ends[0] + ends[1] > SMALLEST_PART * radius).then_some([-ends[0], ends[1]])
+}
+
+/// The distance to the first wall, px; infinite if there is none.
+fn to_wall(grid: &Grid, cell: [i32; 2], from: [f64; 2], way: [f64; 2]) -> f64 {
+    let mut walk = Traversal::new(grid, cell, from, way);
+    loop {
+        match walk.next() {
+            Event::Wall { point, .. } => return (point[0] - from[0]).hypot(point[1] - from[1]),
+            Event::Medium(_) => {}
+            Event::Sky => return f64::INFINITY,
         }
     }
 }

@@ -69,6 +69,16 @@ impl Grid {
         (0.0..=f64::from(self.width)).contains(&x) && (0.0..=f64::from(self.height)).contains(&y)
     }
 
+    /// The distance to the border of the grid from a point inside it, px.
+    pub fn to_border(&self, from: [f64; 2], way: [f64; 2]) -> f64 {
+        let size = [self.width, self.height].map(f64::from);
+        let along = |a: usize| {
+            let border = if way[a] > 0.0 { size[a] } else { 0.0 };
+            if way[a] == 0.0 { f64::INFINITY } else { (border - from[a]) / way[a] }
+        };
+        along(0).min(along(1))
+    }
+
     /// Prepares the cells.
     pub fn new(cells: &Cells) -> Self {
         let (width, height) = (cells.width() as usize, cells.height() as usize);

@@ -86,7 +86,7 @@ fn mean_cosine(lamp: Lamp, off: vec2f, normal: vec2f) -> f32 {
     let distance = length(off);
     var sum = 0.0;
     for (var i = 0u; i < POINTS; i++) {
-        let at = point(i, POINTS);
+        let at = inside_middle + (1.0 - unseen) * point(i, POINTS);
         let part = at * lamp.size / distance;
         let way = vec2f(-off.x - part * off.y, -off.y + part * off.x);
         let cosine = dot(normal, way) / length(way);
@@ -94,7 +94,7 @@ fn mean_cosine(lamp: Lamp, off: vec2f, normal: vec2f) -> f32 {
             sum += cosine;
         }
     }
-    return sum / (f32(POINTS) * (1.0 - beyond_grid));
+    return sum / f32(POINTS);
 }
 
 // The first moment of the light found so far at an open cell.

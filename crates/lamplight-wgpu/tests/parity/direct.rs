@@ -368,3 +368,43 @@ fn cookies_beyond_the_largest_texture_are_refused_and_the_frame_before_stays() {
     large.lamps_mut()[1].cookie = None;
     crate::common::frame(&device, &queue, &mut lighting, &settings, &large);
 }
+
+#[test]
+fn lamps_beside_walls_and_borders_agree() {
+    let gpu = device();
+    let mut both = Both::new(&gpu, Settings::direct(Raymarch::default()));
+    let mut cells = Cells::new(90, 70).unwrap();
+    for i in (0..cells.len()).filter(|i| i % 90 < 34) {
+        cells.set_matter(i, Matter { opacity: 1.0, albedo: [0.7; 3], ..Matter::EMPTY });
+    }
+    // Beside the wall and on its face, over the border, at a corner, and larger than the room.
+    for (position, size) in [
+        ([34.5, 35.5], 3.0),
+        ([34.0, 35.5], 3.0),
+        ([60.0, 2.0], 6.0),
+        ([90.0, 0.0], 4.0),
+        ([50.0, 30.0], 60.0),
+    ] {
+        *cells.lamps_mut() =
+            vec![Lamp { position, size, direct: Direct::Exact, ..Lamp::default() }];
+        both.agree_but_for(TIES, &gpu, &format!("{position:?}"), &cells);
+    }
+}
+
+#[test]
+fn suns_on_slanted_and_round_walls_agree() {
+    let gpu = device();
+    let mut both = Both::new(&gpu, Settings::direct(Raymarch::default()));
+    for degrees in [20.0f32, 45.0, 55.0, 60.0, 65.0, 120.0, 250.0] {
+        let mut cells = Cells::new(97, 61).unwrap();
+        for i in 0..cells.len() {
+            let [x, y] = [i % 97, i / 97].map(|v| v as f32 + 0.5);
+            let slanted = (34.0 * (x - 10.0) + 60.0 * (y - 50.0)).abs() < 170.0 && x < 70.0;
+            if slanted || (x - 80.0).hypot(y - 30.0) < 9.0 {
+                cells.set_matter(i, Matter { opacity: 1.0, albedo: [0.7; 3], ..Matter::EMPTY });
+            }
+        }
+        cells.suns_mut().push(Sun { direction: degrees.to_radians(), ..Sun::default() });
+        both.agree_but_for(TIES, &gpu, &format!("{degrees} degrees"), &cells);
+    }
+}

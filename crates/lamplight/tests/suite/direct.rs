@@ -44,6 +44,29 @@ fn light_of_a_lamp_over_the_border_has_no_steps_before_a_shadow() {
     assert!(open[0] > 0.1 && shadow[13] == 0.0, "{row:?}");
 }
 
+#[test]
+fn a_lamp_beside_a_wall_is_as_bright_as_in_the_open() {
+    let light = |position, is_wall: fn(u32) -> bool| {
+        let mut cells = grid(80, 60, |x, _| Matter {
+            opacity: f32::from(u8::from(is_wall(x))),
+            ..Matter::EMPTY
+        });
+        cells.lamps_mut().push(Lamp { size: 3.0, ..exact(position) });
+        direct(&cells)
+    };
+    // From on the face of the wall to out of its reach: no beam along the normal, and no jump.
+    for x in [20.0, 20.05, 20.5, 22.0, 24.0] {
+        let [beside, open] = [|x| x < 20, |_| false].map(|is_wall| light([x, 30.5], is_wall));
+        for (x, y) in (0..60).flat_map(|y| (26..80).map(move |x| (x, y))) {
+            let [beside, open] = [beside.at(x, y)[0], open.at(x, y)[0]];
+            assert!((beside / open - 1.0).abs() < 1e-3, "{x}, {y}: {beside}, not {open}");
+        }
+    }
+    // Behind the wall, and of a lamp in it, there is nothing.
+    assert!((0..20).all(|x| light([24.0, 30.5], |x| x == 20).at(x, 30) == [0.0; 3]));
+    assert_eq!(light([15.5, 30.5], |x| x < 20).at(40, 30), [0.0; 3]);
+}
+
 /// All methods, `polar` with each of its blends.
 fn methods() -> Vec<MethodSettings> {
     let blends = [Blend::Add, Blend::Max, Blend::Screen];

@@ -228,3 +228,26 @@ fn a_lamp_is_as_bright_exact_as_drawn() {
         }
     }
 }
+
+#[test]
+fn lamps_beside_walls_and_borders_are_as_in_the_path_tracer() {
+    let wall = |x: u32, _| if x < 12 { WALL } else { Matter::EMPTY };
+    let lamp = |position, size| Lamp {
+        position,
+        size,
+        intensity: 4.0,
+        direct: Direct::Exact,
+        ..Lamp::default()
+    };
+    for (name, position, size) in [
+        ("beside a wall", [12.6, 20.5], 3.0),
+        ("over the border", [30.0, 2.0], 6.0),
+        ("on the border", [48.0, 21.5], 4.0),
+        ("at a corner", [48.0, 0.0], 4.0),
+        ("larger than its room", [24.0, 20.0], 40.0),
+    ] {
+        let mut cells = grid(48, 40, wall);
+        cells.lamps_mut().push(lamp(position, size));
+        assert_direct(&cells, name);
+    }
+}

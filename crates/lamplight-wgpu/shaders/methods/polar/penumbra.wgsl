@@ -54,16 +54,16 @@ struct LampDisc {
 // The hidden parts of the light in hand.
 var<private> parts: array<vec2f, GAPS>;
 var<private> part_count: u32;
-// The fraction of the light beyond the grid, which is hidden too.
-var<private> beyond_grid: f32;
-// The middle of the part within the grid, which stands for the whole.
+// The fraction of a lamp that its centre does not see, which is hidden too.
+var<private> unseen: f32;
+// The middle of the part that it sees, which stands for the whole.
 var<private> inside_middle: f32;
 // True if there are media in the blocks of its fan.
 var<private> meets_media: bool;
 
 fn hide_nothing() {
     part_count = 0u;
-    beyond_grid = 0.0;
+    unseen = 0.0;
     inside_middle = 0.0;
     meets_media = false;
 }
@@ -130,7 +130,7 @@ fn seen() -> f32 {
     for (var k = 0u; k < part_count; k++) {
         hidden += parts[k].y - parts[k].x;
     }
-    return max(1.0 - 0.5 * hidden, 0.0) / (1.0 - beyond_grid);
+    return max(1.0 - 0.5 * hidden, 0.0) / (1.0 - unseen);
 }
 
 // The mean place across the light of what is seen of it, −1 to 1.
@@ -155,13 +155,16 @@ fn hidden_by(fan: Fan, low: vec2f, high: vec2f) -> vec2f {
     let beside = vec2f(fan.ahead.y, -fan.ahead.x);
     let scale = 1.0 / fan.slope;
     let corners = array(low, vec2f(high.x, low.y), high, vec2f(low.x, high.y));
-    var interval = vec2f(BESIDE, -BESIDE);
+    let nothing = vec2f(BESIDE, -BESIDE);
+    var interval = nothing;
+    var nearest = fan.distance;
     var before = vec2f(dot(corners[3] - fan.pixel, fan.ahead), dot(corners[3] - fan.pixel, beside));
     for (var i = 0u; i < 4u; i++) {
         let off = corners[i] - fan.pixel;
         // Px ahead of the pixel, and beside the line of sight.
         let corner = vec2f(dot(off, fan.ahead), dot(off, beside));
         let steps = (before.y - corner.y) / (before.x - corner.x);
+        nearest = min(nearest, corner.x);
         if (corner.x > AHEAD) != (before.x > AHEAD) {
             // The rectangle goes on beside the pixel, to this side.
             let side = corner.y + steps * (AHEAD - corner.x);
@@ -178,7 +181,8 @@ fn hidden_by(fan: Fan, low: vec2f, high: vec2f) -> vec2f {
         }
         before = corner;
     }
-    return interval;
+    // What touches the light from behind hides nothing of it.
+    return select(interval, nothing, nearest == fan.distance);
 }
 
 // Hides what the solid cells of a block hide, a bit each.
@@ -254,27 +258,31 @@ fn to_rim(across: vec2f, sign: f32) -> Direction {
     return direction(abs(way), select(vec2f(1.0), vec2f(-1.0), way < vec2f(0.0)));
 }
 
-// Hides the parts of a lamp that its centre does not see: they lie behind a wall. Of a lamp that reaches over the
-// border of the grid the part inside stands for the whole, unless it has none, at a corner.
-fn hide_within_walls(lamp: LampDisc, across: vec2f) {
+// Hides the parts of a lamp that its centre does not see: they lie behind a wall, or beyond the border of the grid, unless
+// all of it does, at a corner. The part that the centre sees stands for the whole.
+fn hide_unseen_parts(lamp: LampDisc, across: vec2f) {
     let to_borders = min(lamp.center, vec2f(frame.size) - lamp.center);
-    var inside = vec2f(1.0);
+    var ends = vec2f(1.0);
     if min(to_borders.x, to_borders.y) >= 0.0 {
         let back = span(lamp.center, to_rim(across, -1.0)).y;
-        inside = min(vec2f(back, span(lamp.center, to_rim(across, 1.0)).y) / lamp.radius, vec2f(1.0));
+        ends = min(vec2f(back, span(lamp.center, to_rim(across, 1.0)).y) / lamp.radius, vec2f(1.0));
     }
-    if inside.x + inside.y <= SMALLEST_PART {
-        inside = vec2f(1.0);
+    if ends.x + ends.y <= SMALLEST_PART {
+        ends = vec2f(1.0);
     }
-    beyond_grid = 1.0 - 0.5 * (inside.x + inside.y);
-    inside_middle = 0.5 * (inside.y - inside.x);
     for (var side = 0u; side < 2u; side++) {
         let sign = select(1.0, -1.0, side == 0u);
-        let seen = traverse(lamp.center, to_rim(across, sign), lamp.radius, false, false).length;
-        let end = min(seen / lamp.radius, inside[side]);
+        let wall = traverse(lamp.center, to_rim(across, sign), lamp.radius, false, false).length;
+        let end = min(wall / lamp.radius, ends[side]);
+        ends[side] = end;
         if end < 1.0 {
             hide(vec2f(min(sign * end, sign), max(sign * end, sign)));
         }
+    }
+    // Nothing stands for a lamp whose centre is in a wall.
+    if ends.x + ends.y > SMALLEST_PART {
+        unseen = 1.0 - 0.5 * (ends.x + ends.y);
+        inside_middle = 0.5 * (ends.y - ends.x);
     }
 }
 
@@ -289,7 +297,7 @@ fn hide_from(lamp: LampDisc, off: vec2f) {
     hide_nothing();
     if any(off != vec2f(0.0)) {
         let fan = fan_of(lamp, off);
-        hide_within_walls(lamp, -fan.ahead.yx * vec2f(-1.0, 1.0));
+        hide_unseen_parts(lamp, -fan.ahead.yx * vec2f(-1.0, 1.0));
         hide_behind_walls(fan);
     }
 }

@@ -6,8 +6,9 @@
 //! sight, hides what lies behind it at `β = s·d/(a·R)`. So a cell hides the interval between its outermost corners,
 //! and what is left of −1 to 1 after all cells in the triangle between pixel and segment is seen.
 //!
-//! Parts of the segment of a lamp that the lamp's centre does not see lie behind a wall and are dark. Of a lamp that
-//! reaches over the border of the grid the part inside stands for the whole: no light goes round the walls.
+//! Parts of the segment of a lamp that the lamp's centre does not see lie behind a wall or beyond the border of the grid.
+//! They are dark, so that no light goes round the walls, and the part that the centre sees stands for the whole: a lamp
+//! beside a wall is as bright as one in the open.
 
 use super::solid_bits::{BLOCK, SolidBits};
 use crate::Rgb;
@@ -44,9 +45,9 @@ const GAPS: usize = 16;
 pub struct Hidden {
     parts: [[f32; 2]; GAPS],
     count: usize,
-    /// The fraction of the light beyond the grid, which is hidden too.
-    outside: f32,
-    /// The middle of the part within the grid, which stands for the whole.
+    /// The fraction of a lamp that its centre does not see, which is hidden too.
+    unseen: f32,
+    /// The middle of the part that it sees, which stands for the whole.
     middle: f32,
 }
 
@@ -100,7 +101,7 @@ impl Hidden {
         self.count == 1 && self.parts[0] == [-1.0, 1.0]
     }
 
-    /// Returns the part that is seen, as a fraction of what lies within the grid.
+    /// Returns the part that is seen, as a fraction of what stands for the whole.
     fn rest(&self) -> SeenPart {
         let hidden: f32 = self.parts().iter().map(|[a, b]| b - a).sum();
         let seen = (1.0 - 0.5 * hidden).max(0.0);
@@ -108,7 +109,7 @@ impl Hidden {
         let moment: f32 = self.parts().iter().map(|[a, b]| 0.25 * (b * b - a * a)).sum();
         let middle = if seen > 0.0 { -moment / seen - self.middle } else { 0.0 };
         let middle = middle.clamp(-1.0, 1.0);
-        SeenPart { fraction: seen / (1.0 - self.outside), middle }
+        SeenPart { fraction: seen / (1.0 - self.unseen), middle }
     }
 }
 
@@ -184,10 +185,10 @@ pub fn mean_cosine(
         let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
         (normal[0] * way[0] + normal[1] * way[1]) / way[0].hypot(way[1])
     };
-    let seen =
-        (0..POINTS).map(|number| point(number, POINTS)).filter(|&point| !hidden.holds(point));
-    let sum: f32 = seen.map(|point| cosine(point).max(0.0)).sum();
-    sum / (POINTS as f32 * (1.0 - hidden.outside))
+    let points =
+        (0..POINTS).map(|number| hidden.middle + (1.0 - hidden.unseen) * point(number, POINTS));
+    let seen = points.filter(|&point| !hidden.holds(point));
+    seen.map(|point| cosine(point).max(0.0)).sum::<f32>() / POINTS as f32
 }
 
 /// One of `count` points across a lamp, −1 to 1.
@@ -223,22 +224,26 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
     let to_border = [0, 1].map(|a| center[a].min(grid.size[a] as f32 - center[a]));
     let to_border = to_border[0].min(to_border[1]);
     if lamp.clear < radius || (0.0..radius).contains(&to_border) {
-        let inside = [-1.0, 1.0].map(|sign| {
-            let leaves = leaves(grid, center, across.map(|v| sign * v));
-            if to_border >= 0.0 { (leaves / radius).min(1.0) } else { 1.0 }
-        });
-        // A lamp at a corner may have no part inside.
-        let counts = inside[0] + inside[1] > SMALLEST_PART;
-        for (sign, inside) in [-1.0, 1.0].into_iter().zip(inside) {
-            let way = across.map(|v| sign * v);
-            let seen = grid.cast(center, way, radius, false, |_, _| ()).length / radius;
-            let at = if counts { seen.min(inside) } else { seen };
-            if counts {
-                hidden.outside += 0.5 * (1.0 - inside);
-                hidden.middle += 0.5 * sign * inside;
-            }
-            if at < 1.0 {
-                hidden.add((sign * at).min(sign), (sign * at).max(sign));
+        let ways = [-1.0, 1.0].map(|sign| across.map(|v| sign * v));
+        let mut inside = [1.0; 2];
+        if to_border >= 0.0 {
+            inside = ways.map(|way| (leaves(grid, center, way) / radius).min(1.0));
+        }
+        // A lamp at a corner of the grid may have no part inside.
+        if inside[0] + inside[1] <= SMALLEST_PART {
+            inside = [1.0; 2];
+        }
+        let walls =
+            ways.map(|way| grid.cast(center, way, radius, false, |_, _| ()).length / radius);
+        let ends = [0, 1].map(|side| inside[side].min(walls[side]));
+        // Nothing stands for a lamp whose centre is in a wall.
+        if ends[0] + ends[1] > SMALLEST_PART {
+            hidden.unseen = 1.0 - 0.5 * (ends[0] + ends[1]);
+            hidden.middle = 0.5 * (ends[1] - ends[0]);
+        }
+        for (sign, end) in [-1.0, 1.0].into_iter().zip(ends) {
+            if end < 1.0 {
+                hidden.add((sign * end).min(sign), (sign * end).max(sign));
             }
         }
     }
@@ -307,6 +312,10 @@ pub fn hide_behind_walls(solid: &SolidBits, fan: &Fan, hidden: &mut Hidden) {
             // Px ahead of the pixel, and beside the line of sight.
             let corners = [[left, low], [right, low], [right, high], [left, high]]
                 .map(|[x, y]| [x * ahead[0] + y * ahead[1], x * beside[0] + y * beside[1]]);
+            // What touches the light from behind hides nothing of it.
+            if corners.iter().all(|&[ahead, _]| ahead >= distance) {
+                return;
+            }
             let mut before = corners[3];
             for corner in corners {
                 let ([a, s], [b, t]) = (corner, before);
