@@ -111,15 +111,15 @@ impl Solver {
         &self.settings
     }
 
-    /// Changes the settings from the next frame on. Buffers are kept; history is reset if anything
-    /// but the seed changes, because it was computed with other settings.
+    /// Changes the settings from the next frame on. Buffers are kept. History goes on if only the seed, `elevation`,
+    /// `wall_depth` or `moment` changes, and that of feedback with the settings of the same method too: what surfaces
+    /// reflected does not vanish. Otherwise it is reset, because it was computed with other settings.
     ///
     /// # Errors
     /// Fails, and changes nothing, if a setting is out of its range.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.check()?;
-        let seed = settings.seed;
-        if settings != (Settings { seed, ..self.settings.clone() }) {
+        if !self.settings.is_continued_by(&settings) {
             self.reset();
         }
         self.settings = settings;

@@ -94,6 +94,22 @@ impl Settings {
         }
     }
 
+    /// Returns whether frames with other settings can continue what frames with these left. Of `holographic` and
+    /// `cascades` that is the radiance that surfaces reflect, which their own settings hardly change; of the others it is
+    /// light itself. What comes after the light has no part in it, nor has the moment.
+    pub(crate) fn is_continued_by(&self, next: &Self) -> bool {
+        let leaves_surfaces = match (&self.method, &next.method) {
+            (MethodSettings::Holographic(before), MethodSettings::Holographic(next)) => {
+                before.variant == next.variant
+            }
+            (MethodSettings::Cascades(_), MethodSettings::Cascades(_)) => true,
+            _ => false,
+        };
+        let Self { wall_depth, seed, moment, elevation, .. } = *next;
+        let same = Self { wall_depth, seed, moment, elevation, ..self.clone() };
+        leaves_surfaces || same == *next
+    }
+
     /// Returns the cheapest settings that produce the same seed map, Voronoi map and distance field.
     #[must_use]
     pub fn fields_only(&self) -> Self {

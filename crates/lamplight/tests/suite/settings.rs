@@ -5,7 +5,7 @@ use lamplight::settings::{
     Blend, Denoise, Fade, Flood, Hit, Holographic, MethodSettings, Noise, Polar, Raymarch,
     ShadowFilter, Spacing, Sweeps, Temporal, Traversal,
 };
-use lamplight::{Bounces, Cells, Falloff, Method, Quality, Settings, SettingsTable, Solver};
+use lamplight::{Bounces, Cells, Falloff, Light, Method, Quality, Settings, SettingsTable, Solver};
 use serde_json::{Value, json};
 
 /// A table with these texts set one after the other, as flags do.
@@ -447,6 +447,51 @@ fn new_settings_take_effect_with_the_next_frame() {
     let wrong = Settings { wall_depth: -1.0, ..then.clone() };
     assert!(solver.set_settings(wrong).is_err());
     assert_eq!(solver.settings(), &then);
+}
+
+#[test]
+fn history_goes_on_if_the_settings_that_it_depends_on_stay() {
+    let mut cells = Cells::new(40, 30).unwrap();
+    for i in (0..40).map(|x| 4 * 40 + x) {
+        let wall = lamplight::Matter { opacity: 1.0, albedo: [0.9; 3], ..lamplight::Matter::EMPTY };
+        cells.set_matter(i, wall);
+    }
+    let glow = lamplight::Matter { opacity: 1.0, emission: [9.0; 3], ..lamplight::Matter::EMPTY };
+    cells.set_matter(15 * 40 + 20, glow);
+    let feedback =
+        |method: MethodSettings| Settings { bounces: Bounces::Feedback, ..Settings::new(method) };
+    let lit = |frames: &[Settings]| {
+        let mut solver = Solver::new(frames[0].clone()).unwrap();
+        frames.iter().for_each(|settings| {
+            solver.set_settings(settings.clone()).unwrap();
+            solver.solve(&cells).unwrap();
+        });
+        solver.light().clone()
+    };
+    let mean = |light: &Light| light.pixels().iter().map(|[r, ..]| f64::from(*r)).sum::<f64>();
+    for method in [Method::Holographic, Method::Cascades] {
+        let own = feedback(method.into());
+        let direct = mean(&lit(&[own.clone()]));
+        let settled = mean(&lit(&vec![own.clone(); 8]));
+        assert!(settled > 1.05 * direct, "{method:?}: bounces are {settled} of {direct}");
+        let then = |changed: Settings| {
+            let mut frames = vec![own.clone(); 8];
+            frames.push(changed);
+            mean(&lit(&frames))
+        };
+        let elevated = then(Settings { elevation: 0.3, ..own.clone() });
+        assert!((elevated / settled - 1.0).abs() < 0.01, "{method:?}: {elevated} of {settled}");
+        let moment = then(Settings { moment: true, ..own.clone() });
+        assert!((moment / settled - 1.0).abs() < 0.01, "{method:?}: {moment} of {settled}");
+        let mut fast = own.clone();
+        fast.set_preset("fast").unwrap();
+        let fast = then(fast);
+        assert!((fast / settled - 1.0).abs() < 0.04, "{method:?}: {fast} of {settled}");
+        // Another method has nothing to continue.
+        let other = if method == Method::Cascades { Method::Holographic } else { Method::Cascades };
+        let other = feedback(other.into());
+        assert_eq!(then(other.clone()), mean(&lit(&[other])), "{method:?}");
+    }
 }
 
 #[test]
