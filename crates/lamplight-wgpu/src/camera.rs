@@ -36,7 +36,7 @@ pub struct Camera2dView {
     /// their largest spacing that matters (16 for `holographic`). Costs up to that many more columns and rows.
     pub lattice: u32,
     /// Rotation of the camera, radians, clockwise on the screen (from +x towards +y). The grid stays with the
-    /// world's axes, so that light does not rotate with the camera. If the rotation is not 0, the grid covers
+    /// world's axes, so that light does not rotate with the camera. Unless the rotation is by quarters, the grid covers
     /// the visible part at any angle, up to 4 times the cells of a 16:9 picture.
     pub rotation: f64,
     /// The sides of the grid are multiples of this many cells, 1 or more, so that a camera that zooms seldom
@@ -101,6 +101,9 @@ impl Camera2dView {
     /// Like [`Self::place`], for a picture that shows `extent` columns and rows, not always whole ones. Ignores
     /// [`Self::zoom`]: for pixels that are not square, or not known.
     pub fn cover(&self, extent: [f64; 2]) -> Result<GridPlacement, Error> {
+        /// Cells by which the sides of a picture that counts as upright may deviate: what is left when rotations by
+        /// quarters are added up in 32 bits.
+        const STRAIGHT: f64 = 1.0 / 64.0;
         /// The farthest position from which the largest grid still fits into 32 bits.
         const FURTHEST: f64 = (1 << 30) as f64;
         let near = -FURTHEST..=FURTHEST;
@@ -121,8 +124,13 @@ impl Camera2dView {
         let [width, height] = extent;
         let (sin, cos) = self.rotation.sin_cos();
         let (right, down) = ([width * cos, width * sin], [-height * sin, height * cos]);
-        // If rotated, the circle around the picture, so that the size stays while it rotates.
-        let covered = if self.rotation == 0.0 { [width, height] } else { [width.hypot(height); 2] };
+        let is_along = |off: f64| off.abs() * width.max(height) < STRAIGHT;
+        let covered = match [is_along(sin), is_along(cos)] {
+            [true, _] => [width, height],
+            [_, true] => [height, width],
+            // The circle around the picture, so that the size stays while it rotates.
+            _ => [width.hypot(height); 2],
+        };
         // A fraction of a cell on either side, and what snapping may add on the left, or on top.
         let slack = 2.0 * f64::from(self.border) + f64::from(self.lattice);
         let step = f64::from(self.step);
@@ -153,6 +161,7 @@ fn bad<T>(key: &str, value: f64, expected: &str) -> Result<T, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
 
     /// Cameras here and there, at rest and on the move.
     fn positions() -> impl Iterator<Item = f64> {
@@ -210,6 +219,25 @@ mod tests {
         }
         // Clockwise: what is to the right of the picture lies further down in the world.
         assert!(first.visible.right[1] > 0.0 && first.visible.down[0] < 0.0);
+    }
+
+    #[test]
+    fn a_camera_turned_by_quarters_needs_no_more_cells() {
+        let size = |rotation| {
+            let view = Camera2dView { rotation, ..Camera2dView::default() };
+            view.place([320, 180]).unwrap().size
+        };
+        let [wide, high] = [size(0.0), size(FRAC_PI_2)];
+        assert_eq!(wide, [high[1], high[0]]);
+        for quarters in -5..=5 {
+            // As 32 bits leave it.
+            let rounded = f64::from((f64::from(quarters) * FRAC_PI_2) as f32);
+            for rotation in [rounded, rounded + 1e-6] {
+                let expected = if quarters % 2 == 0 { wide } else { high };
+                assert_eq!(size(rotation), expected, "{rotation}");
+            }
+            assert!(size(rounded + 1e-3)[0] > wide[0], "{quarters} quarters and a bit");
+        }
     }
 
     #[test]

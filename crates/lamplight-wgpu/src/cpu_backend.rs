@@ -92,14 +92,22 @@ impl CpuBackend {
         if self.waits {
             request(self, values)?;
         }
-        if let Some(arrived) = values.arrived(self.waits)?
-            && let Some(mut request) = self.request.take()
-        {
-            fill(&mut request.cells, &arrived);
-            let found = self.find(&request.settings, &request.cells, request.origin);
-            self.request = Some(request);
-            found?;
-        }
+        let mut request_made = self.request.take();
+        let read = |values: &GridValues| {
+            if let Some(request) = &mut request_made {
+                fill(&mut request.cells, values);
+            }
+        };
+        let has_arrived = values.read(self.waits, read);
+        let found = match &request_made {
+            Some(Request { cells, settings, origin }) if matches!(has_arrived, Ok(true)) => {
+                self.find(settings, cells, *origin)
+            }
+            _ => Ok(()),
+        };
+        self.request = request_made;
+        has_arrived?;
+        found?;
         if !self.waits && !values.is_requested() {
             request(self, values)?;
         }

@@ -38,19 +38,22 @@ impl<T: Pod> Fetch<T> {
     /// # Errors
     /// If the device was lost, or the buffer belongs to another device.
     pub fn new(device: &Device, queue: &Queue, buffer: &Buffer) -> Result<Self, ReadBackError> {
-        with_error_scope(device, || Ok(Self::begin(device, queue, buffer)))
+        with_error_scope(device, || {
+            let copy = device.create_buffer(&BufferDescriptor {
+                label: Some("read back"),
+                size: buffer.size(),
+                usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+                mapped_at_creation: false,
+            });
+            let mut encoder = device.create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+            queue.submit([encoder.finish()]);
+            Ok(Self::map(device, copy))
+        })
     }
 
-    fn begin(device: &Device, queue: &Queue, buffer: &Buffer) -> Self {
-        let copy = device.create_buffer(&BufferDescriptor {
-            label: Some("read back"),
-            size: buffer.size(),
-            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
-        queue.submit([encoder.finish()]);
+    /// Starts the transfer of a buffer that the CPU can read. Until it is over, nothing may be written to it.
+    pub(crate) fn map(device: &Device, copy: Buffer) -> Self {
         let (sender, mapped) = channel();
         copy.map_async(MapMode::Read, .., move |result| {
             // The receiver is gone if the fetch was dropped.
@@ -61,27 +64,39 @@ impl<T: Pod> Fetch<T> {
 
     /// Returns the values if they have arrived; `None` while the transfer is in progress. Does not wait.
     pub fn take(&self) -> Result<Option<Vec<T>>, ReadBackError> {
-        self.device.poll(PollType::Poll).map_err(failed)?;
-        match self.mapped.lock().map_err(failed)?.try_recv() {
-            Ok(mapped) => {
-                mapped.map_err(failed)?;
-                self.values().map(Some)
-            }
-            Err(TryRecvError::Empty) => Ok(None),
-            Err(gone) => Err(failed(gone)),
-        }
+        let has_arrived = self.has_arrived()?;
+        has_arrived.then(|| self.read(<[T]>::to_vec)).transpose()
     }
 
     /// Waits for the values.
     pub fn wait(self) -> Result<Vec<T>, ReadBackError> {
-        self.device.poll(PollType::wait_indefinitely()).map_err(failed)?;
-        self.mapped.lock().map_err(failed)?.recv().map_err(failed)?.map_err(failed)?;
-        self.values()
+        self.wait_until_arrived()?;
+        self.read(<[T]>::to_vec)
     }
 
-    fn values(&self) -> Result<Vec<T>, ReadBackError> {
-        let mapped = self.copy.get_mapped_range(..).map_err(failed)?;
-        Ok(bytemuck::pod_collect_to_vec(&mapped))
+    /// Returns whether the values have arrived, once.
+    pub(crate) fn has_arrived(&self) -> Result<bool, ReadBackError> {
+        self.device.poll(PollType::Poll).map_err(failed)?;
+        match self.mapped.lock().map_err(failed)?.try_recv() {
+            Ok(mapped) => mapped.map(|()| true).map_err(failed),
+            Err(TryRecvError::Empty) => Ok(false),
+            Err(gone) => Err(failed(gone)),
+        }
+    }
+
+    /// Waits until the values have arrived.
+    pub(crate) fn wait_until_arrived(&self) -> Result<(), ReadBackError> {
+        self.device.poll(PollType::wait_indefinitely()).map_err(failed)?;
+        self.mapped.lock().map_err(failed)?.recv().map_err(failed)?.map_err(failed)
+    }
+
+    /// Reads the values that have arrived. Then the buffer can be written to again.
+    pub(crate) fn read<R>(&self, read: impl FnOnce(&[T]) -> R) -> Result<R, ReadBackError> {
+        let values = self.copy.get_mapped_range(..).map_err(failed)?;
+        let read = read(bytemuck::cast_slice(&values));
+        drop(values);
+        self.copy.unmap();
+        Ok(read)
     }
 }
 

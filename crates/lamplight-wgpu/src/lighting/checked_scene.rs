@@ -33,6 +33,9 @@ impl<'a> CheckedScene<'a> {
                 let method = input.settings.method();
                 method.suits(cells)?;
                 let size = GridSize::new(device, [cells.width(), cells.height()])?;
+                let (lamps, suns, sky) = (cells.lamps(), cells.suns(), cells.sky());
+                let lights = Lights { lamps, suns, sky, inflow: cells.inflow() };
+                check_inflow(lights, input.settings, size)?;
                 let uploaded = match upload.take().filter(|upload| upload.size == size) {
                     Some(uploaded) => uploaded,
                     None => with_error_scope(device, || Upload::new(device, size))?,
@@ -43,9 +46,6 @@ impl<'a> CheckedScene<'a> {
                     SceneHints::of(cells, input.settings.method.bounces(input.settings.bounces));
                 let grid = Grid { size, textures: &upload.textures, hints };
                 let (shown, normals) = (upload.shown.as_ref(), upload.normals.as_ref());
-                let (lamps, suns, sky) = (cells.lamps(), cells.suns(), cells.sky());
-                let lights = Lights { lamps, suns, sky, inflow: cells.inflow() };
-                check_inflow(lights, input.settings, size)?;
                 Ok(Self { grid, shown, normals, lights })
             }
             SceneInput::Textures { textures, lights } => {

@@ -214,6 +214,12 @@ impl Lighting {
             .and_then(|scene| self.prepare_scene(input, &scene));
         self.upload = upload;
         self.compiled = self.shared.compiler.waits() - waits;
+        if prepared.is_err()
+            && let Some(frame) = &mut self.frame
+        {
+            // History was moved when the frame was recorded.
+            (frame.moved, frame.resize) = (false, None);
+        }
         if let Err(PrepareError::Device(_)) = prepared {
             // Pipelines may be invalid.
             self.shared.compiler.forget();

@@ -28,10 +28,11 @@ pub struct MatterValues {
     /// By part; compiled when the part is first read.
     pipelines: [Option<RenderPipeline>; PARTS],
     kept: Option<Kept>,
+    /// The size of the grid whose values are on their way.
     requested: Option<(GridSize, Fetch<[f32; 4]>)>,
 }
 
-/// A texture that a part is drawn on, and the buffer of all parts.
+/// A texture that a part is drawn on, and the buffer of all parts, which the CPU reads.
 #[derive(Debug)]
 struct Kept {
     size: GridSize,
@@ -42,13 +43,13 @@ struct Kept {
 
 /// The values of a grid.
 #[derive(Debug)]
-pub struct GridValues {
+pub struct GridValues<'a> {
     size: [u32; 2],
     /// Part by part, row by row, each row with its padding.
-    texels: Vec<[f32; 4]>,
+    texels: &'a [[f32; 4]],
 }
 
-impl GridValues {
+impl GridValues<'_> {
     pub const EMISSION: usize = 0;
     /// Tint, and in the last place the opacity.
     pub const TINT_OPACITY: usize = 1;
@@ -83,9 +84,11 @@ impl MatterValues {
         })
     }
 
-    /// Requests the values of the textures as they are now, after everything that was submitted before.
+    /// Requests the values of the textures as they are now, after everything that was submitted before. Those that were
+    /// requested before are given up.
     pub fn request(&mut self, planner: &FramePlanner, textures: &Textures) -> Result<()> {
         let FramePlanner { device, shared, size, .. } = *planner;
+        self.forget();
         let parts = if textures.glow.is_some() { PARTS } else { PARTS - 1 };
         let kept = self.kept.take().filter(|kept| kept.size == size && kept.parts >= parts);
         let kept = match kept {
@@ -109,7 +112,7 @@ impl MatterValues {
             self.pipelines = Default::default();
             return Err(error);
         }
-        self.requested = Some((size, Fetch::new(device, &shared.queue, &kept.buffer)?));
+        self.requested = Some((size, Fetch::map(device, kept.buffer.clone())));
         self.kept = Some(kept);
         Ok(())
     }
@@ -121,21 +124,29 @@ impl MatterValues {
 
     /// Forgets the values that are on their way.
     pub fn forget(&mut self) {
-        self.requested = None;
+        if self.requested.take().is_some() {
+            // Its buffer is in use until they arrive.
+            self.kept = None;
+        }
     }
 
-    /// Returns the values that were requested; none if they have not arrived, unless it `waits` for them.
-    pub fn arrived(&mut self, waits: bool) -> Result<Option<GridValues>> {
-        let Some((size, fetch)) = self.requested.take() else { return Ok(None) };
-        let texels = if waits {
-            fetch.wait()?
-        } else if let Some(texels) = fetch.take()? {
-            texels
-        } else {
-            self.requested = Some((size, fetch));
-            return Ok(None);
-        };
-        Ok(Some(GridValues { size: size.into(), texels }))
+    /// Reads the values that were requested. Returns `false` if they have not arrived, unless it `waits` for them.
+    pub fn read(&mut self, waits: bool, read: impl FnOnce(&GridValues)) -> Result<bool> {
+        let Some((size, fetch)) = &self.requested else { return Ok(false) };
+        let found =
+            if waits { fetch.wait_until_arrived().map(|()| true) } else { fetch.has_arrived() };
+        let size = (*size).into();
+        let found = found.and_then(|has_arrived| {
+            let read = |texels: &[_]| read(&GridValues { size, texels });
+            has_arrived.then(|| fetch.read(read)).transpose()
+        });
+        match found {
+            Ok(None) => return Ok(false),
+            Ok(Some(())) => self.requested = None,
+            Err(_) => self.forget(),
+        }
+        found?;
+        Ok(true)
     }
 }
 
@@ -164,7 +175,7 @@ impl Kept {
         let buffer = planner.device.create_buffer(&BufferDescriptor {
             label: Some("matter values"),
             size: bytes,
-            usage: BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
         let target = texture_of(planner.device, "matter values", size.into(), FORMAT, usage);
