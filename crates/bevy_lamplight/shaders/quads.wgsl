@@ -247,6 +247,9 @@ fn color_at(in: VertexOut) -> vec4f {
     return clamp(color, vec4f(0.0), vec4f(65504.0, 65504.0, 65504.0, 1.0));
 }
 
+// The largest radiance, as `BRIGHTEST` of components/lamps.rs.
+const BRIGHTEST: f32 = 60000.0;
+
 // Sums over everything in a cell, composited from bottom to top. Emission and albedo are weighted by
 // opacity, as in `Matter::over` of `lamplight`.
 struct Matter {
@@ -270,7 +273,7 @@ fn matter(in: VertexOut) -> Matter {
     let opacity = coverage * (1.0 - select(0.0, pow(transmittance, cell), transmittance > 0.0));
     let tint = select(vec3f(0.0), pow(material.tint, vec3f(cell)), material.tint > vec3f(0.0));
     return Matter(
-        vec4f(material.emission * color.rgb * opacity, coverage),
+        vec4f(min(material.emission * color.rgb, vec3f(BRIGHTEST)) * opacity, coverage),
         vec4f(material.albedo * min(color.rgb, vec3f(1.0)) * opacity, coverage),
         vec4f(tint * coverage, coverage),
         vec4f(opacity, 0.0, 0.0, coverage),

@@ -33,9 +33,13 @@ impl CameraLog {
 
     /// Remembers a message. Returns `false` if it was logged before, with whatever figures.
     fn is_new(&mut self, camera: Entity, message: impl Display) -> bool {
-        let text = message.to_string().replace(|c: char| c.is_ascii_digit() || c == '.', "");
-        self.0.insert((camera, text))
+        self.0.insert((camera, without_figures(message)))
     }
+}
+
+/// Returns what a message says, whatever its figures.
+pub fn without_figures(message: impl Display) -> String {
+    message.to_string().replace(|c: char| c.is_ascii_digit() || c == '.', "")
 }
 
 #[cfg(test)]

@@ -26,6 +26,11 @@ pub struct LitCamera {
 }
 
 impl LitCameraItem<'_, '_> {
+    /// Its place among the cameras.
+    pub fn order(&self) -> isize {
+        self.camera.order
+    }
+
     /// The placement of its grid; `None` if it sees nothing or is inactive.
     pub fn placement(&self) -> Result<Option<Placement>, PlacementError> {
         let Self { camera, projection, transform, lighting, .. } = self;

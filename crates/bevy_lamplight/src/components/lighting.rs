@@ -13,7 +13,8 @@ use lamplight::{Bounces, Method, Quality, Settings, SettingsTable, ToneMap};
 /// # }
 /// ```
 ///
-/// All lengths are in world units, so that light does not change when the camera zooms.
+/// All lengths are in world units, so that light does not change when the camera zooms. A `CompositingSpace` other than
+/// `Linear` leaves the camera unlit, since light multiplies linear colours.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[type_path = "bevy_lamplight"]

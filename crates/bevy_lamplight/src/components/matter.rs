@@ -14,7 +14,7 @@ use bevy::prelude::*;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct Matter2d {
-    /// Emitted radiance, 0 or more, unbounded; multiplied by the drawn colour. Black does not glow.
+    /// Emitted radiance, 0 or more; multiplied by the drawn colour, and then at most 60,000. Black does not glow.
     pub emission: LinearRgba,
     /// Fraction of light that is lost per world unit, 0 to 1; multiplied by the drawn alpha. 1 is a
     /// solid wall. Emissive matter needs a value above 0, because it emits `emission × opacity`.

@@ -22,13 +22,13 @@ pub struct TextMatter {
 impl QuadSource for TextMatterItem<'_, '_> {
     fn push_quads(&self, place: &EntityPlaceItem, assets: &SceneAssets, to: &mut QuadWriter) {
         let layout = self.layout;
+        // The layout is in physical pixels, y down; bounds are in logical ones.
+        let scale = layout.scale_factor.recip();
         let size = Vec2::new(
-            self.bounds.width.unwrap_or(layout.size.x),
-            self.bounds.height.unwrap_or(layout.size.y),
+            self.bounds.width.unwrap_or(layout.size.x * scale),
+            self.bounds.height.unwrap_or(layout.size.y * scale),
         );
         let top_left = (Anchor::TOP_LEFT.as_vec() - self.anchor.as_vec()) * size;
-        // Glyphs are laid out in physical pixels, y down.
-        let scale = layout.scale_factor.recip();
         let world = place.transform.affine()
             * Affine3A::from_translation(top_left.extend(0.0))
             * Affine3A::from_scale(Vec3::new(scale, -scale, 1.0));

@@ -3,10 +3,10 @@
 use super::place::{EntityPlaceItem, SceneAssets};
 use super::quad::{AlphaCutoff, Quad, QuadMap};
 use super::source::{QuadSource, QuadWriter};
-use bevy::color::ColorToComponents;
+use bevy::color::{Color, ColorToPacked};
 use bevy::ecs::query::QueryData;
-use bevy::math::{Affine3A, Rect, UVec2, Vec2};
-use bevy::sprite_render::{TileOrientation, TilemapChunk, TilemapChunkTileData};
+use bevy::math::{Affine2, Affine3A, Mat2, Rect, UVec2, Vec2, Vec3Swizzles};
+use bevy::sprite_render::{AlphaMode2d, TileOrientation, TilemapChunk, TilemapChunkTileData};
 use std::ops::Range;
 
 /// A tilemap chunk and its tiles.
@@ -19,7 +19,12 @@ pub struct TileMatter {
 impl QuadSource for TileMatterItem<'_, '_> {
     /// Adds only tiles that may overlap the areas, so that the cost does not grow with the map.
     fn push_quads(&self, place: &EntityPlaceItem, _: &SceneAssets, to: &mut QuadWriter) {
-        let TilemapChunk { chunk_size, tile_display_size, tileset, .. } = self.chunk;
+        let TilemapChunk { chunk_size, tile_display_size, tileset, alpha_mode } = self.chunk;
+        let cutoff = match alpha_mode {
+            AlphaMode2d::Blend => AlphaCutoff::Blend,
+            // Drawn whole whatever the cutoff, but for what the tilemap's own shader discards.
+            AlphaMode2d::Opaque | AlphaMode2d::Mask(_) => AlphaCutoff::Mask(DISCARDED),
+        };
         let world = place.transform.affine();
         let size = tile_display_size.as_vec2();
         let corner = -0.5 * chunk_size.as_vec2() * size;
@@ -29,12 +34,19 @@ impl QuadSource for TileMatterItem<'_, '_> {
             let Some(tile) = tile.filter(|tile| tile.visible) else { continue };
             let min = corner + Vec2::new(x as f32, y as f32) * size;
             let map = QuadMap::of_box(min, size, &world);
-            let color = tile.color.to_linear().to_f32_array();
-            let quad = Quad::image(map, texels(tile.orientation), color, AlphaCutoff::Blend);
+            let quad = Quad::image(map, texels(tile.orientation), factor(tile.color), cutoff);
             to.push(Quad { layer: tile.tileset_index.into(), ..quad });
         }
         to.finish_group(place, tileset.id(), true);
     }
+}
+
+/// The alpha below which the tilemap's shader draws nothing.
+const DISCARDED: f32 = 0.001;
+
+/// The factor of a tile's colour. The tilemap's shader takes the bytes of the encoded colour as they are.
+fn factor(color: Color) -> [f32; 4] {
+    color.to_srgba().to_u8_array().map(|v| f32::from(v) / 255.0)
 }
 
 /// All of a tile's image, in one of the eight orientations.
@@ -69,7 +81,10 @@ fn overlapping(
     size: Vec2,
     count: UVec2,
 ) -> [Range<u32>; 2] {
-    let back = world.inverse();
+    // Of the plane alone: the map of a chunk that is flat in z has no inverse.
+    let [x, y] = [world.x_axis, world.y_axis].map(|axis| axis.xy());
+    let plane = Affine2::from_mat2_translation(Mat2::from_cols(x, y), world.translation.xy());
+    let back = plane.inverse();
     let corners = |area: &Rect| {
         let Rect { min, max } = *area;
         [min, Vec2::new(max.x, min.y), Vec2::new(min.x, max.y), max]
@@ -77,7 +92,7 @@ fn overlapping(
     let reach = areas
         .iter()
         .flat_map(corners)
-        .map(|point| (back.transform_point3(point.extend(0.0)).truncate() - corner) / size)
+        .map(|point| (back.transform_point2(point) - corner) / size)
         .fold(Rect::EMPTY, |all, point| all.union_point(point));
     // Casts saturate, and turn NaN into 0.
     [0, 1].map(|a| reach.min[a].floor() as u32..(reach.max[a].ceil() as u32).min(count[a]))

@@ -2,6 +2,7 @@
 
 use super::entering::EnteringLight;
 use super::sight::QueriedSight;
+use crate::camera_log::without_figures;
 use crate::components::{LightMethod, LightQuality, Lighting2d, Viewer2d, WorldLamp};
 use crate::cookies::{CookieImages, forget_changed};
 use crate::lit_camera::LitCamera;
@@ -74,7 +75,7 @@ pub struct LightQuerySettings {
     /// World units per cell. Half the size costs four times as much. Walls down to half a cell wide are
     /// resolved.
     pub cell: f32,
-    /// The area that can be queried. `None`: the grid of the first lit camera, or without one the bounds of
+    /// The area that can be queried. `None`: the grid of the first lit camera (by its `order`), or without one the bounds of
     /// all matter and of the ranges of all lamps. Into an area of its own, light enters from the sky alone.
     /// Areas of more than 131,072 cells get larger cells.
     pub area: Option<Rect>,
@@ -197,7 +198,7 @@ struct QueryState {
     solver: Option<Solver>,
     /// The grid that it solved last.
     solved: Option<Placement>,
-    /// The error logged last.
+    /// The error logged last, without its figures.
     logged: String,
 }
 
@@ -225,12 +226,16 @@ fn solve(
     if !wanted.light && !wanted.sight {
         return;
     }
-    let seeing = cameras.iter().find_map(|(entity, camera)| {
+    let lit = cameras.iter().filter_map(|(entity, camera)| {
         let placement = camera.placement().ok()??;
+        Some((entity, camera, placement))
+    });
+    let first = lit.min_by_key(|(entity, camera, _)| (camera.order(), *entity));
+    let seeing = first.map(|(entity, camera, placement)| {
         let found = surroundings.as_ref().and_then(|light| {
             Some((light.inflow(entity, &placement)?, light.are_all_solid(entity)))
         });
-        Some((camera, (placement, found)))
+        (camera, (placement, found))
     });
     let (camera, placed) = seeing.unzip();
     let (placement, found) = placed.unzip();
@@ -361,11 +366,12 @@ fn fine_grid(area: Rect, cell: f32) -> Option<Placement> {
 }
 
 impl QueryState {
-    /// Logs why there is no light, unless it was logged just before.
+    /// Logs why there is no light, unless that was logged just before, with whatever figures.
     fn log(&mut self, error: String) {
-        if self.logged != error {
+        let text = without_figures(&error);
+        if self.logged != text {
             error!("no light is known: {error}");
-            self.logged = error;
+            self.logged = text;
         }
     }
 

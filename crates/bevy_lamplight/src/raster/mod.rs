@@ -4,6 +4,7 @@ mod around;
 
 pub use around::{digest_around, digest_of, images_around, rasterize_around};
 
+use crate::components::BRIGHTEST;
 use crate::placement::Placement;
 use crate::quads::{
     ExtractedScene, Quad, QuadGroup, QuadMap, QuadMaterial, QuadShape, SceneAssets,
@@ -39,7 +40,7 @@ pub fn rasterize(
             let product =
                 |by: [f32; 3], max: f32| std::array::from_fn(|c| by[c] * rgb[c].clamp(0.0, max));
             let matter = Matter {
-                emission: product(material.emission, f32::MAX),
+                emission: product(material.emission, f32::MAX).map(|v: f32| v.min(BRIGHTEST)),
                 opacity,
                 tint,
                 albedo: product(material.albedo, 1.0),

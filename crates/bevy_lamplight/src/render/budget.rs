@@ -16,8 +16,9 @@ const EVERY_OF_CHOICE: u64 = 16;
 const PATIENCE: u32 = 3;
 
 /// The frame budget of one camera.
+#[derive(Default)]
 pub struct Budget {
-    /// `None` if the adapter has no timestamps.
+    /// `None` before the camera is lit, and if the adapter has no timestamps.
     timer: Option<Timer>,
     frame: u64,
     late: LateFrames,
@@ -26,14 +27,9 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// A budget of which nothing is spent.
-    pub fn new(device: &Device, queue: &Queue) -> Self {
-        Self {
-            timer: Timer::new(device, queue),
-            frame: 0,
-            late: LateFrames::default(),
-            quality: None,
-        }
+    /// Measures frames on a device from now on.
+    pub fn measure(&mut self, device: &Device, queue: &Queue) {
+        self.timer = Timer::new(device, queue);
     }
 
     /// Returns the quality that is wanted, chosen if it is `Auto`.

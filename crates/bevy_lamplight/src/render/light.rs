@@ -17,6 +17,7 @@ use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
+use bevy::render::view::ResolvedCompositingSpace;
 use lamplight_wgpu::wgpu::{
     self, Color, CommandEncoder, LoadOp, Operations, RenderPassColorAttachment,
     RenderPassDescriptor, StoreOp, TextureView,
@@ -50,6 +51,18 @@ pub struct RenderResources<'w> {
     backend: Res<'w, LightBackend>,
 }
 
+/// Makes the pipelines for the first lit camera, in its first frame.
+pub fn make_pipelines(
+    mut commands: Commands,
+    device: Res<RenderDevice>,
+    extracted: Res<ExtractedLighting>,
+    pipelines: Option<Res<Pipelines>>,
+) {
+    if pipelines.is_none() && !extracted.views.is_empty() {
+        commands.insert_resource(Pipelines::new(device.wgpu_device()));
+    }
+}
+
 /// Prepares the light of every camera.
 pub fn prepare(
     mut commands: Commands,
@@ -57,7 +70,7 @@ pub fn prepare(
     extracted: Res<ExtractedLighting>,
     mut lit_views: ResMut<LitViews>,
     mut bindings: ResMut<ImageBindings>,
-    cameras: Query<&ExtractedCamera>,
+    cameras: Query<(&ExtractedCamera, Option<&ResolvedCompositingSpace>)>,
     textures: Query<Entity, With<ViewLightTexture>>,
 ) {
     let RenderResources { device, queue, images, pipelines, backend } = resources;
@@ -71,16 +84,10 @@ pub fn prepare(
     for &(camera, error) in &extracted.failed {
         log.error(camera, error);
     }
-    if extracted.views.is_empty() {
-        return;
-    }
-    let Some(pipelines) = pipelines else {
-        commands.insert_resource(Pipelines::new(device));
-        return;
-    };
     bindings.sweep(&images);
+    let Some(pipelines) = pipelines else { return };
     for view in &extracted.views {
-        let Ok(camera) = cameras.get(view.entity) else { continue };
+        let Ok((camera, compositing)) = cameras.get(view.entity) else { continue };
         let (Some(size), Some(viewport)) =
             (camera.physical_target_size, camera.physical_viewport_size)
         else {
@@ -95,6 +102,12 @@ pub fn prepare(
                      {MAX_CELLS} of them. Larger cells (`CellSize`) or a smaller `border` spare this"
                 ),
             );
+        }
+        if ResolvedCompositingSpace::space(compositing).is_some() {
+            let message =
+                "light multiplies linear colours: its `CompositingSpace` has to be `Linear`";
+            log.error(view.camera, message);
+            continue;
         }
         let target = CameraTarget { size: size.to_array(), viewport: viewport.to_array() };
         // Nothing is made for values that are errors.

@@ -141,9 +141,12 @@ impl LitView {
         view: &LitCameraView,
         compiled: &mut Option<Lighting>,
     ) -> Result<Self, Error> {
-        let mut budget = Budget::new(device, queue);
+        let mut budget = Budget::default();
         let configured = Configuration::of(view, &mut budget);
+        // What fails for values that are errors comes first, since it is tried again in each frame.
         let settings = configured.settings()?;
+        let grid = MatterTextures::new(device, pipelines, view.placement.placed.size)?;
+        budget.measure(device, queue);
         let compiled = match compiled {
             Some(compiled) => compiled,
             // It needs no trial of backends.
@@ -158,7 +161,7 @@ impl LitView {
             neighbours: None,
             draw: DrawList::default(),
             quads: QuadBuffers::default(),
-            grid: MatterTextures::new(device, pipelines, view.placement.placed.size)?,
+            grid,
             glow: None,
             normals: None,
             texture: None,

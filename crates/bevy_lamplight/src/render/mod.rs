@@ -54,7 +54,9 @@ impl Plugin for LightRenderPlugin {
             .add_systems(
                 Render,
                 (
-                    light::prepare.in_set(RenderSystems::PrepareBindGroups),
+                    (light::make_pipelines, light::prepare)
+                        .chain()
+                        .in_set(RenderSystems::PrepareBindGroups),
                     unlit::partition.after(RenderSystems::PhaseSort).before(RenderSystems::Prepare),
                     unlit::hold_back
                         .after(RenderSystems::PrepareBindGroups)

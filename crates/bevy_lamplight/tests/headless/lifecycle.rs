@@ -1,7 +1,7 @@
 //! Entities that come and go, and invalid values.
 
 use crate::common::{add_bevy, app, begin, camera, image, picture, plain, target};
-use bevy::camera::RenderTarget;
+use bevy::camera::{CompositingSpace, RenderTarget};
 use bevy::prelude::*;
 use bevy::render::renderer::RenderDevice;
 use bevy::render::{RenderApp, RenderStartup};
@@ -39,6 +39,35 @@ fn light_follows_entities_that_are_added_changed_hidden_and_despawned() {
     assert_eq!(light(&mut app), first);
     app.world_mut().entity_mut(lamp).despawn();
     assert_eq!(light(&mut app), [0.0; 3]);
+}
+
+#[test]
+fn the_first_camera_is_lit_from_its_first_frame_on() {
+    let mut app = app();
+    let image = target(&mut app, SIZE);
+    begin(&mut app);
+    app.update();
+    camera(&mut app, &image, plain());
+    // There is no light, so a frame without light would show the white background.
+    assert_eq!(picture(&mut app, &image, 0).at(48, 24), [0.0; 3]);
+}
+
+#[test]
+fn a_picture_of_encoded_colours_is_left_as_it_is() {
+    for (space, is_lit) in [
+        (CompositingSpace::Linear, true),
+        (CompositingSpace::Srgb, false),
+        (CompositingSpace::Oklab, false),
+    ] {
+        let mut app = app();
+        let image = target(&mut app, SIZE);
+        let eye = camera(&mut app, &image, plain());
+        app.world_mut().entity_mut(eye).insert(space);
+        begin(&mut app);
+        // Without light all is dark.
+        let [red, ..] = picture(&mut app, &image, 2).at(48, 24);
+        assert_eq!(red < 0.5, is_lit, "{space:?}: {red}");
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::common::{Picture, app, begin, camera, image, picture, plain, target};
 use bevy::asset::RenderAssetUsages;
+use bevy::camera::RenderTarget;
 use bevy::image::{Image, TextureAtlas, TextureAtlasLayout};
 use bevy::mesh::{Mesh, Mesh2d, MeshCompressionArgs};
 use bevy::prelude::*;
@@ -11,7 +12,8 @@ use bevy::sprite::{
     TextureSlicer,
 };
 use bevy::sprite_render::{
-    ColorMaterial, MeshMaterial2d, TileData, TileOrientation, TilemapChunk, TilemapChunkTileData,
+    AlphaMode2d, ColorMaterial, MeshMaterial2d, TileData, TileOrientation, TilemapChunk,
+    TilemapChunkTileData,
 };
 use bevy_lamplight::prelude::*;
 
@@ -213,12 +215,8 @@ fn alpha_atlases_texts_and_meshes_are_matter_where_they_are_drawn() {
             let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
             let texture = Some(cross(app));
             let color = Color::linear_rgb(0.5, 1.0, 1.0);
-            let material = ColorMaterial {
-                color,
-                texture,
-                alpha_mode: bevy::sprite_render::AlphaMode2d::Mask(0.5),
-                ..default()
-            };
+            let material =
+                ColorMaterial { color, texture, alpha_mode: AlphaMode2d::Mask(0.5), ..default() };
             let material = app.world_mut().resource_mut::<Assets<ColorMaterial>>().add(material);
             app.world_mut().spawn((Mesh2d(mesh), MeshMaterial2d(material))).id()
         })
@@ -292,6 +290,65 @@ fn tiles_are_matter_where_they_are_drawn_in_every_orientation() {
     });
     assert!(covered(&pictures[0]) > 500, "{}", covered(&pictures[0]));
     assert_eq!(mismatches(&pictures, SELF_LIT), 0);
+}
+
+#[test]
+fn tiles_are_matter_as_their_own_shader_draws_them() {
+    // One tile of half-transparent texels, tinted: opaque chunks draw it whole, and take the tint as it is encoded.
+    for (alpha_mode, alpha, is_drawn_whole) in [
+        (AlphaMode2d::Opaque, 128, true),
+        (AlphaMode2d::Mask(0.9), 128, true),
+        (AlphaMode2d::Blend, 255, true),
+        (AlphaMode2d::Opaque, 0, false),
+    ] {
+        for flat in [1.0, 0.0] {
+            let pictures = drawn_and_glowing(|app| {
+                let mut tileset = Image::new(
+                    Extent3d { width: 4, height: 4, depth_or_array_layers: 1 },
+                    TextureDimension::D2,
+                    [250, 180, 100, alpha].repeat(16),
+                    TextureFormat::Rgba8UnormSrgb,
+                    RenderAssetUsages::default(),
+                );
+                tileset.reinterpret_stacked_2d_as_array(1).unwrap();
+                let tileset = app.world_mut().resource_mut::<Assets<Image>>().add(tileset);
+                let chunk = TilemapChunk {
+                    chunk_size: UVec2::ONE,
+                    tile_display_size: UVec2::splat(16),
+                    tileset,
+                    alpha_mode,
+                };
+                let color = Color::srgb(0.5, 0.75, 1.0);
+                let tile = TileData { color, ..TileData::from_tileset_index(0) };
+                let scale = Transform::from_scale(Vec3::new(1.0, 1.0, flat));
+                let tiles = TilemapChunkTileData(vec![Some(tile)]);
+                app.world_mut().spawn((chunk, tiles, scale)).id()
+            });
+            let name = format!("{alpha_mode:?}, alpha {alpha}, {flat} in z");
+            assert_eq!(covered(&pictures[0]), if is_drawn_whole { 256 } else { 0 }, "{name}");
+            assert_eq!(mismatches(&pictures, CONVEX), 0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn texts_are_matter_where_they_are_drawn_on_displays_of_high_density() {
+    let pictures = drawn_and_glowing(|app| {
+        // Two pixels per unit, and a cell per pixel.
+        let world = app.world_mut();
+        let (mut target, mut lighting) =
+            world.query::<(&mut RenderTarget, &mut Lighting2d)>().single_mut(world).unwrap();
+        if let RenderTarget::Image(image) = &mut *target {
+            image.scale_factor = 2.0;
+        }
+        lighting.cells = CellSize::World(0.5);
+        world.spawn((Text2d::new("Lamp"), TextFont::from_font_size(10.0))).id()
+    });
+    let drawn = covered(&pictures[0]);
+    assert!(drawn > 60, "{drawn} are drawn");
+    // At soft edges of glyphs, coverage is applied twice.
+    let found = mismatches(&pictures, SELF_LIT);
+    assert!(found <= drawn / 2, "{found} of {drawn}");
 }
 
 /// The light behind an occluder, with it and without it.

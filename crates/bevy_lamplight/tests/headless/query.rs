@@ -169,6 +169,29 @@ fn queries_work_on_a_server_without_a_gpu() {
 }
 
 #[test]
+fn queries_answer_for_the_camera_of_the_lowest_order() {
+    let mut app = app();
+    app.insert_resource(Places(vec![Vec2::ZERO])).init_resource::<Answers>();
+    app.add_systems(Update, query);
+    let seen = [0.5, 0.25].map(|brightness| {
+        let image = target(&mut app, [32, 32]);
+        let entity = camera(&mut app, &image, plain());
+        app.world_mut().entity_mut(entity).insert(AmbientLight2d { brightness, ..default() });
+        (entity, brightness)
+    });
+    begin(&mut app);
+    for (first, second) in [(0, 1), (1, 0)] {
+        for (order, number) in [first, second].into_iter().enumerate() {
+            let mut camera = app.world_mut().entity_mut(seen[number].0);
+            camera.get_mut::<Camera>().unwrap().order = order as isize;
+        }
+        (0..3).for_each(|_| app.update());
+        let found = app.world().resource::<Answers>().0[0].expect("both see it");
+        assert!((found.green - seen[first].1).abs() < 1e-3, "{found:?}");
+    }
+}
+
+#[test]
 fn an_empty_scene_has_no_answer() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, LightQueryPlugin));
