@@ -57,6 +57,20 @@ pub fn idle_settings(set: &[String], renderers: &[Renderer]) -> Vec<String> {
     set.iter().filter_map(sentence).collect()
 }
 
+/// Presets that `--set` names where each has a row, one sentence each.
+pub fn preset_rows(set: &[String]) -> Vec<String> {
+    let names_preset = |text: &&String| {
+        let key = text.split('=').next().unwrap_or_default().trim();
+        key == "quality" || key.ends_with(".preset")
+    };
+    let sentence = |text: &String| {
+        format!(
+            "`--set {text}` changes nothing: every preset has a row; `--quality` keeps those of one level"
+        )
+    };
+    set.iter().filter(names_preset).map(sentence).collect()
+}
+
 /// The first name of the key of a `--set`.
 fn table_of(text: &str) -> &str {
     let key = text.strip_prefix("light.").unwrap_or(text);

@@ -171,6 +171,7 @@ fn warn_of_what_is_ignored(
     }
     let renderers: Vec<_> = methods.iter().copied().map(Renderer::Method).collect();
     warnings::idle_settings(&args.settings.set, &renderers).iter().for_each(|text| warn(text));
+    warnings::preset_rows(&args.settings.set).iter().for_each(|text| warn(text));
     if args.report.is_none() && args.display.scale > 1 {
         warn("`--scale` changes nothing without `--report`: no picture is written");
     }

@@ -94,14 +94,14 @@ pub fn run(args: SightArgs) -> Result {
         outputs.check(&args.output)?;
         let drawn = cells.drawn();
         let sights = args.sights();
-        if !quiet {
-            blind_viewers(&sights, &drawn).iter().for_each(|text| warn(text));
-        }
         let start = Instant::now();
         let mut solver = SightSolver::default();
         solver.read(&drawn)?;
         let seen = solver.field(&sights)?;
         let took = ms(start.elapsed()).round();
+        if !quiet {
+            blind_viewers(&sights, &drawn).iter().for_each(|text| warn(text));
+        }
         let (width, height) = (cells.width(), cells.height());
         let bytes = match format {
             Format::Png => {

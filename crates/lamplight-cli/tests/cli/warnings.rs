@@ -107,6 +107,11 @@ fn display_flags_without_effect_are_named() {
         &format!("{compare} --scale 2"),
         &["`--scale` changes nothing without `--report`: no picture is written"],
     );
+    for set in ["quality=fast", "polar.preset=high"] {
+        let sentence =
+            "changes nothing: every preset has a row; `--quality` keeps those of one level";
+        warns(&sandbox, &format!("{compare} --set {set}"), &[&format!("`--set {set}` {sentence}")]);
+    }
     warns(
         &sandbox,
         &format!("{compare} --cells 3 --exposure 1"),
