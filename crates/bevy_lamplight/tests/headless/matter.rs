@@ -304,13 +304,13 @@ fn tiles_are_matter_as_their_own_shader_draws_them() {
         for flat in [1.0, 0.0] {
             let pictures = drawn_and_glowing(|app| {
                 let mut tileset = Image::new(
-                    Extent3d { width: 4, height: 4, depth_or_array_layers: 1 },
+                    Extent3d { width: 4, height: 8, depth_or_array_layers: 1 },
                     TextureDimension::D2,
-                    [250, 180, 100, alpha].repeat(16),
+                    [250, 180, 100, alpha].repeat(32),
                     TextureFormat::Rgba8UnormSrgb,
                     RenderAssetUsages::default(),
                 );
-                tileset.reinterpret_stacked_2d_as_array(1).unwrap();
+                tileset.reinterpret_stacked_2d_as_array(2).unwrap();
                 let tileset = app.world_mut().resource_mut::<Assets<Image>>().add(tileset);
                 let chunk = TilemapChunk {
                     chunk_size: UVec2::ONE,
