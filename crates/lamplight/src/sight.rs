@@ -18,8 +18,7 @@ pub struct Sight {
     /// it sees nothing.
     pub position: [f32; 2],
     /// The radius of the eye, px, 0.05 to 512. Higher: softer edges behind corners. Parts of the eye inside a wall, or
-    /// behind one as seen from its centre, are blind, so an eye that is larger than its distance from a wall sees
-    /// less along that wall.
+    /// behind one as seen from its centre, are blind, and the rest stands for all of it.
     pub size: f32,
     /// The distance from which on nothing is seen, px, 1 to 100 000. Higher: a field takes time in proportion to the
     /// square of it, a query to the distance of its point at most.

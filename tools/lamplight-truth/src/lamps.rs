@@ -68,7 +68,14 @@ pub fn direct(
         let share = lamp.cone.map_or(1.0, |cone| cone.share(off[1].atan2(off[0]) as f32));
         let falls = f64::from(share * lamp.falloff.at(distance as f32, lamp));
         let picture = lamp.cookie.as_ref().map(|cookie| cookie.at(off.map(|v| v as f32)));
-        if falls == 0.0 || picture == Some([0.0; 3]) || distance == 0.0 {
+        if falls == 0.0 || picture == Some([0.0; 3]) {
+            continue;
+        }
+        let radiance = lamp.color.map(|c| f64::from(c) * f64::from(lamp.intensity));
+        let factors = picture.unwrap_or([1.0; 3]).map(f64::from);
+        if distance == 0.0 {
+            // The centre itself has light from all around.
+            receive([0, 1, 2].map(|c| falls * radiance[c] * factors[c]), [0.0; 2], None);
             continue;
         }
         let across = [-off[1] / distance, off[0] / distance];
@@ -85,8 +92,6 @@ pub fn direct(
             continue;
         }
         if let Some(through) = transmittance(grid, at.cell, at.point, to) {
-            let radiance = lamp.color.map(|c| f64::from(c) * f64::from(lamp.intensity));
-            let factors = picture.unwrap_or([1.0; 3]).map(f64::from);
             let light = [0, 1, 2].map(|c| weight * through[c] * radiance[c] * factors[c]);
             let own = lamp.height.map(|height| (distance / f64::from(height)).min(MAX_COTANGENT));
             receive(light, to.map(|v| v / length), own);

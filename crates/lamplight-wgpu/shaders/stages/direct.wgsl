@@ -86,7 +86,7 @@ fn mean_cosine(lamp: Lamp, off: vec2f, normal: vec2f) -> f32 {
     let distance = length(off);
     var sum = 0.0;
     for (var i = 0u; i < POINTS; i++) {
-        let at = inside_middle + (1.0 - unseen) * point(i, POINTS);
+        let at = stands.x + stands.y * point(i, POINTS);
         let part = at * lamp.size / distance;
         let way = vec2f(-off.x - part * off.y, -off.y + part * off.x);
         let cosine = dot(normal, way) / length(way);
@@ -141,7 +141,7 @@ fn light_of(lamp: Lamp, off: vec2f, place: Place) -> vec3f {
         direction = towards(lamp, off, seen_middle());
     }
     if is_lit && through_medium && any(before != vec2f(0.0)) {
-        light *= through_media(fan_of(disc_of(lamp), before));
+        light *= through_media_to_lamp(disc_of(lamp), before);
     }
     if MOMENT {
         add_to_moment(light, direction);
@@ -235,7 +235,7 @@ fn light_of_sun(sun: Sun, at: vec2f, place: Place) -> vec3f {
     }
     var light = sun.radiance * arrives * select(1.0 / TURN, 0.5, place.is_face);
     if meets_media {
-        light *= through_media(fan);
+        light *= through_media(fan, WHOLE);
     }
     if MOMENT {
         add_to_moment(light, direction);

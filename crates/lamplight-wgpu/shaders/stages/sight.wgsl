@@ -55,7 +55,7 @@ fn visibility_at(sight: Sight, off: vec2f) -> f32 {
     if found == 0.0 || !meets_media {
         return found;
     }
-    return found * luminance(through_media(fan_of(eye, off)));
+    return found * luminance(through_media_to_lamp(eye, off));
 }
 
 // The direction to a cell that touches another by a corner only.

@@ -374,8 +374,10 @@ fn lamps_beside_walls_and_borders_agree() {
     let gpu = device();
     let mut both = Both::new(&gpu, Settings::direct(Raymarch::default()));
     let mut cells = Cells::new(90, 70).unwrap();
-    for i in (0..cells.len()).filter(|i| i % 90 < 34) {
-        cells.set_matter(i, Matter { opacity: 1.0, albedo: [0.7; 3], ..Matter::EMPTY });
+    for i in 0..cells.len() {
+        // Fog over the lower half.
+        let opacity = if i % 90 < 34 { 1.0 } else { 0.02 * f32::from(u8::from(i >= 90 * 40)) };
+        cells.set_matter(i, Matter { opacity, albedo: [0.7; 3], ..Matter::EMPTY });
     }
     // Beside the wall and on its face, over the border, at a corner, and larger than the room.
     for (position, size) in [

@@ -231,7 +231,7 @@ fn a_lamp_is_as_bright_exact_as_drawn() {
 
 #[test]
 fn lamps_beside_walls_and_borders_are_as_in_the_path_tracer() {
-    let wall = |x: u32, _| if x < 12 { WALL } else { Matter::EMPTY };
+    let fog = Matter { opacity: 0.04, ..Matter::EMPTY };
     let lamp = |position, size| Lamp {
         position,
         size,
@@ -246,8 +246,10 @@ fn lamps_beside_walls_and_borders_are_as_in_the_path_tracer() {
         ("at a corner", [48.0, 0.0], 4.0),
         ("larger than its room", [24.0, 20.0], 40.0),
     ] {
-        let mut cells = grid(48, 40, wall);
-        cells.lamps_mut().push(lamp(position, size));
-        assert_direct(&cells, name);
+        for (air, open) in [("", Matter::EMPTY), (", in fog", fog)] {
+            let mut cells = grid(48, 40, |x, _| if x < 12 { WALL } else { open });
+            cells.lamps_mut().push(lamp(position, size));
+            assert_direct(&cells, &format!("{name}{air}"));
+        }
     }
 }

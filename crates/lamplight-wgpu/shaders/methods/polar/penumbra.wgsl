@@ -54,17 +54,16 @@ struct LampDisc {
 // The hidden parts of the light in hand.
 var<private> parts: array<vec2f, GAPS>;
 var<private> part_count: u32;
-// The fraction of a lamp that its centre does not see, which is hidden too.
-var<private> unseen: f32;
-// The middle of the part that it sees, which stands for the whole.
-var<private> inside_middle: f32;
+// The part of a light that stands for the whole: its middle, and half of its width.
+const WHOLE = vec2f(0.0, 1.0);
+// That of the lamp in hand, which its centre sees. The rest is hidden, too.
+var<private> stands: vec2f;
 // True if there are media in the blocks of its fan.
 var<private> meets_media: bool;
 
 fn hide_nothing() {
     part_count = 0u;
-    unseen = 0.0;
-    inside_middle = 0.0;
+    stands = WHOLE;
     meets_media = false;
 }
 
@@ -124,13 +123,13 @@ fn widest_gap() -> f32 {
     return 0.5 * (widest.x + widest.y);
 }
 
-// The fraction of the light that is seen, of the part within the grid.
+// The fraction of the light that is seen, of the part that stands for it.
 fn seen() -> f32 {
     var hidden = 0.0;
     for (var k = 0u; k < part_count; k++) {
         hidden += parts[k].y - parts[k].x;
     }
-    return max(1.0 - 0.5 * hidden, 0.0) / (1.0 - unseen);
+    return max(1.0 - 0.5 * hidden, 0.0) / stands.y;
 }
 
 // The mean place across the light of what is seen of it, −1 to 1.
@@ -142,7 +141,7 @@ fn seen_middle() -> f32 {
         hidden += parts[k].y - parts[k].x;
     }
     let left = 1.0 - 0.5 * hidden;
-    return select(0.0, clamp(-moment / left - inside_middle, -1.0, 1.0), left > 0.0);
+    return select(0.0, clamp(-moment / left - stands.x, -1.0, 1.0), left > 0.0);
 }
 
 // One of `count` points across a light.
@@ -258,9 +257,9 @@ fn to_rim(across: vec2f, sign: f32) -> Direction {
     return direction(abs(way), select(vec2f(1.0), vec2f(-1.0), way < vec2f(0.0)));
 }
 
-// Hides the parts of a lamp that its centre does not see: they lie behind a wall, or beyond the border of the grid, unless
-// all of it does, at a corner. The part that the centre sees stands for the whole.
-fn hide_unseen_parts(lamp: LampDisc, across: vec2f) {
+// The ends of what the centre of a lamp sees of it, before and after itself on the line `across` the line of sight, 0 to 1:
+// up to a wall, or to the border of the grid, unless all of it lies beyond, at a corner.
+fn seen_by_centre(lamp: LampDisc, across: vec2f) -> vec2f {
     let to_borders = min(lamp.center, vec2f(frame.size) - lamp.center);
     var ends = vec2f(1.0);
     if min(to_borders.x, to_borders.y) >= 0.0 {
@@ -273,16 +272,27 @@ fn hide_unseen_parts(lamp: LampDisc, across: vec2f) {
     for (var side = 0u; side < 2u; side++) {
         let sign = select(1.0, -1.0, side == 0u);
         let wall = traverse(lamp.center, to_rim(across, sign), lamp.radius, false, false).length;
-        let end = min(wall / lamp.radius, ends[side]);
-        ends[side] = end;
-        if end < 1.0 {
-            hide(vec2f(min(sign * end, sign), max(sign * end, sign)));
+        ends[side] = min(wall / lamp.radius, ends[side]);
+    }
+    return ends;
+}
+
+// The part of a light between two ends, before and after its middle.
+fn part_between(ends: vec2f) -> vec2f {
+    return 0.5 * vec2f(ends.y - ends.x, ends.x + ends.y);
+}
+
+// Hides the parts of a lamp that its centre does not see.
+fn hide_unseen_parts(ends: vec2f) {
+    for (var side = 0u; side < 2u; side++) {
+        let sign = select(1.0, -1.0, side == 0u);
+        if ends[side] < 1.0 {
+            hide(vec2f(min(sign * ends[side], sign), max(sign * ends[side], sign)));
         }
     }
     // Nothing stands for a lamp whose centre is in a wall.
     if ends.x + ends.y > SMALLEST_PART {
-        unseen = 1.0 - 0.5 * (ends.x + ends.y);
-        inside_middle = 0.5 * (ends.y - ends.x);
+        stands = part_between(ends);
     }
 }
 
@@ -292,12 +302,17 @@ fn fan_of(lamp: LampDisc, off: vec2f) -> Fan {
     return Fan(lamp.center + off, -off / distance, distance, lamp.radius / distance, distance);
 }
 
+// The direction across the line of sight.
+fn across(fan: Fan) -> vec2f {
+    return -fan.ahead.yx * vec2f(-1.0, 1.0);
+}
+
 // Hides what a pixel at `off` from a lamp does not see of it.
 fn hide_from(lamp: LampDisc, off: vec2f) {
     hide_nothing();
     if any(off != vec2f(0.0)) {
         let fan = fan_of(lamp, off);
-        hide_unseen_parts(lamp, -fan.ahead.yx * vec2f(-1.0, 1.0));
+        hide_unseen_parts(seen_by_centre(lamp, across(fan)));
         hide_behind_walls(fan);
     }
 }
@@ -324,13 +339,13 @@ fn differ(a: vec4f, b: vec4f, most: f32) -> bool {
     return a.w > 0.0 && b.w > 0.0 && any(abs(a.rgb - b.rgb) > vec3f(most));
 }
 
-// The mean transmittance of media between a pixel and the points of a light that it sees.
-fn through_media(fan: Fan) -> vec3f {
+// The mean transmittance of media between a pixel and the points that it sees of a part of a light.
+fn through_media(fan: Fan, part: vec2f) -> vec3f {
     let half_width = fan.slope * fan.until;
     // Five rays and Simpson's rule are enough where media are smooth.
     var few: array<vec4f, 5>;
     for (var i = 0u; i < 5u; i++) {
-        few[i] = through_media_to(fan, 0.5 * f32(i) - 1.0);
+        few[i] = through_media_to(fan, part.x + part.y * (0.5 * f32(i) - 1.0));
     }
     let middle = few[2];
     let coarse = (few[0] + 4.0 * middle + few[4]) / 6.0;
@@ -347,12 +362,13 @@ fn through_media(fan: Fan) -> vec3f {
     for (var i = 0u; i <= rays; i++) {
         var after = vec4f(0.0);
         if i < rays {
-            after = through_media_to(fan, point(i, rays));
+            after = through_media_to(fan, part.x + part.y * point(i, rays));
         }
         let uneven = differ(own, before, DIFFERENT) || differ(own, after, DIFFERENT);
         if i > 0u && uneven {
             for (var k = 0u; k < FINER; k++) {
-                let ray = through_media_to(fan, point(FINER * (i - 1u) + k, FINER * rays));
+                let finer = point(FINER * (i - 1u) + k, FINER * rays);
+                let ray = through_media_to(fan, part.x + part.y * finer);
                 sum += ray.w * vec4f(ray.rgb, 1.0);
             }
         } else if i > 0u {
@@ -375,4 +391,10 @@ fn through_media(fan: Fan) -> vec3f {
     let back = direction(abs(fan.ahead), sign);
     _ = traverse(fan.pixel + fan.until * fan.ahead, back, fan.until, false, true);
     return exp(-depth);
+}
+
+// Like `through_media`, of a lamp from a pixel at `off`.
+fn through_media_to_lamp(lamp: LampDisc, off: vec2f) -> vec3f {
+    let fan = fan_of(lamp, off);
+    return through_media(fan, part_between(seen_by_centre(lamp, across(fan))));
 }

@@ -45,10 +45,8 @@ const GAPS: usize = 16;
 pub struct Hidden {
     parts: [[f32; 2]; GAPS],
     count: usize,
-    /// The fraction of a lamp that its centre does not see, which is hidden too.
-    unseen: f32,
-    /// The middle of the part that it sees, which stands for the whole.
-    middle: f32,
+    /// The part of a lamp that its centre sees. The rest is hidden, too.
+    stands: LightPart,
 }
 
 impl Hidden {
@@ -107,9 +105,9 @@ impl Hidden {
         let seen = (1.0 - 0.5 * hidden).max(0.0);
         // The middle of all is 0, so what is hidden and what is seen are in balance.
         let moment: f32 = self.parts().iter().map(|[a, b]| 0.25 * (b * b - a * a)).sum();
-        let middle = if seen > 0.0 { -moment / seen - self.middle } else { 0.0 };
+        let middle = if seen > 0.0 { -moment / seen - self.stands.middle } else { 0.0 };
         let middle = middle.clamp(-1.0, 1.0);
-        SeenPart { fraction: seen / (1.0 - self.unseen), middle }
+        SeenPart { fraction: seen / self.stands.half, middle }
     }
 }
 
@@ -119,6 +117,35 @@ pub struct SeenPart {
     pub fraction: f32,
     /// The mean place of the part across the light, −1 to 1.
     pub middle: f32,
+}
+
+/// A part of a light that stands for the whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightPart {
+    middle: f32,
+    /// Half of its width: 1 for all of the light.
+    half: f32,
+}
+
+impl Default for LightPart {
+    fn default() -> Self {
+        Self::WHOLE
+    }
+}
+
+impl LightPart {
+    /// All of a light.
+    pub const WHOLE: Self = Self { middle: 0.0, half: 1.0 };
+
+    /// The part up to two ends, before and after the middle of the light.
+    fn between([before, after]: [f32; 2]) -> Self {
+        Self { middle: 0.5 * (after - before), half: 0.5 * (before + after) }
+    }
+
+    /// Returns the place across the light of a point across the part, −1 to 1 both.
+    fn at(self, point: f32) -> f32 {
+        self.middle + self.half * point
+    }
 }
 
 /// The rays from a pixel to all points of a light.
@@ -185,8 +212,7 @@ pub fn mean_cosine(
         let way = [-off[0] - part * off[1], -off[1] + part * off[0]];
         (normal[0] * way[0] + normal[1] * way[1]) / way[0].hypot(way[1])
     };
-    let points =
-        (0..POINTS).map(|number| hidden.middle + (1.0 - hidden.unseen) * point(number, POINTS));
+    let points = (0..POINTS).map(|number| hidden.stands.at(point(number, POINTS)));
     let seen = points.filter(|&point| !hidden.holds(point));
     seen.map(|point| cosine(point).max(0.0)).sum::<f32>() / POINTS as f32
 }
@@ -212,39 +238,44 @@ fn whole(v: f32) -> usize {
     v.max(0.0) as i32 as usize
 }
 
-/// Returns what solid cells hide of a lamp.
-fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> Hidden {
-    let LampDisc { center, radius, .. } = lamp;
-    let distance = off[0].hypot(off[1]);
-    let mut hidden = Hidden::default();
-    if distance == 0.0 {
-        return hidden;
-    }
-    let across = [-off[1] / distance, off[0] / distance];
+/// Returns the ends of what the centre of a lamp sees of it, before and after itself on the line across the line of sight
+/// to `off`, 0 to 1.
+fn seen_by_centre(grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> [f32; 2] {
+    let LampDisc { center, radius, clear } = lamp;
     let to_border = [0, 1].map(|a| center[a].min(grid.size[a] as f32 - center[a]));
     let to_border = to_border[0].min(to_border[1]);
-    if lamp.clear < radius || (0.0..radius).contains(&to_border) {
-        let ways = [-1.0, 1.0].map(|sign| across.map(|v| sign * v));
-        let mut inside = [1.0; 2];
-        if to_border >= 0.0 {
-            inside = ways.map(|way| (leaves(grid, center, way) / radius).min(1.0));
-        }
-        // A lamp at a corner of the grid may have no part inside.
-        if inside[0] + inside[1] <= SMALLEST_PART {
-            inside = [1.0; 2];
-        }
-        let walls =
-            ways.map(|way| grid.cast(center, way, radius, false, |_, _| ()).length / radius);
-        let ends = [0, 1].map(|side| inside[side].min(walls[side]));
-        // Nothing stands for a lamp whose centre is in a wall.
-        if ends[0] + ends[1] > SMALLEST_PART {
-            hidden.unseen = 1.0 - 0.5 * (ends[0] + ends[1]);
-            hidden.middle = 0.5 * (ends[1] - ends[0]);
-        }
-        for (sign, end) in [-1.0, 1.0].into_iter().zip(ends) {
-            if end < 1.0 {
-                hidden.add((sign * end).min(sign), (sign * end).max(sign));
-            }
+    if clear >= radius && !(0.0..radius).contains(&to_border) {
+        return [1.0; 2];
+    }
+    let distance = off[0].hypot(off[1]);
+    let across = [-off[1] / distance, off[0] / distance];
+    let ways = [-1.0, 1.0].map(|sign| across.map(|v| sign * v));
+    let mut inside = [1.0; 2];
+    if to_border >= 0.0 {
+        inside = ways.map(|way| (leaves(grid, center, way) / radius).min(1.0));
+    }
+    // A lamp at a corner of the grid may have no part inside.
+    if inside[0] + inside[1] <= SMALLEST_PART {
+        inside = [1.0; 2];
+    }
+    let walls = ways.map(|way| grid.cast(center, way, radius, false, |_, _| ()).length / radius);
+    [0, 1].map(|side| inside[side].min(walls[side]))
+}
+
+/// Returns what solid cells hide of a lamp.
+fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> Hidden {
+    let mut hidden = Hidden::default();
+    if off == [0.0; 2] {
+        return hidden;
+    }
+    let ends = seen_by_centre(grid, lamp, off);
+    // Nothing stands for a lamp whose centre is in a wall.
+    if ends[0] + ends[1] > SMALLEST_PART {
+        hidden.stands = LightPart::between(ends);
+    }
+    for (sign, end) in [-1.0, 1.0].into_iter().zip(ends) {
+        if end < 1.0 {
+            hidden.add((sign * end).min(sign), (sign * end).max(sign));
         }
     }
     hide_behind_walls(solid, &lamp.fan(off), &mut hidden);
@@ -351,14 +382,15 @@ pub fn are_uneven(a: Rgb, b: Rgb) -> bool {
     differ(a.map(f32::sqrt), b.map(f32::sqrt), 0.5 * EVEN)
 }
 
-/// Returns the mean transmittance of media between a pixel and the points of a light that it sees; `None` if it sees
-/// none.
-fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
+/// Returns the mean transmittance of media between a pixel and the points that it sees of a `part` of a light; `None` if
+/// it sees none.
+fn through_media(grid: &MediumGrid, fan: &Fan, part: LightPart) -> Option<Rgb> {
     let [fewest, most] = RAYS;
     let rays = ((2.0 * fan.half_width) as usize).clamp(fewest, most);
-    let through = |number: usize, count: usize| through_media_to(grid, fan, point(number, count));
+    let through =
+        |number: usize, count: usize| through_media_to(grid, fan, part.at(point(number, count)));
     if fan.half_width <= NARROW
-        && let Some(smooth) = through_smooth_media(grid, fan)
+        && let Some(smooth) = through_smooth_media(grid, fan, part)
     {
         return Some(smooth);
     }
@@ -385,10 +417,10 @@ fn through_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
 }
 
 /// Returns the mean transmittance by five rays and Simpson's rule, if the light is seen whole and that is enough.
-fn through_smooth_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
+fn through_smooth_media(grid: &MediumGrid, fan: &Fan, part: LightPart) -> Option<Rgb> {
     let mut rays = [[0.0; 3]; 5];
     for (number, ray) in rays.iter_mut().enumerate() {
-        *ray = through_media_to(grid, fan, 0.5 * number as f32 - 1.0)?;
+        *ray = through_media_to(grid, fan, part.at(0.5 * number as f32 - 1.0))?;
     }
     let [a, b, c, d, e] = rays;
     let coarse = [0, 1, 2].map(|k| (a[k] + 4.0 * c[k] + e[k]) / 6.0);
@@ -400,9 +432,10 @@ fn through_smooth_media(grid: &MediumGrid, fan: &Fan) -> Option<Rgb> {
 pub fn through_media_or_gap(
     grid: &MediumGrid,
     fan: &Fan,
+    part: LightPart,
     gap: impl FnOnce() -> Option<f32>,
 ) -> Option<Rgb> {
-    through_media(grid, fan).or_else(|| through_media_to(grid, fan, gap()?))
+    through_media(grid, fan, part).or_else(|| through_media_to(grid, fan, gap()?))
 }
 
 /// Like [`through_media_or_gap`], of a lamp and the widest gap before it.
@@ -413,7 +446,8 @@ pub fn through_media_to_lamp(
     off: [f32; 2],
 ) -> Option<Rgb> {
     let gap = || Some(hidden(solid, grid, lamp, off).widest_gap());
-    through_media_or_gap(grid, &lamp.fan(off), gap)
+    let part = LightPart::between(seen_by_centre(grid, lamp, off));
+    through_media_or_gap(grid, &lamp.fan(off), part, gap)
 }
 
 /// Returns the transmittance of media between a pixel and the point `at` across a light, −1 to 1; `None` behind a

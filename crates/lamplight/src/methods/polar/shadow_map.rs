@@ -622,7 +622,8 @@ impl ShadowMap {
         };
         let half = 0.5 * cone.angle;
         let turned = (at * (1.0 / self.per_radian) - cone.direction.rem_euclid(TAU)).abs();
-        let inside = -turned.min(-turned + TAU) + half;
+        // The direction right behind a cone of 360° is in it, too.
+        let inside = -turned.min(-turned + TAU) + (half + 1e-6);
         // A hard edge is as wide as rounding.
         let soft = (cone.softness * half).max(f32::EPSILON);
         let t = (inside * (1.0 / soft)).max(0.0).min(1.0);

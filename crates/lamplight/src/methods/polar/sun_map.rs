@@ -8,7 +8,7 @@
 
 use super::lit_ranges::LitRanges;
 use super::penumbra::{
-    EVEN, Fan, Hidden, are_uneven, differ, hide_behind_walls, through_media_or_gap,
+    EVEN, Fan, Hidden, LightPart, are_uneven, differ, hide_behind_walls, through_media_or_gap,
 };
 use super::shadow_map::{NEAREST_BESIDE, OUTSIDE_OF_WALL, ShadowScene};
 use super::transmittance_curve::TransmittanceCurves;
@@ -224,7 +224,9 @@ impl SunMap {
             _ => None,
         };
         let through = by_map
-            .or_else(|| through_media_or_gap(scene.grid, &self.fan(pixel, place), gap))
+            .or_else(|| {
+                through_media_or_gap(scene.grid, &self.fan(pixel, place), LightPart::WHOLE, gap)
+            })
             .unwrap_or_else(|| self.through(place.0, place.1));
         [0, 1, 2].map(|c| light[c] * through[c])
     }
