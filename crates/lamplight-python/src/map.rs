@@ -52,9 +52,9 @@ impl Map {
     ///     If a file is missing or invalid; the text names it.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
-        let world = MapWorld::open(&path).map_err(value_error)?;
-        // It is also read again elsewhere, from a pickle.
+        // Maps are read when they are needed, perhaps from another working directory, and the file itself from a pickle.
         let file = std::path::absolute(path).map_err(value_error)?;
+        let world = MapWorld::open(&file).map_err(value_error)?;
         Ok(Self { world, file })
     }
 

@@ -52,9 +52,9 @@ impl Scene {
     ///     If the file, or an image that it names, is missing or invalid; the text names it, and the line.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
-        let scene = lamplight::Scene::load_world(&path).map_err(value_error)?;
-        // It is also read again elsewhere, from a pickle.
+        // Its images are read later, perhaps from another working directory, and the file itself from a pickle.
         let file = std::path::absolute(path).map_err(value_error)?;
+        let scene = lamplight::Scene::load_world(&file).map_err(value_error)?;
         Ok(Self::of(scene, Some(file)))
     }
 

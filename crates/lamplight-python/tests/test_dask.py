@@ -266,6 +266,23 @@ def test_a_sweep_is_a_table(client):
         assert row["method"] == case["method"]
 
 
+@pytest.mark.parametrize(
+    ("case", "frames"),
+    [
+        ({"method": "flood"}, 32),
+        ({"bounces": "feedback"}, 16),
+        ({"method": "raymarch", "raymarch": {"rays": 4}, "temporal": {"history_length": 5}, "bounces": 0}, 5),
+    ],
+)
+def test_a_sweep_measures_light_that_goes_on_after_some_frames(case, frames):
+    [row] = ll.dask.sweep([frame(3)], [case], samples=16).compute(scheduler="sync")
+    cells, solver = frame(3), ll.Solver(**case)
+    lights = [solver.solve(cells) for _ in range(frames)]
+    truth = ll.reference(cells, 16, bounces=solver.settings["bounces"]).light
+    found = [ll.compare(light, truth).relative_rmse for light in (lights[0], lights[-1])]
+    assert row["relative_rmse"] == found[1] != found[0]
+
+
 def test_what_changes_after_the_call_has_no_part_in_it():
     table = {"rays": 4}
     case = {"method": "raymarch", "raymarch": table, "bounces": 0}

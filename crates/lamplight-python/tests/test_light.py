@@ -192,3 +192,11 @@ def test_history_is_forgotten(settings):
     assert not np.array_equal(first, second)
     solver.reset()
     np.testing.assert_array_equal(solver.solve(cells).rgb, first)
+
+
+def test_images_of_a_scene_are_found_from_another_working_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(SCENES.parent)
+    scene = ll.Scene.load("scenes/cellar.toml")
+    expected = scene.cells()
+    monkeypatch.chdir(tmp_path)
+    np.testing.assert_array_equal(scene.cells().albedo, expected.albedo)

@@ -485,9 +485,10 @@ fn history_goes_on_if_the_settings_that_it_depends_on_stay() {
         assert!((moment / settled - 1.0).abs() < 0.01, "{method:?}: {moment} of {settled}");
         let mut fast = own.clone();
         fast.set_preset("fast").unwrap();
-        let own_settled = mean(&lit(&vec![fast.clone(); 8]));
-        let fast = then(fast);
-        assert!((fast / own_settled - 1.0).abs() < 0.01, "{method:?}: {fast} of {own_settled}");
+        let [alone, own_settled] = [1, 8].map(|frames| mean(&lit(&vec![fast.clone(); frames])));
+        // What surfaces reflected by other settings differs a little.
+        let bounced = (then(fast) - alone) / (own_settled - alone);
+        assert!((0.8..1.2).contains(&bounced), "{method:?}: {bounced} of its bounces");
         // Another method has nothing to continue.
         let other = if method == Method::Cascades { Method::Holographic } else { Method::Cascades };
         let other = feedback(other.into());

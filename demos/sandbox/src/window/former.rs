@@ -16,9 +16,10 @@ impl Former {
     pub fn keep(&mut self, subject: Subject, look: Look) -> bool {
         let Subject::Canvas(mut canvas) = subject else { return false };
         canvas.end();
-        let has_edits = canvas.history_depth() != [0, 0];
+        let [done, undone] = canvas.history_depth();
+        let has_edits = done > 0;
         let is_first = || Canvas::welcome(canvas.size()).is_ok_and(|c| c.cells() == canvas.cells());
-        if has_edits || self.0.is_none() && !is_first() {
+        if has_edits || self.0.is_none() && (undone > 0 || !is_first()) {
             canvas.set_look(look);
             self.0 = Some(canvas);
         }
@@ -30,9 +31,9 @@ impl Former {
         self.0.take()
     }
 
-    /// Returns true if undoing on a canvas brings the former one back: if nothing was done on it.
+    /// Returns true if undoing on a canvas brings the former one back: if nothing is done on it.
     pub fn precedes(&self, canvas: &Canvas) -> bool {
-        self.0.is_some() && canvas.history_depth() == [0, 0]
+        self.0.is_some() && canvas.history_depth()[0] == 0
     }
 
     /// The files of the canvas as a scene; empty if there is none.
@@ -72,6 +73,10 @@ mod tests {
         }
         assert!(former.precedes(&welcome()) && !former.precedes(&painted(0.1)));
         assert_eq!(former.scene("a").unwrap()[0].0, "a.toml");
+        // Nor does one on which all was undone, such as that of a picture dropped on a world.
+        let mut undone = painted(0.1);
+        assert!(undone.undo() && former.precedes(&undone));
+        assert!(!former.keep(Subject::Canvas(undone), Look::default()));
         let mut back = former.take().unwrap();
         assert!(back.cells() == painted(0.3).cells() && back.look() == look);
         assert!(back.undo() && back.cells() == welcome().cells());

@@ -30,6 +30,8 @@ impl Half {
     pub fn set(&mut self, over: SettingsTable) -> lamplight::Result<()> {
         let mut table = self.kept.clone();
         table.merge(SettingsTable::from(&self.settings));
+        // A table leaves out defaults, which must not be those of a scene before.
+        table.set("elevation", f64::from(self.settings.elevation));
         table.merge(over);
         self.settings = table.resolve()?;
         self.kept = table;

@@ -54,6 +54,8 @@ struct LampDisc {
 // The hidden parts of the light in hand.
 var<private> parts: array<vec2f, GAPS>;
 var<private> part_count: u32;
+// Steps from the middle of a lamp to its rim in which the part is told apart before which media count.
+const STEPS: f32 = 256.0;
 // The part of a light that stands for the whole: its middle, and half of its width.
 const WHOLE = vec2f(0.0, 1.0);
 // That of the lamp in hand, which its centre sees. The rest is hidden, too.
@@ -396,5 +398,7 @@ fn through_media(fan: Fan, part: vec2f) -> vec3f {
 // Like `through_media`, of a lamp from a pixel at `off`.
 fn through_media_to_lamp(lamp: LampDisc, off: vec2f) -> vec3f {
     let fan = fan_of(lamp, off);
-    return through_media(fan, part_between(seen_by_centre(lamp, across(fan))));
+    // Rounded, so that rounding elsewhere does not move rays from one medium to another.
+    let ends = floor(seen_by_centre(lamp, across(fan)) * STEPS + 0.5) / STEPS;
+    return through_media(fan, part_between(ends));
 }

@@ -25,6 +25,8 @@ const AHEAD: f32 = 1e-6;
 const OUTSIDE: f32 = 1e6;
 /// The smallest part of a lamp, −1 to 1, that may stand for the whole.
 const SMALLEST_PART: f32 = 1e-3;
+/// Steps from the middle of a lamp to its rim in which the part is told apart before which media count.
+const STEPS: f32 = 256.0;
 /// Points across the lamp at which cosines are taken.
 const POINTS: usize = 16;
 /// Fewest and most points across a light to which rays are cast through media, one per px.
@@ -446,7 +448,9 @@ pub fn through_media_to_lamp(
     off: [f32; 2],
 ) -> Option<Rgb> {
     let gap = || Some(hidden(solid, grid, lamp, off).widest_gap());
-    let part = LightPart::between(seen_by_centre(grid, lamp, off));
+    // Rounded, so that rounding elsewhere does not move rays from one medium to another.
+    let ends = seen_by_centre(grid, lamp, off).map(|end| (end * STEPS + 0.5).floor() / STEPS);
+    let part = LightPart::between(ends);
     through_media_or_gap(grid, &lamp.fan(off), part, gap)
 }
 

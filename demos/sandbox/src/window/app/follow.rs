@@ -67,7 +67,7 @@ impl App {
                 let size = size.map(|side| side.clamp(1.0, MAX_POINTS));
                 context.send_viewport_cmd(ViewportCommand::InnerSize(size.into()));
             }
-            Line::Table => print!("{}", self.benchmark.markdown()),
+            Line::Table => platform::say(self.benchmark.markdown().trim_end()),
             Line::Relief(is_on) => self.relief.is_on = is_on,
             Line::Factor(factor) => self.resolution.choose(factor),
             Line::Split(method) => {

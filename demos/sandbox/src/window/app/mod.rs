@@ -133,6 +133,11 @@ impl App {
             None => Subject::new(choice, self.size, self.seed),
         };
         match next {
+            Ok(subject) if from_world && choice == self.choice => {
+                // It begins anew, with the tool and the look that are in use.
+                self.subject = subject;
+                self.tools.let_go();
+            }
             Ok(subject) => {
                 self.choice = choice;
                 self.replace(subject);
@@ -156,6 +161,8 @@ impl App {
     /// Undoes the last edit of the canvas, or its replacement by one that has no edits.
     fn undo(&mut self) {
         let Subject::Canvas(canvas) = &mut self.subject else { return };
+        // A stroke that is still being drawn is an edit, too.
+        canvas.end();
         if !self.former.precedes(canvas) {
             return self.tools.undo(canvas);
         }

@@ -151,7 +151,13 @@ impl Tools {
 
     /// Resets everything that refers to a former canvas or world.
     pub fn reset(&mut self) {
-        (self.brush, self.dragged) = (0, None);
+        self.brush = 0;
+        self.let_go();
+    }
+
+    /// Lets go of what is dragged.
+    pub fn let_go(&mut self) {
+        self.dragged = None;
     }
 
     /// The matter of a dropped picture: that of the brush if it has colours, otherwise walls.
