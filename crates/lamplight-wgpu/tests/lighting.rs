@@ -275,6 +275,8 @@ fn the_cpu_gives_cells_the_light_of_the_solver() {
         for moment in [false, true] {
             let settings = Settings { moment, ..Settings::new(method) };
             let mut solver = Solver::new(settings.clone()).unwrap();
+            // With the moment alone history would go on.
+            on_cpu.reset();
             // The second frame has history, and the third another size.
             for [w, h] in [[31, 17], [31, 17], [20, 24]] {
                 let mut cells = cells(w, h, 7);
