@@ -60,7 +60,7 @@ pub fn idle_settings(set: &[String], renderers: &[Renderer]) -> Vec<String> {
 /// Presets that `--set` names where each has a row, one sentence each.
 pub fn preset_rows(set: &[String]) -> Vec<String> {
     let names_preset = |text: &&String| {
-        let key = text.split('=').next().unwrap_or_default().trim();
+        let key = key_of(text);
         key == "quality" || key.ends_with(".preset")
     };
     let sentence = |text: &String| {
@@ -71,10 +71,15 @@ pub fn preset_rows(set: &[String]) -> Vec<String> {
     set.iter().filter(names_preset).map(sentence).collect()
 }
 
+/// The key of a `--set`.
+fn key_of(text: &str) -> &str {
+    let key = text.strip_prefix("light.").unwrap_or(text);
+    key.split('=').next().unwrap_or_default().trim()
+}
+
 /// The first name of the key of a `--set`.
 fn table_of(text: &str) -> &str {
-    let key = text.strip_prefix("light.").unwrap_or(text);
-    key.split(['.', '=']).next().unwrap_or_default().trim()
+    key_of(text).split('.').next().unwrap_or_default()
 }
 
 /// Words as a part of a sentence.

@@ -92,20 +92,19 @@ impl CpuBackend {
         if self.waits {
             request(self, values)?;
         }
-        let mut request_made = self.request.take();
-        let read = |values: &GridValues| {
-            if let Some(request) = &mut request_made {
-                fill(&mut request.cells, values);
+        let mut made = self.request.take();
+        let has_arrived = values.read(self.waits, |values| {
+            if let Some(Request { cells, .. }) = &mut made {
+                fill(cells, values);
             }
-        };
-        let has_arrived = values.read(self.waits, read);
-        let found = match &request_made {
-            Some(Request { cells, settings, origin }) if matches!(has_arrived, Ok(true)) => {
+        });
+        let found = match (&has_arrived, &made) {
+            (Ok(true), Some(Request { cells, settings, origin })) => {
                 self.find(settings, cells, *origin)
             }
             _ => Ok(()),
         };
-        self.request = request_made;
+        self.request = made;
         has_arrived?;
         found?;
         if !self.waits && !values.is_requested() {

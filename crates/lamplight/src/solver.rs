@@ -113,7 +113,8 @@ impl Solver {
 
     /// Changes the settings from the next frame on. Buffers are kept. History goes on if only the seed, `elevation`,
     /// `wall_depth` or `moment` changes, and that of feedback with the settings of the same method too: what surfaces
-    /// reflected does not vanish. (The mean of `raymarch` begins anew when there are moments or none any more.) Otherwise it is reset, because it was computed with other settings.
+    /// reflected does not vanish. (The mean of `raymarch` begins anew when there are moments or none any more.) Otherwise
+    /// it is reset, because it was computed with other settings.
     ///
     /// # Errors
     /// Fails, and changes nothing, if a setting is out of its range.

@@ -93,8 +93,8 @@ occluder in reach of a lamp.** With {few_lamps} lamps, none of them in an occlud
 
 **This adapter is a software GPU: the times above show how cost grows, not how long frames take on hardware**, where
 the brackets weigh more. On it `bevy_lamplight` lets the CPU find the light (`LightBackend::Auto`), so its brackets
-hold most of its time, where a GPU would find the light after them. The tables below count the work of all threads, median in ms, which other programs on the same CPU do
-not lengthen.
+hold most of its time, where a GPU would find the light after them. The tables below count the work of all threads,
+median in ms, which other programs on the same CPU do not lengthen.
 
 {}
 {}

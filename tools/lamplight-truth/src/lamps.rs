@@ -3,8 +3,8 @@
 //!
 //! A lamp of radius R is a disc of radiance L that is seen under the angle 2·asin(R/d). Its falloff f(d) says what
 //! of L is mean radiance at distance d where nothing is in between, and its cone how much of that goes where the
-//! receiver is, seen from the lamp's centre; a cookie multiplies it by the picture at the receiver. A point at β·R beside the centre, across the line of sight, with β even
-//! from −1 to 1, stands for the disc:
+//! receiver is, seen from the lamp's centre; a cookie multiplies it by the picture at the receiver. A point at β·R beside
+//! the centre, across the line of sight, stands for the disc, with β even from −1 to 1 as far as the centre sees:
 //!
 //! `J = L·f(d)·cone(φ)·⟨T(β)⟩`, and on a face `E/2 = ½∫L cosθ dω = π·L·f(d)·cone(φ)·⟨cosθ(β)·T(β)⟩`
 //!
@@ -17,6 +17,8 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 /// The cotangent of the lowest elevation of light.
 const MAX_COTANGENT: f64 = 20.0;
+/// The smallest part of a lamp, in its radii, that may stand for the whole.
+const SMALLEST_PART: f64 = 1e-3;
 
 /// A place that receives light.
 pub struct Vertex {
@@ -98,9 +100,6 @@ pub fn direct(
         }
     }
 }
-
-/// The smallest part of a lamp, in its radii, that may stand for the whole.
-const SMALLEST_PART: f64 = 1e-3;
 
 /// The part of a lamp that its centre sees, px along the line `across` it; `None` if its centre is in a wall.
 fn seen_by_centre(

@@ -5,7 +5,7 @@ use super::quad::{AlphaCutoff, Quad, QuadMap};
 use super::source::{QuadSource, QuadWriter};
 use bevy::color::{Color, ColorToPacked};
 use bevy::ecs::query::QueryData;
-use bevy::math::{Affine2, Affine3A, Mat2, Rect, UVec2, Vec2, Vec3Swizzles};
+use bevy::math::{Affine3A, Rect, UVec2, Vec2};
 use bevy::sprite_render::{AlphaMode2d, TileOrientation, TilemapChunk, TilemapChunkTileData};
 use std::ops::Range;
 
@@ -81,10 +81,8 @@ fn overlapping(
     size: Vec2,
     count: UVec2,
 ) -> [Range<u32>; 2] {
-    // Of the plane alone: the map of a chunk that is flat in z has no inverse.
-    let [x, y] = [world.x_axis, world.y_axis].map(|axis| axis.xy());
-    let plane = Affine2::from_mat2_translation(Mat2::from_cols(x, y), world.translation.xy());
-    let back = plane.inverse();
+    // In tiles from the first on.
+    let Some(back) = QuadMap::of_box(corner, size, world).inverse() else { return [0..0, 0..0] };
     let corners = |area: &Rect| {
         let Rect { min, max } = *area;
         [min, Vec2::new(max.x, min.y), Vec2::new(min.x, max.y), max]
@@ -92,7 +90,7 @@ fn overlapping(
     let reach = areas
         .iter()
         .flat_map(corners)
-        .map(|point| (back.transform_point2(point) - corner) / size)
+        .map(|point| back.transform_point2(point))
         .fold(Rect::EMPTY, |all, point| all.union_point(point));
     // Casts saturate, and turn NaN into 0.
     [0, 1].map(|a| reach.min[a].floor() as u32..(reach.max[a].ceil() as u32).min(count[a]))

@@ -75,8 +75,8 @@ pub struct LightQuerySettings {
     /// World units per cell. Half the size costs four times as much. Walls down to half a cell wide are
     /// resolved.
     pub cell: f32,
-    /// The area that can be queried. `None`: the grid of the first lit camera (by its `order`), or without one the bounds of
-    /// all matter and of the ranges of all lamps. Into an area of its own, light enters from the sky alone.
+    /// The area that can be queried. `None`: the grid of the first lit camera (by its `order`), or without one the
+    /// bounds of all matter and of the ranges of all lamps. Into an area of its own, light enters from the sky alone.
     /// Areas of more than 131,072 cells get larger cells.
     pub area: Option<Rect>,
     /// Settings of the light. `None`: the preset `fast` of `holographic` with the bounces of the first lit

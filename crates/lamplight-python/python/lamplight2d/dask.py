@@ -455,12 +455,10 @@ def _join(source: Scene | Cells, parts: list[np.ndarray], samples: int, settings
 
 def _frames(settings: dict[str, Any]) -> int:
     """The frames after which light is measured, as by the command: where each goes on from the one before, several."""
-    method = settings["method"]
-    if method == "flood":
+    if settings["method"] == "flood":
         return 32
-    temporal = settings.get("temporal") or settings.get(method, {}).get("temporal") or {}
-    history = temporal.get("history_length", 0)
-    return max(1, history, 16 if settings.get("bounces") == "feedback" else 1)
+    history = settings.get("temporal", {}).get("history_length", 0)
+    return max(1, history, 16 if settings["bounces"] == "feedback" else 1)
 
 
 def _measure(name: Any, source: Scene | Cells, settings: dict[str, Any], truth: Reference) -> dict[str, Any]:

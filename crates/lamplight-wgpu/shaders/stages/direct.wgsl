@@ -86,7 +86,7 @@ fn mean_cosine(lamp: Lamp, off: vec2f, normal: vec2f) -> f32 {
     let distance = length(off);
     var sum = 0.0;
     for (var i = 0u; i < POINTS; i++) {
-        let at = stands.x + stands.y * point(i, POINTS);
+        let at = across_part(stands, point(i, POINTS));
         let part = at * lamp.size / distance;
         let way = vec2f(-off.x - part * off.y, -off.y + part * off.x);
         let cosine = dot(normal, way) / length(way);

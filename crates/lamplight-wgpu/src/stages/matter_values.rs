@@ -132,21 +132,20 @@ impl MatterValues {
 
     /// Reads the values that were requested. Returns `false` if they have not arrived, unless it `waits` for them.
     pub fn read(&mut self, waits: bool, read: impl FnOnce(&GridValues)) -> Result<bool> {
-        let Some((size, fetch)) = &self.requested else { return Ok(false) };
-        let found =
-            if waits { fetch.wait_until_arrived().map(|()| true) } else { fetch.has_arrived() };
-        let size = (*size).into();
-        let found = found.and_then(|has_arrived| {
-            let read = |texels: &[_]| read(&GridValues { size, texels });
-            has_arrived.then(|| fetch.read(read)).transpose()
-        });
-        match found {
-            Ok(None) => return Ok(false),
-            Ok(Some(())) => self.requested = None,
-            Err(_) => self.forget(),
+        let Some((size, fetch)) = self.requested.take() else { return Ok(false) };
+        // It is lost with an error, after which its buffer may still be in use.
+        let kept = self.kept.take();
+        if waits {
+            fetch.wait_until_arrived()?;
         }
-        found?;
-        Ok(true)
+        let has_arrived = waits || fetch.has_arrived()?;
+        if has_arrived {
+            fetch.read(|texels| read(&GridValues { size: size.into(), texels }))?;
+        } else {
+            self.requested = Some((size, fetch));
+        }
+        self.kept = kept;
+        Ok(has_arrived)
     }
 }
 

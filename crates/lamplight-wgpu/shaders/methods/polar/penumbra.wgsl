@@ -13,6 +13,8 @@ const TOUCHING: f32 = 1e-4;
 const AHEAD: f32 = 1e-6;
 // The smallest part of a lamp, −1 to 1, that may stand for the whole.
 const SMALLEST_PART: f32 = 1e-3;
+// Steps from the middle of a lamp to its rim in which the part is told apart before which media count.
+const STEPS: f32 = 256.0;
 // The place of corners beside and behind the pixel: far outside of the light.
 const BESIDE: f32 = 1e6;
 // Distance of a point on a face from its wall, px: in the open for rounding's sake.
@@ -54,8 +56,6 @@ struct LampDisc {
 // The hidden parts of the light in hand.
 var<private> parts: array<vec2f, GAPS>;
 var<private> part_count: u32;
-// Steps from the middle of a lamp to its rim in which the part is told apart before which media count.
-const STEPS: f32 = 256.0;
 // The part of a light that stands for the whole: its middle, and half of its width.
 const WHOLE = vec2f(0.0, 1.0);
 // That of the lamp in hand, which its centre sees. The rest is hidden, too.
@@ -261,7 +261,7 @@ fn to_rim(across: vec2f, sign: f32) -> Direction {
 
 // The ends of what the centre of a lamp sees of it, before and after itself on the line `across` the line of sight, 0 to 1:
 // up to a wall, or to the border of the grid, unless all of it lies beyond, at a corner.
-fn seen_by_centre(lamp: LampDisc, across: vec2f) -> vec2f {
+fn seen_by_center(lamp: LampDisc, across: vec2f) -> vec2f {
     let to_borders = min(lamp.center, vec2f(frame.size) - lamp.center);
     var ends = vec2f(1.0);
     if min(to_borders.x, to_borders.y) >= 0.0 {
@@ -282,6 +282,11 @@ fn seen_by_centre(lamp: LampDisc, across: vec2f) -> vec2f {
 // The part of a light between two ends, before and after its middle.
 fn part_between(ends: vec2f) -> vec2f {
     return 0.5 * vec2f(ends.y - ends.x, ends.x + ends.y);
+}
+
+// The place across a light of a point across a part of it, −1 to 1 both.
+fn across_part(part: vec2f, point: f32) -> f32 {
+    return part.x + part.y * point;
 }
 
 // Hides the parts of a lamp that its centre does not see.
@@ -314,7 +319,7 @@ fn hide_from(lamp: LampDisc, off: vec2f) {
     hide_nothing();
     if any(off != vec2f(0.0)) {
         let fan = fan_of(lamp, off);
-        hide_unseen_parts(seen_by_centre(lamp, across(fan)));
+        hide_unseen_parts(seen_by_center(lamp, across(fan)));
         hide_behind_walls(fan);
     }
 }
@@ -347,7 +352,7 @@ fn through_media(fan: Fan, part: vec2f) -> vec3f {
     // Five rays and Simpson's rule are enough where media are smooth.
     var few: array<vec4f, 5>;
     for (var i = 0u; i < 5u; i++) {
-        few[i] = through_media_to(fan, part.x + part.y * (0.5 * f32(i) - 1.0));
+        few[i] = through_media_to(fan, across_part(part, 0.5 * f32(i) - 1.0));
     }
     let middle = few[2];
     let coarse = (few[0] + 4.0 * middle + few[4]) / 6.0;
@@ -364,13 +369,13 @@ fn through_media(fan: Fan, part: vec2f) -> vec3f {
     for (var i = 0u; i <= rays; i++) {
         var after = vec4f(0.0);
         if i < rays {
-            after = through_media_to(fan, part.x + part.y * point(i, rays));
+            after = through_media_to(fan, across_part(part, point(i, rays)));
         }
         let uneven = differ(own, before, DIFFERENT) || differ(own, after, DIFFERENT);
         if i > 0u && uneven {
             for (var k = 0u; k < FINER; k++) {
                 let finer = point(FINER * (i - 1u) + k, FINER * rays);
-                let ray = through_media_to(fan, part.x + part.y * finer);
+                let ray = through_media_to(fan, across_part(part, finer));
                 sum += ray.w * vec4f(ray.rgb, 1.0);
             }
         } else if i > 0u {
@@ -399,6 +404,6 @@ fn through_media(fan: Fan, part: vec2f) -> vec3f {
 fn through_media_to_lamp(lamp: LampDisc, off: vec2f) -> vec3f {
     let fan = fan_of(lamp, off);
     // Rounded, so that rounding elsewhere does not move rays from one medium to another.
-    let ends = floor(seen_by_centre(lamp, across(fan)) * STEPS + 0.5) / STEPS;
+    let ends = floor(seen_by_center(lamp, across(fan)) * STEPS + 0.5) / STEPS;
     return through_media(fan, part_between(ends));
 }

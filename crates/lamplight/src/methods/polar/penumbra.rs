@@ -242,7 +242,7 @@ fn whole(v: f32) -> usize {
 
 /// Returns the ends of what the centre of a lamp sees of it, before and after itself on the line across the line of sight
 /// to `off`, 0 to 1.
-fn seen_by_centre(grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> [f32; 2] {
+fn seen_by_center(grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -> [f32; 2] {
     let LampDisc { center, radius, clear } = lamp;
     let to_border = [0, 1].map(|a| center[a].min(grid.size[a] as f32 - center[a]));
     let to_border = to_border[0].min(to_border[1]);
@@ -270,7 +270,7 @@ fn hidden(solid: &SolidBits, grid: &MediumGrid, lamp: LampDisc, off: [f32; 2]) -
     if off == [0.0; 2] {
         return hidden;
     }
-    let ends = seen_by_centre(grid, lamp, off);
+    let ends = seen_by_center(grid, lamp, off);
     // Nothing stands for a lamp whose centre is in a wall.
     if ends[0] + ends[1] > SMALLEST_PART {
         hidden.stands = LightPart::between(ends);
@@ -449,7 +449,7 @@ pub fn through_media_to_lamp(
 ) -> Option<Rgb> {
     let gap = || Some(hidden(solid, grid, lamp, off).widest_gap());
     // Rounded, so that rounding elsewhere does not move rays from one medium to another.
-    let ends = seen_by_centre(grid, lamp, off).map(|end| (end * STEPS + 0.5).floor() / STEPS);
+    let ends = seen_by_center(grid, lamp, off).map(|end| (end * STEPS + 0.5).floor() / STEPS);
     let part = LightPart::between(ends);
     through_media_or_gap(grid, &lamp.fan(off), part, gap)
 }

@@ -622,12 +622,11 @@ impl ShadowMap {
         };
         let half = 0.5 * cone.angle;
         let turned = (at * (1.0 / self.per_radian) - cone.direction.rem_euclid(TAU)).abs();
-        // The direction right behind a cone of 360° is in it, too.
-        let inside = -turned.min(-turned + TAU) + (half + 1e-6);
-        // A hard edge is as wide as rounding.
-        let soft = (cone.softness * half).max(f32::EPSILON);
-        let t = (inside * (1.0 / soft)).max(0.0).min(1.0);
-        t * t * (t * -2.0 + 3.0)
+        let inside = -turned.min(-turned + TAU) + half;
+        let soft = cone.softness * half;
+        let t = (inside * (1.0 / soft.max(f32::EPSILON))).max(0.0).min(1.0);
+        // As in [`Cone::share`]: the edge itself is inside.
+        inside.simd_ge(soft).select(f32x16::splat(simd, 1.0), t * t * (t * -2.0 + 3.0))
     }
 
     /// Returns whether a wall in one of these rows may be in reach.
