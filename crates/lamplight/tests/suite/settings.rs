@@ -471,7 +471,7 @@ fn history_goes_on_if_the_settings_that_it_depends_on_stay() {
     let mean = |light: &Light| light.pixels().iter().map(|[r, ..]| f64::from(*r)).sum::<f64>();
     for method in [Method::Holographic, Method::Cascades] {
         let own = feedback(method.into());
-        let direct = mean(&lit(&[own.clone()]));
+        let direct = mean(&lit(std::slice::from_ref(&own)));
         let settled = mean(&lit(&vec![own.clone(); 8]));
         assert!(settled > 1.05 * direct, "{method:?}: bounces are {settled} of {direct}");
         let then = |changed: Settings| {

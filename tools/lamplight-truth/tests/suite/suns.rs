@@ -51,15 +51,20 @@ const ON_ALL_WALLS: f64 = 0.025;
 #[test]
 fn suns_light_slanted_and_round_walls_as_the_path_tracer_does() {
     let size = [48, 40];
-    let slanted = |x: f64, y: f64| (34.0 * (x - 6.0) + 60.0 * (y - 32.0)).abs() < 160.0;
-    let round = |x: f64, y: f64| (x - 24.0).hypot(y - 20.0) < 9.0;
-    let shapes: [(&str, &dyn Fn(f64, f64) -> bool); 2] = [("slanted", &slanted), ("round", &round)];
+    let slanted = |[x, y]: [f64; 2]| (34.0 * (x - 6.0) + 60.0 * (y - 32.0)).abs() < 160.0;
+    let round = |[x, y]: [f64; 2]| (x - 24.0).hypot(y - 20.0) < 9.0;
+    type IsWall = fn([f64; 2]) -> bool;
+    let shapes: [(_, IsWall); 2] = [("slanted", slanted), ("round", round)];
     for (name, is_wall) in shapes {
         for degrees in [20.0f32, 45.0, 60.0, 65.0, 90.0, 240.0] {
-            let mut cells = grid(size[0], size[1], |x, y| {
-                let [x, y] = centre([x, y]);
-                if is_wall(x, y) { WALL } else { Matter::EMPTY }
-            });
+            let mut cells =
+                grid(
+                    size[0],
+                    size[1],
+                    |x, y| {
+                        if is_wall(centre([x, y])) { WALL } else { Matter::EMPTY }
+                    },
+                );
             let direction = degrees.to_radians();
             cells.suns_mut().push(Sun { direction, angle: 1e-3, ..Sun::default() });
             let traced = direct(256).render(&cells, &|_| ()).unwrap();
